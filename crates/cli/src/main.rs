@@ -1,0 +1,3 @@
+//! The command `rayweave`.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! Numbers under Rayweave: affine maps, bounds, intervals and polynomial roots.

@@ -1,0 +1,1 @@
+//! Solids as boolean expressions, compiled once into a flat program.

@@ -1,0 +1,1 @@
+//! Exact ray tracing through constructive solid geometry.

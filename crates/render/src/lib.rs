@@ -1,0 +1,1 @@
+//! Pictures of models: cameras, shading, edges, depth, normals, ids.

@@ -1,0 +1,1 @@
+//! The boolean algebra of solids along one ray: root-rays and hit arrays.

@@ -1,0 +1,1 @@
+//! Model files: documents, diagnostics with source spans, the native TOML format.

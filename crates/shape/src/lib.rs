@@ -1,0 +1,1 @@
+//! Surfaces and primitive solids: roots along a ray, sense, normal.

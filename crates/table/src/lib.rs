@@ -1,0 +1,1 @@
+//! Tables of results: CSV, NPY and Parquet, written in chunks and renamed when complete.

@@ -1,0 +1,1 @@
+//! Evaluators on the CPU: what a ray meets in a compiled model.

@@ -1,0 +1,3 @@
+//! Chores of the repository: tests, tidy checks, layers, new primitives.
+
+fn main() {}
