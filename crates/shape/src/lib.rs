@@ -1,1 +1,11 @@
-//! Surfaces and primitive solids: roots along a ray, sense, normal.
+//! Surfaces and primitive solids.
+//!
+//! - [`surface`]: few, closed, hot kernels: where a ray crosses a surface, on which side it is, the normal.
+//! - [`primitive`]: many, open: what people call shapes, each *lowered* to a conjunction of sides of surfaces.
+
+pub mod primitive;
+pub mod surface;
+
+mod ray;
+
+pub use ray::Ray;

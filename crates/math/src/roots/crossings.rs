@@ -1,0 +1,89 @@
+//! The answer of every solver: a side at the start and the times of the sign changes.
+
+/// The sign of a function of time at its start and the finite times at which the sign changes.
+///
+/// Times are strictly increasing and finite; after each the sign is the other one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossings<const N: usize> {
+    starts_negative: bool,
+    count: u8,
+    times: [f64; N],
+}
+
+impl<const N: usize> Crossings<N> {
+    /// A function that never changes sign.
+    pub fn constant(negative: bool) -> Self {
+        Crossings {
+            starts_negative: negative,
+            count: 0,
+            times: [0.0; N],
+        }
+    }
+
+    /// From the sign at -inf and the times of the sign changes in increasing order, of which at most `N`
+    /// are looked at. Equal times cancel in pairs, -inf changes the sign at the start, +inf and NaN end the list.
+    pub fn new(starts_negative: bool, times: &[f64]) -> Self {
+        let mut answer = Self::constant(starts_negative);
+        for &t in times.iter().take(N) {
+            answer.push(t);
+        }
+        answer
+    }
+
+    /// Appends a sign change at `t`, which must not lie before the last one.
+    fn push(&mut self, t: f64) {
+        let count = usize::from(self.count);
+        if t == f64::NEG_INFINITY {
+            self.starts_negative = !self.starts_negative;
+        } else if count > 0 && self.times[count - 1] == t {
+            self.count -= 1;
+        } else if t.is_finite() {
+            self.times[count] = t;
+            self.count += 1;
+        }
+    }
+
+    /// True if the function is negative before the first sign change.
+    pub fn starts_negative(&self) -> bool {
+        self.starts_negative
+    }
+
+    /// The times of the sign changes, strictly increasing.
+    pub fn times(&self) -> &[f64] {
+        &self.times[..usize::from(self.count)]
+    }
+
+    /// True if the function is negative just after `t`.
+    pub fn negative_after(&self, t: f64) -> bool {
+        let passed = self.times().iter().filter(|&&root| root <= t).count();
+        self.starts_negative ^ (passed % 2 == 1)
+    }
+
+    /// The same for the negated function.
+    pub fn negated(mut self) -> Self {
+        self.starts_negative = !self.starts_negative;
+        self
+    }
+
+    /// With room for `M >= N` times; the ones that do not fit would be lost, so smaller `M` is not allowed.
+    pub fn widen<const M: usize>(&self) -> Crossings<M> {
+        const { assert!(M >= N) };
+        Crossings::new(self.starts_negative, self.times())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_times_cancel_and_infinite_ones_only_move_the_start() {
+        let c = Crossings::<4>::new(false, &[f64::NEG_INFINITY, 1.0, 1.0, f64::INFINITY]);
+        assert!(c.starts_negative());
+        assert!(c.times().is_empty());
+        let c = Crossings::<4>::new(true, &[1.0, 2.0, 2.0, 3.0]);
+        assert_eq!(c.times(), [1.0, 3.0]);
+        assert!(c.negative_after(0.0) && !c.negative_after(1.0) && c.negative_after(3.0));
+        assert!(c.negated().negative_after(2.0));
+    }
+}

@@ -1,0 +1,9 @@
+//! Where a polynomial changes sign.
+//!
+//! A solver answers with [`Crossings`]: the sign of the polynomial far to the left and the finite times at
+//! which it changes, in increasing order. A double root is no change of sign and is not reported, and a root
+//! beyond the range of `f64` counts as already passed (towards -inf) or never reached (towards +inf).
+
+mod crossings;
+
+pub use crossings::Crossings;

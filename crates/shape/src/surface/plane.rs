@@ -1,0 +1,68 @@
+//! The plane `n . p = c`, inside where `n . p < c`.
+
+use crate::Ray;
+use rayweave_math::roots::Crossings;
+use rayweave_math::{Affine, Transform, Vec3};
+
+/// A plane with unit normal; the inside is the half-space that the normal points away from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Unit normal, pointing outside.
+    pub normal: Vec3,
+    /// Signed distance of the plane from the origin along the normal.
+    pub offset: f64,
+}
+
+impl Plane {
+    /// The plane `normal . p = offset`, scaled to a unit normal. The normal must be finite and not zero.
+    pub fn new(normal: Vec3, offset: f64) -> Plane {
+        // by the largest component first: exact for coordinate axes, and no square over- or underflows
+        let largest = normal.abs().max_element();
+        let scaled = normal / largest;
+        let length = scaled.length();
+        Plane {
+            normal: scaled / length,
+            offset: offset / largest / length,
+        }
+    }
+
+    /// One root at `(c - n.o) / (n.d)`, in this order of operations for every solid that owns a plane.
+    /// A ray along the plane has none, and the side of its origin throughout.
+    pub fn crossings(&self, ray: &Ray) -> Crossings<1> {
+        let height = self.offset - self.normal.dot(ray.origin);
+        let speed = self.normal.dot(ray.direction);
+        let t = height / speed;
+        if t.is_finite() {
+            Crossings::new(speed > 0.0, &[t])
+        } else {
+            Crossings::constant(height > 0.0)
+        }
+    }
+
+    /// `n . p - c` and the normal.
+    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
+        (self.normal.dot(point) - self.offset, self.normal)
+    }
+
+    /// The distance from the origin.
+    pub fn reach(&self) -> f64 {
+        self.offset.abs()
+    }
+
+    /// The foot of the perpendicular from the origin.
+    pub fn anchor(&self) -> Vec3 {
+        self.normal * self.offset
+    }
+
+    /// The image of the plane. With p = L q + T, `n . q = c` becomes `(L^-T n) . p = c + (L^-T n) . T`.
+    pub fn transformed(&self, to: &Transform) -> Plane {
+        if to.world_from_local == Affine::IDENTITY {
+            return *self;
+        }
+        let normal = to.local_from_world.linear.transpose() * self.normal;
+        Plane::new(
+            normal,
+            self.offset + normal.dot(to.world_from_local.translation),
+        )
+    }
+}
