@@ -1,3 +1,106 @@
 //! Chores of the repository: tests, tidy checks, layers, new primitives.
 
-fn main() {}
+mod allow;
+mod layers;
+mod masked;
+mod new_primitive;
+mod process;
+mod python;
+mod report;
+mod repository;
+mod stage;
+mod suite;
+mod tidy;
+
+use std::process::ExitCode;
+
+use lexopt::prelude::*;
+use repository::Repository;
+
+/// What a command ends with: nothing to say, or one line that says what went wrong.
+type Outcome = Result<(), String>;
+
+const HELP: &str = "\
+Usage: cargo xtask COMMAND
+
+Commands:
+  test [--long] [--fail-fast] [--only STAGE]... [--skip STAGE]... [--list]
+                       run every check and test, stage by stage
+  tidy                 check the text of all files of the repository
+  layers               compare the crates' dependencies with ARCHITECTURE.md
+  new-primitive NAME   write the first version of a primitive's file
+  help                 print this text
+
+Options of test:
+  --long               also run the ignored tests whose names begin with long_
+  --fail-fast          stop at the first stage that fails
+  --only STAGE         run this stage (may be repeated)
+  --skip STAGE         leave this stage out (may be repeated)
+  --list               print the stages and what each does
+";
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(code) => code,
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Does what the command line asks for. A command that has said all itself gives the exit code.
+fn run() -> Result<ExitCode, String> {
+    let mut arguments = lexopt::Parser::from_env();
+    let command = match arguments.next().map_err(|error| error.to_string())? {
+        Some(Value(name)) => name.string().map_err(|error| error.to_string())?,
+        Some(Long("help") | Short('h')) | None => "help".to_owned(),
+        Some(other) => return Err(usage(&other.unexpected().to_string())),
+    };
+    match command.as_str() {
+        "test" => {
+            let options = suite::Options::parse(arguments)?;
+            return suite::run(&Repository::find()?, &options);
+        }
+        "new-primitive" => {
+            let name = one_value(arguments, "NAME")?;
+            new_primitive::run(&Repository::find()?, &name)?;
+        }
+        "tidy" => {
+            finish(arguments)?;
+            tidy::run(&Repository::find()?)?;
+        }
+        "layers" => {
+            finish(arguments)?;
+            layers::run(&Repository::find()?)?;
+        }
+        "help" => print!("{HELP}"),
+        other => return Err(usage(&format!("no command '{other}'"))),
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Takes the one value that is still expected, and nothing after it.
+fn one_value(mut arguments: lexopt::Parser, name: &str) -> Result<String, String> {
+    let value = arguments
+        .value()
+        .map_err(|_| usage(&format!("{name} is missing")))?;
+    finish(arguments)?;
+    value.string().map_err(|error| error.to_string())
+}
+
+/// Makes sure that no argument is left.
+fn finish(mut arguments: lexopt::Parser) -> Outcome {
+    match arguments
+        .next()
+        .map_err(|error| usage(&error.to_string()))?
+    {
+        None => Ok(()),
+        Some(argument) => Err(usage(&argument.unexpected().to_string())),
+    }
+}
+
+/// A message about wrong arguments, with the way to the right ones.
+fn usage(problem: &str) -> String {
+    format!("{problem} (see 'cargo xtask help')")
+}

@@ -1,0 +1,138 @@
+//! Starting other programs and judging how they ended.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::{env, io};
+
+use crate::Outcome;
+
+/// Runs a program to its end, its output going where ours goes; anything but exit code 0 is an error.
+pub fn run(command: &mut Command) -> Outcome {
+    announce(command);
+    let status = command
+        .stdin(Stdio::null())
+        .status()
+        .map_err(|error| cannot_start(command, &error))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("{} ended with {status}", title(command)))
+    }
+}
+
+/// Runs a program as [`run`] does and also hands each line of its standard output to `each_line`.
+pub fn run_reading(command: &mut Command, mut each_line: impl FnMut(&str)) -> Outcome {
+    announce(command);
+    let mut child = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .map_err(|error| cannot_start(command, &error))?;
+    if let Some(output) = child.stdout.take() {
+        for line in BufReader::new(output).split(b'\n').map_while(Result::ok) {
+            let line = String::from_utf8_lossy(&line);
+            println!("{line}");
+            each_line(&line);
+        }
+    }
+    let status = child
+        .wait()
+        .map_err(|error| cannot_start(command, &error))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("{} ended with {status}", title(command)))
+    }
+}
+
+/// Runs a program quietly and returns its standard output.
+pub fn output(command: &mut Command) -> Result<String, String> {
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| cannot_start(command, &error))?;
+    if output.status.success() {
+        return String::from_utf8(output.stdout)
+            .map_err(|error| format!("{}: {error}", title(command)));
+    }
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    Err(format!(
+        "{} ended with {}\n{}",
+        title(command),
+        output.status,
+        complaint.trim_end()
+    ))
+}
+
+/// Where a program of this name stands on the PATH.
+pub fn on_path(name: &str) -> Option<PathBuf> {
+    let folders = env::var_os("PATH")?;
+    env::split_paths(&folders)
+        .map(|folder| folder.join(name))
+        .find(|file| file.is_file())
+}
+
+/// The command as a person would type it, without the folders of the program.
+fn title(command: &Command) -> String {
+    let program = Path::new(command.get_program())
+        .file_name()
+        .unwrap_or(command.get_program());
+    let mut words = vec![program.to_string_lossy().into_owned()];
+    words.extend(
+        command
+            .get_args()
+            .map(|word| word.to_string_lossy().into_owned()),
+    );
+    words.join(" ")
+}
+
+fn announce(command: &Command) {
+    println!("$ {}", title(command));
+    // what the child prints must not overtake this line
+    let _ = io::stdout().flush();
+}
+
+fn cannot_start(command: &Command, error: &io::Error) -> String {
+    format!("{}: cannot run ({error}) is it installed?", title(command))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exit_codes_are_judged() {
+        assert_eq!(run(&mut Command::new("true")), Ok(()));
+        let message = run(&mut Command::new("false")).unwrap_err();
+        assert!(
+            message.starts_with("false ended with exit status: 1"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn a_missing_program_is_named() {
+        let message = output(Command::new("no-such-program").arg("now")).unwrap_err();
+        assert!(
+            message.starts_with("no-such-program now: cannot run ("),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn lines_are_read_even_when_the_program_fails() {
+        let mut lines = Vec::new();
+        let mut command = Command::new("sh");
+        command.args(["-c", "echo one; echo two; exit 3"]);
+        let outcome = run_reading(&mut command, |line| lines.push(line.to_owned()));
+        assert_eq!(lines, ["one", "two"]);
+        assert!(outcome.unwrap_err().contains("exit status: 3"));
+    }
+
+    #[test]
+    fn the_path_is_searched() {
+        assert!(on_path("sh").is_some());
+        assert!(on_path("no-such-program").is_none());
+    }
+}

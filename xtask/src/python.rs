@@ -1,0 +1,198 @@
+//! The Python of the tests: an interpreter, a fresh virtual environment, the package built and installed in it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::process;
+use crate::repository::Repository;
+
+/// The binding's folder, from the root.
+pub const BINDING: &str = "bindings/python";
+
+/// Names under which an interpreter may stand on the PATH, the likeliest first.
+const INTERPRETERS: [&str; 6] = [
+    "python3",
+    "python3.14",
+    "python3.13",
+    "python3.12",
+    "python3.11",
+    "python",
+];
+
+/// Says whether an interpreter will do: its version, and whether it can make a virtual environment.
+const PROBE: &str =
+    "import sys\nif sys.version_info < (3, 11): sys.exit('old')\nimport ensurepip, venv\n";
+
+/// A virtual environment that is made at the first use in a run, and anew in the next run.
+pub struct Python {
+    root: PathBuf,
+    target: PathBuf,
+    environment: Option<Result<PathBuf, String>>,
+    package: Option<Result<(), String>>,
+}
+
+impl Python {
+    /// Nothing is made yet.
+    pub fn new(repository: &Repository) -> Python {
+        Python {
+            root: repository.root.clone(),
+            target: repository.target(),
+            environment: None,
+            package: None,
+        }
+    }
+
+    /// A program of the environment, such as `python` or `maturin`.
+    pub fn program(&mut self, name: &str) -> Result<Command, String> {
+        let folder = self.environment()?;
+        let mut command = Command::new(folder.join("bin").join(name));
+        command.current_dir(&self.root).env("VIRTUAL_ENV", &folder);
+        // what the caller's own Python is told must not change what is tested
+        command
+            .env_remove("PYTHONPATH")
+            .env_remove("PYTHONHOME")
+            .env_remove("CONDA_PREFIX");
+        Ok(command)
+    }
+
+    /// Installs packages into the environment.
+    pub fn install(&mut self, packages: &[&str]) -> Result<(), String> {
+        let mut pip = self.program("python")?;
+        pip.args([
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+        ])
+        .args(packages);
+        process::run(&mut pip)
+    }
+
+    /// The folder of the environment, made fresh at the first call.
+    fn environment(&mut self) -> Result<PathBuf, String> {
+        if self.environment.is_none() {
+            self.environment = Some(make_environment(&self.target.join("venv")));
+        }
+        self.environment
+            .clone()
+            .unwrap_or_else(|| Err("no environment".to_owned()))
+    }
+
+    /// Builds the wheel and installs it, once in a run.
+    pub fn install_package(&mut self) -> Result<(), String> {
+        if self.package.is_none() {
+            let outcome = self.build_and_install();
+            self.package = Some(outcome);
+        }
+        self.package.clone().unwrap_or(Ok(()))
+    }
+
+    fn build_and_install(&mut self) -> Result<(), String> {
+        let project = self.root.join(BINDING).join("pyproject.toml");
+        if !project.is_file() {
+            return Err(format!(
+                "{BINDING}/pyproject.toml: no such file (the package is built from it)"
+            ));
+        }
+        self.install(&["maturin>=1.16,<2"])?;
+        let wheels = self.target.join("wheels");
+        remove_old(&wheels)?;
+        let (target, interpreter) = (
+            self.target.clone(),
+            self.environment()?.join("bin").join("python"),
+        );
+        let mut maturin = self.program("maturin")?;
+        maturin
+            .current_dir(self.root.join(BINDING))
+            .env("CARGO_TARGET_DIR", target);
+        maturin
+            .args(["build", "--release", "--interpreter"])
+            .arg(interpreter)
+            .arg("--out")
+            .arg(&wheels);
+        process::run(&mut maturin)?;
+        let wheel = the_wheel(&wheels)?;
+        self.install(&[&wheel.to_string_lossy()])
+    }
+}
+
+/// Finds an interpreter that is new enough and can make environments.
+fn interpreter() -> Result<PathBuf, String> {
+    let mut without_venv = None;
+    for path in INTERPRETERS
+        .iter()
+        .filter_map(|name| process::on_path(name))
+    {
+        match process::output(Command::new(&path).args(["-c", PROBE])) {
+            Ok(_) => return Ok(path),
+            Err(message) if message.contains("ModuleNotFoundError") => without_venv = Some(path),
+            Err(_) => {}
+        }
+    }
+    Err(match without_venv {
+        Some(path) => format!(
+            "{}: makes no virtual environments apt-get install python3-venv",
+            path.display()
+        ),
+        None => {
+            "no Python 3.11 or newer on the PATH apt-get install python3 python3-venv".to_owned()
+        }
+    })
+}
+
+fn make_environment(folder: &Path) -> Result<PathBuf, String> {
+    let interpreter = interpreter()?;
+    remove_old(folder)?;
+    process::run(Command::new(interpreter).args(["-m", "venv"]).arg(folder))?;
+    Ok(folder.to_owned())
+}
+
+/// Removes a folder of an earlier run.
+fn remove_old(folder: &Path) -> Result<(), String> {
+    match fs::remove_dir_all(folder) {
+        Err(error) if folder.exists() => {
+            Err(format!("{}: cannot be removed ({error})", folder.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The only wheel in the folder.
+fn the_wheel(folder: &Path) -> Result<PathBuf, String> {
+    let entries = fs::read_dir(folder)
+        .map_err(|error| format!("{}: cannot be read ({error})", folder.display()))?;
+    let mut wheels: Vec<PathBuf> = entries
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "whl"))
+        .collect();
+    match (wheels.pop(), wheels.is_empty()) {
+        (Some(wheel), true) => Ok(wheel),
+        _ => Err(format!("{}: not exactly one wheel", folder.display())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exactly_one_wheel_is_wanted() {
+        let folder = std::env::temp_dir().join(format!("xtask-wheels-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        assert!(
+            the_wheel(&folder)
+                .unwrap_err()
+                .ends_with("not exactly one wheel")
+        );
+        fs::write(folder.join("a.whl"), "").unwrap();
+        fs::write(folder.join("notes.txt"), "").unwrap();
+        assert_eq!(the_wheel(&folder).unwrap(), folder.join("a.whl"));
+        fs::write(folder.join("b.whl"), "").unwrap();
+        assert!(the_wheel(&folder).is_err());
+        remove_old(&folder).unwrap();
+        assert!(the_wheel(&folder).unwrap_err().contains("cannot be read"));
+        remove_old(&folder).unwrap();
+    }
+}

