@@ -1,0 +1,205 @@
+//! The exact boolean algebra of root-rays: one sweep over the merged roots, with a counter of the solids inside.
+
+use crate::{Root, RootRay, Side};
+
+/// A boolean function that depends only on how many of its operands are inside.
+#[derive(Clone, Copy)]
+enum Gate {
+    /// At least so many operands are inside: 1 is union, all of them is intersection.
+    AtLeast(usize),
+    /// An odd number of operands is inside: symmetric difference.
+    Odd,
+}
+
+impl Gate {
+    fn is_inside(self, count: usize) -> bool {
+        match self {
+            Self::AtLeast(threshold) => count >= threshold,
+            Self::Odd => count % 2 == 1,
+        }
+    }
+}
+
+/// One operand as the sweep sees it; a complement borrows the roots of its operand.
+struct Operand<'a, S> {
+    start: Side,
+    roots: &'a [Root<S>],
+}
+
+/// A root of one operand, waiting for its turn in the sweep.
+struct Flip<'a, S> {
+    root: &'a Root<S>,
+    operand: usize,
+}
+
+/// The state of the sweep between two distinct times.
+struct Counter {
+    gate: Gate,
+    /// For each operand, whether the trajectory is inside it.
+    inside: Vec<bool>,
+    /// How many operands it is inside of.
+    count: usize,
+}
+
+impl Counter {
+    fn new<S>(gate: Gate, operands: &[Operand<'_, S>]) -> Self {
+        let inside: Vec<bool> = operands
+            .iter()
+            .map(|operand| operand.start.is_inside())
+            .collect();
+        let count = inside.iter().filter(|&&inside| inside).count();
+        Self {
+            gate,
+            inside,
+            count,
+        }
+    }
+
+    fn is_inside(&self) -> bool {
+        self.gate.is_inside(self.count)
+    }
+
+    /// Flips all operands of one time together; the flip that the crossing is attributed to, if this is a crossing.
+    fn cross<'f, 'a, S>(&mut self, tied: &'f [Flip<'a, S>]) -> Option<&'f Flip<'a, S>> {
+        let before = self.count;
+        for flip in tied {
+            self.flip(flip.operand);
+        }
+        if self.gate.is_inside(before) == self.is_inside() {
+            return None;
+        }
+        tied.iter()
+            .find(|flip| self.decides(flip.operand, before))
+            .or(tied.first())
+    }
+
+    fn flip(&mut self, operand: usize) {
+        self.count = toggled(self.count, self.inside[operand]);
+        self.inside[operand] = !self.inside[operand];
+    }
+
+    /// Whether the flip of `operand` alone changes the state before, or the flip undone changes the state after.
+    fn decides(&self, operand: usize, before: usize) -> bool {
+        let inside_after = self.inside[operand];
+        let alone = toggled(before, !inside_after);
+        let undone = toggled(self.count, inside_after);
+        self.gate.is_inside(alone) != self.gate.is_inside(before)
+            || self.gate.is_inside(undone) != self.gate.is_inside(self.count)
+    }
+}
+
+/// The count after an operand, `inside` before, has changed sides.
+fn toggled(count: usize, inside: bool) -> usize {
+    if inside { count - 1 } else { count + 1 }
+}
+
+/// O(n log n) for n roots in all; O(n log k) when k operands hold them, because sorted stretches are merged whole.
+fn sweep<S: Clone>(gate: Gate, operands: &[Operand<'_, S>]) -> RootRay<S> {
+    let mut counter = Counter::new(gate, operands);
+    let start = Side::from_inside(counter.is_inside());
+    let roots = merged(operands)
+        .chunk_by(|a, b| a.root.t == b.root.t)
+        .filter_map(|tied| counter.cross(tied))
+        .map(|flip| flip.root.clone())
+        .collect();
+    RootRay::from_ordered(start, roots)
+}
+
+/// All roots by time, those of equal times by operand.
+fn merged<'a, S>(operands: &[Operand<'a, S>]) -> Vec<Flip<'a, S>> {
+    let mut flips = Vec::with_capacity(operands.iter().map(|operand| operand.roots.len()).sum());
+    for (index, operand) in operands.iter().enumerate() {
+        flips.extend(operand.roots.iter().map(|root| Flip {
+            root,
+            operand: index,
+        }));
+    }
+    // stable: operands of equal times stay in order, and the sort makes use of the operands' sorted stretches
+    flips.sort_by(|a, b| a.root.t.total_cmp(&b.root.t));
+    flips
+}
+
+fn operands<'a, S: 'a>(rays: impl IntoIterator<Item = &'a RootRay<S>>) -> Vec<Operand<'a, S>> {
+    rays.into_iter()
+        .map(|ray| Operand {
+            start: ray.start(),
+            roots: ray.roots(),
+        })
+        .collect()
+}
+
+/// Boolean operations. Where several operands cross at the same time, the crossing carries the root of the lowest operand
+/// whose flip alone changes the state before, or whose flip undone changes the state after; if there is none, of the lowest
+/// that crosses there.
+impl<S: Clone> RootRay<S> {
+    /// Inside where `self` is outside.
+    #[must_use]
+    pub fn complement(&self) -> Self {
+        Self::from_ordered(!self.start(), self.roots().to_vec())
+    }
+
+    /// Inside where either is inside.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        Self::union_all([self, other])
+    }
+
+    /// Inside where both are inside.
+    #[must_use]
+    pub fn intersection(&self, other: &Self) -> Self {
+        Self::intersection_all([self, other])
+    }
+
+    /// Inside where `self` is inside and `other` is not.
+    #[must_use]
+    pub fn difference(&self, other: &Self) -> Self {
+        let complement = Operand {
+            start: !other.start(),
+            roots: other.roots(),
+        };
+        let own = Operand {
+            start: self.start(),
+            roots: self.roots(),
+        };
+        sweep(Gate::AtLeast(2), &[own, complement])
+    }
+
+    /// Inside where exactly one is inside.
+    #[must_use]
+    pub fn symmetric_difference(&self, other: &Self) -> Self {
+        Self::symmetric_difference_all([self, other])
+    }
+
+    /// Inside where at least one of `rays` is inside; of none, vacuum. O(n log n) for n roots in all.
+    pub fn union_all<'a>(rays: impl IntoIterator<Item = &'a Self>) -> Self
+    where
+        S: 'a,
+    {
+        Self::at_least(1, rays)
+    }
+
+    /// Inside where all of `rays` are inside; of none, plenum. O(n log n) for n roots in all.
+    pub fn intersection_all<'a>(rays: impl IntoIterator<Item = &'a Self>) -> Self
+    where
+        S: 'a,
+    {
+        let operands = operands(rays);
+        sweep(Gate::AtLeast(operands.len()), &operands)
+    }
+
+    /// Inside where an odd number of `rays` is inside; of none, vacuum. O(n log n) for n roots in all.
+    pub fn symmetric_difference_all<'a>(rays: impl IntoIterator<Item = &'a Self>) -> Self
+    where
+        S: 'a,
+    {
+        sweep(Gate::Odd, &operands(rays))
+    }
+
+    /// Inside where at least `threshold` of `rays` are inside. O(n log n) for n roots in all.
+    pub fn at_least<'a>(threshold: usize, rays: impl IntoIterator<Item = &'a Self>) -> Self
+    where
+        S: 'a,
+    {
+        sweep(Gate::AtLeast(threshold), &operands(rays))
+    }
+}

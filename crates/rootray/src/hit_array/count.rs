@@ -1,0 +1,48 @@
+//! The count vector of two hit arrays: the step between the merged entries and the result.
+
+use super::csg::{check_pair, output_len, walk};
+use super::kernel::Merge;
+use super::{HitArray, HitArrayError, Operation, Real};
+
+/// Merged entries and counts, both row by row: H1 + H2 rows, N columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CountArray<T> {
+    /// The entries of both arrays in stable order, `array1` first at equal times.
+    pub times: Vec<T>,
+    /// The count just after each entry, 0 to 2.
+    pub counts: Vec<u8>,
+}
+
+/// The surface count of the code by Frazier: after each merged entry, the number of solids that the ray is inside of. For
+/// [`Operation::Difference`] the second solid is replaced by its complement, which the ray is inside of at first. Padding
+/// entries count, too.
+///
+/// # Errors
+/// `OddRows`, `Columns`, `Nan`, `NotSorted`, as for [`array_csg`](super::array_csg).
+pub fn count_array<T: Real>(
+    array1: HitArray<'_, T>,
+    array2: HitArray<'_, T>,
+    operation: Operation,
+) -> Result<CountArray<T>, HitArrayError> {
+    check_pair(&array1, &array2)?;
+    let len = output_len(&array1, &array2);
+    let mut counted = vec![(T::ZERO, 0); len];
+    let inverted = if operation == Operation::Difference {
+        2
+    } else {
+        0
+    };
+    walk(&array1, &array2, &mut counted, |a, b, out| {
+        count(inverted, a, b, out)
+    });
+    let (times, counts) = counted.into_iter().unzip();
+    Ok(CountArray { times, counts })
+}
+
+/// The merged entries of one ray with the count after each; `state` has bit 0 set inside the first solid, bit 1 the second.
+fn count<T: Real>(mut state: u8, first: &[T], second: &[T], out: &mut [(T, u8)]) {
+    for ((t, bit), out) in Merge::new(first, second).zip(out) {
+        state ^= bit;
+        *out = (t, state.count_ones() as u8);
+    }
+}

@@ -1,0 +1,147 @@
+//! What happens to one ray: its two sorted columns merged, and the entries kept that change the state.
+
+use super::{Operation, Real};
+
+/// The state of a ray between two entries: bit 0, inside the first solid; bit 1, inside the second.
+type State = u8;
+
+/// Whether a state is inside the result, for each of the four states.
+#[derive(Clone, Copy)]
+pub(super) struct TruthTable(u8);
+
+impl TruthTable {
+    pub(super) const fn new(operation: Operation) -> Self {
+        Self(match operation {
+            Operation::Union => 0b1110,
+            Operation::Intersect => 0b1000,
+            Operation::Difference => 0b0010,
+        })
+    }
+
+    fn differs(self, before: State, after: State) -> bool {
+        ((self.0 >> before) ^ (self.0 >> after)) & 1 == 1
+    }
+
+    /// Whether every flip of `bit` counts while the other solid is outside.
+    fn keeps_alone(self, bit: State) -> bool {
+        self.differs(0, bit)
+    }
+}
+
+/// The entries of two sorted columns in stable order, each with the bit that it flips: 1 for the first, 2 for the second.
+pub(super) struct Merge<'a, T> {
+    first: &'a [T],
+    second: &'a [T],
+}
+
+impl<'a, T> Merge<'a, T> {
+    pub(super) const fn new(first: &'a [T], second: &'a [T]) -> Self {
+        Self { first, second }
+    }
+}
+
+impl<T: Real> Iterator for Merge<'_, T> {
+    type Item = (T, State);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match (self.first.split_first(), self.second.split_first()) {
+            (Some((&t, rest)), other) if other.is_none_or(|(&u, _)| t <= u) => {
+                self.first = rest;
+                Some((t, 1))
+            }
+            (_, Some((&t, rest))) => {
+                self.second = rest;
+                Some((t, 2))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Writes the kept entries in order, then +inf. `out` is as long as both columns together, which are sorted and even.
+pub(super) fn keep<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
+    let (mut i, mut j, mut kept, mut state) = (0, 0, 0, 0);
+    while i < first.len() && j < second.len() {
+        let from_first = first[i] <= second[j];
+        let t = if from_first { first[i] } else { second[j] };
+        if t == T::INFINITY {
+            break; // nothing but padding is left
+        }
+        let next = state ^ if from_first { 1 } else { 2 };
+        // written always and overwritten if not kept: without a branch, for random input has no pattern
+        out[kept] = t;
+        kept += usize::from(table.differs(state, next));
+        state = next;
+        i += usize::from(from_first);
+        j += usize::from(!from_first);
+    }
+    // an even column that is used up has left its solid, so all that is left of the other is kept, or nothing
+    let first_left = if table.keeps_alone(1) {
+        &first[i..]
+    } else {
+        &[]
+    };
+    let second_left = if table.keeps_alone(2) {
+        &second[j..]
+    } else {
+        &[]
+    };
+    let tail = if j == second.len() {
+        first_left
+    } else {
+        second_left
+    };
+    out[kept..][..tail.len()].copy_from_slice(tail);
+    out[kept + tail.len()..].fill(T::INFINITY);
+}
+
+/// Writes every entry of the merged columns in its place, those not kept as +inf.
+pub(super) fn mask<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
+    let mut state = 0;
+    for ((t, bit), out) in Merge::new(first, second).zip(out) {
+        *out = if table.differs(state, state ^ bit) {
+            t
+        } else {
+            T::INFINITY
+        };
+        state ^= bit;
+    }
+}
+
+/// Writes the crossings of the exact algebra, then +inf: entries with equal times flip together. A result that comes from
+/// infinity inside begins with -inf.
+pub(super) fn regularize<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
+    let (mut kept, mut before, mut state) = (0, 0, 0);
+    let mut entries = Merge::new(first, second)
+        .take_while(|entry| entry.0 < T::INFINITY)
+        .peekable();
+    while let Some((t, bit)) = entries.next() {
+        state ^= bit;
+        if entries.peek().is_some_and(|next| next.0 == t) {
+            continue;
+        }
+        if table.differs(before, state) {
+            // no negative zero: the bits shall not depend on which operand it came from
+            out[kept] = t + T::ZERO;
+            kept += 1;
+        }
+        before = state;
+    }
+    out[kept..].fill(T::INFINITY);
+}
+
+/// Drops the pieces shorter than `min_sep` from a regularized column, by the rule of [`crate::weld_runs`].
+pub(super) fn weld<T: Real>(min_sep: T, column: &mut [T]) {
+    let used = column.partition_point(|&t| t < T::INFINITY);
+    let (mut kept, mut start) = (0, 0);
+    while start < used {
+        let end = start
+            + crate::weld::run_length(&column[start..used], &mut |&a: &T, &b: &T| b - a < min_sep);
+        if (end - start) % 2 == 1 {
+            column[kept] = column[end - 1];
+            kept += 1;
+        }
+        start = end;
+    }
+    column[kept..].fill(T::INFINITY);
+}

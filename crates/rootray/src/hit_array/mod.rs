@@ -1,0 +1,46 @@
+//! Hit arrays: the crossings of many rays with a solid, one column per ray, and boolean operations on them.
+//!
+//! A hit array has H rows and N columns, stored row by row. A column is one ray: its times in non-decreasing order, padded at
+//! the end with +inf; H is even. Entries at even rows (0, 2, ...) enter the solid, those at odd rows leave it. An odd
+//! number of -inf entries means that the ray comes from infinity inside the solid, an odd number of entries below +inf that it
+//! goes to infinity inside it.
+//!
+//! [`array_csg`] is the function of R. Frazier's *PyRayT* ("Efficient CSG", 2021), number for number, with one promise
+//! more: entries are merged stably, those of `array1` before those of `array2` at equal times, so that results can be
+//! reproduced. The numpy code counts on through the padding; as H is even, both counts are back where they began at the last row,
+//! so its wrap-around from row 0 to the last row compares with "inside neither", and an entry is kept exactly if the state
+//! changes at it. Kept +inf entries cannot be told from dropped ones. An entry of -inf is an ordinary entry, the first of its
+//! column, and comes out as -inf where it is kept.
+//!
+//! Where both arrays hold the same time the entries flip one after the other, so that pieces of length zero may show up, and
+//! union and intersection do not commute. [`Regularize`] removes them: equal times flip together, as in
+//! [`RootRay`](crate::RootRay)'s algebra, and pieces shorter than a given length may be welded.
+//!
+//! ```
+//! use rayweave_rootray::hit_array::{CsgOptions, Operation, Regularize, array_csg_1d};
+//!
+//! let (a, b) = ([1.0, 4.0, 5.0, 10.0], [0.0, 2.0, 3.0, 5.0, 6.0, 7.0]);
+//! let inf = f64::INFINITY;
+//! let hits = array_csg_1d(&a, &b, Operation::Intersect, CsgOptions::default())?;
+//! assert_eq!(hits, [1.0, 2.0, 3.0, 4.0, 5.0, 5.0, 6.0, 7.0, inf, inf]);
+//!
+//! let exact = CsgOptions { regularize: Regularize::Exact, ..CsgOptions::default() };
+//! let hits = array_csg_1d(&a, &b, Operation::Intersect, exact)?;
+//! assert_eq!(hits, [1.0, 2.0, 3.0, 4.0, 6.0, 7.0, inf, inf, inf, inf]);
+//! # Ok::<(), rayweave_rootray::hit_array::HitArrayError>(())
+//! ```
+
+mod array;
+mod column;
+mod count;
+mod csg;
+mod error;
+mod kernel;
+mod real;
+
+pub use array::HitArray;
+pub use column::{column_len, from_column, to_column, write_column};
+pub use count::{CountArray, count_array};
+pub use csg::{CsgOptions, Operation, Regularize, array_csg, array_csg_1d, array_csg_into};
+pub use error::HitArrayError;
+pub use real::Real;
