@@ -1,5 +1,6 @@
 //! `cargo xtask test`: every check and test of the repository, stage by stage.
 
+use std::process::ExitCode;
 use std::time::Instant;
 
 use lexopt::prelude::*;
@@ -8,7 +9,7 @@ use crate::python::Python;
 use crate::report::{self, Counts, Report};
 use crate::repository::Repository;
 use crate::stage::{self, Stage, Workshop};
-use crate::{Outcome, usage};
+use crate::usage;
 
 /// What the command line asks for.
 #[derive(Debug, Default)]
@@ -65,7 +66,7 @@ fn stage_name(arguments: &mut lexopt::Parser) -> Result<String, String> {
 }
 
 /// Runs the stages and prints the table of results; the last line counts all tests.
-pub fn run(repository: &Repository, options: &Options) -> Outcome {
+pub fn run(repository: &Repository, options: &Options) -> Result<ExitCode, String> {
     let wanted: Vec<&Stage> = stage::STAGES
         .iter()
         .filter(|stage| options.wants(stage))
@@ -74,7 +75,7 @@ pub fn run(repository: &Repository, options: &Options) -> Outcome {
         wanted
             .iter()
             .for_each(|stage| println!("{:<10} {}", stage.name, stage.what));
-        return Ok(());
+        return Ok(ExitCode::SUCCESS);
     }
     let mut workshop = Workshop {
         repository,
@@ -89,14 +90,16 @@ pub fn run(repository: &Repository, options: &Options) -> Outcome {
     for Report { name, failure, .. } in &failed {
         println!("{name}: {}", failure.as_deref().unwrap_or_default());
     }
+    let ok = failed.is_empty();
     println!(
         "{}",
         reports.iter().map(|report| report.counts).sum::<Counts>()
     );
-    match failed.len() {
-        0 => Ok(()),
-        count => Err(format!("{count} of {} stages failed", wanted.len())),
-    }
+    Ok(if ok {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
 }
 
 fn run_stages(stages: &[&Stage], fail_fast: bool, workshop: &mut Workshop<'_>) -> Vec<Report> {
@@ -145,6 +148,7 @@ fn run_stage(stage: &Stage, workshop: &mut Workshop<'_>) -> Report {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Outcome;
 
     fn options(arguments: &[&str]) -> Result<Options, String> {
         Options::parse(lexopt::Parser::from_args(arguments))
