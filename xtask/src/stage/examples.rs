@@ -34,16 +34,10 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     } in &examples
     {
         let mut cargo = cargo(workshop);
-        cargo.args([
-            "run",
-            "--quiet",
-            "--package",
-            package,
-            "--example",
-            name,
-            "--features",
-            features,
-        ]);
+        cargo.args(["run", "--quiet", "--package", package, "--example", name]);
+        if !features.is_empty() {
+            cargo.args(["--features", features]);
+        }
         failures.extend(process::run(&mut cargo).err());
     }
     workshop.python.install_package()?;
