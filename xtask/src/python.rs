@@ -118,32 +118,40 @@ impl Python {
     }
 }
 
-/// Finds an interpreter that is new enough and can make environments.
-fn interpreter() -> Result<PathBuf, String> {
+/// The first interpreter that is new enough and can make environments.
+fn interpreter(
+    candidates: impl Iterator<Item = PathBuf>,
+    probe: impl Fn(&Path) -> Result<String, String>,
+) -> Result<PathBuf, String> {
     let mut without_venv = None;
-    for path in INTERPRETERS
-        .iter()
-        .filter_map(|name| process::on_path(name))
-    {
-        match process::output(Command::new(&path).args(["-c", PROBE])) {
+    for path in candidates {
+        match probe(&path) {
             Ok(_) => return Ok(path),
-            Err(message) if message.contains("ModuleNotFoundError") => without_venv = Some(path),
+            Err(message) if message.contains("ModuleNotFoundError") => {
+                without_venv.get_or_insert(path);
+            }
             Err(_) => {}
         }
     }
     Err(match without_venv {
         Some(path) => format!(
-            "{}: makes no virtual environments apt-get install python3-venv",
+            "{}: makes no virtual environments (Debian keeps venv in a package of its own) \
+             apt-get install python3-venv",
             path.display()
         ),
         None => {
-            "no Python 3.11 or newer on the PATH apt-get install python3 python3-venv".to_owned()
+            "no Python on the PATH (3.11 or newer is needed) apt-get install python3 python3-venv"
+                .to_owned()
         }
     })
 }
 
 fn make_environment(folder: &Path) -> Result<PathBuf, String> {
-    let interpreter = interpreter()?;
+    let candidates = INTERPRETERS
+        .iter()
+        .filter_map(|name| process::on_path(name));
+    let probe = |path: &Path| process::output(Command::new(path).args(["-c", PROBE]));
+    let interpreter = interpreter(candidates, probe)?;
     remove_old(folder)?;
     process::run(Command::new(interpreter).args(["-m", "venv"]).arg(folder))?;
     Ok(folder.to_owned())
@@ -194,5 +202,26 @@ mod tests {
         remove_old(&folder).unwrap();
         assert!(the_wheel(&folder).unwrap_err().contains("cannot be read"));
         remove_old(&folder).unwrap();
+    }
+
+    #[test]
+    fn an_interpreter_is_chosen_or_the_missing_package_named() {
+        let probe = |path: &Path| match path.to_str() {
+            Some("good") => Ok(String::new()),
+            Some("bare") => Err("ModuleNotFoundError: No module named 'ensurepip'".to_owned()),
+            _ => Err("old".to_owned()),
+        };
+        let choose = |names: &[&str]| interpreter(names.iter().map(PathBuf::from), probe);
+        assert_eq!(choose(&["old", "bare", "good"]).unwrap(), Path::new("good"));
+        assert!(
+            choose(&["old", "bare"])
+                .unwrap_err()
+                .ends_with("apt-get install python3-venv")
+        );
+        assert!(
+            choose(&["old"])
+                .unwrap_err()
+                .ends_with("apt-get install python3 python3-venv")
+        );
     }
 }

@@ -39,7 +39,7 @@ pub fn docs(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
 pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let mut cargo = cargo(workshop);
     cargo.args(["test", "--no-fail-fast"]).args(NOT_BY_CARGO);
-    process::run_reading(&mut cargo, |line| counts.read_cargo_line(line))
+    counted(cargo, counts)
 }
 
 pub fn long_tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
@@ -48,7 +48,7 @@ pub fn long_tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
         .args(["test", "--release", "--no-fail-fast"])
         .args(NOT_BY_CARGO)
         .args(["--", "--ignored", "long_"]);
-    process::run_reading(&mut cargo, |line| counts.read_cargo_line(line))
+    counted(cargo, counts)
 }
 
 pub fn deny(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
@@ -61,6 +61,15 @@ pub fn deny(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
     };
     deny.current_dir(&workshop.repository.root);
     process::run(deny.args(["check", "licenses", "bans", "sources"]))
+}
+
+/// Runs a call of `cargo test`, which must find some test to run.
+fn counted(mut cargo: Command, counts: &mut Counts) -> Outcome {
+    process::run_reading(&mut cargo, |line| counts.read_cargo_line(line))?;
+    if counts.passed == 0 {
+        return Err("no test ran (a run without tests proves nothing)".to_owned());
+    }
+    Ok(())
 }
 
 /// Cargo at the root of the repository.
