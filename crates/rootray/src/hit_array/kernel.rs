@@ -21,11 +21,6 @@ impl TruthTable {
     fn differs(self, before: State, after: State) -> bool {
         ((self.0 >> before) ^ (self.0 >> after)) & 1 == 1
     }
-
-    /// Whether every flip of `bit` counts while the other solid is outside.
-    fn keeps_alone(self, bit: State) -> bool {
-        self.differs(0, bit)
-    }
 }
 
 /// The entries of two sorted columns in stable order, each with the bit that it flips: 1 for the first, 2 for the second.
@@ -58,41 +53,16 @@ impl<T: Real> Iterator for Merge<'_, T> {
     }
 }
 
-/// Writes the kept entries in order, then +inf. `out` is as long as both columns together, which are sorted and even.
+/// Writes the kept entries in order, then +inf. `out` is as long as both columns together.
 pub(super) fn keep<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
-    let (mut i, mut j, mut kept, mut state) = (0, 0, 0, 0);
-    while i < first.len() && j < second.len() {
-        let from_first = first[i] <= second[j];
-        let t = if from_first { first[i] } else { second[j] };
-        if t == T::INFINITY {
-            break; // nothing but padding is left
-        }
-        let next = state ^ if from_first { 1 } else { 2 };
-        // written always and overwritten if not kept: without a branch, for random input has no pattern
+    let (mut kept, mut state) = (0, 0);
+    for (t, bit) in Merge::new(first, second) {
+        // written always and overwritten if not kept: random input gives a branch no pattern to predict
         out[kept] = t;
-        kept += usize::from(table.differs(state, next));
-        state = next;
-        i += usize::from(from_first);
-        j += usize::from(!from_first);
+        kept += usize::from(table.differs(state, state ^ bit));
+        state ^= bit;
     }
-    // an even column that is used up has left its solid, so all that is left of the other is kept, or nothing
-    let first_left = if table.keeps_alone(1) {
-        &first[i..]
-    } else {
-        &[]
-    };
-    let second_left = if table.keeps_alone(2) {
-        &second[j..]
-    } else {
-        &[]
-    };
-    let tail = if j == second.len() {
-        first_left
-    } else {
-        second_left
-    };
-    out[kept..][..tail.len()].copy_from_slice(tail);
-    out[kept + tail.len()..].fill(T::INFINITY);
+    out[kept..].fill(T::INFINITY);
 }
 
 /// Writes every entry of the merged columns in its place, those not kept as +inf.
