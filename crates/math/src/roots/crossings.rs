@@ -33,12 +33,14 @@ impl<const N: usize> Crossings<N> {
     /// Appends a sign change at `t`, which must not lie before the last one.
     fn push(&mut self, t: f64) {
         let count = usize::from(self.count);
+        // one zero only: times are compared and sorted by value
+        let t = t + 0.0;
         if t == f64::NEG_INFINITY {
             self.starts_negative = !self.starts_negative;
         } else if count > 0 && self.times[count - 1] == t {
             self.count -= 1;
         } else if t.is_finite() {
-            self.times[count] = t;
+            self.times[count] = t + 0.0; // no negative zero: times are ordered by their bits, too
             self.count += 1;
         }
     }

@@ -5,5 +5,11 @@
 //! beyond the range of `f64` counts as already passed (towards -inf) or never reached (towards +inf).
 
 mod crossings;
+mod exact;
+#[cfg(test)]
+mod oracle;
+mod quadratic;
 
 pub use crossings::Crossings;
+pub use exact::{difference_of_products, two_product, two_sum};
+pub use quadratic::quadratic;
