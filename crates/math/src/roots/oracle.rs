@@ -1,6 +1,6 @@
 //! Exact arithmetic for the tests of the solvers.
 
-use dashu::base::{Sign, Signed};
+use dashu::base::Sign;
 use dashu::rational::RBig;
 use rand::{RngExt, rngs::ChaCha8Rng};
 

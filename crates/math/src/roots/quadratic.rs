@@ -87,7 +87,7 @@ fn parts(x: f64) -> (f64, i32) {
 mod tests {
     use super::*;
     use crate::roots::oracle::{exact, near, sign_changes_within, wide};
-    use dashu::base::{Sign, Signed};
+    use dashu::base::Sign;
     use dashu::rational::RBig;
     use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 
@@ -126,9 +126,10 @@ mod tests {
             let (a, half_b) = (wide(90.0, &mut rng), wide(90.0, &mut rng));
             check(a, half_b, near(half_b / a * half_b, 32, &mut rng));
         }
+        let tiny = libm::ldexp(1.0, -1000);
         assert_eq!(quadratic(1e300, 0.0, -1e300).times(), [-1.0, 1.0]);
         assert_eq!(quadratic(1e-300, 0.0, -4e-300).times(), [-2.0, 2.0]);
-        assert_eq!(quadratic(1e-300, -1.5e-300, 2e-300).times(), [1.0, 2.0]);
+        assert_eq!(quadratic(tiny, -1.5 * tiny, 2.0 * tiny).times(), [1.0, 2.0]);
         // the far root is beyond f64: already passed, so the sign at the start is the one after it
         let passed = quadratic(1e-300, 1e200, 1e200);
         assert!(passed.starts_negative());
