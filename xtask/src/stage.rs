@@ -4,6 +4,7 @@ mod cargo;
 mod command;
 mod examples;
 mod package;
+mod primitive;
 
 use crate::python::Python;
 use crate::report::Counts;
@@ -54,6 +55,11 @@ pub const STAGES: &[Stage] = &[
         "rust",
         "unit tests, integration tests and documentation tests of all crates",
         cargo::tests,
+    ),
+    stage(
+        "primitive",
+        "a new primitive, added as CONTRIBUTING.md says, compiles and works",
+        primitive::run,
     ),
     Stage {
         name: "long",

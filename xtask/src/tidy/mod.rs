@@ -5,7 +5,7 @@ mod links;
 mod manifest;
 mod models;
 mod rust;
-mod text;
+pub mod text;
 
 use std::fmt;
 

@@ -145,30 +145,23 @@ fn violation(
 
 /// Whether the word stands in the line with no word character on either side.
 pub fn has_word(line: &str, word: &str) -> bool {
-    let is_word = |character: char| character.is_alphanumeric() || character == '_';
-    occurrences(line, word)
-        .any(|(before, after)| !before.is_some_and(is_word) && !after.is_some_and(is_word))
+    line.match_indices(word)
+        .any(|(at, _)| is_word(line, at, word))
+}
+
+/// Whether the word that stands at this place has no word character on either side.
+pub fn is_word(line: &str, at: usize, word: &str) -> bool {
+    let continues = |character: char| character.is_alphanumeric() || character == '_';
+    !line[..at].ends_with(continues) && !line[at + word.len()..].starts_with(continues)
 }
 
 /// Whether the line names this folder or something in it, from the root of the file system.
 fn has_path(line: &str, folder: &str) -> bool {
     let relative =
         |character: char| character.is_alphanumeric() || "_./~)}]>*-".contains(character);
-    let longer_name = |character: char| character.is_alphanumeric() || "_-.".contains(character);
-    occurrences(line, folder)
-        .any(|(before, after)| !before.is_some_and(relative) && !after.is_some_and(longer_name))
-}
-
-/// The characters before and after each place where the text stands in the line.
-fn occurrences<'a>(
-    line: &'a str,
-    text: &'a str,
-) -> impl Iterator<Item = (Option<char>, Option<char>)> + 'a {
-    line.match_indices(text).map(move |(at, _)| {
-        (
-            line[..at].chars().next_back(),
-            line[at + text.len()..].chars().next(),
-        )
+    let longer = |character: char| character.is_alphanumeric() || "_-.".contains(character);
+    line.match_indices(folder).any(|(at, _)| {
+        !line[..at].ends_with(relative) && !line[at + folder.len()..].starts_with(longer)
     })
 }
 
