@@ -1,28 +1,163 @@
-//! Primitive solids.
+//! Primitive solids: many, open, each in a file of its own that begins with its manual page.
+//!
+//! To add one, write its file (copy the one most like it) and add two lines below: the module, and the entry
+//! in the list. From that list come the enum [`Primitive`], the names at every door, the [`MANUALS`],
+//! [`build`], the examples and the random ones that other crates test with.
 
-use crate::surface::Surface;
-use rayweave_math::Bounds;
-use std::borrow::Cow;
+mod arguments;
+mod error;
+mod lowered;
+mod manual;
+mod parameter;
+mod shape;
+#[cfg(test)]
+mod tests;
+mod value;
+mod bridge;
 
-/// One face of a lowered primitive: a side of a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Facet {
-    /// The face's name, as its manual page gives it.
-    pub name: Cow<'static, str>,
-    /// The surface, in the primitive's own frame.
-    pub surface: Surface,
-    /// True if the primitive lies where `f < 0`.
-    pub inside: bool,
+pub mod box_from_corners;
+pub mod centred_box;
+pub mod half_space;
+pub mod slab;
+pub mod sphere;
+
+pub use arguments::Arguments;
+pub use error::ShapeError;
+pub use lowered::{Facet, Lowered};
+pub use manual::{Manual, parameter_table};
+pub use parameter::{Parameter, ParameterKind, Range, Unit};
+pub use shape::Shape;
+pub use value::Value;
+
+macro_rules! primitives {
+    ($($module:ident :: $shape:ident),* $(,)?) => {
+        $(#[doc(no_inline)] pub use $module::$shape;)*
+
+        /// One primitive solid.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Primitive {
+            $(#[doc = concat!("See [`", stringify!($module), "`].")] $shape($shape),)*
+        }
+
+        $(impl From<$shape> for Primitive {
+            fn from(shape: $shape) -> Primitive {
+                Primitive::$shape(shape)
+            }
+        })*
+
+        /// The manual pages of all primitives.
+        pub static MANUALS: &[Manual] = &[$({
+            const SOURCE: &str = include_str!(concat!(stringify!($module), ".rs"));
+            static PAGE: [u8; manual::page_length(SOURCE)] = manual::page(SOURCE);
+            Manual {
+                name: $shape::NAME,
+                summary: manual::first_line(manual::as_text(&PAGE)),
+                parameters: $shape::PARAMETERS,
+                faces: $shape::FACES,
+                equation: $shape::EQUATION,
+                text: manual::as_text(&PAGE),
+            }
+        }),*];
+
+        type Build = fn(&Arguments) -> Result<Primitive, ShapeError>;
+        type Random = fn(&mut dyn FnMut() -> f64) -> Primitive;
+
+        // both in the order of MANUALS
+        const BUILD: &[Build] = &[$(|arguments| Ok($shape::from_arguments(arguments)?.into())),*];
+        const RANDOM: &[Random] = &[$(|rng| $shape::random(rng).into()),*];
+
+        impl Primitive {
+            /// The name at every door.
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $(Primitive::$shape(_) => $shape::NAME,)*
+                }
+            }
+
+            /// The parameters' values, all of them, in the manual's order; [`build`] makes an equal primitive of them.
+            pub fn arguments(&self) -> Vec<(&'static str, Value)> {
+                match self {
+                    $(Primitive::$shape(shape) => shape.arguments(),)*
+                }
+            }
+
+            /// The primitive as sides of surfaces.
+            pub fn lower(&self) -> Lowered {
+                match self {
+                    $(Primitive::$shape(shape) => shape.lower(),)*
+                }
+            }
+
+            /// The volume, where it has a closed form (each file gives it); `inf` where it is unbounded.
+            pub fn volume(&self) -> Option<f64> {
+                match self {
+                    $(Primitive::$shape(shape) => shape.volume(),)*
+                }
+            }
+
+            /// One example of each kind, in the order of [`MANUALS`].
+            pub fn examples() -> Vec<Primitive> {
+                vec![$($shape::example().into()),*]
+            }
+        }
+    };
 }
 
-/// A primitive as a conjunction of sides of surfaces: inside where all facets hold, or, if `complement` is
-/// set, where not all of them hold.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lowered {
-    /// The faces; the conjunction of none is all of space.
-    pub facets: Vec<Facet>,
-    /// True if the solid is the complement of the conjunction.
-    pub complement: bool,
-    /// A box that holds the solid (not the conjunction), in the primitive's own frame.
-    pub bounds: Bounds,
+primitives! {
+    sphere::Sphere,
+    centred_box::CentredBox,
+    box_from_corners::BoxFromCorners,
+    half_space::HalfSpace,
+    slab::Slab,
+}
+
+impl Primitive {
+    /// An example of the kind with this name, one that shows well.
+    pub fn example(name: &str) -> Option<Primitive> {
+        Primitive::examples()
+            .into_iter()
+            .find(|primitive| primitive.name() == name)
+    }
+
+    /// A primitive of any kind and of a size about 1, from numbers uniform in [0, 1).
+    pub fn random(mut rng: impl FnMut() -> f64) -> Primitive {
+        let kind = (rng() * RANDOM.len() as f64) as usize;
+        RANDOM[kind.min(RANDOM.len() - 1)](&mut rng)
+    }
+
+    /// The manual page.
+    pub fn manual(&self) -> &'static Manual {
+        // every variant stands in the list that the pages come from
+        manual(self.name()).unwrap_or(&MANUALS[0])
+    }
+}
+
+/// The manual page of a primitive.
+pub fn manual(name: &str) -> Option<&'static Manual> {
+    MANUALS.iter().find(|manual| manual.name == name)
+}
+
+/// A primitive from its name and arguments, in any order: the one way in for files, command line and Python.
+///
+/// # Errors
+///
+/// An unknown name; an unknown, missing or repeated parameter; a value of the wrong kind or out of range;
+/// values that do not fit together.
+pub fn build(name: &str, arguments: &[(&str, Value)]) -> Result<Primitive, ShapeError> {
+    let found = MANUALS.iter().zip(BUILD).find(|(m, _)| m.name == name);
+    let (manual, build) = found.ok_or_else(|| ShapeError::UnknownShape {
+        name: name.to_owned(),
+        suggestion: error::nearest_name(name, MANUALS.iter().map(|manual| manual.name)),
+    })?;
+    build(&Arguments::read(
+        manual.name,
+        manual.parameters,
+        arguments,
+    )?)
+}
+
+/// The names of all primitives, for messages.
+fn names() -> String {
+    let names: Vec<&str> = MANUALS.iter().map(|manual| manual.name).collect();
+    names.join(", ")
 }

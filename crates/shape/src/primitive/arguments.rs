@@ -1,0 +1,107 @@
+//! From (name, value) pairs, as a file or a call gives them, to the numbers of one primitive.
+
+use super::error::{ShapeError, nearest_name};
+use super::parameter::Parameter;
+use super::value::Value;
+use rayweave_math::Vec3;
+
+/// The checked arguments of one primitive: every parameter has a value of its kind and range.
+pub struct Arguments {
+    values: Vec<(&'static str, Value)>,
+}
+
+impl Arguments {
+    /// Checks the pairs against a primitive's parameters and fills in the defaults.
+    pub fn read(
+        shape: &'static str,
+        parameters: &'static [Parameter],
+        given: &[(&str, Value)],
+    ) -> Result<Arguments, ShapeError> {
+        refuse_unknown(shape, parameters, given)?;
+        let values = parameters
+            .iter()
+            .map(|parameter| Ok((parameter.name, read_one(shape, parameter, given)?)))
+            .collect::<Result<_, _>>()?;
+        Ok(Arguments { values })
+    }
+
+    fn value(&self, name: &str) -> Option<&Value> {
+        let mut all = self.values.iter();
+        all.find(|(known, _)| *known == name).map(|(_, value)| value)
+    }
+
+    /// A number. NaN, which no primitive accepts, if there is no number of that name; likewise below.
+    pub fn number(&self, name: &str) -> f64 {
+        match self.value(name) {
+            Some(Value::Number(number)) => *number,
+            _ => f64::NAN,
+        }
+    }
+
+    /// A whole number.
+    pub fn count(&self, name: &str) -> u32 {
+        self.number(name) as u32
+    }
+
+    /// A vector; one number stands for three.
+    pub fn vector(&self, name: &str) -> Vec3 {
+        match self.value(name) {
+            Some(Value::Number(number)) => Vec3::splat(*number),
+            Some(Value::Vector(list)) if list.len() == 3 => Vec3::from_slice(list),
+            _ => Vec3::NAN,
+        }
+    }
+
+    /// Rows of four numbers.
+    pub fn rows(&self, name: &str) -> Vec<[f64; 4]> {
+        let four = |row: &Vec<f64>| row.as_slice().try_into().unwrap_or([f64::NAN; 4]);
+        match self.value(name) {
+            Some(Value::Rows(rows)) => rows.iter().map(four).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// A 4 x 4 matrix.
+    pub fn matrix(&self, name: &str) -> [[f64; 4]; 4] {
+        self.rows(name).try_into().unwrap_or([[f64::NAN; 4]; 4])
+    }
+}
+
+fn refuse_unknown(
+    shape: &'static str,
+    parameters: &'static [Parameter],
+    given: &[(&str, Value)],
+) -> Result<(), ShapeError> {
+    let names = || parameters.iter().map(|parameter| parameter.name);
+    match given.iter().find(|(name, _)| !names().any(|known| known == *name)) {
+        None => Ok(()),
+        Some((name, _)) => Err(ShapeError::UnknownParameter {
+            shape,
+            name: (*name).to_owned(),
+            suggestion: nearest_name(name, names()),
+        }),
+    }
+}
+
+fn read_one(
+    shape: &'static str,
+    parameter: &'static Parameter,
+    given: &[(&str, Value)],
+) -> Result<Value, ShapeError> {
+    let mut values = given.iter().filter(|(name, _)| *name == parameter.name);
+    let value = values.next().map(|(_, value)| value.clone());
+    if values.next().is_some() {
+        return Err(ShapeError::RepeatedParameter {
+            shape,
+            parameter: parameter.name,
+        });
+    }
+    let value = value.or(parameter.default.map(Value::Number));
+    let value = value.ok_or(ShapeError::MissingParameter {
+        shape,
+        parameter: parameter.name,
+        kind: parameter.kind,
+    })?;
+    parameter.check(shape, &value)?;
+    Ok(value)
+}

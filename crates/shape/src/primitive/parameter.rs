@@ -1,0 +1,300 @@
+//! A primitive's parameters: what they are, and whether a value may be one.
+
+use super::error::ShapeError;
+use super::value::Value;
+use std::fmt;
+
+/// One parameter of a primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name at every door.
+    pub name: &'static str,
+    /// What it is.
+    pub kind: ParameterKind,
+    /// The unit of its numbers.
+    pub unit: Unit,
+    /// The values that each of its numbers may have.
+    pub range: Range,
+    /// The value if it is not given; `None` if it must be.
+    pub default: Option<f64>,
+    /// What it means, in a few words.
+    pub summary: &'static str,
+}
+
+/// What a parameter is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterKind {
+    /// A real number.
+    Number,
+    /// A whole number.
+    Count,
+    /// A list of three numbers.
+    Vector3,
+    /// A list of three numbers, or one number that stands for three equal ones.
+    NumberOrVector3,
+    /// One row or more of four numbers (a, b, c, d): a plane a x + b y + c z = d.
+    Planes,
+    /// Four rows of four numbers.
+    Matrix4,
+}
+
+impl fmt::Display for ParameterKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            ParameterKind::Number => "a number",
+            ParameterKind::Count => "a whole number",
+            ParameterKind::Vector3 => "a list of 3 numbers",
+            ParameterKind::NumberOrVector3 => "a number or a list of 3 numbers",
+            ParameterKind::Planes => "1 row or more of 4 numbers",
+            ParameterKind::Matrix4 => "4 rows of 4 numbers",
+        })
+    }
+}
+
+/// The unit of a parameter's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// The length unit of the document.
+    Length,
+    /// Degrees.
+    Angle,
+    /// A number of things.
+    Count,
+    /// No unit, or one that differs from entry to entry.
+    None,
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Unit::Length => "length",
+            Unit::Angle => "degrees",
+            Unit::Count => "count",
+            Unit::None => "none",
+        })
+    }
+}
+
+/// The values that a number may have. NaN is in no range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// Any finite number.
+    Finite,
+    /// Finite and > 0.
+    Positive,
+    /// > 0 or infinite.
+    PositiveOrInfinite,
+    /// Finite and >= 0.
+    NotNegative,
+    /// Greater than the first and less than the second.
+    Between(f64, f64),
+    /// A whole number from the first to the second.
+    Whole(u32, u32),
+    /// Any finite number, but not zero for all components of the vector.
+    Direction,
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Range::Finite => f.write_str("finite"),
+            Range::Positive => f.write_str("finite and greater than 0"),
+            Range::PositiveOrInfinite => f.write_str("greater than 0, or inf"),
+            Range::NotNegative => f.write_str("finite and at least 0"),
+            Range::Between(lo, hi) => write!(f, "greater than {lo} and less than {hi}"),
+            Range::Whole(lo, hi) => write!(f, "a whole number from {lo} to {hi}"),
+            Range::Direction => f.write_str("finite and not all 0"),
+        }
+    }
+}
+
+impl Range {
+    /// True if one number is in the range; for [`Range::Direction`], if it may be a component.
+    pub fn contains(&self, value: f64) -> bool {
+        match *self {
+            Range::Finite | Range::Direction => value.is_finite(),
+            Range::Positive => value.is_finite() && value > 0.0,
+            Range::PositiveOrInfinite => value > 0.0,
+            Range::NotNegative => value.is_finite() && value >= 0.0,
+            Range::Between(lo, hi) => lo < value && value < hi,
+            Range::Whole(lo, hi) => {
+                value.fract() == 0.0 && f64::from(lo) <= value && value <= f64::from(hi)
+            }
+        }
+    }
+
+    /// A value in the range that may have been meant.
+    fn suggestion(&self, value: f64) -> Option<f64> {
+        let nearest = match *self {
+            Range::Whole(lo, hi) => value.round().clamp(f64::from(lo), f64::from(hi)),
+            Range::Between(0.0, hi) => value.rem_euclid(hi),
+            _ => -value,
+        };
+        self.contains(nearest).then_some(nearest)
+    }
+}
+
+/// The smallest and the largest length that is accepted: their fourth powers, which a torus needs, are far
+/// from the ends of the range of `f64`.
+const LENGTHS: (f64, f64) = (1e-60, 1e60);
+
+impl Parameter {
+    /// A number that must be given.
+    pub(super) const fn number(
+        name: &'static str,
+        unit: Unit,
+        range: Range,
+        summary: &'static str,
+    ) -> Parameter {
+        Parameter::new(name, ParameterKind::Number, unit, range, summary)
+    }
+
+    /// A parameter that must be given.
+    pub(super) const fn new(
+        name: &'static str,
+        kind: ParameterKind,
+        unit: Unit,
+        range: Range,
+        summary: &'static str,
+    ) -> Parameter {
+        Parameter {
+            name,
+            kind,
+            unit,
+            range,
+            default: None,
+            summary,
+        }
+    }
+
+    /// The same with a default.
+    pub(super) const fn or(mut self, default: f64) -> Parameter {
+        self.default = Some(default);
+        self
+    }
+
+    /// The reason why a value cannot be this parameter of `shape`, if there is one.
+    pub fn check(&self, shape: &'static str, value: &Value) -> Result<(), ShapeError> {
+        self.check_kind(shape, value)?;
+        match value {
+            Value::Number(number) => self.check_number(shape, *number, Vec::new()),
+            Value::Vector(list) => self.check_list(shape, list, &[]),
+            Value::Rows(rows) => {
+                (0..).zip(rows).try_for_each(|(i, row)| self.check_list(shape, row, &[i]))
+            }
+        }
+    }
+
+    fn check_kind(&self, shape: &'static str, value: &Value) -> Result<(), ShapeError> {
+        let wrong = |index, found: String| {
+            Err(ShapeError::WrongKind {
+                shape,
+                parameter: self.name,
+                index,
+                expected: self.kind,
+                found,
+            })
+        };
+        let good = match (self.kind, value) {
+            (
+                ParameterKind::Number | ParameterKind::Count | ParameterKind::NumberOrVector3,
+                Value::Number(_),
+            ) => true,
+            (ParameterKind::Vector3 | ParameterKind::NumberOrVector3, Value::Vector(list)) => {
+                list.len() == 3
+            }
+            (ParameterKind::Planes, Value::Rows(rows)) => !rows.is_empty(),
+            (ParameterKind::Matrix4, Value::Rows(rows)) => rows.len() == 4,
+            _ => false,
+        };
+        match value {
+            _ if !good => wrong(Vec::new(), value.description()),
+            Value::Rows(rows) => match rows.iter().position(|row| row.len() != 4) {
+                Some(i) => wrong(vec![i], Value::Vector(rows[i].clone()).description()),
+                None => Ok(()),
+            },
+            _ => Ok(()),
+        }
+    }
+
+    fn check_list(
+        &self,
+        shape: &'static str,
+        list: &[f64],
+        row: &[usize],
+    ) -> Result<(), ShapeError> {
+        for (i, &number) in list.iter().enumerate() {
+            self.check_number(shape, number, [row, &[i]].concat())?;
+        }
+        // of a plane's row the first three are the normal
+        if self.range == Range::Direction && list[..3].iter().all(|&number| number == 0.0) {
+            return Err(ShapeError::ZeroNormal {
+                shape,
+                parameter: self.name,
+                index: row.to_vec(),
+            });
+        }
+        Ok(())
+    }
+
+    fn check_number(
+        &self,
+        shape: &'static str,
+        value: f64,
+        index: Vec<usize>,
+    ) -> Result<(), ShapeError> {
+        if !self.range.contains(value) {
+            return Err(ShapeError::OutOfRange {
+                shape,
+                parameter: self.name,
+                index,
+                value,
+                range: self.range,
+                suggestion: self.range.suggestion(value),
+            });
+        }
+        match self.unit {
+            Unit::Length => check_length(shape, self.name, index, value),
+            Unit::Angle | Unit::Count | Unit::None => Ok(()),
+        }
+    }
+}
+
+/// An error if a length is beyond what can be computed with; 0 and infinity are not.
+pub(super) fn check_length(
+    shape: &'static str,
+    parameter: &'static str,
+    index: Vec<usize>,
+    value: f64,
+) -> Result<(), ShapeError> {
+    let size = value.abs();
+    if size == 0.0 || size == f64::INFINITY || (LENGTHS.0..=LENGTHS.1).contains(&size) {
+        return Ok(());
+    }
+    Err(ShapeError::Extreme {
+        shape,
+        parameter,
+        index,
+        value,
+    })
+}
+
+/// An error if the first of two parameters is not less than the second.
+pub(super) fn check_increasing(
+    shape: &'static str,
+    (lower, lo): (&'static str, f64),
+    (upper, hi): (&'static str, f64),
+    index: Vec<usize>,
+) -> Result<(), ShapeError> {
+    if lo < hi {
+        return Ok(());
+    }
+    Err(ShapeError::NotIncreasing {
+        shape,
+        lower,
+        upper,
+        index,
+        lo,
+        hi,
+    })
+}

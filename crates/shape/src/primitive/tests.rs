@@ -1,0 +1,231 @@
+//! What holds for every primitive, and the checks that each file's own tests use.
+
+use super::*;
+use rayweave_math::{Bounds, Vec3};
+
+/// Numbers uniform in [0, 1): SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+pub fn uniform(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53)
+    }
+}
+
+fn point_in(bounds: &Bounds, rng: &mut impl FnMut() -> f64) -> Vec3 {
+    bounds.lo + Vec3::new(rng(), rng(), rng()) * bounds.size()
+}
+
+/// `contains` agrees with a direct formula at random points of the box of the given half extents about the
+/// origin, both answers occur, and no inside point is out of bounds.
+pub fn check_inside(shape: &impl Shape, half: Vec3, inside: impl Fn(Vec3) -> bool) {
+    let lowered = shape.lower();
+    let (region, mut rng) = (Bounds::centred(Vec3::ZERO, half), uniform(1));
+    let mut count = [0; 2];
+    for _ in 0..4000 {
+        let p = point_in(&region, &mut rng);
+        assert_eq!(lowered.contains(p), inside(p), "{p} in {lowered:?}");
+        count[usize::from(inside(p))] += 1;
+        assert!(!inside(p) || lowered.bounds.contains(p), "{p} in {lowered:?}");
+    }
+    assert!(count[0] > 40 && count[1] > 40, "one-sided test: {count:?}");
+}
+
+/// Each finite face of the bounds goes through one of the points, which lie on the solid's boundary: moved a
+/// little towards `middle` they are inside. (The other direction, that nothing is out of bounds, is in
+/// `check_inside`.)
+pub fn check_touched(shape: &impl Shape, middle: Vec3, points: &[Vec3]) {
+    let lowered = shape.lower();
+    let size = points.iter().fold(0.0f64, |size, p| size.max((*p - middle).length()));
+    for p in points {
+        let nearly = *p + (middle - *p) * 1e-7;
+        assert!(lowered.contains(nearly), "{p} of {lowered:?}");
+    }
+    let bounds = lowered.bounds;
+    for (k, face) in (0..6).map(|k| (k % 3, [bounds.lo, bounds.hi][k / 3][k % 3])) {
+        let touched = points.iter().any(|p| (p[k] - face).abs() <= 1e-13 * size);
+        assert!(face.is_infinite() || touched, "axis {k}: {face} in {bounds:?}");
+    }
+}
+
+/// The closed form agrees with counting one random point in each cell of a grid of n^3 over the bounds.
+///
+/// A solid whose boundary is met at most about four times by a line meets at most 12 n^2 cells; each of
+/// these errs by at most half a cell (standard deviation), so five standard deviations are 9 n^-2 of the box.
+pub fn check_volume(shape: &impl Shape) {
+    const N: u32 = 36;
+    let lowered = shape.lower();
+    let (lo, cell) = (lowered.bounds.lo, lowered.bounds.size() / f64::from(N));
+    let mut rng = uniform(2);
+    let mut inside = 0;
+    for i in 0..N * N * N {
+        let corner = [i % N, i / N % N, i / N / N].map(f64::from);
+        let jitter = Vec3::new(rng(), rng(), rng());
+        inside += u32::from(lowered.contains(lo + (Vec3::from_array(corner) + jitter) * cell));
+    }
+    let unit = cell.x * cell.y * cell.z;
+    let (counted, closed) = (f64::from(inside) * unit, shape.volume().unwrap());
+    let error = 9.0 * f64::from(N) * unit;
+    assert!((counted - closed).abs() <= error, "{counted} {closed} +- {error}");
+}
+
+/// The message of a refusal.
+pub fn message<T>(result: Result<T, ShapeError>) -> String {
+    result.err().map(|error| error.to_string()).unwrap_or_default()
+}
+
+fn many() -> Vec<Primitive> {
+    let mut rng = uniform(3);
+    let random = (0..2000).map(|_| Primitive::random(&mut rng));
+    Primitive::examples().into_iter().chain(random).collect()
+}
+
+#[test]
+fn arguments_build_the_same_primitive_again() {
+    for primitive in many() {
+        let mut arguments = primitive.arguments();
+        assert_eq!(build(primitive.name(), &arguments).as_ref(), Ok(&primitive));
+        arguments.reverse();
+        assert_eq!(build(primitive.name(), &arguments).as_ref(), Ok(&primitive));
+        let names: Vec<&str> = primitive.arguments().iter().map(|(name, _)| *name).collect();
+        let table: Vec<&str> = primitive.manual().parameters.iter().map(|p| p.name).collect();
+        assert_eq!(names, table);
+    }
+}
+
+#[test]
+fn random_primitives_are_of_all_kinds_and_examples_in_order() {
+    let random = many().split_off(MANUALS.len());
+    for manual in MANUALS {
+        assert!(random.iter().any(|p| p.name() == manual.name), "{}", manual.name);
+        assert_eq!(Primitive::example(manual.name).unwrap().name(), manual.name);
+    }
+    let names = MANUALS.iter().map(|manual| manual.name);
+    assert!(Primitive::examples().iter().map(Primitive::name).eq(names));
+    assert_eq!(Primitive::example("teapot"), None);
+    assert_eq!(Primitive::random(|| 1.0 - 1e-16).name(), "convex");
+}
+
+#[test]
+fn bounds_hold_what_is_inside() {
+    let mut rng = uniform(4);
+    let near = Bounds::centred(Vec3::ZERO, Vec3::splat(4.0));
+    for primitive in many() {
+        let lowered = primitive.lower();
+        let slack = lowered.bounds.grown(1e-14);
+        for _ in 0..200 {
+            let p = point_in(&near, &mut rng);
+            assert!(!lowered.contains(p) || slack.contains(p), "{p} in {primitive:?}");
+        }
+    }
+}
+
+#[test]
+fn pages_tell_what_the_code_does() {
+    for manual in MANUALS {
+        let page = manual.text;
+        assert!(page.contains(&parameter_table(manual.parameters)), "{page}");
+        assert!(page.contains(&format!("`{}`", manual.equation)), "{}", manual.name);
+        assert!(page.starts_with(manual.summary) && manual.summary.ends_with('.'));
+        for face in manual.faces {
+            assert!(page.contains(&format!("`{face}`")), "{face} of {}", manual.name);
+        }
+        assert!(page.contains("\nFace") || page.contains("\nOne face"), "{}", manual.name);
+    }
+}
+
+/// `side0..sideN-1` stands for any number.
+fn is_face(pattern: &str, name: &str) -> bool {
+    match pattern.split_once("0..") {
+        None => pattern == name,
+        Some((stem, _)) => name.strip_prefix(stem).is_some_and(|k| k.parse::<u32>().is_ok()),
+    }
+}
+
+#[test]
+fn faces_have_the_names_of_the_page_each_once() {
+    for primitive in many() {
+        let facets = primitive.lower().facets;
+        let faces = primitive.manual().faces;
+        for (i, facet) in facets.iter().enumerate() {
+            assert!(faces.iter().any(|face| is_face(face, &facet.name)), "{facet:?}");
+            assert!(facets[..i].iter().all(|other| other.name != facet.name), "{facet:?}");
+        }
+    }
+}
+
+#[test]
+fn refusals_of_names() {
+    let number = |x: f64| Value::Number(x);
+    assert_eq!(
+        message(build("spehre", &[])),
+        "unknown shape `spehre` (the shapes are sphere, ellipsoid, box, box_from_corners, cylinder, cone, \
+         half_space, slab, torus, paraboloid, quadric, tube, wedge, prism, convex) did you mean `sphere`?"
+    );
+    assert!(message(build("teapot", &[])).ends_with("convex)"));
+    assert_eq!(
+        message(build("sphere", &[("raduis", number(1.0))])),
+        "sphere: unknown parameter `raduis` (the parameters are radius) did you mean `radius`?"
+    );
+    assert_eq!(
+        message(build("sphere", &[])),
+        "sphere: radius is missing (it is a number and has no default) did you forget it?"
+    );
+    assert_eq!(
+        message(build("sphere", &[("radius", number(1.0)), ("radius", number(1.0))])),
+        "sphere: radius is given more than once (each parameter has one value) which one is meant?"
+    );
+}
+
+#[test]
+fn refusals_of_values() {
+    let refuse = |name: &str, parameter: &str, value: Value| message(build(name, &[(parameter, value)]));
+    assert_eq!(
+        refuse("sphere", "radius", Value::Vector(vec![1.0, 2.0])),
+        "sphere: radius is a list of 2 numbers (radius must be a number) are there numbers missing or too many?"
+    );
+    assert_eq!(
+        refuse("convex", "planes", Value::Rows(vec![vec![1.0; 4], vec![1.0; 3]])),
+        "convex: planes[1] is a list of 3 numbers (planes must be 1 row or more of 4 numbers) are there \
+         numbers missing or too many?"
+    );
+    assert_eq!(
+        refuse("box", "size", Value::Vector(vec![1.0, f64::NAN, 1.0])),
+        "box: size[1] is nan (size must be finite and greater than 0)"
+    );
+    assert_eq!(
+        refuse("sphere", "radius", Value::Number(f64::INFINITY)),
+        "sphere: radius is inf (radius must be finite and greater than 0)"
+    );
+    assert_eq!(
+        refuse("sphere", "radius", Value::Number(1e200)),
+        "sphere: radius is 1e200 (only lengths from 1e-60 to 1e60 can be computed with) is the unit right?"
+    );
+    let error = build("box", &[("size", Value::Vector(vec![1.0, 2.0, -3.0]))]).unwrap_err();
+    assert_eq!((error.parameter(), error.index()), (Some("size"), vec![2]));
+}
+
+/// Every parameter of every primitive refuses NaN in every place, and every default is in range.
+#[test]
+fn nan_is_refused_everywhere() {
+    for example in Primitive::examples() {
+        for (k, parameter) in example.manual().parameters.iter().enumerate() {
+            let default = parameter.default.map(Value::Number);
+            assert!(default.is_none_or(|d| parameter.check(example.name(), &d).is_ok()));
+            let mut arguments = example.arguments();
+            poison(&mut arguments[k].1);
+            let error = build(example.name(), &arguments).unwrap_err();
+            assert!(matches!(error, ShapeError::OutOfRange { .. }), "{error}");
+            assert_eq!(error.parameter(), Some(parameter.name));
+        }
+    }
+}
+
+fn poison(value: &mut Value) {
+    match value {
+        Value::Number(number) => *number = f64::NAN,
+        Value::Vector(list) => *list.last_mut().unwrap() = f64::NAN,
+        Value::Rows(rows) => rows[0][3] = f64::NAN,
+    }
+}
