@@ -1,0 +1,213 @@
+//! What is wrong with a file, said in a way that helps to mend it.
+
+use crate::source::{Source, Span};
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// The file cannot be used.
+    Error,
+    /// The file can be used, but perhaps does not say what was meant.
+    Warning,
+}
+
+/// One problem: what, why, where, and what may help.
+#[derive(Clone, Debug)]
+pub struct Diagnostic {
+    severity: Severity,
+    message: String,
+    place: Option<(Arc<Source>, Option<Span>)>,
+    notes: Vec<(Span, String)>,
+}
+
+impl Diagnostic {
+    /// An error.
+    pub fn error(problem: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(Severity::Error, problem.into())
+    }
+
+    /// A warning.
+    pub fn warning(problem: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(Severity::Warning, problem.into())
+    }
+
+    fn new(severity: Severity, message: String) -> Diagnostic {
+        Diagnostic {
+            severity,
+            message,
+            place: None,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Adds the reason, which the message shows in parentheses.
+    pub fn why(mut self, reason: impl fmt::Display) -> Diagnostic {
+        self.message += &format!(" ({reason})");
+        self
+    }
+
+    /// Adds a suggestion, if there is one: a question or a sentence.
+    pub fn suggest(mut self, suggestion: Option<String>) -> Diagnostic {
+        if let Some(suggestion) = suggestion {
+            self.message += &format!(" {suggestion}");
+        }
+        self
+    }
+
+    /// Says where in a text the problem is.
+    pub fn at(mut self, source: &Arc<Source>, span: Span) -> Diagnostic {
+        self.place = Some((source.clone(), Some(span)));
+        self
+    }
+
+    /// Says which file the problem is with, as a whole.
+    pub fn in_file(mut self, source: &Arc<Source>) -> Diagnostic {
+        self.place = Some((source.clone(), None));
+        self
+    }
+
+    /// Points at another place of the same text that has to do with it.
+    pub fn note(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
+        self.notes.push((span, text.into()));
+        self
+    }
+
+    /// How bad it is.
+    pub fn severity(&self) -> Severity {
+        self.severity
+    }
+
+    /// What is wrong, as one line: problem (why) suggestion?
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// The file, if the text comes from one.
+    pub fn path(&self) -> Option<&Path> {
+        let (source, _) = self.place.as_ref()?;
+        source.path().map(|path| path.as_path())
+    }
+
+    /// The range of bytes in the text.
+    pub fn span(&self) -> Option<Span> {
+        self.place.as_ref()?.1
+    }
+
+    /// Line and column, from 1; columns count characters.
+    pub fn line_column(&self) -> Option<(usize, usize)> {
+        let (source, span) = self.place.as_ref()?;
+        span.map(|span| source.line_column(span.start))
+    }
+
+    /// Other places that have to do with it: line, column, what is there.
+    pub fn notes(&self) -> impl Iterator<Item = (usize, usize, &str)> {
+        let source = self.place.as_ref().map(|(source, _)| source.clone());
+        self.notes.iter().filter_map(move |(span, text)| {
+            let (line, column) = source.as_ref()?.line_column(span.start);
+            Some((line, column, text.as_str()))
+        })
+    }
+
+    fn render(&self, renderer: &Renderer) -> String {
+        let level = match self.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let mut report = Group::with_title(level.primary_title(&self.message));
+        match &self.place {
+            None => {}
+            Some((source, None)) => report = report.element(annotate_snippets::Origin::path(source.name())),
+            Some((source, Some(span))) => {
+                report = report.element(snippet(source, *span, AnnotationKind::Primary, None));
+                for (span, text) in &self.notes {
+                    report = report.element(snippet(source, *span, AnnotationKind::Context, Some(text)));
+                }
+            }
+        }
+        renderer.render(&[report])
+    }
+}
+
+/// The lines that a range touches, with the range underlined. Only these lines are given to the renderer, so
+/// that a thousand problems in a long file do not cost a thousand passes over it.
+fn snippet<'a>(
+    source: &'a Source,
+    span: Span,
+    kind: AnnotationKind,
+    label: Option<&'a str>,
+) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
+    let (line, text, within) = source.lines_of(span);
+    Snippet::source(text)
+        .line_start(line)
+        .path(source.name())
+        .annotation(kind.span(within.range()).label(label))
+}
+
+/// All problems of a file, in the order of the file.
+#[derive(Clone, Debug, Default)]
+pub struct Diagnostics {
+    list: Vec<Diagnostic>,
+}
+
+impl Diagnostics {
+    /// Sorted by place; problems of the file as a whole come first.
+    pub fn new(mut list: Vec<Diagnostic>) -> Diagnostics {
+        list.sort_by_key(|diagnostic| diagnostic.span());
+        Diagnostics { list }
+    }
+
+    /// The problems, in the order of the file.
+    pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
+        self.list.iter()
+    }
+
+    /// How many there are, warnings included.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// True if one of them is an error.
+    pub fn has_errors(&self) -> bool {
+        self.list.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+
+    /// As text for people: each problem with its file, line and column and the source line underlined, in
+    /// colours if the reader's terminal shows them.
+    pub fn render(&self, colour: bool) -> String {
+        let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
+        let blocks: Vec<String> = self.list.iter().map(|diagnostic| diagnostic.render(&renderer)).collect();
+        blocks.join("\n\n")
+    }
+}
+
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+impl From<Diagnostic> for Diagnostics {
+    fn from(diagnostic: Diagnostic) -> Diagnostics {
+        Diagnostics::new(vec![diagnostic])
+    }
+}
+
+impl<'a> IntoIterator for &'a Diagnostics {
+    type Item = &'a Diagnostic;
+    type IntoIter = std::slice::Iter<'a, Diagnostic>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.list.iter()
+    }
+}

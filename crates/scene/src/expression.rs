@@ -1,0 +1,416 @@
+//! Boolean expressions as text over the names of solids: `"slab - (hole1 | hole2)"`.
+//!
+//! Operators with Python's precedence, from weak to strong: `|` union, `^` symmetric difference, `&`
+//! intersection, `-` difference, `~` complement. A row of equal `|`, `^` or `&` is one operation with many
+//! operands; parentheses are kept, so that reading what was printed gives the same tree. `union(a, b, ..)`,
+//! `intersection(..)` and `symmetric_difference(..)` take any number of operands. `vacuum` is nothing, `plenum`
+//! all of space. Names that are not made of letters, digits and `_` stand in quotation marks: `'front lens'`.
+
+use crate::fault::Fault;
+use crate::source::Span;
+use crate::suggestion::did_you_mean;
+use crate::syntax::{Associativity, Grammar, ItemKind, is_plain_name, parse};
+use std::fmt::Write;
+
+static GRAMMAR: Grammar = Grammar {
+    infix: |symbol| {
+        Some(match symbol {
+            "|" => (Operator::Union.power(), Associativity::Chain),
+            "^" => (Operator::SymmetricDifference.power(), Associativity::Chain),
+            "&" => (Operator::Intersection.power(), Associativity::Chain),
+            "-" => (Operator::Difference.power(), Associativity::Left),
+            _ => return None,
+        })
+    },
+    prefix: |symbol| (symbol == "~").then_some(Operator::Complement.power()),
+    operand: "the name of a solid",
+    operators: "| & - ^ ~",
+};
+
+/// A boolean operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operator {
+    /// Inside any; any number of operands.
+    Union,
+    /// Inside an odd number; any number of operands.
+    SymmetricDifference,
+    /// Inside all; any number of operands.
+    Intersection,
+    /// Inside the first and not the second; two operands.
+    Difference,
+    /// Outside; one operand.
+    Complement,
+}
+
+impl Operator {
+    fn power(self) -> u8 {
+        match self {
+            Operator::Union => 1,
+            Operator::SymmetricDifference => 2,
+            Operator::Intersection => 3,
+            Operator::Difference => 4,
+            Operator::Complement => 5,
+        }
+    }
+
+    fn infix(self) -> &'static str {
+        match self {
+            Operator::Union => " | ",
+            Operator::SymmetricDifference => " ^ ",
+            Operator::Intersection => " & ",
+            Operator::Difference => " - ",
+            Operator::Complement => "~",
+        }
+    }
+
+    fn function(self) -> &'static str {
+        match self {
+            Operator::Union => "union",
+            Operator::SymmetricDifference => "symmetric_difference",
+            Operator::Intersection => "intersection",
+            Operator::Difference | Operator::Complement => "",
+        }
+    }
+}
+
+const FUNCTIONS: [Operator; 3] = [
+    Operator::Union,
+    Operator::Intersection,
+    Operator::SymmetricDifference,
+];
+
+/// A name that has a meaning of its own in expressions, so that no solid may have it.
+pub(crate) fn is_reserved(name: &str) -> bool {
+    matches!(name, "vacuum" | "plenum")
+}
+
+/// One item of an expression in postfix order.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Term {
+    /// A solid by its name.
+    Name(String),
+    /// Nothing.
+    Vacuum,
+    /// All of space.
+    Plenum,
+    /// An operation on the last so many results.
+    Operation(Operator, usize),
+}
+
+impl Term {
+    /// How many results it takes.
+    pub fn arity(&self) -> usize {
+        match self {
+            Term::Operation(_, count) => *count,
+            _ => 0,
+        }
+    }
+}
+
+/// A boolean expression over names, in postfix order.
+///
+/// Equal expressions are built from equal terms; where they stood does not count.
+#[derive(Clone, Debug, Default)]
+pub struct Expression {
+    terms: Vec<Term>,
+    spans: Vec<Span>,
+}
+
+impl PartialEq for Expression {
+    fn eq(&self, other: &Expression) -> bool {
+        self.terms == other.terms
+    }
+}
+
+impl Expression {
+    /// Reads a text; reports all unknown functions at once.
+    pub(crate) fn parse(text: &str) -> Result<Expression, Vec<Fault>> {
+        let items = parse(text, &GRAMMAR).map_err(|fault| vec![fault])?;
+        let mut expression = Expression::default();
+        let mut faults = Vec::new();
+        for item in items {
+            match term(item.kind, text, item.span) {
+                Ok(term) => expression.push(term, item.span),
+                Err(fault) => faults.push(fault),
+            }
+        }
+        if faults.is_empty() { Ok(expression) } else { Err(faults) }
+    }
+
+    /// Adds a term; the operands of an operation must stand before it.
+    pub(crate) fn push(&mut self, term: Term, span: Span) {
+        self.terms.push(term);
+        self.spans.push(span);
+    }
+
+    /// The terms in postfix order, with their places in the text.
+    pub fn terms(&self) -> impl Iterator<Item = (&Term, Span)> {
+        self.terms.iter().zip(self.spans.iter().copied())
+    }
+
+    /// The names that occur, each as often as it does.
+    pub fn names(&self) -> impl Iterator<Item = (&str, Span)> {
+        self.terms().filter_map(|(term, span)| match term {
+            Term::Name(name) => Some((name.as_str(), span)),
+            _ => None,
+        })
+    }
+
+    /// The operands of each operation, as indices of terms.
+    fn operands(&self) -> Vec<Vec<usize>> {
+        let mut stack = Vec::new();
+        let mut operands = Vec::with_capacity(self.terms.len());
+        for (index, term) in self.terms.iter().enumerate() {
+            operands.push(stack.split_off(stack.len() - term.arity()));
+            stack.push(index);
+        }
+        operands
+    }
+}
+
+/// The text with as few parentheses as keep the tree as it is.
+impl std::fmt::Display for Expression {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.terms.is_empty() {
+            return Ok(());
+        }
+        let operands = self.operands();
+        let mut waiting = vec![Piece::Term(self.terms.len() - 1, 0)];
+        while let Some(piece) = waiting.pop() {
+            match piece {
+                Piece::Text(text) => f.write_str(text)?,
+                Piece::Term(index, power) => match &self.terms[index] {
+                    Term::Vacuum => f.write_str("vacuum")?,
+                    Term::Plenum => f.write_str("plenum")?,
+                    Term::Name(name) => write_name(f, name)?,
+                    Term::Operation(operator, _) => push_pieces(&mut waiting, *operator, &operands[index], power),
+                },
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is still to be printed.
+enum Piece {
+    Text(&'static str),
+    /// A term in a place where operators must bind more strongly than this.
+    Term(usize, u8),
+}
+
+/// Puts the pieces of an operation onto the stack, last first.
+fn push_pieces(waiting: &mut Vec<Piece>, operator: Operator, operands: &[usize], power: u8) {
+    let own = operator.power();
+    let called = operator != Operator::Complement && operands.len() < 2;
+    let enclosed = called || own <= power;
+    if enclosed {
+        waiting.push(Piece::Text(")"));
+    }
+    for (place, &operand) in operands.iter().enumerate().rev() {
+        let needed = match operator {
+            _ if called => 0,
+            // ~~a and a - b - c need no parentheses
+            Operator::Complement => own - 1,
+            Operator::Difference if place == 0 => own - 1,
+            _ => own,
+        };
+        waiting.push(Piece::Term(operand, needed));
+        if place > 0 {
+            waiting.push(Piece::Text(operator.infix()));
+        }
+    }
+    if operator == Operator::Complement {
+        waiting.push(Piece::Text(operator.infix()));
+    }
+    if enclosed {
+        waiting.push(Piece::Text("("));
+    }
+    if called {
+        waiting.push(Piece::Text(operator.function()));
+    }
+}
+
+fn write_name(f: &mut std::fmt::Formatter<'_>, name: &str) -> std::fmt::Result {
+    if is_plain_name(name) && !is_reserved(name) {
+        return f.write_str(name);
+    }
+    f.write_char('\'')?;
+    f.write_str(&name.replace('\'', "''"))?;
+    f.write_char('\'')
+}
+
+fn term(kind: ItemKind, text: &str, span: Span) -> Result<Term, Fault> {
+    Ok(match kind {
+        ItemKind::Number(_) => {
+            let problem = format!("`{}` is not the name of a solid", &text[span.range()]);
+            let reason = "names that begin with a digit or hold a `-` stand in quotation marks";
+            let suggestion = Some("did you mean 'name-1'?".to_owned());
+            return Err(Fault::new(span, problem, reason).suggest(suggestion));
+        }
+        // in quotation marks they would be names
+        ItemKind::Name(_) if &text[span.range()] == "vacuum" => Term::Vacuum,
+        ItemKind::Name(_) if &text[span.range()] == "plenum" => Term::Plenum,
+        ItemKind::Name(name) => Term::Name(name.into_owned()),
+        ItemKind::Prefix(_) => Term::Operation(Operator::Complement, 1),
+        ItemKind::Infix("|", count) => Term::Operation(Operator::Union, count),
+        ItemKind::Infix("&", count) => Term::Operation(Operator::Intersection, count),
+        ItemKind::Infix("^", count) => Term::Operation(Operator::SymmetricDifference, count),
+        ItemKind::Infix(..) => Term::Operation(Operator::Difference, 2),
+        ItemKind::Call(name, count) => call(name, count, span)?,
+    })
+}
+
+fn call(name: &str, count: usize, span: Span) -> Result<Term, Fault> {
+    if let Some(operator) = FUNCTIONS.iter().find(|operator| operator.function() == name) {
+        return Ok(Term::Operation(*operator, count));
+    }
+    let names = FUNCTIONS.map(Operator::function);
+    let problem = format!("unknown function `{name}`");
+    let reason = format!("the functions of solids are {}", names.join(", "));
+    let span = Span::new(span.start, span.start + name.len());
+    Err(Fault::new(span, problem, reason).suggest(did_you_mean(name, names)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The tree with all its parentheses: an independent, plainly recursive printer.
+    fn tree(expression: &Expression) -> String {
+        let mut stack: Vec<String> = Vec::new();
+        for (term, _) in expression.terms() {
+            let arguments = stack.split_off(stack.len() - term.arity());
+            stack.push(match term {
+                Term::Name(name) => name.clone(),
+                Term::Vacuum => "0".to_owned(),
+                Term::Plenum => "1".to_owned(),
+                Term::Operation(operator, _) => format!("{operator:?}[{}]", arguments.join(" ")),
+            });
+        }
+        assert_eq!(stack.len(), 1);
+        let short = stack.remove(0).replace("Union", "or").replace("SymmetricDifference", "xor");
+        short.replace("Intersection", "and").replace("Difference", "minus").replace("Complement", "not")
+    }
+
+    fn check(text: &str, expected: &str) {
+        let expression = Expression::parse(text).unwrap_or_else(|faults| panic!("{text}: {faults:?}"));
+        assert_eq!(tree(&expression), expected, "{text}");
+        let printed = expression.to_string();
+        assert_eq!(Expression::parse(&printed).unwrap(), expression, "{text} printed as {printed}");
+    }
+
+    fn check_print(text: &str, expected: &str) {
+        assert_eq!(Expression::parse(text).unwrap().to_string(), expected);
+    }
+
+    fn check_fault(text: &str, span: (usize, usize), message: &str) {
+        let fault = Expression::parse(text).unwrap_err().remove(0);
+        let suggestion = fault.suggestion.map(|s| format!(" {s}")).unwrap_or_default();
+        assert_eq!(format!("{} ({}){suggestion}", fault.problem, fault.reason), message, "{text}");
+        assert_eq!(fault.span, Span::new(span.0, span.1), "{text}");
+    }
+
+    #[test]
+    fn precedence_is_that_of_python() {
+        check("a", "a");
+        check("a | b & c", "or[a and[b c]]");
+        check("a & b | c", "or[and[a b] c]");
+        check("a ^ b & c | d", "or[xor[a and[b c]] d]");
+        check("a & b - c", "and[a minus[b c]]");
+        check("a - b - c", "minus[minus[a b] c]");
+        check("a - (b - c)", "minus[a minus[b c]]");
+        check("~a - b", "minus[not[a] b]");
+        check("~(a - b)", "not[minus[a b]]");
+        check("~~a", "not[not[a]]");
+        check("a - ~b", "minus[a not[b]]");
+        check("front & back & rim", "and[front back rim]");
+        check("slab - (hole1 | hole2)", "minus[slab or[hole1 hole2]]");
+    }
+
+    #[test]
+    fn chains_are_flat_and_parentheses_are_kept() {
+        check("a | b | c | d", "or[a b c d]");
+        check("(a | b) | c", "or[or[a b] c]");
+        check("a | (b | c)", "or[a or[b c]]");
+        check("a ^ b ^ c", "xor[a b c]");
+        check("a | b & c & d | e", "or[a and[b c d] e]");
+    }
+
+    #[test]
+    fn functions_and_constants() {
+        check("union(a, b, c)", "or[a b c]");
+        check("union(a)", "or[a]");
+        check("union()", "or[]");
+        check("intersection( )", "and[]");
+        check("symmetric_difference(a, b) | c", "or[xor[a b] c]");
+        check("vacuum | plenum", "or[0 1]");
+        check("union(a | b, c - d)", "or[or[a b] minus[c d]]");
+        check("~union(a)", "not[or[a]]");
+        check("union", "union");
+    }
+
+    #[test]
+    fn quoted_names() {
+        check("'front lens' & 'it''s'", "and[front lens it's]");
+        check("'vacuum'", "vacuum");
+        check("'hole-1' | h\u{f6}he2", "or[hole-1 h\u{f6}he2]");
+    }
+
+    #[test]
+    fn printing_uses_few_parentheses() {
+        check_print("((a)|(b&c))", "a | b & c");
+        check_print("(a - b) - c", "a - b - c");
+        check_print("~(~(a))", "~~a");
+        check_print("(a | b) & c", "(a | b) & c");
+        check_print("union(a,b)", "a | b");
+        check_print("union(union())", "union(union())");
+        check_print("intersection(a | b) - c", "intersection(a | b) - c");
+        check_print("'x y' & 'z'", "'x y' & z");
+    }
+
+    #[test]
+    fn faults() {
+        check_fault("a &", (3, 3), "the text ends too early (the name of a solid is missing)");
+        check_fault("a b", (2, 3), "an operator is missing before this (the operators are | & - ^ ~)");
+        check_fault("a & | b", (4, 5), "unexpected `|` (the name of a solid is missing before it)");
+        check_fault("a + b", (2, 3), "unexpected operator `+` (the operators are | & - ^ ~)");
+        check_fault("a ~ b", (2, 3), "unexpected operator `~` (the operators are | & - ^ ~)");
+        check_fault("!a", (0, 1), "unexpected character `!` (it has no meaning here) did you mean `~`?");
+        check_fault("(a | b", (0, 1), "unmatched `(` (there is no `)` after it)");
+        check_fault("'a", (0, 2), "the quoted name does not end (there is no second `'`)");
+        check_fault(
+            "unoin(a)",
+            (0, 5),
+            "unknown function `unoin` (the functions of solids are union, intersection, symmetric_difference) \
+             did you mean `union`?",
+        );
+        check_fault(
+            "hole-1",
+            (5, 6),
+            "`1` is not the name of a solid (names that begin with a digit or hold a `-` stand in quotation marks) \
+             did you mean 'name-1'?",
+        );
+    }
+
+    #[test]
+    fn depth_costs_no_call_stack() {
+        let deep = || {
+            let n = 100_000;
+            let texts = [
+                format!("{}a{}", "(".repeat(n), ")".repeat(n)),
+                format!("{}a{}", "(b | ".repeat(n), ")".repeat(n)),
+                format!("{}a{}", "union(b, ".repeat(n), ")".repeat(n)),
+                format!("{}a{}", "(".repeat(n), " & b)".repeat(n)),
+                format!("{}a", "~".repeat(n)),
+                format!("a{}", " - b".repeat(n)),
+                format!("a{}", " | b".repeat(n)),
+            ];
+            for text in texts {
+                let expression = Expression::parse(&text).unwrap();
+                assert_eq!(Expression::parse(&expression.to_string()).unwrap(), expression);
+            }
+        };
+        let thread = std::thread::Builder::new().stack_size(256 * 1024).spawn(deep);
+        thread.unwrap().join().unwrap();
+    }
+}

@@ -1,0 +1,47 @@
+//! A problem in a piece of text that does not know yet where in a file it stands.
+
+use crate::diagnostic::Diagnostic;
+use crate::source::{Source, Span};
+use std::sync::Arc;
+
+/// What is wrong at a place of a piece of text.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Fault {
+    pub span: Span,
+    pub problem: String,
+    pub reason: String,
+    pub suggestion: Option<String>,
+}
+
+impl Fault {
+    pub fn new(span: Span, problem: impl Into<String>, reason: impl Into<String>) -> Fault {
+        Fault {
+            span,
+            problem: problem.into(),
+            reason: reason.into(),
+            suggestion: None,
+        }
+    }
+
+    pub fn suggest(mut self, suggestion: Option<String>) -> Fault {
+        self.suggestion = suggestion;
+        self
+    }
+
+    /// The diagnostic, where the piece of text was written as the value at `span`.
+    pub fn located(self, source: &Arc<Source>, text: &str, span: Span) -> Diagnostic {
+        Diagnostic::error(self.problem)
+            .why(self.reason)
+            .suggest(self.suggestion)
+            .at(source, place_in(source, text, span, self.span))
+    }
+}
+
+/// Where a part of a string value stands in the file: exact if the file has the string as it is, the whole
+/// value if it is written with escapes.
+pub(crate) fn place_in(source: &Source, text: &str, value: Span, part: Span) -> Span {
+    match source.slice(value).find(text) {
+        Some(at) if !text.is_empty() => part.shifted(value.start + at),
+        _ => value,
+    }
+}
