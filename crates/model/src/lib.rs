@@ -1,1 +1,41 @@
 //! Solids as boolean expressions, compiled once into a flat program.
+//!
+//! - [`Solid`]: what people build: shapes, transforms, boolean operators, names. Cheap to clone.
+//! - [`Program`]: what evaluators read: boolean skeletons, a leaf table, shared surfaces. Immutable.
+//! - [`Evaluator`]: the trait between the two sides, with its rays, queries and answers.
+//!
+//! The rules about what is true along a ray that every evaluator shares (when crossings are welded, to
+//! which face they belong, what their normal is) are here too, each once: [`weld`] and [`dress`].
+
+pub mod dress;
+pub mod drive;
+pub mod gate;
+pub mod weld;
+
+mod chord;
+mod compile;
+mod error;
+mod evaluator;
+mod events;
+mod expression;
+mod ids;
+mod interim;
+mod lower;
+mod print;
+
+mod program;
+mod solid;
+
+pub use chord::{Chord, chord};
+pub use error::{CompileError, CompileProblem};
+pub use evaluator::{
+    Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, RayBatch, Rays, Sink, Start,
+    StartLists, State, Window, WindowError,
+};
+pub use events::{Event, GroupRay, LeafEvents, facets_contain, leaf_events};
+pub use expression::{Edge, Expression, Gate, Rule};
+pub use ids::{LeafId, NodeId, PlacementId, PrototypeId, RegionId, SurfaceId};
+pub use program::{
+    Leaf, LeafFacet, LeafKind, Medium, Program, Prototype, RegionInfo, SurfaceEntry,
+};
+pub use solid::{Node, Region, Solid};

@@ -1,0 +1,390 @@
+//! From solids to a program.
+
+use crate::gate::Network;
+use crate::interim::{SurfaceExt, share};
+use crate::lower::{Content, Group, RawLeaf, lower};
+use crate::program::{Leaf, LeafFacet, LeafKind, Program, Prototype, RegionInfo, SurfaceEntry};
+use crate::{Chord, CompileError, CompileProblem, LeafId, PrototypeId, Region, Solid, SurfaceId};
+use rayweave_math::{Bounds, Transform};
+use rayweave_shape::primitive::{Lowered, Primitive};
+
+impl Program {
+    /// Compiles one solid. Its inside is region 1 of medium 1, everything else the world.
+    pub fn compile(solid: &Solid) -> Result<Program, CompileError> {
+        let regions = vec![RegionInfo {
+            name: solid_name(solid),
+            medium: 1,
+        }];
+        compile(&[solid], regions)
+    }
+
+    /// Compiles an ordered list of regions: where they overlap, the later one wins.
+    pub fn compile_regions(regions: &[Region]) -> Result<Program, CompileError> {
+        let solids: Vec<&Solid> = regions.iter().map(|region| &region.solid).collect();
+        let infos = regions
+            .iter()
+            .map(|r| RegionInfo {
+                name: r.name.clone(),
+                medium: r.medium,
+            })
+            .collect();
+        compile(&solids, infos)
+    }
+}
+
+fn solid_name(solid: &Solid) -> String {
+    match solid.node() {
+        crate::Node::Named(name, _) => name.to_string(),
+        _ => "solid".to_owned(),
+    }
+}
+
+fn compile(solids: &[&Solid], regions: Vec<RegionInfo>) -> Result<Program, CompileError> {
+    let groups = lower(solids)?;
+    let order = inner_first(&groups);
+    let mut compiler = Compiler {
+        program: Program {
+            prototypes: Vec::new(),
+            surfaces: Vec::new(),
+            leaves: Vec::new(),
+            facets: Vec::new(),
+            regions,
+        },
+        done: groups.iter().map(|_| None).collect(),
+    };
+    // leaf and surface numbers run group by group with the model first, whatever the order of compilation
+    let mut first_leaf = 0;
+    let firsts: Vec<u32> = groups
+        .iter()
+        .map(|group| {
+            let first = first_leaf;
+            first_leaf += group.leaves.len() as u32;
+            first
+        })
+        .collect();
+    let mut tables: Vec<Option<GroupTables>> = groups.iter().map(|_| None).collect();
+    let mut groups: Vec<Option<Group>> = groups.into_iter().map(Some).collect();
+    for id in order {
+        let Some(group) = groups[id].take() else {
+            continue;
+        };
+        tables[id] = Some(compiler.group(id, group, firsts[id])?);
+    }
+    compiler.assemble(tables)
+}
+
+/// The groups ordered so that placed solids come before what places them.
+fn inner_first(groups: &[Group]) -> Vec<usize> {
+    let inner = |id: usize| {
+        groups[id]
+            .leaves
+            .iter()
+            .filter_map(|leaf| match leaf.content {
+                Content::Instance(prototype) => Some(prototype.index()),
+                Content::Shape(..) => None,
+            })
+    };
+    let (mut order, mut state) = (Vec::new(), vec![0u8; groups.len()]);
+    let mut waiting: Vec<usize> = vec![0];
+    while let Some(&id) = waiting.last() {
+        match state[id] {
+            0 => {
+                state[id] = 1;
+                waiting.extend(inner(id).filter(|&k| state[k] == 0));
+            }
+            1 => {
+                state[id] = 2;
+                order.push(id);
+                waiting.pop();
+            }
+            _ => {
+                waiting.pop();
+            }
+        }
+    }
+    order
+}
+
+/// The tables of one group, numbered from zero.
+struct GroupTables {
+    prototype: Prototype,
+    leaves: Vec<Leaf>,
+    facets: Vec<LeafFacet>,
+    surfaces: Vec<SurfaceEntry>,
+}
+
+/// What later groups need to know about a compiled one.
+#[derive(Clone, Copy)]
+struct Summary {
+    bounds: Bounds,
+    placements: u32,
+}
+
+struct Compiler {
+    program: Program,
+    done: Vec<Option<Summary>>,
+}
+
+impl Compiler {
+    fn group(
+        &mut self,
+        id: usize,
+        group: Group,
+        first_leaf: u32,
+    ) -> Result<GroupTables, CompileError> {
+        let mut tables = Tables::default();
+        for raw in &group.leaves {
+            match &raw.content {
+                Content::Shape(primitive, lowered) => tables.shape(raw, primitive, lowered)?,
+                Content::Instance(prototype) => {
+                    tables.instance(raw, *prototype, self.done[prototype.index()])?
+                }
+            }
+        }
+        tables.share(&group)?;
+        let bounds = tables.output_bounds(&group);
+        let prototype = Prototype {
+            leaves: first_leaf..first_leaf + group.leaves.len() as u32,
+            network: Network::new(&group.expression, &group.outputs, group.leaves.len()),
+            bounds,
+            ball: tables.ball(),
+            placements: tables.placements,
+            instances: tables
+                .instances
+                .iter()
+                .map(|&(p, leaf)| (p, LeafId(first_leaf + leaf)))
+                .collect(),
+            expression: group.expression,
+            outputs: group.outputs,
+        };
+        self.done[id] = Some(Summary {
+            bounds,
+            placements: prototype.placements,
+        });
+        Ok(GroupTables {
+            prototype,
+            leaves: tables.leaves,
+            facets: tables.facets,
+            surfaces: tables.surfaces,
+        })
+    }
+
+    /// Joins the tables of all groups, moving their numbers behind one another.
+    fn assemble(mut self, tables: Vec<Option<GroupTables>>) -> Result<Program, CompileError> {
+        for mut group in tables.into_iter().flatten() {
+            let (facets, surfaces) = (
+                self.program.facets.len() as u32,
+                self.program.surfaces.len() as u32,
+            );
+            for leaf in &mut group.leaves {
+                if let LeafKind::Shape { facets: range, .. } = &mut leaf.kind {
+                    *range = range.start + facets..range.end + facets;
+                }
+            }
+            group
+                .facets
+                .iter_mut()
+                .for_each(|facet| facet.surface.0 += surfaces);
+            self.program.prototypes.push(group.prototype);
+            self.program.leaves.append(&mut group.leaves);
+            self.program.facets.append(&mut group.facets);
+            self.program.surfaces.append(&mut group.surfaces);
+        }
+        Ok(self.program)
+    }
+}
+
+/// The tables of a group while they grow.
+struct Tables {
+    leaves: Vec<Leaf>,
+    facets: Vec<LeafFacet>,
+    surfaces: Vec<SurfaceEntry>,
+    instances: Vec<(u32, u32)>,
+    placements: u32,
+}
+
+impl Default for Tables {
+    fn default() -> Self {
+        Tables {
+            leaves: Vec::new(),
+            facets: Vec::new(),
+            surfaces: Vec::new(),
+            instances: Vec::new(),
+            placements: 1,
+        }
+    }
+}
+
+impl Tables {
+    fn shape(
+        &mut self,
+        raw: &RawLeaf,
+        primitive: &Primitive,
+        lowered: &Lowered,
+    ) -> Result<(), CompileError> {
+        let transform = transform_of(raw)?;
+        let first = self.facets.len() as u32;
+        let mut bounds = if lowered.complement {
+            Bounds::ALL
+        } else {
+            lowered.bounds.transformed(&transform.world_from_local)
+        };
+        for facet in &lowered.facets {
+            let surface = facet.surface.transformed(&transform);
+            let reach = surface.reach() + transform.path;
+            if !reach.is_finite() || !surface.is_finite() {
+                return Err(CompileError {
+                    path: raw.path.clone(),
+                    problem: CompileProblem::NotFinite,
+                });
+            }
+            if facet.inside {
+                bounds = bounds.intersection(&surface.inside_bounds());
+            }
+            let name = format!("{}.{}", raw.name, facet.name).into();
+            let surface_id = SurfaceId::from(self.surfaces.len());
+            self.surfaces.push(SurfaceEntry { surface, reach });
+            self.facets.push(LeafFacet {
+                surface: surface_id,
+                inside: facet.inside,
+                name,
+            });
+        }
+        self.leaves.push(Leaf {
+            name: raw.name.clone(),
+            kind: LeafKind::Shape {
+                facets: first..self.facets.len() as u32,
+                primitive: primitive.clone(),
+                complement: lowered.complement,
+            },
+            bounds,
+            transform,
+        });
+        Ok(())
+    }
+
+    fn instance(
+        &mut self,
+        raw: &RawLeaf,
+        prototype: PrototypeId,
+        inner: Option<Summary>,
+    ) -> Result<(), CompileError> {
+        let transform = transform_of(raw)?;
+        let Some(inner) = inner else { return Ok(()) };
+        let placement = self.placements;
+        self.placements = placement
+            .checked_add(inner.placements)
+            .filter(|&all| all < 1 << 31)
+            .ok_or_else(|| CompileError {
+                path: raw.path.clone(),
+                problem: CompileProblem::TooLarge { what: "placements" },
+            })?;
+        self.instances.push((placement, self.leaves.len() as u32));
+        self.leaves.push(Leaf {
+            name: raw.name.clone(),
+            kind: LeafKind::Instance {
+                prototype,
+                placement,
+            },
+            bounds: inner.bounds.transformed(&transform.world_from_local),
+            transform,
+        });
+        Ok(())
+    }
+
+    /// Faces that coincide get one surface, the same bits for all of them.
+    fn share(&mut self, group: &Group) -> Result<(), CompileError> {
+        let candidates: Vec<_> = self
+            .surfaces
+            .iter()
+            .map(|s| (s.surface.clone(), s.reach))
+            .collect();
+        let shared = share(&candidates).map_err(|wide| {
+            let name = |k: usize| self.facets[k].name.to_string();
+            CompileError {
+                path: group
+                    .leaves
+                    .first()
+                    .map(|leaf| leaf.path.clone())
+                    .unwrap_or_default(),
+                problem: CompileProblem::WideClass {
+                    first: name(wide.first),
+                    second: name(wide.second),
+                },
+            }
+        })?;
+        let mut number = vec![u32::MAX; self.surfaces.len()];
+        let mut kept: Vec<SurfaceEntry> = Vec::new();
+        for (k, facet) in self.facets.iter_mut().enumerate() {
+            let representative = shared.representative[k] as usize;
+            if number[representative] == u32::MAX {
+                number[representative] = kept.len() as u32;
+                kept.push(self.surfaces[representative].clone());
+            }
+            let entry = &mut kept[number[representative] as usize];
+            // the class shares one tolerance, wide enough for each of its members
+            entry.reach = entry.reach.max(self.surfaces[k].reach);
+            facet.surface = SurfaceId(number[representative]);
+            facet.inside ^= shared.flipped[k];
+        }
+        self.surfaces = kept;
+        Ok(())
+    }
+
+    /// A box around everything that is asked of the group, from the boxes of its leaves: the intersection for
+    /// a gate that needs all operands, else the union; complements are unbounded.
+    fn output_bounds(&self, group: &Group) -> Bounds {
+        let mut boxes: Vec<Bounds> = Vec::with_capacity(group.expression.nodes().len());
+        let of = |boxes: &[Bounds], edge: crate::Edge| match edge.is_complemented() {
+            true => Bounds::ALL,
+            false => boxes[edge.node().index()],
+        };
+        for gate in group.expression.nodes() {
+            boxes.push(match gate {
+                crate::Gate::Vacuum => Bounds::EMPTY,
+                crate::Gate::Plenum => Bounds::ALL,
+                crate::Gate::Leaf(leaf) => self.leaves[leaf.index()].bounds,
+                crate::Gate::Join(rule, operands)
+                    if *rule == crate::Rule::AtLeast(operands.len() as u32) =>
+                {
+                    operands.iter().fold(Bounds::ALL, |all, &edge| {
+                        all.intersection(&of(&boxes, edge))
+                    })
+                }
+                crate::Gate::Join(_, operands) => operands
+                    .iter()
+                    .fold(Bounds::EMPTY, |all, &edge| all.union(&of(&boxes, edge))),
+            });
+        }
+        group
+            .outputs
+            .iter()
+            .fold(Bounds::EMPTY, |all, &edge| all.union(&of(&boxes, edge)))
+    }
+
+    /// The ball around the finite leaves and the anchors of the surfaces of the others.
+    fn ball(&self) -> Chord {
+        let mut finite = Bounds::EMPTY;
+        for leaf in &self.leaves {
+            if leaf.bounds.is_finite() {
+                finite = finite.union(&leaf.bounds);
+            } else if let LeafKind::Shape { facets, .. } = &leaf.kind {
+                for facet in &self.facets[facets.start as usize..facets.end as usize] {
+                    let anchor = self.surfaces[facet.surface.index()].surface.anchor();
+                    finite = finite.union(&Bounds {
+                        lo: anchor,
+                        hi: anchor,
+                    });
+                }
+            }
+        }
+        Chord::around(&finite)
+    }
+}
+
+fn transform_of(raw: &RawLeaf) -> Result<Transform, CompileError> {
+    Transform::new(raw.world_from_local, raw.way).map_err(|e| CompileError {
+        path: raw.path.clone(),
+        problem: e.into(),
+    })
+}

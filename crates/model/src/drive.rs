@@ -1,0 +1,324 @@
+//! The one parallel driver: fixed chunks of work, results in order, memory bounded, cancellable.
+//!
+//! What a chunk is does not depend on the number of threads, and results are merged in the order of the
+//! chunks, so that every run gives the same bits whatever the machine. Chunks are pulled only as fast as
+//! results are merged: at most a few per thread exist at any time.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard};
+
+/// A flag by which a run can be stopped from another thread or a signal handler.
+#[derive(Clone, Debug, Default)]
+pub struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    /// A token that nobody has used yet.
+    pub fn new() -> Cancel {
+        Cancel::default()
+    }
+
+    /// Asks every run that holds this token to stop soon.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// True once somebody has asked.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Why a run ended early.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Stopped<E> {
+    /// Its token was used.
+    #[error("cancelled")]
+    Cancelled,
+    /// Merging a result failed.
+    #[error(transparent)]
+    Failed(#[from] E),
+}
+
+/// The number of threads to use: what is asked for, else the variable `RAYWEAVE_THREADS`, else all cores.
+/// Anything in the variable that is not a whole number above 0 is ignored.
+pub fn thread_count(asked: Option<NonZeroUsize>) -> NonZeroUsize {
+    let from_variable = || std::env::var("RAYWEAVE_THREADS").ok()?.trim().parse().ok();
+    asked
+        .or_else(from_variable)
+        .or_else(|| std::thread::available_parallelism().ok())
+        .unwrap_or(NonZeroUsize::MIN)
+}
+
+/// Chunks that a thread may be ahead of the merge.
+const AHEAD: usize = 3;
+
+/// Runs `work` on every chunk and merges the results in the order of the chunks.
+///
+/// Each thread makes its own scratch once. `merge` runs on the calling thread; its error ends the run, as
+/// does the token, which is looked at before each chunk and each merge. A panic in `work` is passed on.
+pub fn drive<I, O, S, E>(
+    threads: NonZeroUsize,
+    cancel: &Cancel,
+    chunks: impl Iterator<Item = I> + Send,
+    scratch: impl Fn() -> S + Sync,
+    work: impl Fn(&mut S, I) -> O + Sync,
+    mut merge: impl FnMut(O) -> Result<(), E>,
+) -> Result<(), Stopped<E>>
+where
+    O: Send,
+{
+    if threads.get() == 1 {
+        return drive_here(cancel, chunks, scratch, work, merge);
+    }
+    let queue = Queue::new(chunks, AHEAD * threads.get());
+    std::thread::scope(|scope| {
+        for _ in 0..threads.get() {
+            scope.spawn(|| {
+                let _guard = Leaving(&queue);
+                let mut scratch = scratch();
+                while let Some((number, chunk)) = queue.next(cancel) {
+                    queue.deliver(number, work(&mut scratch, chunk));
+                }
+            });
+        }
+        let result = queue.merge_all(threads.get(), cancel, &mut merge);
+        queue.close();
+        result
+    })
+}
+
+fn drive_here<I, O, S, E>(
+    cancel: &Cancel,
+    chunks: impl Iterator<Item = I>,
+    scratch: impl Fn() -> S,
+    work: impl Fn(&mut S, I) -> O,
+    mut merge: impl FnMut(O) -> Result<(), E>,
+) -> Result<(), Stopped<E>> {
+    let mut scratch = scratch();
+    for chunk in chunks {
+        if cancel.is_cancelled() {
+            return Err(Stopped::Cancelled);
+        }
+        merge(work(&mut scratch, chunk))?;
+    }
+    if cancel.is_cancelled() {
+        Err(Stopped::Cancelled)
+    } else {
+        Ok(())
+    }
+}
+
+/// Chunks on their way out and results on their way in.
+struct Queue<C, O> {
+    state: Mutex<QueueState<C, O>>,
+    changed: Condvar,
+    ahead: usize,
+}
+
+struct QueueState<C, O> {
+    chunks: C,
+    /// The number of the next chunk, and of the next result to merge.
+    pulled: usize,
+    merged: usize,
+    results: BTreeMap<usize, O>,
+    left: usize,
+    closed: bool,
+}
+
+impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
+    fn new(chunks: C, ahead: usize) -> Self {
+        let state = QueueState {
+            chunks,
+            pulled: 0,
+            merged: 0,
+            results: BTreeMap::new(),
+            left: 0,
+            closed: false,
+        };
+        Queue {
+            state: Mutex::new(state),
+            changed: Condvar::new(),
+            ahead,
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, QueueState<C, O>> {
+        // a thread that panicked under the lock left numbers that are still true
+        self.state
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    fn wait<'a>(
+        &self,
+        guard: MutexGuard<'a, QueueState<C, O>>,
+    ) -> MutexGuard<'a, QueueState<C, O>> {
+        self.changed
+            .wait(guard)
+            .unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    /// The next chunk with its number, once the merge is near enough; `None` at the end.
+    fn next(&self, cancel: &Cancel) -> Option<(usize, I)> {
+        let mut state = self.lock();
+        while !state.closed && state.pulled >= state.merged + self.ahead {
+            state = self.wait(state);
+        }
+        if state.closed || cancel.is_cancelled() {
+            return None;
+        }
+        let chunk = state.chunks.next();
+        match chunk {
+            Some(chunk) => {
+                state.pulled += 1;
+                Some((state.pulled - 1, chunk))
+            }
+            None => {
+                state.closed = true;
+                self.changed.notify_all();
+                None
+            }
+        }
+    }
+
+    fn deliver(&self, number: usize, result: O) {
+        self.lock().results.insert(number, result);
+        self.changed.notify_all();
+    }
+
+    /// Merges results in order until all threads have left.
+    fn merge_all<E>(
+        &self,
+        threads: usize,
+        cancel: &Cancel,
+        merge: &mut impl FnMut(O) -> Result<(), E>,
+    ) -> Result<(), Stopped<E>> {
+        loop {
+            let mut state = self.lock();
+            let next = state.merged;
+            let result = state.results.remove(&next);
+            match result {
+                Some(result) => {
+                    drop(state);
+                    if cancel.is_cancelled() {
+                        return Err(Stopped::Cancelled);
+                    }
+                    merge(result)?;
+                    self.lock().merged += 1;
+                    self.changed.notify_all();
+                }
+                None if state.left == threads => {
+                    return if cancel.is_cancelled() {
+                        Err(Stopped::Cancelled)
+                    } else {
+                        Ok(())
+                    };
+                }
+                None => {
+                    state = self.wait(state);
+                    drop(state);
+                }
+            }
+        }
+    }
+
+    /// Lets waiting threads go home.
+    fn close(&self) {
+        self.lock().closed = true;
+        self.changed.notify_all();
+    }
+}
+
+/// Counts a thread out however it ends, so that a panic cannot leave the merge waiting.
+struct Leaving<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, O>);
+
+impl<I, C: Iterator<Item = I>, O> Drop for Leaving<'_, I, C, O> {
+    fn drop(&mut self) {
+        self.0.lock().left += 1;
+        self.0.changed.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicUsize;
+
+    fn threads(n: usize) -> NonZeroUsize {
+        NonZeroUsize::new(n).unwrap()
+    }
+
+    #[test]
+    fn results_come_in_order_whatever_the_threads() {
+        for n in [1, 2, 7] {
+            let mut seen = Vec::new();
+            let work = |_: &mut (), k: u64| {
+                std::thread::sleep(std::time::Duration::from_micros(k * 7919 % 300));
+                k * k
+            };
+            let merge = |r| {
+                seen.push(r);
+                Ok::<(), ()>(())
+            };
+            drive(threads(n), &Cancel::new(), 0..200, || (), work, merge).unwrap();
+            assert_eq!(seen, (0..200).map(|k| k * k).collect::<Vec<u64>>());
+        }
+    }
+
+    #[test]
+    fn few_chunks_exist_at_a_time() {
+        let (made, merged) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let most = AtomicUsize::new(0);
+        let chunks = (0..1000).inspect(|_| {
+            let ahead = made.fetch_add(1, Ordering::SeqCst) + 1 - merged.load(Ordering::SeqCst);
+            most.fetch_max(ahead, Ordering::SeqCst);
+        });
+        let merge = |()| {
+            merged.fetch_add(1, Ordering::SeqCst);
+            Ok::<(), ()>(())
+        };
+        drive(threads(2), &Cancel::new(), chunks, || (), |_, _| (), merge).unwrap();
+        assert_eq!(merged.load(Ordering::SeqCst), 1000);
+        assert!(most.load(Ordering::SeqCst) <= 2 * AHEAD + 1);
+    }
+
+    #[test]
+    fn errors_and_cancelling_stop_the_run() {
+        for n in [1, 3] {
+            let merge = |k: usize| if k < 10 { Ok(()) } else { Err("full") };
+            let failed = drive(threads(n), &Cancel::new(), 0.., || (), |_, k| k, merge);
+            assert_eq!(failed, Err(Stopped::Failed("full")));
+            let cancel = Cancel::new();
+            let mut count = 0;
+            let merge = |_| {
+                count += 1;
+                if count == 5 {
+                    cancel.cancel();
+                }
+                Ok::<(), ()>(())
+            };
+            assert_eq!(
+                drive(threads(n), &cancel, 0usize.., || (), |_, k| k, merge),
+                Err(Stopped::Cancelled)
+            );
+            assert_eq!(count, 5);
+        }
+    }
+
+    #[test]
+    fn a_panic_is_passed_on() {
+        let run = || {
+            drive(
+                threads(2),
+                &Cancel::new(),
+                0..100,
+                || (),
+                |_, k| assert!(k < 50),
+                |()| Ok::<(), ()>(()),
+            )
+        };
+        assert!(std::panic::catch_unwind(run).is_err());
+    }
+}

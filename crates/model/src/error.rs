@@ -1,0 +1,45 @@
+//! Why a solid cannot be compiled.
+
+use rayweave_math::SingularError;
+
+/// A solid that cannot be compiled, with the way to the part that is at fault.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{problem}, in {path}")]
+pub struct CompileError {
+    /// The names and operators on the way from the root to the part, as `lens/union[1]/sphere`.
+    pub path: String,
+    /// What is wrong there.
+    pub problem: CompileProblem,
+}
+
+/// What can be wrong with a solid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CompileProblem {
+    /// A map without inverse.
+    #[error("{0}")]
+    Transform(#[from] SingularError),
+    /// More parts than the 31-bit numbers of a program can tell apart.
+    #[error(
+        "the model has more than 2^31 {what} (their numbers do not fit) are shared parts placed instead of copied?"
+    )]
+    TooLarge {
+        /// Leaves, surfaces or placements.
+        what: &'static str,
+    },
+    /// Nearly equal surfaces that form a chain so long that its ends are not equal.
+    #[error(
+        "faces {first} and {second} are neither equal nor apart (a chain of nearly coincident faces joins them) \
+         were they computed in different ways?"
+    )]
+    WideClass {
+        /// A face at one end of the chain.
+        first: String,
+        /// A face at the other end.
+        second: String,
+    },
+    /// A number of a shape under its map is not finite or a size vanished.
+    #[error(
+        "the shape has no finite size here (its numbers overflow or vanish under the transform) is a scale far too large or small?"
+    )]
+    NotFinite,
+}

@@ -1,0 +1,372 @@
+//! The trait between the two sides of the house: rays and questions in, crossings out.
+
+use crate::{LeafId, Medium, PlacementId, Program, RegionId, SurfaceId};
+use rayweave_math::Vec3;
+use rayweave_shape::Ray;
+
+/// Rays as a structure of arrays: component k of ray i is `origins[k][i]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays<'a> {
+    /// The components of the origins, all finite.
+    pub origins: [&'a [f64]; 3],
+    /// The components of the directions, all finite and not all zero.
+    pub directions: [&'a [f64]; 3],
+}
+
+impl Rays<'_> {
+    /// The number of rays.
+    pub fn len(&self) -> usize {
+        self.origins[0].len()
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Ray number `i`.
+    pub fn get(&self, i: usize) -> Ray {
+        let at = |columns: &[&[f64]; 3]| Vec3::new(columns[0][i], columns[1][i], columns[2][i]);
+        Ray::new(at(&self.origins), at(&self.directions))
+    }
+}
+
+/// Rays that own their arrays.
+#[derive(Clone, Debug, Default)]
+pub struct RayBatch {
+    origins: [Vec<f64>; 3],
+    directions: [Vec<f64>; 3],
+}
+
+impl RayBatch {
+    /// Appends a ray.
+    pub fn push(&mut self, ray: Ray) {
+        for k in 0..3 {
+            self.origins[k].push(ray.origin[k]);
+            self.directions[k].push(ray.direction[k]);
+        }
+    }
+
+    /// Forgets all rays and keeps the memory.
+    pub fn clear(&mut self) {
+        self.origins
+            .iter_mut()
+            .chain(&mut self.directions)
+            .for_each(Vec::clear);
+    }
+
+    /// The rays as slices.
+    pub fn rays(&self) -> Rays<'_> {
+        let [ox, oy, oz] = &self.origins;
+        let [dx, dy, dz] = &self.directions;
+        Rays {
+            origins: [ox, oy, oz],
+            directions: [dx, dy, dz],
+        }
+    }
+}
+
+impl FromIterator<Ray> for RayBatch {
+    fn from_iter<I: IntoIterator<Item = Ray>>(rays: I) -> Self {
+        let mut batch = RayBatch::default();
+        rays.into_iter().for_each(|ray| batch.push(ray));
+        batch
+    }
+}
+
+/// The part of a ray that is asked about: strictly between `t_min` and `t_max`, which may be infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    t_min: f64,
+    t_max: f64,
+}
+
+/// Why a window cannot be asked about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WindowError {
+    /// A bound is NaN.
+    #[error("the window has a bound that is NaN (nothing lies before or after it)")]
+    NotANumber,
+    /// The window holds no time.
+    #[error(
+        "the window is empty or reversed (t_min must be less than t_max) are its ends swapped?"
+    )]
+    Empty,
+}
+
+impl Window {
+    /// The whole line.
+    pub const ALL: Window = Window {
+        t_min: f64::NEG_INFINITY,
+        t_max: f64::INFINITY,
+    };
+
+    /// The times with `t_min < t < t_max`.
+    pub fn new(t_min: f64, t_max: f64) -> Result<Window, WindowError> {
+        match () {
+            () if t_min.is_nan() || t_max.is_nan() => Err(WindowError::NotANumber),
+            () if t_min >= t_max => Err(WindowError::Empty),
+            () => Ok(Window { t_min, t_max }),
+        }
+    }
+
+    /// The lower end.
+    pub fn t_min(&self) -> f64 {
+        self.t_min
+    }
+
+    /// The upper end.
+    pub fn t_max(&self) -> f64 {
+        self.t_max
+    }
+}
+
+impl Default for Window {
+    fn default() -> Self {
+        Window::ALL
+    }
+}
+
+/// How many crossings of each ray are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Limit {
+    /// All of them.
+    #[default]
+    All,
+    /// The first one, if there is one: an evaluator may stop as soon as it is certain.
+    First,
+}
+
+/// A surface on which a ray starts, and its side there just after t = 0.
+///
+/// A ray that leaves a surface by reflection or refraction starts *on* it: one root at t = 0 is divided out
+/// of the surface's equation, and the side is what the caller says, so that no offset is needed and nothing
+/// is hit twice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// The surface.
+    pub surface: SurfaceId,
+    /// The placement that it belongs to.
+    pub placement: PlacementId,
+    /// True if the ray is where f < 0 just after its start.
+    pub inside: bool,
+}
+
+/// The start lists of a batch: those of ray i are `entries[first[i]..first[i + 1]]`.
+#[derive(Clone, Copy, Debug)]
+pub struct StartLists<'a> {
+    /// Where each ray's list begins, and the length of `entries` at the end.
+    pub first: &'a [u32],
+    /// The lists, one after the other.
+    pub entries: &'a [Start],
+}
+
+impl<'a> StartLists<'a> {
+    /// The list of ray `i`.
+    pub fn of(&self, i: usize) -> &'a [Start] {
+        &self.entries[self.first[i] as usize..self.first[i + 1] as usize]
+    }
+}
+
+/// What is asked of every ray of a batch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Query<'a> {
+    /// The part of the rays that is asked about.
+    pub window: Window,
+    /// How many crossings are wanted.
+    pub limit: Limit,
+    /// Surfaces that the rays start on; such rays are asked about times t > 0 only.
+    pub starts: Option<StartLists<'a>>,
+}
+
+impl Query<'_> {
+    /// The first crossing after t = 0.
+    pub fn nearest() -> Query<'static> {
+        Query {
+            window: Window {
+                t_min: 0.0,
+                t_max: f64::INFINITY,
+            },
+            limit: Limit::First,
+            starts: None,
+        }
+    }
+}
+
+/// A face of a leaf, somewhere in a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Face {
+    /// The leaf.
+    pub leaf: LeafId,
+    /// The face's number among those of its leaf.
+    pub facet: u32,
+    /// The surface that the face lies in.
+    pub surface: SurfaceId,
+    /// The placement of the leaf.
+    pub placement: PlacementId,
+}
+
+/// A ray passes from one region into another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// When, in units of the ray's direction.
+    pub t: f64,
+    /// The face that the crossing belongs to.
+    pub face: Face,
+    /// The face of the region that is left; the same as `face` where one side is the world.
+    pub left: Face,
+    /// The face of the region that is entered; the same as `face` where one side is the world.
+    pub entered: Face,
+    /// The region before; 0 is the world.
+    pub before: RegionId,
+    /// The region after.
+    pub after: RegionId,
+}
+
+impl Crossing {
+    /// True if the ray enters a region, false if it leaves for the world.
+    pub fn enters(&self) -> bool {
+        self.after != RegionId(0)
+    }
+}
+
+/// All that is found on one ray.
+#[derive(Clone, Copy, Debug)]
+pub struct RayAnswer<'a> {
+    /// The number of the ray in its batch.
+    pub ray: usize,
+    /// The region just after `t_min`; 0 is the world.
+    pub start: RegionId,
+    /// The crossings in order of time.
+    pub crossings: &'a [Crossing],
+}
+
+/// Takes the answers, ray by ray in the order of the batch.
+pub trait Sink {
+    /// Takes the answer for one ray.
+    fn ray(&mut self, answer: RayAnswer<'_>);
+}
+
+impl<F: FnMut(RayAnswer<'_>)> Sink for F {
+    fn ray(&mut self, answer: RayAnswer<'_>) {
+        self(answer);
+    }
+}
+
+/// Answers gathered in arrays: those of ray i are `crossings[offsets[i]..offsets[i + 1]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collected {
+    /// The region of each ray just after `t_min`.
+    pub starts: Vec<RegionId>,
+    /// Where each ray's crossings begin, and their total at the end.
+    pub offsets: Vec<usize>,
+    /// The crossings, sorted by ray, then t.
+    pub crossings: Vec<Crossing>,
+}
+
+impl Default for Collected {
+    fn default() -> Self {
+        Collected {
+            starts: Vec::new(),
+            offsets: vec![0],
+            crossings: Vec::new(),
+        }
+    }
+}
+
+impl Collected {
+    /// The crossings of ray `i`.
+    pub fn of(&self, i: usize) -> &[Crossing] {
+        &self.crossings[self.offsets[i]..self.offsets[i + 1]]
+    }
+
+    /// The number of rays.
+    pub fn len(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// True if no ray was answered.
+    pub fn is_empty(&self) -> bool {
+        self.starts.is_empty()
+    }
+
+    /// Appends the answers for the rays that follow.
+    pub fn append(&mut self, other: &Collected) {
+        let before = self.crossings.len();
+        self.starts.extend_from_slice(&other.starts);
+        self.crossings.extend_from_slice(&other.crossings);
+        self.offsets
+            .extend(other.offsets[1..].iter().map(|end| end + before));
+    }
+}
+
+impl Sink for Collected {
+    fn ray(&mut self, answer: RayAnswer<'_>) {
+        self.starts.push(answer.start);
+        self.crossings.extend_from_slice(answer.crossings);
+        self.offsets.push(self.crossings.len());
+    }
+}
+
+/// Answers questions about a compiled model along rays.
+///
+/// Every evaluator gives the same answer to the same question, bit for bit: they share the roots of the
+/// leaves, exact algebra, and one weld. An evaluator has no state of its own that changes; what it needs
+/// while it works is in a scratch, one per thread, that the caller owns.
+pub trait Evaluator: Sync {
+    /// The memory that a thread needs.
+    type Scratch: Send;
+
+    /// What the evaluator is called.
+    fn name(&self) -> &'static str;
+
+    /// The model.
+    fn program(&self) -> &Program;
+
+    /// Memory for one thread.
+    fn scratch(&self) -> Self::Scratch;
+
+    /// The crossings of every ray of a batch, into the sink.
+    fn crossings(
+        &self,
+        rays: Rays<'_>,
+        query: &Query<'_>,
+        scratch: &mut Self::Scratch,
+        sink: &mut dyn Sink,
+    );
+
+    /// The region that each point is in; 0 is the world. On a boundary: the side of a ray that lies in it.
+    fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]);
+
+    /// The answers for a whole batch in arrays.
+    fn collect(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected {
+        let mut collected = Collected::default();
+        self.crossings(rays, query, &mut self.scratch(), &mut collected);
+        collected
+    }
+
+    /// The crossings of one ray; for more than a few rays ask for batches.
+    fn one(&self, ray: Ray, query: &Query<'_>) -> Collected {
+        self.collect(RayBatch::from_iter([ray]).rays(), query)
+    }
+
+    /// True where the one point given is inside some region.
+    fn contains(&self, point: Vec3) -> bool {
+        let mut region = [RegionId(0)];
+        self.regions_at(
+            [&[point.x], &[point.y], &[point.z]],
+            &mut self.scratch(),
+            &mut region,
+        );
+        region[0] != RegionId(0)
+    }
+}
+
+/// The state of a model between two crossings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct State {
+    /// The region that wins.
+    pub region: RegionId,
+    /// Its medium.
+    pub medium: Medium,
+}

@@ -1,0 +1,168 @@
+//! Where one leaf changes along a ray: the meaning of a leaf, for every evaluator.
+
+use crate::interim::{SurfaceExt, side_along_gradient};
+use crate::{Face, LeafFacet, PlacementId, Program, Start};
+use rayweave_math::Vec3;
+use rayweave_shape::Ray;
+use rayweave_shape::surface::{SurfaceCrossings, lies_in};
+
+/// A flip of one leaf of a group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When.
+    pub t: f64,
+    /// The leaf, by its number in its group.
+    pub leaf: u32,
+    /// The face that is crossed.
+    pub face: Face,
+}
+
+/// The changes of one leaf along a ray: its side at -inf and flips in order of time. A buffer to be reused.
+#[derive(Clone, Debug, Default)]
+pub struct LeafEvents {
+    /// True if the leaf is inside as t -> -inf.
+    pub starts_inside: bool,
+    /// `(t, facet)`, strictly increasing in t.
+    pub flips: Vec<(f64, u32)>,
+    unsorted: Vec<(f64, u32)>,
+    holds: Vec<bool>,
+}
+
+/// A ray as a group sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupRay<'a> {
+    /// The ray in the frame of the group.
+    pub ray: Ray,
+    /// The chord that says whether it lies in a surface.
+    pub chord: (f64, f64),
+    /// The placement of the group.
+    pub placement: PlacementId,
+    /// Surfaces that the ray starts on.
+    pub starts: &'a [Start],
+}
+
+impl GroupRay<'_> {
+    /// Where the ray crosses a facet, as "inside the facet" before and after.
+    fn crossings(&self, program: &Program, facet: &LeafFacet) -> SurfaceCrossings {
+        let entry = program.surface(facet.surface);
+        let start = self
+            .starts
+            .iter()
+            .find(|s| s.surface == facet.surface && s.placement == self.placement);
+        let crossings = match start {
+            Some(start) => entry.surface.crossings_from(&self.ray, start.inside),
+            None => match lies_in(&entry.surface, entry.reach, &self.ray, self.chord) {
+                Some(inside) => SurfaceCrossings::constant(inside),
+                None => entry.surface.crossings(&self.ray),
+            },
+        };
+        if facet.inside {
+            crossings
+        } else {
+            crossings.negated()
+        }
+    }
+}
+
+/// The changes of a leaf that is a conjunction of facets.
+///
+/// Of facets that flip at the same time the one with the lowest number is named: entering, undoing any of
+/// them alone would leave the leaf outside, and leaving, any of them alone would; so all are candidates.
+pub fn leaf_events(
+    program: &Program,
+    facets: &[LeafFacet],
+    ray: &GroupRay,
+    events: &mut LeafEvents,
+) {
+    events.flips.clear();
+    events.starts_inside = false;
+    let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0u32), (f64::INFINITY, 0u32));
+    for (k, facet) in facets.iter().enumerate() {
+        let crossings = ray.crossings(program, facet);
+        match (crossings.starts_negative(), crossings.times()) {
+            (true, []) => {}
+            (false, []) => return,
+            (true, &[t]) => leave = earlier(leave, (t, k as u32)),
+            (false, &[t]) => enter = later(enter, (t, k as u32)),
+            (false, &[a, b]) => {
+                enter = later(enter, (a, k as u32));
+                leave = earlier(leave, (b, k as u32));
+            }
+            _ => return general_events(program, facets, ray, events),
+        }
+        // the interval is open: where it shrinks to a point nothing is left of it
+        if enter.0 >= leave.0 {
+            return;
+        }
+    }
+    events.starts_inside = enter.0 == f64::NEG_INFINITY;
+    events
+        .flips
+        .extend([enter, leave].into_iter().filter(|(t, _)| t.is_finite()));
+}
+
+fn later(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
+    if b.0 > a.0 { b } else { a }
+}
+
+fn earlier(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
+    if b.0 < a.0 { b } else { a }
+}
+
+/// The same where some facet is inside in more than one piece: all flips in order, counting the facets that
+/// do not hold.
+fn general_events(
+    program: &Program,
+    facets: &[LeafFacet],
+    ray: &GroupRay,
+    events: &mut LeafEvents,
+) {
+    let LeafEvents {
+        flips,
+        unsorted,
+        holds,
+        starts_inside,
+    } = events;
+    unsorted.clear();
+    holds.clear();
+    for (k, facet) in facets.iter().enumerate() {
+        let crossings = ray.crossings(program, facet);
+        holds.push(crossings.starts_negative());
+        unsorted.extend(crossings.times().iter().map(|&t| (t, k as u32)));
+    }
+    unsorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut failing = holds.iter().filter(|&&holds| !holds).count();
+    *starts_inside = failing == 0;
+    let mut inside = *starts_inside;
+    let mut rest = &unsorted[..];
+    while let Some(&(t, first)) = rest.first() {
+        let same = rest.iter().take_while(|event| event.0 == t).count();
+        for &(_, facet) in &rest[..same] {
+            let holds = &mut holds[facet as usize];
+            *holds = !*holds;
+            failing = if *holds { failing - 1 } else { failing + 1 };
+        }
+        if inside != (failing == 0) {
+            inside = !inside;
+            flips.push((t, first));
+        }
+        rest = &rest[same..];
+    }
+}
+
+/// True if a point is inside a conjunction of facets. On a surface, f = 0, the side is that of a ray that
+/// lies in it: where moving along the fixed direction leads.
+pub fn facets_contain(program: &Program, facets: &[LeafFacet], point: Vec3) -> bool {
+    facets.iter().all(|facet| {
+        let (value, gradient) = program
+            .surface(facet.surface)
+            .surface
+            .value_and_gradient(point);
+        let negative = if value == 0.0 {
+            side_along_gradient(gradient)
+        } else {
+            value < 0.0
+        };
+        negative == facet.inside
+    })
+}

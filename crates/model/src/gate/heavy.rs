@@ -1,0 +1,242 @@
+//! Deep trees: heavy paths with a segment tree on each.
+//!
+//! Every gate picks one operand, the one with most leaves below, as its *heavy* one; the tree falls into
+//! paths that climb from a leaf through heavy edges, and any way to the root crosses at most log2 n of them
+//! (Sleator & Tarjan, "A data structure for dynamic trees", 1983). With the other operands of a gate counted,
+//! the gate is one of four functions of its heavy operand: constant 0, constant 1, identity, complement.
+//! A segment tree composes the functions of a path, so that a flip anywhere costs O(log n) a path.
+
+use super::{Network, NetworkState};
+use crate::Rule;
+
+/// A function of one truth value: bit 0 is its value at false, bit 1 at true.
+type Function = u8;
+
+const IDENTITY: Function = 0b10;
+
+fn apply(f: Function, x: bool) -> bool {
+    f >> u8::from(x) & 1 == 1
+}
+
+/// `outer(inner(x))`.
+fn compose(inner: Function, outer: Function) -> Function {
+    u8::from(apply(outer, apply(inner, false))) | u8::from(apply(outer, apply(inner, true))) << 1
+}
+
+/// The paths of a tree; what does not change along a ray.
+#[derive(Clone, Debug)]
+pub(super) struct HeavyPaths {
+    /// The path of each node (leaves and gates).
+    path_of: Vec<u32>,
+    /// The place of each gate in its path, counted from the bottom; gates only.
+    place_of: Vec<u32>,
+    /// The heavy operand of each gate and whether it is complemented; `NONE` where no operand can be.
+    heavy: Vec<(u32, bool)>,
+    paths: Vec<Path>,
+}
+
+/// No node.
+const NONE: u32 = u32::MAX;
+
+#[derive(Clone, Debug)]
+struct Path {
+    /// Where the path's segment tree begins.
+    tree: u32,
+    /// The number of leaves of the segment tree, a power of two.
+    width: u32,
+    /// The leaf at the bottom, or `NONE` where the path begins with a gate without heavy operand.
+    bottom: u32,
+    top: u32,
+}
+
+/// What changes along a ray: the segment trees and the value at the top of each path. (For networks that
+/// are not trees: the settled value of each gate.)
+#[derive(Clone, Debug, Default)]
+pub(super) struct HeavyState {
+    trees: Vec<Function>,
+    values: Vec<bool>,
+}
+
+impl HeavyState {
+    pub fn gate_values(values: &[bool]) -> HeavyState {
+        HeavyState {
+            trees: Vec::new(),
+            values: values.to_vec(),
+        }
+    }
+
+    /// Notes the settled value of a gate; true if it is new.
+    pub fn changed(&mut self, index: usize, value: bool) -> bool {
+        std::mem::replace(&mut self.values[index], value) != value
+    }
+}
+
+impl HeavyPaths {
+    /// `counts` and `values` are those of the network with every leaf outside; from here on `counts` counts
+    /// the operands that are not heavy.
+    pub fn new(network: &Network, counts: &mut [u32], values: &[bool]) -> (HeavyPaths, HeavyState) {
+        let leaves = network.leaf_count as usize;
+        let mut this = HeavyPaths {
+            path_of: vec![0; leaves + counts.len()],
+            place_of: vec![0; counts.len()],
+            heavy: heavy_operands(network),
+            paths: Vec::new(),
+        };
+        let mut length = Vec::new();
+        for node in 0..leaves + counts.len() {
+            let gate = node.checked_sub(leaves);
+            let path = match gate.map(|gate| this.heavy[gate].0) {
+                Some(below) if below != NONE => this.path_of[below as usize],
+                _ => {
+                    let bottom = if gate.is_none() { node as u32 } else { NONE };
+                    this.paths.push(Path {
+                        tree: 0,
+                        width: 0,
+                        bottom,
+                        top: NONE,
+                    });
+                    length.push(0u32);
+                    (this.paths.len() - 1) as u32
+                }
+            };
+            this.path_of[node] = path;
+            this.paths[path as usize].top = node as u32;
+            if let Some(gate) = gate {
+                this.place_of[gate] = length[path as usize];
+                length[path as usize] += 1;
+            }
+        }
+        let size = this.lay_trees(&length);
+        let state = this.first_state(network, counts, values, size);
+        (this, state)
+    }
+
+    fn lay_trees(&mut self, length: &[u32]) -> usize {
+        let mut next = 0;
+        for (path, &length) in self.paths.iter_mut().zip(length) {
+            path.tree = next;
+            path.width = length.max(1).next_power_of_two();
+            next += 2 * path.width;
+        }
+        next as usize
+    }
+
+    fn first_state(
+        &self,
+        network: &Network,
+        counts: &mut [u32],
+        values: &[bool],
+        size: usize,
+    ) -> HeavyState {
+        let mut trees = vec![IDENTITY; size];
+        for gate in 0..counts.len() {
+            let (below, complemented) = self.heavy[gate];
+            if below != NONE {
+                counts[gate] -= u32::from(values[below as usize] ^ complemented);
+            }
+            let path = &self.paths[self.path_of[network.leaf_count as usize + gate] as usize];
+            let slot = path.tree + path.width + self.place_of[gate];
+            trees[slot as usize] = self.function(network, gate, counts[gate]);
+        }
+        for path in &self.paths {
+            for k in (1..path.width).rev() {
+                let at = |k: u32| trees[(path.tree + k) as usize];
+                trees[(path.tree + k) as usize] = compose(at(2 * k), at(2 * k + 1));
+            }
+        }
+        let values = self
+            .paths
+            .iter()
+            .map(|path| values[path.top as usize])
+            .collect();
+        HeavyState { trees, values }
+    }
+
+    /// A gate as a function of its heavy operand, given how many of the others are inside.
+    fn function(&self, network: &Network, gate: usize, light: u32) -> Function {
+        let rule: Rule = network.rules[gate];
+        let alone = rule.holds(light);
+        let (below, complemented) = self.heavy[gate];
+        let joined = if below == NONE {
+            alone
+        } else {
+            rule.holds(light + 1)
+        };
+        let plain = u8::from(alone) | u8::from(joined) << 1;
+        if complemented {
+            compose(0b01, plain)
+        } else {
+            plain
+        }
+    }
+
+    /// Flips a leaf: the path above it gets a new value, and so on upwards while values change.
+    pub fn flip(&self, network: &Network, state: &mut NetworkState, leaf: u32) {
+        let mut path = self.path_of[leaf as usize];
+        loop {
+            let this = &self.paths[path as usize];
+            let function = state.heavy.trees[(this.tree + 1) as usize];
+            let value = apply(
+                function,
+                this.bottom != NONE && state.leaves[this.bottom as usize],
+            );
+            if !state.heavy.changed(path as usize, value) {
+                return;
+            }
+            network.feed(&mut state.winner, this.top, value);
+            let &[user] = network.users_of(this.top) else {
+                return;
+            };
+            path = self.count_light(network, state, user, value);
+        }
+    }
+
+    /// Counts the top of a path in or out of the gate above and recomputes the path of that gate.
+    fn count_light(
+        &self,
+        network: &Network,
+        state: &mut NetworkState,
+        user: u32,
+        inside: bool,
+    ) -> u32 {
+        let gate = ((user >> 1) - network.leaf_count) as usize;
+        let path = self.path_of[(user >> 1) as usize];
+        let light = &mut state.counts[gate];
+        *light = if inside ^ (user & 1 == 1) {
+            *light + 1
+        } else {
+            *light - 1
+        };
+        let function = self.function(network, gate, *light);
+        let this = &self.paths[path as usize];
+        let mut k = this.width + self.place_of[gate];
+        state.heavy.trees[(this.tree + k) as usize] = function;
+        while k > 1 {
+            k /= 2;
+            let at = |k: u32| state.heavy.trees[(this.tree + k) as usize];
+            state.heavy.trees[(this.tree + k) as usize] = compose(at(2 * k), at(2 * k + 1));
+        }
+        path
+    }
+}
+
+/// For each gate its operand with most leaves below, as (node, complemented). A node that feeds an output is
+/// never heavy, so that its value is always that of the top of a path.
+fn heavy_operands(network: &Network) -> Vec<(u32, bool)> {
+    let leaves = network.leaf_count as usize;
+    let mut size = vec![1u32; leaves];
+    size.resize(leaves + network.rules.len(), 0);
+    let mut heavy = vec![(NONE, false); network.rules.len()];
+    let mut best = vec![0u32; network.rules.len()];
+    for node in 0..size.len() {
+        let &[user] = network.users_of(node as u32) else {
+            continue;
+        };
+        let gate = (user >> 1) as usize - leaves;
+        size[gate + leaves] += size[node];
+        if size[node] > best[gate] && !network.feeds[node] {
+            (best[gate], heavy[gate]) = (size[node], (node as u32, user & 1 == 1));
+        }
+    }
+    heavy
+}

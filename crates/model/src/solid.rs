@@ -1,0 +1,314 @@
+//! What people build: shapes joined by boolean operators.
+
+use rayweave_math::{Affine, Vec3};
+use rayweave_shape::primitive::Primitive;
+use std::ops::{BitAnd, BitOr, BitXor, Not, Sub};
+use std::sync::Arc;
+
+/// A solid: a boolean combination of primitives under affine maps.
+///
+/// A `Solid` is a shared handle: cloning it costs a reference count, whatever its size. Operators build new
+/// solids and change none: `|` union, `&` intersection, `-` difference, `^` symmetric difference, `!`
+/// complement. Nothing is checked or computed until [`crate::Program`] compiles it.
+///
+/// Trees may be as deep as memory allows: no operation on them uses the call stack for depth.
+#[derive(Clone)]
+pub struct Solid(Arc<Inner>);
+
+/// Owns the node so that dropping a deep tree is a loop and not a recursion.
+struct Inner {
+    node: Node,
+}
+
+/// How a solid is made from others.
+#[derive(Clone)]
+pub enum Node {
+    /// Nothing.
+    Vacuum,
+    /// All of space.
+    Plenum,
+    /// A shape.
+    Primitive(Primitive),
+    /// Everything outside a solid.
+    Complement(Solid),
+    /// Inside any of them; of none: nothing.
+    Union(Vec<Solid>),
+    /// Inside all of them; of none: all of space.
+    Intersection(Vec<Solid>),
+    /// Inside the first and not inside the second.
+    Difference(Solid, Solid),
+    /// Inside an odd number of them.
+    SymmetricDifference(Vec<Solid>),
+    /// The image under a map, `world_from_local`.
+    Transformed(Affine, Solid),
+    /// The same solid with a name, which its leaves inherit where they have none of their own.
+    Named(Arc<str>, Solid),
+    /// The union of the images under many maps: one prototype, placed many times.
+    Placed(Solid, Arc<[Affine]>),
+}
+
+/// A solid made of one medium, as part of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// What the region is called.
+    pub name: String,
+    /// The space that it takes, except where a later region takes it.
+    pub solid: Solid,
+    /// The number of its medium; 0 is the medium of the world.
+    pub medium: u32,
+}
+
+impl Node {
+    /// The solids that this node is made from, in order.
+    pub fn operands(&self) -> &[Solid] {
+        match self {
+            Node::Vacuum | Node::Plenum | Node::Primitive(_) => &[],
+            Node::Complement(a)
+            | Node::Transformed(_, a)
+            | Node::Named(_, a)
+            | Node::Placed(a, _) => std::slice::from_ref(a),
+            Node::Union(all) | Node::Intersection(all) | Node::SymmetricDifference(all) => all,
+            Node::Difference(..) => &[],
+        }
+    }
+}
+
+impl Solid {
+    fn new(node: Node) -> Solid {
+        Solid(Arc::new(Inner { node }))
+    }
+
+    /// How this solid is made.
+    pub fn node(&self) -> &Node {
+        &self.0.node
+    }
+
+    /// Nothing: the neutral element of union.
+    pub fn vacuum() -> Solid {
+        Solid::new(Node::Vacuum)
+    }
+
+    /// All of space: the neutral element of intersection.
+    pub fn plenum() -> Solid {
+        Solid::new(Node::Plenum)
+    }
+
+    /// Inside any of the solids; the union of none is [`Solid::vacuum`].
+    pub fn union(solids: impl IntoIterator<Item = Solid>) -> Solid {
+        Solid::new(Node::Union(solids.into_iter().collect()))
+    }
+
+    /// Inside all of the solids; the intersection of none is [`Solid::plenum`].
+    pub fn intersection(solids: impl IntoIterator<Item = Solid>) -> Solid {
+        Solid::new(Node::Intersection(solids.into_iter().collect()))
+    }
+
+    /// Inside an odd number of the solids.
+    pub fn symmetric_difference(solids: impl IntoIterator<Item = Solid>) -> Solid {
+        Solid::new(Node::SymmetricDifference(solids.into_iter().collect()))
+    }
+
+    /// The same solid under a name, by which the faces of its leaves are called in answers.
+    pub fn named(&self, name: &str) -> Solid {
+        Solid::new(Node::Named(name.into(), self.clone()))
+    }
+
+    /// The image under an affine map. A singular map is an error when the solid is compiled.
+    pub fn apply(&self, world_from_local: Affine) -> Solid {
+        Solid::new(Node::Transformed(world_from_local, self.clone()))
+    }
+
+    /// Moved by a vector.
+    pub fn translate(&self, by: impl Into<Vec3>) -> Solid {
+        self.apply(Affine::translate(by.into()))
+    }
+
+    /// Turned about an axis through the origin, right-handed, by an angle in degrees.
+    pub fn rotate(&self, axis: impl Into<Vec3>, degrees: f64) -> Solid {
+        self.apply(Affine::rotation(axis.into(), degrees))
+    }
+
+    /// Turned about the x axis, +y towards +z.
+    pub fn rotate_x(&self, degrees: f64) -> Solid {
+        self.rotate(Vec3::X, degrees)
+    }
+
+    /// Turned about the y axis, +z towards +x.
+    pub fn rotate_y(&self, degrees: f64) -> Solid {
+        self.rotate(Vec3::Y, degrees)
+    }
+
+    /// Turned about the z axis, +x towards +y.
+    pub fn rotate_z(&self, degrees: f64) -> Solid {
+        self.rotate(Vec3::Z, degrees)
+    }
+
+    /// Scaled about the origin by one factor per axis (`Vec3::splat(s)` for all three).
+    pub fn scale(&self, factors: impl Into<Vec3>) -> Solid {
+        self.apply(Affine::scale(factors.into()))
+    }
+
+    /// Mirrored in the plane through the origin with the given normal.
+    pub fn mirror(&self, normal: impl Into<Vec3>) -> Solid {
+        self.apply(Affine::mirror(normal.into()))
+    }
+
+    /// The union of the images under many maps. The solid is compiled once, however many they are.
+    pub fn place(&self, transforms: impl Into<Arc<[Affine]>>) -> Solid {
+        Solid::new(Node::Placed(self.clone(), transforms.into()))
+    }
+
+    /// True if both handles point at the same node.
+    pub fn is_same(&self, other: &Solid) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
+    /// The address of the node, by which shared sub-trees are recognised.
+    pub(crate) fn address(&self) -> usize {
+        Arc::as_ptr(&self.0) as usize
+    }
+
+    /// True if more than one handle points at the node.
+    pub(crate) fn is_shared(&self) -> bool {
+        Arc::strong_count(&self.0) > 1
+    }
+}
+
+impl From<Primitive> for Solid {
+    fn from(primitive: Primitive) -> Solid {
+        Solid::new(Node::Primitive(primitive))
+    }
+}
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        let mut waiting = Vec::new();
+        take_operands(&mut self.node, &mut waiting);
+        while let Some(solid) = waiting.pop() {
+            if let Some(mut last) = Arc::into_inner(solid.0) {
+                take_operands(&mut last.node, &mut waiting);
+            }
+        }
+    }
+}
+
+/// Moves the operands out of a node that is about to be dropped.
+fn take_operands(node: &mut Node, waiting: &mut Vec<Solid>) {
+    match std::mem::replace(node, Node::Vacuum) {
+        Node::Vacuum | Node::Plenum | Node::Primitive(_) => {}
+        Node::Complement(a) | Node::Transformed(_, a) | Node::Named(_, a) | Node::Placed(a, _) => {
+            waiting.push(a)
+        }
+        Node::Union(all) | Node::Intersection(all) | Node::SymmetricDifference(all) => {
+            waiting.extend(all)
+        }
+        Node::Difference(a, b) => waiting.extend([a, b]),
+    }
+}
+
+impl PartialEq for Solid {
+    /// Equal if built in the same way from equal parts (not: if they fill the same space).
+    fn eq(&self, other: &Solid) -> bool {
+        let mut waiting = vec![(self, other)];
+        let mut seen = std::collections::HashSet::new();
+        while let Some((a, b)) = waiting.pop() {
+            // sub-trees may be shared many times over: each pair of nodes is compared once
+            if a.is_same(b) || !seen.insert((a.address(), b.address())) {
+                continue;
+            }
+            if !same_head(a.node(), b.node()) {
+                return false;
+            }
+            let pairs = a.node().operand_refs().zip(b.node().operand_refs());
+            waiting.extend(pairs);
+        }
+        true
+    }
+}
+
+impl Node {
+    /// The operands in order, for every kind of node.
+    pub fn operand_refs(&self) -> impl DoubleEndedIterator<Item = &Solid> {
+        let (first, second): (&[Solid], Option<&Solid>) = match self {
+            Node::Difference(a, b) => (std::slice::from_ref(a), Some(b)),
+            other => (other.operands(), None),
+        };
+        first.iter().chain(second)
+    }
+}
+
+/// True if two nodes are equal apart from their operands.
+fn same_head(a: &Node, b: &Node) -> bool {
+    match (a, b) {
+        (Node::Primitive(p), Node::Primitive(q)) => p == q,
+        (Node::Transformed(p, _), Node::Transformed(q, _)) => p == q,
+        (Node::Named(p, _), Node::Named(q, _)) => p == q,
+        (Node::Placed(_, p), Node::Placed(_, q)) => p == q,
+        (Node::Union(p), Node::Union(q))
+        | (Node::Intersection(p), Node::Intersection(q))
+        | (Node::SymmetricDifference(p), Node::SymmetricDifference(q)) => p.len() == q.len(),
+        _ => std::mem::discriminant(a) == std::mem::discriminant(b),
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $doc:literal, |$a:ident, $b:ident| $make:expr) => {
+        impl $trait for Solid {
+            type Output = Solid;
+            #[doc = $doc]
+            fn $method(self, other: Solid) -> Solid {
+                let ($a, $b) = (self, other);
+                Solid::new($make)
+            }
+        }
+        impl $trait<&Solid> for &Solid {
+            type Output = Solid;
+            #[doc = $doc]
+            fn $method(self, other: &Solid) -> Solid {
+                let ($a, $b) = (self.clone(), other.clone());
+                Solid::new($make)
+            }
+        }
+        impl $trait<Solid> for &Solid {
+            type Output = Solid;
+            #[doc = $doc]
+            fn $method(self, other: Solid) -> Solid {
+                let ($a, $b) = (self.clone(), other);
+                Solid::new($make)
+            }
+        }
+        impl $trait<&Solid> for Solid {
+            type Output = Solid;
+            #[doc = $doc]
+            fn $method(self, other: &Solid) -> Solid {
+                let ($a, $b) = (self, other.clone());
+                Solid::new($make)
+            }
+        }
+    };
+}
+
+operator!(BitOr, bitor, "The union.", |a, b| Node::Union(vec![a, b]));
+operator!(BitAnd, bitand, "The intersection.", |a, b| {
+    Node::Intersection(vec![a, b])
+});
+operator!(BitXor, bitxor, "The symmetric difference.", |a, b| {
+    Node::SymmetricDifference(vec![a, b])
+});
+operator!(Sub, sub, "The difference.", |a, b| Node::Difference(a, b));
+
+impl Not for Solid {
+    type Output = Solid;
+    /// The complement.
+    fn not(self) -> Solid {
+        Solid::new(Node::Complement(self))
+    }
+}
+
+impl Not for &Solid {
+    type Output = Solid;
+    /// The complement.
+    fn not(self) -> Solid {
+        !self.clone()
+    }
+}
