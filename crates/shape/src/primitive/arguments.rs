@@ -27,7 +27,8 @@ impl Arguments {
 
     fn value(&self, name: &str) -> Option<&Value> {
         let mut all = self.values.iter();
-        all.find(|(known, _)| *known == name).map(|(_, value)| value)
+        all.find(|(known, _)| *known == name)
+            .map(|(_, value)| value)
     }
 
     /// A number. NaN, which no primitive accepts, if there is no number of that name; likewise below.
@@ -73,7 +74,10 @@ fn refuse_unknown(
     given: &[(&str, Value)],
 ) -> Result<(), ShapeError> {
     let names = || parameters.iter().map(|parameter| parameter.name);
-    match given.iter().find(|(name, _)| !names().any(|known| known == *name)) {
+    match given
+        .iter()
+        .find(|(name, _)| !names().any(|known| known == *name))
+    {
         None => Ok(()),
         Some((name, _)) => Err(ShapeError::UnknownParameter {
             shape,

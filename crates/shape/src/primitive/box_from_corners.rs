@@ -13,12 +13,12 @@
 //!
 //! Volume: the product of the extents.
 
+use super::bridge::Bridge;
 use super::parameter::check_increasing;
 use super::shape::between;
 use super::{
     Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
 };
-use super::bridge::Bridge;
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
 
@@ -120,7 +120,10 @@ mod tests {
     #[test]
     fn a_box_at_every_scale() {
         for scale in [1e-8, 1.0, 1e8] {
-            let (lo, hi) = (scale * Vec3::new(-1.0, 0.2, -3.0), scale * Vec3::new(2.0, 1.0, -1.0));
+            let (lo, hi) = (
+                scale * Vec3::new(-1.0, 0.2, -3.0),
+                scale * Vec3::new(2.0, 1.0, -1.0),
+            );
             let solid = BoxFromCorners::new(lo, hi).unwrap();
             check_inside(&solid, scale * Vec3::splat(3.0), |p| {
                 (0..3).all(|k| lo[k] < p[k] && p[k] < hi[k])

@@ -35,7 +35,9 @@ pub enum ShapeError {
         kind: ParameterKind,
     },
     /// A parameter was given more than once.
-    #[error("{shape}: {parameter} is given more than once (each parameter has one value) which one is meant?")]
+    #[error(
+        "{shape}: {parameter} is given more than once (each parameter has one value) which one is meant?"
+    )]
     RepeatedParameter {
         /// The primitive.
         shape: &'static str,
@@ -111,7 +113,9 @@ pub enum ShapeError {
         hi: f64,
     },
     /// Two parameters that are both zero, where one may be.
-    #[error("{shape}: {first} and {second} are both 0 (then nothing is left) did you mean one of them?")]
+    #[error(
+        "{shape}: {first} and {second} are both 0 (then nothing is left) did you mean one of them?"
+    )]
     BothZero {
         /// The primitive.
         shape: &'static str,
@@ -199,7 +203,10 @@ fn parameters(shape: &str) -> String {
 
 /// The nearest of the names, if it is near enough to be a slip of the fingers: at most a third of the
 /// letters wrong (Damerau-Levenshtein distance), and at least one letter of two right.
-pub(super) fn nearest_name<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(super) fn nearest_name<'a>(
+    name: &str,
+    names: impl Iterator<Item = &'a str>,
+) -> Option<&'a str> {
     let wrong = |other: &str| strsim::damerau_levenshtein(&name.to_lowercase(), other);
     names
         .map(|other| (wrong(other), other))

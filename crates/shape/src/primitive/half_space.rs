@@ -12,12 +12,12 @@
 //! A greater normal with the same offset brings the plane nearer to the origin: only their ratio counts. The
 //! bounds are finite on one side if the normal is along an axis.
 
+use super::bridge::Bridge;
 use super::parameter::check_length;
 use super::shape::between;
 use super::{
     Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
 };
-use super::bridge::Bridge;
 use crate::surface::{Plane, Surface};
 use rayweave_math::{Bounds, Vec3};
 
@@ -131,7 +131,13 @@ pub(super) fn random_normal(rng: &mut dyn FnMut() -> f64) -> Vec3 {
     let sign = if rng() < 0.5 { -1.0 } else { 1.0 };
     match (6.0 * rng()) as usize {
         k @ 0..3 => sign * Vec3::AXES[k],
-        _ => sign * Vec3::new(between(rng, -1.0, 1.0), between(rng, -1.0, 1.0), between(rng, 0.1, 1.0)),
+        _ => {
+            sign * Vec3::new(
+                between(rng, -1.0, 1.0),
+                between(rng, -1.0, 1.0),
+                between(rng, 0.1, 1.0),
+            )
+        }
     }
 }
 
@@ -154,14 +160,21 @@ mod tests {
     fn bounds_are_finite_only_along_an_axis() {
         let bounds = |normal, offset| HalfSpace::new(normal, offset).unwrap().lower().bounds;
         let lower = bounds(Vec3::new(0.0, -2.0, 0.0), 3.0);
-        assert_eq!(lower.lo, Vec3::new(f64::NEG_INFINITY, -1.5, f64::NEG_INFINITY));
+        assert_eq!(
+            lower.lo,
+            Vec3::new(f64::NEG_INFINITY, -1.5, f64::NEG_INFINITY)
+        );
         assert_eq!(lower.hi, Vec3::INFINITY);
         assert_eq!(bounds(Vec3::new(1e-9, 1.0, 0.0), 3.0), Bounds::ALL);
     }
 
     #[test]
     fn only_the_ratio_counts() {
-        let lowered = |s: f64| HalfSpace::new(Vec3::new(s, 2.0 * s, 0.0), 3.0 * s).unwrap().lower();
+        let lowered = |s: f64| {
+            HalfSpace::new(Vec3::new(s, 2.0 * s, 0.0), 3.0 * s)
+                .unwrap()
+                .lower()
+        };
         assert_eq!(lowered(1.0), lowered(1024.0));
         assert_eq!(lowered(1.0), lowered(2f64.powi(-40)));
     }

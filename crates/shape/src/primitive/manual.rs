@@ -49,7 +49,11 @@ pub(super) const fn page<const N: usize>(source: &str) -> [u8; N] {
 const fn copy_page(source: &[u8], text: &mut [u8]) -> usize {
     let (mut from, mut to) = (0, 0);
     while is_page_line(source, from) {
-        from += if from + 3 < source.len() && source[from + 3] == b' ' { 4 } else { 3 };
+        from += if from + 3 < source.len() && source[from + 3] == b' ' {
+            4
+        } else {
+            3
+        };
         loop {
             if from == source.len() {
                 return to;
@@ -67,10 +71,7 @@ const fn copy_page(source: &[u8], text: &mut [u8]) -> usize {
 }
 
 const fn is_page_line(source: &[u8], at: usize) -> bool {
-    at + 3 <= source.len()
-        && source[at] == b'/'
-        && source[at + 1] == b'/'
-        && source[at + 2] == b'!'
+    at + 3 <= source.len() && source[at] == b'/' && source[at + 1] == b'/' && source[at + 2] == b'!'
 }
 
 /// The text of [`page`], which is a part of a `str` cut at ASCII characters.

@@ -5,21 +5,25 @@
 //! [`build`], the examples and the random ones that other crates test with.
 
 mod arguments;
+mod bridge;
 mod error;
 mod lowered;
 mod manual;
 mod parameter;
 mod shape;
+mod support;
 #[cfg(test)]
 mod tests;
 mod value;
-mod bridge;
 
 pub mod box_from_corners;
 pub mod centred_box;
+pub mod convex;
 pub mod half_space;
+pub mod prism;
 pub mod slab;
 pub mod sphere;
+pub mod wedge;
 
 pub use arguments::Arguments;
 pub use error::ShapeError;
@@ -109,6 +113,9 @@ primitives! {
     box_from_corners::BoxFromCorners,
     half_space::HalfSpace,
     slab::Slab,
+    wedge::Wedge,
+    prism::Prism,
+    convex::Convex,
 }
 
 impl Primitive {
@@ -149,11 +156,7 @@ pub fn build(name: &str, arguments: &[(&str, Value)]) -> Result<Primitive, Shape
         name: name.to_owned(),
         suggestion: error::nearest_name(name, MANUALS.iter().map(|manual| manual.name)),
     })?;
-    build(&Arguments::read(
-        manual.name,
-        manual.parameters,
-        arguments,
-    )?)
+    build(&Arguments::read(manual.name, manual.parameters, arguments)?)
 }
 
 /// The names of all primitives, for messages.

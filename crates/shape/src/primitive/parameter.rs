@@ -179,9 +179,9 @@ impl Parameter {
         match value {
             Value::Number(number) => self.check_number(shape, *number, Vec::new()),
             Value::Vector(list) => self.check_list(shape, list, &[]),
-            Value::Rows(rows) => {
-                (0..).zip(rows).try_for_each(|(i, row)| self.check_list(shape, row, &[i]))
-            }
+            Value::Rows(rows) => (0..)
+                .zip(rows)
+                .try_for_each(|(i, row)| self.check_list(shape, row, &[i])),
         }
     }
 

@@ -12,13 +12,13 @@
 //!
 //! `lo` must be less than `hi`. The bounds are finite in one direction if the normal is along an axis.
 
+use super::bridge::Bridge;
 use super::half_space::{check_plane, layer_bounds, random_normal};
 use super::parameter::check_increasing;
 use super::shape::between;
 use super::{
     Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
 };
-use super::bridge::Bridge;
 use crate::surface::Surface;
 use rayweave_math::Vec3;
 
@@ -137,9 +137,15 @@ mod tests {
 
     #[test]
     fn bounds_along_an_axis() {
-        let bounds = Slab::new(Vec3::new(-2.0, 0.0, 0.0), 1.0, 4.0).unwrap().lower().bounds;
+        let bounds = Slab::new(Vec3::new(-2.0, 0.0, 0.0), 1.0, 4.0)
+            .unwrap()
+            .lower()
+            .bounds;
         assert_eq!((bounds.lo.x, bounds.hi.x), (-2.0, -0.5));
-        assert_eq!((bounds.lo.y, bounds.hi.z), (f64::NEG_INFINITY, f64::INFINITY));
+        assert_eq!(
+            (bounds.lo.y, bounds.hi.z),
+            (f64::NEG_INFINITY, f64::INFINITY)
+        );
     }
 
     #[test]

@@ -10,9 +10,9 @@
 //!
 //! Volume: 4/3 pi radius^3 (Archimedes, *On the Sphere and Cylinder*).
 
+use super::bridge::Bridge;
 use super::shape::between;
 use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
-use super::bridge::Bridge;
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
 use std::f64::consts::PI;

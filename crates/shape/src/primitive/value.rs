@@ -101,7 +101,10 @@ mod tests {
         for number in [0.0, -1.0, 0.1, 1e-7, 2.5e300, 123456789.0, f64::INFINITY] {
             assert_eq!(Value::from(number).to_string().parse(), Ok(number));
         }
-        assert_eq!(Value::from(Vec3::new(1.0, -0.5, 1e20)).to_string(), "[1, -0.5, 1e20]");
+        assert_eq!(
+            Value::from(Vec3::new(1.0, -0.5, 1e20)).to_string(),
+            "[1, -0.5, 1e20]"
+        );
         let rows: &[[f64; 2]] = &[[1.0, 2.0], [3.0, f64::NAN]];
         assert_eq!(Value::from(rows).to_string(), "[[1, 2], [3, nan]]");
     }
