@@ -1,1 +1,41 @@
-//! Tables of results: CSV, NPY and Parquet, written in chunks and renamed when complete.
+//! Tables of results, written in chunks and renamed when complete; files of rays, read in chunks of constant memory.
+//!
+//! This crate knows columns, not geometry. It holds
+//!
+//! - [`TableWriter`]: one table (names, types, units) into CSV, NPY or, with the cargo feature `parquet`, Parquet;
+//! - [`AtomicFile`]: any output file that appears complete or not at all;
+//! - [`RayReader`]: rays from CSV or NPY, checked, with the place of every problem.
+//!
+//! ```
+//! use rayweave_table::{Chunk, Column, DType, Schema, TableWriter};
+//!
+//! # let path = std::env::temp_dir().join(format!("rayweave-table-doc-{}.csv", std::process::id()));
+//! let media = ["air".to_string(), "glass".to_string()].into();
+//! let schema = Schema::new(vec![
+//!     Column::new("t", DType::F64).unit("mm"),
+//!     Column::new("enters", DType::Bool),
+//!     Column::names("medium", media),
+//! ])?;
+//! let mut table = TableWriter::create(&path, &schema)?;
+//! table.write(&Chunk::new(vec![vec![0.5, 2.0].into(), vec![true, false].into(), vec![1, 0_u32].into()])?)?;
+//! table.finish()?;
+//! assert_eq!(std::fs::read_to_string(&path)?, "t,enters,medium\n0.5,true,glass\n2.0,false,air\n");
+//! # std::fs::remove_file(&path)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod atomic;
+mod chunk;
+mod error;
+mod format;
+mod npy_header;
+mod rays;
+mod schema;
+mod writer;
+
+pub use atomic::AtomicFile;
+pub use chunk::{Chunk, Values};
+pub use error::{RayProblem, RayProblems, TableError};
+pub use rays::{Progress, RAY_COLUMNS, RAYS_PER_CHUNK, RayChunk, RayReader};
+pub use schema::{Column, DType, NO_NAME, Schema};
+pub use writer::TableWriter;

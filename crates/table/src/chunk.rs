@@ -1,0 +1,172 @@
+//! Rows of a table, column by column.
+
+use crate::{DType, NO_NAME, Schema, TableError};
+
+/// The values of one column in one chunk.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// For [`DType::F64`].
+    F64(Vec<f64>),
+    /// For [`DType::I64`].
+    I64(Vec<i64>),
+    /// For [`DType::I32`].
+    I32(Vec<i32>),
+    /// For [`DType::Bool`].
+    Bool(Vec<bool>),
+    /// For [`DType::Name`]: ids into the column's table, or [`NO_NAME`].
+    Name(Vec<u32>),
+}
+
+impl Values {
+    /// No values yet, of the given type.
+    pub fn empty(dtype: &DType) -> Self {
+        match dtype {
+            DType::F64 => Self::F64(Vec::new()),
+            DType::I64 => Self::I64(Vec::new()),
+            DType::I32 => Self::I32(Vec::new()),
+            DType::Bool => Self::Bool(Vec::new()),
+            DType::Name(_) => Self::Name(Vec::new()),
+        }
+    }
+
+    /// How many values there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F64(v) => v.len(),
+            Self::I64(v) => v.len(),
+            Self::I32(v) => v.len(),
+            Self::Bool(v) => v.len(),
+            Self::Name(v) => v.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn dtype(&self) -> &'static str {
+        match self {
+            Self::F64(_) => "f64",
+            Self::I64(_) => "i64",
+            Self::I32(_) => "i32",
+            Self::Bool(_) => "bool",
+            Self::Name(_) => "name",
+        }
+    }
+}
+
+impl From<Vec<f64>> for Values {
+    fn from(values: Vec<f64>) -> Self {
+        Self::F64(values)
+    }
+}
+
+impl From<Vec<i64>> for Values {
+    fn from(values: Vec<i64>) -> Self {
+        Self::I64(values)
+    }
+}
+
+impl From<Vec<i32>> for Values {
+    fn from(values: Vec<i32>) -> Self {
+        Self::I32(values)
+    }
+}
+
+impl From<Vec<bool>> for Values {
+    fn from(values: Vec<bool>) -> Self {
+        Self::Bool(values)
+    }
+}
+
+/// Name ids.
+impl From<Vec<u32>> for Values {
+    fn from(values: Vec<u32>) -> Self {
+        Self::Name(values)
+    }
+}
+
+/// Some rows of a table: columns of equal length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chunk {
+    columns: Vec<Values>,
+    rows: usize,
+}
+
+impl Chunk {
+    /// A chunk of these columns, in the order of the schema that it is meant for.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Chunk`] if the columns differ in length.
+    pub fn new(columns: Vec<Values>) -> Result<Self, TableError> {
+        let rows = columns.first().map_or(0, Values::len);
+        match columns.iter().position(|column| column.len() != rows) {
+            None => Ok(Self { columns, rows }),
+            Some(i) => Err(TableError::Chunk(format!(
+                "column {i} has {} values, column 0 has {rows} (all columns have equal length)",
+                columns[i].len()
+            ))),
+        }
+    }
+
+    /// The number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The columns.
+    pub fn columns(&self) -> &[Values] {
+        &self.columns
+    }
+
+    /// Takes the columns out, to fill them again without allocating.
+    pub fn into_columns(self) -> Vec<Values> {
+        self.columns
+    }
+
+    /// Checks number and types of the columns and the range of name ids.
+    pub(crate) fn check(&self, schema: &Schema) -> Result<(), TableError> {
+        let columns = schema.columns();
+        if self.columns.len() != columns.len() {
+            let problem = format!(
+                "{} columns, the table has {}",
+                self.columns.len(),
+                columns.len()
+            );
+            return Err(TableError::Chunk(problem));
+        }
+        for (values, column) in self.columns.iter().zip(columns) {
+            check_column(values, &column.dtype).map_err(|problem| {
+                TableError::Chunk(format!("column {:?}: {problem}", column.name))
+            })?;
+        }
+        Ok(())
+    }
+}
+
+fn check_column(values: &Values, dtype: &DType) -> Result<(), String> {
+    match (values, dtype) {
+        (Values::F64(_), DType::F64)
+        | (Values::I64(_), DType::I64)
+        | (Values::I32(_), DType::I32)
+        | (Values::Bool(_), DType::Bool) => Ok(()),
+        (Values::Name(ids), DType::Name(names)) => check_ids(ids, names.len()),
+        _ => Err(format!(
+            "values are {}, the table has {dtype}",
+            values.dtype()
+        )),
+    }
+}
+
+fn check_ids(ids: &[u32], names: usize) -> Result<(), String> {
+    let is_bad = |&id: &u32| id != NO_NAME && id as usize >= names;
+    match ids.iter().position(is_bad) {
+        None => Ok(()),
+        Some(i) => Err(format!(
+            "id {} in row {i} (the table has {names} names)",
+            ids[i]
+        )),
+    }
+}

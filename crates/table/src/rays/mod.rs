@@ -1,0 +1,277 @@
+//! Files of rays: streamed in chunks, checked at the door.
+
+mod chunk;
+mod csv;
+mod npy;
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use crate::error::{RayProblem, RayProblems, TableError};
+use crate::format::extension;
+pub use chunk::RayChunk;
+
+/// The six columns of a file of rays: origin, then direction.
+pub const RAY_COLUMNS: [&str; 6] = ["ox", "oy", "oz", "dx", "dy", "dz"];
+
+/// A good size of chunk: 768 KiB of coordinates, enough work to share among threads.
+pub const RAYS_PER_CHUNK: usize = 1 << 14;
+
+/// How far a reader has come, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Bytes read so far.
+    pub done: u64,
+    /// Bytes in all; `None` for standard input and pipes.
+    pub total: Option<u64>,
+}
+
+/// Reads rays from a CSV or NPY file, or CSV from standard input, in chunks.
+///
+/// Memory is a fixed buffer (under 1 MiB) and the caller's [`RayChunk`], whatever the size of the file.
+///
+/// **CSV**: the header names `ox,oy,oz,dx,dy,dz` in any order; fields are separated by commas, may be quoted and
+/// surrounded by spaces; blank lines and a byte order mark are skipped. A line has at most 65,536 bytes.
+///
+/// **NPY**: shape (N, 6), float64 or float32, either byte order, C or Fortran order.
+///
+/// Every number is finite and no direction is zero: anything else is an error that names file, line or row, and
+/// column. A regular file with a problem is searched to its end, or to [`RayProblems::LIMIT`] problems, so that all
+/// are reported together; a stream is searched to the end of the chunk.
+///
+/// ```
+/// use rayweave_table::{RAYS_PER_CHUNK, RayChunk, RayReader};
+///
+/// let text = "ox,oy,oz,dx,dy,dz\n0,0,-10,0,0,1\n0.5,0,-10,0,0,1\n";
+/// let mut reader = RayReader::from_csv(text.as_bytes(), "rays.csv")?;
+/// let mut chunk = RayChunk::default();
+/// while reader.read(&mut chunk, RAYS_PER_CHUNK)? > 0 {
+///     assert_eq!(chunk.origin[0], [0.0, 0.5]);
+///     assert_eq!(chunk.direction[2], [1.0, 1.0]);
+/// }
+/// # Ok::<(), rayweave_table::TableError>(())
+/// ```
+pub struct RayReader {
+    source: Box<dyn RaySource>,
+    found: Findings,
+    row: u64,
+    ended: bool,
+}
+
+impl RayReader {
+    /// Opens a file by its extension, `.csv` or `.npy`; `-` is CSV from standard input. The header is read here.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Format`] for another extension, [`TableError::Io`] if the file cannot be read, and
+    /// [`TableError::Rays`] for an empty file, a bad header, wrong shape or type, or an array that is cut off.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, TableError> {
+        let path = path.as_ref();
+        if path == Path::new("-") {
+            return Self::from_csv(io::stdin(), "stdin");
+        }
+        let extension = extension(path);
+        if extension != "csv" && extension != "npy" {
+            let problem = "unknown format of rays (the extension says it: .csv or .npy)";
+            return Err(TableError::format(path, problem));
+        }
+        let unreadable = |error| TableError::io("read", path, error);
+        let file = File::open(path).map_err(unreadable)?;
+        let metadata = file.metadata().map_err(unreadable)?;
+        let size = metadata.is_file().then_some(metadata.len());
+        let name = path.display().to_string();
+        match extension.as_str() {
+            "csv" => Self::start(name, |found| csv::CsvRays::open(file, size, found)),
+            _ => Self::start(name, |found| npy::NpyRays::open(file, size, found)),
+        }
+    }
+
+    /// Reads CSV from any source. `name` stands for the file in messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open).
+    pub fn from_csv(
+        source: impl Read + Send + 'static,
+        name: impl Into<String>,
+    ) -> Result<Self, TableError> {
+        Self::start(name.into(), |found| csv::CsvRays::open(source, None, found))
+    }
+
+    fn start<S: RaySource + 'static>(
+        name: String,
+        open: impl FnOnce(&mut Findings) -> io::Result<Option<S>>,
+    ) -> Result<Self, TableError> {
+        let mut found = Findings::new(name);
+        match open(&mut found) {
+            Err(error) => Err(found.unreadable(error)),
+            Ok(None) => Err(found.take().into()),
+            Ok(Some(source)) => Ok(Self {
+                source: Box::new(source),
+                found,
+                row: 0,
+                ended: false,
+            }),
+        }
+    }
+
+    /// Replaces the chunk's rays by the next ones, at most `max_rays` (at least one is asked for), and returns their
+    /// number: 0 at the end of the file. The chunk's vectors keep their memory from call to call.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Rays`] for rays that are not six finite numbers with a direction; [`TableError::Io`] if reading
+    /// fails. The chunk is then empty, and the reader at its end.
+    pub fn read(&mut self, chunk: &mut RayChunk, max_rays: usize) -> Result<usize, TableError> {
+        chunk.clear();
+        if self.ended {
+            return Ok(0);
+        }
+        let filled = self.fill(chunk, max_rays.max(1));
+        if filled.is_err() {
+            chunk.clear();
+        }
+        self.ended = chunk.is_empty();
+        filled.map(|()| chunk.len())
+    }
+
+    fn fill(&mut self, chunk: &mut RayChunk, max_rays: usize) -> Result<(), TableError> {
+        self.fill_once(chunk, max_rays)?;
+        if self.found.is_empty() {
+            return Ok(());
+        }
+        let is_file = self.progress().total.is_some();
+        while is_file && !self.found.is_full() && self.fill_once(chunk, max_rays)? {}
+        Err(self.found.take().into())
+    }
+
+    /// Whether there were rows, good or bad.
+    fn fill_once(&mut self, chunk: &mut RayChunk, max_rays: usize) -> Result<bool, TableError> {
+        chunk.clear();
+        chunk.first = self.row;
+        let filled = self.source.fill(chunk, self.row, max_rays, &mut self.found);
+        let rows = filled.map_err(|error| self.found.unreadable(error))?;
+        self.row += rows;
+        Ok(rows > 0)
+    }
+
+    /// How far the reader has come.
+    pub fn progress(&self) -> Progress {
+        self.source.progress()
+    }
+
+    /// The number of rays in the file, where it is known before reading: NPY says it.
+    pub fn rays(&self) -> Option<u64> {
+        self.source.rays()
+    }
+}
+
+impl std::fmt::Debug for RayReader {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("RayReader")
+            .field("file", &self.found.problems.file)
+            .field("row", &self.row)
+            .finish_non_exhaustive()
+    }
+}
+
+/// One format of rays.
+trait RaySource: Send {
+    /// Appends at most `max_rays` rows to the chunk, the first of them being row `first`. Returns the number of rows
+    /// that were consumed: 0 at the end. Bad rows are consumed and reported, not appended.
+    fn fill(
+        &mut self,
+        chunk: &mut RayChunk,
+        first: u64,
+        max_rays: usize,
+        found: &mut Findings,
+    ) -> io::Result<u64>;
+
+    fn progress(&self) -> Progress;
+
+    fn rays(&self) -> Option<u64>;
+}
+
+/// Collects problems up to the limit.
+struct Findings {
+    problems: RayProblems,
+}
+
+impl Findings {
+    fn new(file: String) -> Self {
+        Self {
+            problems: RayProblems {
+                file,
+                problems: Vec::new(),
+                stopped: false,
+            },
+        }
+    }
+
+    fn add(&mut self, problem: RayProblem) {
+        if self.problems.problems.len() < RayProblems::LIMIT {
+            self.problems.problems.push(problem);
+        } else {
+            self.problems.stopped = true;
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.problems.problems.is_empty()
+    }
+
+    /// Whether a problem had to be left out.
+    fn is_full(&self) -> bool {
+        self.problems.stopped
+    }
+
+    fn take(&mut self) -> RayProblems {
+        let file = self.problems.file.clone();
+        std::mem::replace(&mut self.problems, Self::new(file).problems)
+    }
+
+    fn unreadable(&self, error: io::Error) -> TableError {
+        TableError::io("read", Path::new(&self.problems.file), error)
+    }
+}
+
+/// Where a ray stands in its file.
+#[derive(Clone, Copy)]
+struct Place {
+    line: Option<u64>,
+    row: u64,
+}
+
+impl Place {
+    fn problem(self, column: Option<usize>, message: String) -> RayProblem {
+        RayProblem {
+            line: self.line,
+            row: Some(self.row),
+            column: column.map(|column| RAY_COLUMNS[column]),
+            message,
+        }
+    }
+}
+
+/// Reports every number that is not finite, or else a zero direction. Returns whether the ray is good.
+fn check_ray(ray: &[f64; 6], place: Place, found: &mut Findings) -> bool {
+    let is_finite = ray.iter().all(|x| x.is_finite());
+    let has_direction = ray[3..].iter().any(|&x| x != 0.0);
+    if is_finite && has_direction {
+        return true;
+    }
+    for (column, x) in ray.iter().enumerate().filter(|(_, x)| !x.is_finite()) {
+        let what = if x.is_nan() { "NaN" } else { "infinite" };
+        let message = format!(
+            "{} is {what} (a ray is six finite numbers)",
+            RAY_COLUMNS[column]
+        );
+        found.add(place.problem(Some(column), message));
+    }
+    if is_finite {
+        let message = "dx, dy and dz are all 0 (a direction is a vector that is not zero)";
+        found.add(place.problem(None, message.into()));
+    }
+    false
+}

@@ -1,0 +1,131 @@
+//! Names, types and units of a table's columns.
+
+use std::collections::HashSet;
+use std::fmt;
+use std::sync::Arc;
+
+use crate::TableError;
+
+/// The id of a [`DType::Name`] column that stands for "no name": an empty field in CSV, null in Parquet.
+pub const NO_NAME: u32 = u32::MAX;
+
+/// The type of a column's values.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum DType {
+    /// 64-bit floating point; NaN and infinities are legal.
+    F64,
+    /// 64-bit signed integer.
+    I64,
+    /// 32-bit signed integer.
+    I32,
+    /// True or false.
+    Bool,
+    /// An index into this table of names, or [`NO_NAME`].
+    Name(Arc<[String]>),
+}
+
+impl DType {
+    /// NumPy's type string, little endian.
+    pub(crate) fn npy(&self) -> &'static str {
+        match self {
+            Self::F64 => "<f8",
+            Self::I64 => "<i8",
+            Self::I32 => "<i4",
+            Self::Bool => "|b1",
+            Self::Name(_) => "<u4",
+        }
+    }
+
+    /// Bytes of one value in NPY.
+    pub(crate) fn size(&self) -> usize {
+        match self {
+            Self::F64 | Self::I64 => 8,
+            Self::I32 | Self::Name(_) => 4,
+            Self::Bool => 1,
+        }
+    }
+}
+
+impl fmt::Display for DType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::F64 => "f64",
+            Self::I64 => "i64",
+            Self::I32 => "i32",
+            Self::Bool => "bool",
+            Self::Name(_) => "name",
+        })
+    }
+}
+
+/// One column of a table: name, type, unit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// The name: not empty, unique in its schema.
+    pub name: String,
+    /// The type of the values.
+    pub dtype: DType,
+    /// The unit of the values, such as "mm". Parquet files record it (file metadata `unit.NAME`); CSV and NPY have no
+    /// place for it.
+    pub unit: Option<String>,
+}
+
+impl Column {
+    /// A column without a unit.
+    pub fn new(name: impl Into<String>, dtype: DType) -> Self {
+        Self {
+            name: name.into(),
+            dtype,
+            unit: None,
+        }
+    }
+
+    /// A column of ids into `names`. Columns may share one table.
+    pub fn names(name: impl Into<String>, names: Arc<[String]>) -> Self {
+        Self::new(name, DType::Name(names))
+    }
+
+    /// The same column with a unit.
+    #[must_use]
+    pub fn unit(mut self, unit: impl Into<String>) -> Self {
+        self.unit = Some(unit.into());
+        self
+    }
+}
+
+/// The columns of a table, in order. Cheap to clone.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Schema {
+    columns: Arc<[Column]>,
+}
+
+impl Schema {
+    /// Checks the columns' names.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Schema`] if there is no column, or a name is empty or occurs twice.
+    pub fn new(columns: Vec<Column>) -> Result<Self, TableError> {
+        if columns.is_empty() {
+            return Err(TableError::Schema("it has no columns".into()));
+        }
+        let mut seen = HashSet::new();
+        for (i, column) in columns.iter().enumerate() {
+            if column.name.is_empty() {
+                return Err(TableError::Schema(format!("column {i} has no name")));
+            }
+            if !seen.insert(&column.name) {
+                let problem = format!("two columns have the name {:?}", column.name);
+                return Err(TableError::Schema(problem));
+            }
+        }
+        Ok(Self {
+            columns: columns.into(),
+        })
+    }
+
+    /// The columns, in order.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+}
