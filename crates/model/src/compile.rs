@@ -4,7 +4,7 @@ use crate::gate::Network;
 use crate::interim::{SurfaceExt, share};
 use crate::lower::{Content, Group, RawLeaf, lower};
 use crate::program::{Leaf, LeafFacet, LeafKind, Program, Prototype, RegionInfo, SurfaceEntry};
-use crate::{Chord, CompileError, CompileProblem, LeafId, PrototypeId, Region, Solid, SurfaceId};
+use crate::{Ball, CompileError, CompileProblem, LeafId, PrototypeId, Region, Solid, SurfaceId};
 use rayweave_math::{Bounds, Transform};
 use rayweave_shape::primitive::{Lowered, Primitive};
 
@@ -363,7 +363,7 @@ impl Tables {
     }
 
     /// The ball around the finite leaves and the anchors of the surfaces of the others.
-    fn ball(&self) -> Chord {
+    fn ball(&self) -> Ball {
         let mut finite = Bounds::EMPTY;
         for leaf in &self.leaves {
             if leaf.bounds.is_finite() {
@@ -378,7 +378,7 @@ impl Tables {
                 }
             }
         }
-        Chord::around(&finite)
+        Ball::around(&finite)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Where one leaf changes along a ray: the meaning of a leaf, for every evaluator.
 
-use crate::interim::{SurfaceExt, side_along_gradient};
+use crate::interim::SurfaceExt;
 use crate::{Face, LeafFacet, PlacementId, Program, Start};
 use rayweave_math::Vec3;
 use rayweave_shape::Ray;
-use rayweave_shape::surface::{SurfaceCrossings, lies_in};
+use rayweave_shape::surface::{Chord, SurfaceCrossings, side_along_gradient};
 
 /// A flip of one leaf of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub struct GroupRay<'a> {
     /// The ray in the frame of the group.
     pub ray: Ray,
     /// The chord that says whether it lies in a surface.
-    pub chord: (f64, f64),
+    pub chord: Chord,
     /// The placement of the group.
     pub placement: PlacementId,
     /// Surfaces that the ray starts on.
@@ -51,7 +51,7 @@ impl GroupRay<'_> {
             .find(|s| s.surface == facet.surface && s.placement == self.placement);
         let crossings = match start {
             Some(start) => entry.surface.crossings_from(&self.ray, start.inside),
-            None => match lies_in(&entry.surface, entry.reach, &self.ray, self.chord) {
+            None => match self.chord.lies_in(&entry.surface, entry.reach, &self.ray) {
                 Some(inside) => SurfaceCrossings::constant(inside),
                 None => entry.surface.crossings(&self.ray),
             },

@@ -37,6 +37,3 @@ pub fn share(s: &[(Surface, f64)]) -> Result<Shared, Wide> {
         representative,
     })
 }
-pub fn side_along_gradient(g: rayweave_math::Vec3) -> bool {
-    rayweave_shape::surface::LIE_DIRECTION.dot(g) < 0.0
-}

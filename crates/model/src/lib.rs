@@ -26,7 +26,7 @@ mod print;
 mod program;
 mod solid;
 
-pub use chord::{Chord, chord};
+pub use chord::{Ball, chord};
 pub use error::{CompileError, CompileProblem};
 pub use evaluator::{
     Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, RayBatch, Rays, Sink, Start,

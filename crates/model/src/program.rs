@@ -1,7 +1,7 @@
 //! The compiled model: flat, immutable, read by every evaluator.
 
 use crate::gate::Network;
-use crate::{Chord, Expression, LeafId, PlacementId, PrototypeId, RegionId, SurfaceId};
+use crate::{Ball, Expression, LeafId, PlacementId, PrototypeId, RegionId, SurfaceId};
 use rayweave_math::{Affine, Bounds, Transform};
 use rayweave_shape::primitive::Primitive;
 use rayweave_shape::surface::Surface;
@@ -34,7 +34,7 @@ pub struct Prototype {
     /// A box that holds the solid (of the model: all regions).
     pub bounds: Bounds,
     /// The ball whose chords say whether a ray lies in a surface.
-    pub ball: Chord,
+    pub ball: Ball,
     /// The number of placements that one occurrence of the group stands for, itself included.
     pub placements: u32,
     /// The instances among the leaves, as (number of the placement within the group, leaf), in order.

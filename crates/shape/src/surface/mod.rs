@@ -9,7 +9,7 @@ mod tolerance;
 
 pub use plane::Plane;
 pub use sphere::Sphere;
-pub use tolerance::{LIE_DIRECTION, delta, hugs, lies_in};
+pub use tolerance::{Chord, LIE_DIRECTION, delta, hugs, lies_in, side_along_gradient};
 
 use crate::Ray;
 use rayweave_math::roots::Crossings;

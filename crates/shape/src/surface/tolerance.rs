@@ -32,20 +32,48 @@ pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
         && (surface.degree() < 4 || (near(0.5 * (a + middle)) && near(0.5 * (middle + b))))
 }
 
-/// The side of a ray that lies in the surface all along `chord`: `Some(inside)`, or `None` if it does not lie in it.
-///
-/// Such a ray is answered as if moved infinitesimally along [`LIE_DIRECTION`]: by the sign of `w . grad f` in
-/// the middle of the chord or, where that is 0, of the first component of grad f that is not.
-pub fn lies_in(surface: &Surface, reach: f64, ray: &Ray, chord: (f64, f64)) -> Option<bool> {
-    if !surface.is_ruled() || !hugs(surface, reach, ray, chord.0, chord.1) {
-        return None;
+/// A piece of a ray as long as its model, with what every test against a surface needs of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chord {
+    ends: (f64, f64),
+    middle: Vec3,
+    /// `delta` in the middle, for a surface without reach.
+    delta: f64,
+}
+
+impl Chord {
+    /// The piece of the ray between two times.
+    pub fn new(ray: &Ray, ends: (f64, f64)) -> Chord {
+        let middle = 0.5 * (ends.0 + ends.1);
+        Chord { ends, middle: ray.at(middle), delta: delta(0.0, ray, middle) }
     }
-    let (_, gradient) = surface.value_and_gradient(ray.at(0.5 * (chord.0 + chord.1)));
-    Some(side_along_gradient(gradient))
+
+    /// The side of a ray that lies in the surface all along the chord: `Some(inside)`, or `None` if it does
+    /// not lie in it.
+    ///
+    /// Such a ray is answered as if moved infinitesimally along [`LIE_DIRECTION`]: by the sign of
+    /// `w . grad f` in the middle of the chord or, where that is 0, of the first component of grad f that is not.
+    pub fn lies_in(&self, surface: &Surface, reach: f64, ray: &Ray) -> Option<bool> {
+        if !surface.is_ruled() {
+            return None;
+        }
+        // nearly every ray is told apart here, by one value and no root
+        let (value, gradient) = surface.value_and_gradient(self.middle);
+        let delta = self.delta + 64.0 * UNIT_ROUNDOFF * reach;
+        if value * value > delta * delta * gradient.length_squared() {
+            return None;
+        }
+        hugs(surface, reach, ray, self.ends.0, self.ends.1).then(|| side_along_gradient(gradient))
+    }
+}
+
+/// [`Chord::lies_in`] for the piece of the ray between two times.
+pub fn lies_in(surface: &Surface, reach: f64, ray: &Ray, ends: (f64, f64)) -> Option<bool> {
+    Chord::new(ray, ends).lies_in(surface, reach, ray)
 }
 
 /// True (inside) if moving along [`LIE_DIRECTION`] makes f negative.
-pub(crate) fn side_along_gradient(gradient: Vec3) -> bool {
+pub fn side_along_gradient(gradient: Vec3) -> bool {
     let slope = LIE_DIRECTION.dot(gradient);
     let sign = if slope != 0.0 {
         slope
