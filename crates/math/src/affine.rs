@@ -210,7 +210,7 @@ impl Affine {
 
 /// The unit vector along `v`, exact where `v` lies on a coordinate axis; NaN for a zero vector. Scaled by
 /// the largest component first, so that no square over- or underflows.
-pub(crate) fn unit(v: Vec3) -> Vec3 {
+pub fn unit(v: Vec3) -> Vec3 {
     let scaled = v / v.abs().max_element();
     scaled / scaled.length()
 }

@@ -7,12 +7,14 @@
 mod affine;
 mod angle;
 mod bounds;
+mod eigen;
 pub mod roots;
 mod transform;
 
-pub use affine::{Affine, SingularError};
+pub use affine::{Affine, SingularError, unit};
 pub use angle::{sin_cos_degrees, unit_vector_degrees};
 pub use bounds::Bounds;
+pub use eigen::{Eigen, any_perpendicular, symmetric_eigen};
 /// A 3 x 3 matrix, stored by columns.
 pub use glam::DMat3 as Mat3;
 /// A vector or a point in space.

@@ -30,6 +30,24 @@ impl Ray {
         }
     }
 
+    /// The same line with its direction times 2^-k, and 2^-k, such that the largest component is about 1 if
+    /// squares of the direction might over- or underflow; `None` if they do not. Times of the other ray times
+    /// that factor are times of this one.
+    pub(crate) fn rescaled(&self) -> Option<(Ray, f64)> {
+        let largest = self.direction.abs().max_element();
+        if (1e-90..1e90).contains(&largest) || largest == 0.0 || !largest.is_finite() {
+            return None;
+        }
+        // in two steps, because 2^1074 is no number
+        let half = libm::ldexp(1.0, -libm::ilogb(largest) / 2);
+        let direction = self.direction * half * half;
+        let again = libm::ldexp(1.0, -libm::ilogb(direction.abs().max_element()));
+        Some((
+            Ray::new(self.origin, direction * again),
+            half * half * again,
+        ))
+    }
+
     /// The time at which the ray is closest to a point.
     pub fn closest_time(&self, point: Vec3) -> f64 {
         (point - self.origin).dot(self.direction) / self.direction.length_squared()

@@ -12,6 +12,7 @@ pub struct Crossings<const N: usize> {
 
 impl<const N: usize> Crossings<N> {
     /// A function that never changes sign.
+    #[inline]
     pub fn constant(negative: bool) -> Self {
         Crossings {
             starts_negative: negative,
@@ -22,6 +23,7 @@ impl<const N: usize> Crossings<N> {
 
     /// From the sign at -inf and the times of the sign changes in increasing order, of which at most `N`
     /// are looked at. Equal times cancel in pairs, -inf changes the sign at the start, +inf and NaN end the list.
+    #[inline]
     pub fn new(starts_negative: bool, times: &[f64]) -> Self {
         let mut answer = Self::constant(starts_negative);
         for &t in times.iter().take(N) {
@@ -31,6 +33,7 @@ impl<const N: usize> Crossings<N> {
     }
 
     /// Appends a sign change at `t`, which must not lie before the last one.
+    #[inline]
     fn push(&mut self, t: f64) {
         let count = usize::from(self.count);
         // one zero only: times are compared and sorted by value
@@ -46,11 +49,13 @@ impl<const N: usize> Crossings<N> {
     }
 
     /// True if the function is negative before the first sign change.
+    #[inline]
     pub fn starts_negative(&self) -> bool {
         self.starts_negative
     }
 
     /// The times of the sign changes, strictly increasing.
+    #[inline]
     pub fn times(&self) -> &[f64] {
         &self.times[..usize::from(self.count)]
     }
@@ -62,15 +67,38 @@ impl<const N: usize> Crossings<N> {
     }
 
     /// The same for the negated function.
+    #[inline]
     pub fn negated(mut self) -> Self {
         self.starts_negative = !self.starts_negative;
         self
     }
 
+    /// Later by `by`. Times that become equal by rounding cancel in pairs.
+    pub fn shifted(&self, by: f64) -> Self {
+        self.mapped(|t| t + by)
+    }
+
+    /// With all times multiplied by a factor > 0.
+    pub fn scaled(&self, factor: f64) -> Self {
+        self.mapped(|t| t * factor)
+    }
+
+    fn mapped(&self, increasing: impl Fn(f64) -> f64) -> Self {
+        let times = self.times.map(increasing);
+        Crossings::new(self.starts_negative, &times[..usize::from(self.count)])
+    }
+
     /// With room for `M >= N` times; the ones that do not fit would be lost, so smaller `M` is not allowed.
+    #[inline]
     pub fn widen<const M: usize>(&self) -> Crossings<M> {
         const { assert!(M >= N) };
-        Crossings::new(self.starts_negative, self.times())
+        let mut times = [0.0; M];
+        times[..N].copy_from_slice(&self.times);
+        Crossings {
+            starts_negative: self.starts_negative,
+            count: self.count,
+            times,
+        }
     }
 }
 

@@ -2,37 +2,160 @@
 //!
 //! A surface is given in the frame in which rays are asked (the frame of one un-instanced group), in a
 //! canonical form about its own centre, never expanded about the world origin.
+//!
+//! # What holds for every kernel
+//!
+//! - *Pure*: crossings are a function of (surface, origin, direction) and nothing else; only +, -, *, / and
+//!   square roots in a fixed order, `libm` for a cube root, nothing fused. Equal input gives equal bits.
+//! - *Backward stable*: a computed point r(t) lies within `64 u (|o| + |t| |d| + reach)` of the surface, and a
+//!   pair of crossings exists or not as it should if the ray clears tangency by more than that: see [`delta`].
+//! - *Scales*: lengths times a power of two give times times that power, to the bit.
+//! - *Range*: lengths between 1e-70 and 1e70 (squares of squares are formed), directions of any length.
 
+mod affine_torus;
+mod along;
+mod cone;
+mod cylinder;
 mod plane;
+mod quadric;
+mod share;
 mod sphere;
 mod tolerance;
+mod torus;
+mod torus_line;
 
+pub use affine_torus::AffineTorus;
+pub use cone::Cone;
+pub use cylinder::Cylinder;
 pub use plane::Plane;
+pub use quadric::Quadric;
+pub use share::{Shared, WideClass, share};
 pub use sphere::Sphere;
 pub use tolerance::{Chord, LIE_DIRECTION, delta, hugs, lies_in, side_along_gradient};
+pub use torus::Torus;
 
 use crate::Ray;
+use along::Departure;
 use rayweave_math::roots::Crossings;
-use rayweave_math::{Transform, Vec3};
+use rayweave_math::{Affine, Bounds, Mat3, Transform, Vec3};
 
 /// The sides and times that a surface gives along a ray: at most four sign changes.
 pub type SurfaceCrossings = Crossings<4>;
 
 /// One surface, in canonical form.
+///
+/// The two kinds with many numbers are boxed, so that a million planes do not pay for them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// A plane.
     Plane(Plane),
     /// A sphere.
     Sphere(Sphere),
+    /// An unbounded circular cylinder.
+    Cylinder(Cylinder),
+    /// An unbounded circular double cone.
+    Cone(Cone),
+    /// Any other surface of degree 2.
+    Quadric(Box<Quadric>),
+    /// A torus.
+    Torus(Torus),
+    /// A torus under an affine map that is no similarity.
+    AffineTorus(Box<AffineTorus>),
+}
+
+/// Constructors. Lengths are finite, directions not zero, radii > 0; nothing is checked.
+impl Surface {
+    /// The plane `normal . p = offset`, inside where it is smaller; the normal may have any length.
+    pub fn plane(normal: Vec3, offset: f64) -> Surface {
+        Surface::Plane(Plane::new(normal, offset))
+    }
+
+    /// The sphere with this centre and radius.
+    pub fn sphere(centre: Vec3, radius: f64) -> Surface {
+        Surface::Sphere(Sphere { centre, radius })
+    }
+
+    /// The cylinder about the line through `point` along `axis`.
+    pub fn cylinder(point: Vec3, axis: Vec3, radius: f64) -> Surface {
+        Surface::Cylinder(Cylinder::new(point, axis, radius))
+    }
+
+    /// The double cone with this apex, axis and slope (radius per height).
+    pub fn cone(apex: Vec3, axis: Vec3, slope: f64) -> Surface {
+        Surface::Cone(Cone::new(apex, axis, slope))
+    }
+
+    /// The quadric `q . M q + linear . q + constant = 0` with q = p - centre. M is symmetric and not zero.
+    pub fn quadric_about(centre: Vec3, matrix: Mat3, linear: Vec3, constant: f64) -> Surface {
+        Surface::Quadric(Box::new(Quadric::about(centre, &matrix, linear, constant)))
+    }
+
+    /// The surface `[x y z 1] Q [x y z 1]^T = 0`, inside where it is negative, about its centre or vertex.
+    ///
+    /// Only the symmetric part of Q counts. A Q without squares gives a plane, one without any variable (or
+    /// that is not finite) `None`.
+    pub fn quadric(matrix: &[[f64; 4]; 4]) -> Option<Surface> {
+        quadric::from_matrix(matrix)
+    }
+
+    /// The torus about `centre` with this axis, radius of the circle and radius of the tube.
+    pub fn torus(centre: Vec3, axis: Vec3, major: f64, minor: f64) -> Surface {
+        Surface::Torus(Torus::new(centre, axis, major, minor))
+    }
 }
 
 impl Surface {
     /// Where the ray crosses the surface: a pure function of (surface, origin, direction).
     pub fn crossings(&self, ray: &Ray) -> SurfaceCrossings {
+        if let Surface::Plane(s) = self {
+            return s.crossings(ray).widen();
+        }
+        match ray.rescaled() {
+            None => self.crossings_in_range(ray),
+            Some((ray, rate)) => self.crossings_in_range(&ray).scaled(rate),
+        }
+    }
+
+    fn crossings_in_range(&self, ray: &Ray) -> SurfaceCrossings {
         match self {
             Surface::Plane(s) => s.crossings(ray).widen(),
             Surface::Sphere(s) => s.crossings(ray).widen(),
+            Surface::Cylinder(s) => s.crossings(ray).widen(),
+            Surface::Cone(s) => s.crossings(ray).widen(),
+            Surface::Quadric(s) => s.crossings(ray).widen(),
+            Surface::Torus(s) => s.crossings(ray),
+            Surface::AffineTorus(s) => s.crossings(ray),
+        }
+    }
+
+    /// Where a ray that starts *on* the surface crosses it, for t >= 0: the answer for a surface on the start
+    /// list of a ray.
+    ///
+    /// One root at 0 is divided out of f(r(t)). The side at the start of the answer is `inside_after`, as
+    /// listed; each time flips it. If the direction leads to the other side, the surface is crossed at the very
+    /// start: the first time is exactly 0 (and no other one is). Where the direction is tangent, the side into
+    /// which it leads is that of the next derivative; for a ray in the surface it is that of
+    /// [`LIE_DIRECTION`].
+    pub fn crossings_from(&self, ray: &Ray, inside_after: bool) -> SurfaceCrossings {
+        let along_w = || side_along_gradient(self.value_and_gradient(ray.origin).1);
+        match ray.rescaled() {
+            None => self.departure(ray).crossings(inside_after, along_w),
+            Some((ray, rate)) => self
+                .departure(&ray)
+                .crossings(inside_after, along_w)
+                .scaled(rate),
+        }
+    }
+
+    fn departure(&self, ray: &Ray) -> Departure {
+        match self {
+            Surface::Plane(s) => s.departure(ray),
+            Surface::Sphere(s) => s.departure(ray),
+            Surface::Cylinder(s) => s.departure(ray),
+            Surface::Cone(s) => s.departure(ray),
+            Surface::Quadric(s) => s.departure(ray),
+            Surface::Torus(s) => s.departure(ray),
+            Surface::AffineTorus(s) => s.departure(ray),
         }
     }
 
@@ -41,22 +164,29 @@ impl Surface {
         match self {
             Surface::Plane(s) => s.value_and_gradient(point),
             Surface::Sphere(s) => s.value_and_gradient(point),
+            Surface::Cylinder(s) => s.value_and_gradient(point),
+            Surface::Cone(s) => s.value_and_gradient(point),
+            Surface::Quadric(s) => s.value_and_gradient(point),
+            Surface::Torus(s) => s.value_and_gradient(point),
+            Surface::AffineTorus(s) => s.value_and_gradient(point),
         }
     }
 
-    /// The degree of `f` along a straight line.
+    /// The degree of `f` along a straight line: at most so many crossings.
     pub fn degree(&self) -> u8 {
         match self {
             Surface::Plane(_) => 1,
-            Surface::Sphere(_) => 2,
+            Surface::Sphere(_) | Surface::Cylinder(_) | Surface::Cone(_) | Surface::Quadric(_) => 2,
+            Surface::Torus(_) | Surface::AffineTorus(_) => 4,
         }
     }
 
-    /// True if a straight line can lie in the surface.
+    /// True if a straight line might lie in the surface.
     pub fn is_ruled(&self) -> bool {
         match self {
-            Surface::Plane(_) => true,
-            Surface::Sphere(_) => false,
+            Surface::Plane(_) | Surface::Cylinder(_) | Surface::Cone(_) => true,
+            Surface::Quadric(s) => s.is_ruled(),
+            Surface::Sphere(_) | Surface::Torus(_) | Surface::AffineTorus(_) => false,
         }
     }
 
@@ -65,6 +195,11 @@ impl Surface {
         match self {
             Surface::Plane(s) => s.reach(),
             Surface::Sphere(s) => s.reach(),
+            Surface::Cylinder(s) => s.reach(),
+            Surface::Cone(s) => s.apex.length(),
+            Surface::Quadric(s) => s.reach(),
+            Surface::Torus(s) => s.reach(),
+            Surface::AffineTorus(s) => s.reach(),
         }
     }
 
@@ -73,14 +208,56 @@ impl Surface {
         match self {
             Surface::Plane(s) => s.anchor(),
             Surface::Sphere(s) => s.centre,
+            Surface::Cylinder(s) => s.point,
+            Surface::Cone(s) => s.apex,
+            Surface::Quadric(s) => s.centre,
+            Surface::Torus(s) => s.centre,
+            Surface::AffineTorus(s) => s.centre,
         }
     }
 
-    /// The canonical form of the image of this surface; inside stays inside.
+    /// The smallest box that holds the inside, `f < 0`, up to the rounding of its faces (a few u times their
+    /// distance from the origin); infinite where it is unbounded, empty if f is nowhere negative.
+    pub fn inside_bounds(&self) -> Bounds {
+        match self {
+            Surface::Plane(s) => s.inside_bounds(),
+            Surface::Sphere(s) => Bounds::centred(s.centre, Vec3::splat(s.radius)),
+            Surface::Cylinder(s) => s.inside_bounds(),
+            Surface::Cone(_) => Bounds::ALL,
+            Surface::Quadric(s) => s.inside_bounds(),
+            Surface::Torus(s) => s.inside_bounds(),
+            Surface::AffineTorus(s) => s.inside_bounds(),
+        }
+    }
+
+    /// The canonical form of the image of this surface; inside stays inside, and the identity keeps all bits.
     pub fn transformed(&self, to: &Transform) -> Surface {
+        if to.world_from_local == Affine::IDENTITY {
+            return self.clone();
+        }
         match self {
             Surface::Plane(s) => Surface::Plane(s.transformed(to)),
-            Surface::Sphere(s) => Surface::Sphere(s.transformed(to)),
+            Surface::Sphere(s) => s.transformed(to),
+            Surface::Cylinder(s) => s.transformed(to),
+            Surface::Cone(s) => s.transformed(to),
+            Surface::Quadric(s) => Surface::Quadric(Box::new(s.transformed(to))),
+            Surface::Torus(s) => s.transformed(to),
+            Surface::AffineTorus(s) => s.transformed(to),
+        }
+    }
+
+    /// True if no number of the surface is NaN or infinite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Surface::Plane(s) => s.normal.is_finite() && s.offset.is_finite(),
+            Surface::Sphere(s) => s.centre.is_finite() && s.radius.is_finite(),
+            Surface::Cylinder(s) => {
+                s.point.is_finite() && s.axis.is_finite() && s.radius.is_finite()
+            }
+            Surface::Cone(s) => s.apex.is_finite() && s.axis.is_finite() && s.slope.is_finite(),
+            Surface::Quadric(s) => s.is_finite(),
+            Surface::Torus(s) => s.is_finite(),
+            Surface::AffineTorus(s) => s.is_finite(),
         }
     }
 }

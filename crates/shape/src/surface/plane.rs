@@ -1,8 +1,9 @@
 //! The plane `n . p = c`, inside where `n . p < c`.
 
+use super::along::Departure;
 use crate::Ray;
 use rayweave_math::roots::Crossings;
-use rayweave_math::{Affine, Transform, Vec3};
+use rayweave_math::{Bounds, Transform, Vec3};
 
 /// A plane with unit normal; the inside is the half-space that the normal points away from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +45,24 @@ impl Plane {
         (self.normal.dot(point) - self.offset, self.normal)
     }
 
+    /// The ray that starts on the plane: nothing remains once its root is divided out.
+    pub(super) fn departure(&self, ray: &Ray) -> Departure {
+        Departure::quadratic(0.0, self.normal.dot(ray.direction))
+    }
+
+    /// Bounded on one side if the normal is a coordinate axis.
+    pub fn inside_bounds(&self) -> Bounds {
+        let mut bounds = Bounds::ALL;
+        for (k, axis) in Vec3::AXES.into_iter().enumerate() {
+            if self.normal == axis {
+                bounds.hi[k] = self.offset;
+            } else if self.normal == -axis {
+                bounds.lo[k] = -self.offset;
+            }
+        }
+        bounds
+    }
+
     /// The distance from the origin.
     pub fn reach(&self) -> f64 {
         self.offset.abs()
@@ -56,9 +75,6 @@ impl Plane {
 
     /// The image of the plane. With p = L q + T, `n . q = c` becomes `(L^-T n) . p = c + (L^-T n) . T`.
     pub fn transformed(&self, to: &Transform) -> Plane {
-        if to.world_from_local == Affine::IDENTITY {
-            return *self;
-        }
         let normal = to.local_from_world.linear.transpose() * self.normal;
         Plane::new(
             normal,

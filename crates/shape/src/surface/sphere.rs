@@ -1,5 +1,7 @@
 //! The sphere `|p - centre|^2 = radius^2`, inside where the distance is smaller.
 
+use super::along::Departure;
+use super::{Quadric, Surface};
 use crate::Ray;
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Transform, Vec3};
@@ -40,12 +42,20 @@ impl Sphere {
         self.centre.length() + self.radius
     }
 
-    /// The image under a similarity.
-    pub fn transformed(&self, to: &Transform) -> Sphere {
-        let scale = to.world_from_local.similarity().unwrap_or(f64::NAN);
-        Sphere {
-            centre: to.world_from_local.point(self.centre),
-            radius: scale * self.radius,
+    /// The ray that starts on the sphere.
+    pub(super) fn departure(&self, ray: &Ray) -> Departure {
+        let from = ray.origin - self.centre;
+        Departure::quadratic(ray.direction.length_squared(), from.dot(ray.direction))
+    }
+
+    /// The image: a sphere again under a similarity, else an ellipsoid.
+    pub fn transformed(&self, to: &Transform) -> Surface {
+        let map = &to.world_from_local;
+        if let Some(scale) = map.similarity() {
+            return Surface::sphere(map.point(self.centre), scale * self.radius);
         }
+        let square = self.radius * self.radius;
+        let here = Quadric::from_squares(self.centre, Vec3::AXES, [1.0; 3], Vec3::ZERO, -square);
+        Surface::Quadric(Box::new(here.transformed(to)))
     }
 }

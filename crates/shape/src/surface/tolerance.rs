@@ -45,7 +45,11 @@ impl Chord {
     /// The piece of the ray between two times.
     pub fn new(ray: &Ray, ends: (f64, f64)) -> Chord {
         let middle = 0.5 * (ends.0 + ends.1);
-        Chord { ends, middle: ray.at(middle), delta: delta(0.0, ray, middle) }
+        Chord {
+            ends,
+            middle: ray.at(middle),
+            delta: delta(0.0, ray, middle),
+        }
     }
 
     /// The side of a ray that lies in the surface all along the chord: `Some(inside)`, or `None` if it does

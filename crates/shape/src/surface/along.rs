@@ -1,0 +1,78 @@
+//! A surface of degree 2 along a ray.
+//!
+//! With q = r(t) - centre, `f = a t^2 + 2 b t + c`. The coefficients are formed where few digits are lost:
+//! first at the point of the ray closest to the surface's centre, and, if `b^2 - a c` still cancels there
+//! (a long thin ellipsoid, a ray far out along a cone), once more at the extremum -b/a of f itself. A shift
+//! costs a rounding of the point, u (|o| + |t| |d|), which is that of the ray; what remains is an error of f
+//! relative to its terms *at the place where f is asked*.
+
+use super::SurfaceCrossings;
+use crate::Ray;
+use rayweave_math::Vec3;
+use rayweave_math::roots::{Crossings, quadratic};
+
+/// Coefficients `[a, b, c]` of `a t^2 + 2 b t + c`.
+pub type Coefficients = [f64; 3];
+
+/// The time at which the ray is closest to `centre`, and that point relative to it.
+pub fn recentred(ray: &Ray, centre: Vec3) -> (f64, Vec3) {
+    let shift = ray.closest_time(centre);
+    (shift, (ray.origin - centre) + shift * ray.direction)
+}
+
+/// Crossings of a surface of degree 2 from its coefficients about any point: `at(q, d)` is given a point of
+/// the ray relative to the centre, and the direction.
+pub fn quadratic_crossings(
+    ray: &Ray,
+    centre: Vec3,
+    at: impl Fn(Vec3, Vec3) -> Coefficients,
+) -> Crossings<2> {
+    let (shift, q) = recentred(ray, centre);
+    let [a, b, c] = at(q, ray.direction);
+    let again = -b / a;
+    if cancels(a, b, c) && again.is_finite() {
+        let [a, b, c] = at(q + again * ray.direction, ray.direction);
+        return quadratic(a, b, c).shifted(shift + again);
+    }
+    quadratic(a, b, c).shifted(shift)
+}
+
+/// True if `b^2` and `a c` are equal within a factor 2, so that their difference has fewer correct digits.
+fn cancels(a: f64, b: f64, c: f64) -> bool {
+    let (square, product) = (b * b, a * c);
+    2.0 * (square - product).abs() < square
+}
+
+/// What a ray that starts on a surface sees of it, once the root at its start is divided out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Departure {
+    /// The side just after the start into which the direction leads; `None` if the ray lies in the surface.
+    pub negative_after: Option<bool>,
+    /// The remaining sign changes, all > 0.
+    pub times: Crossings<4>,
+}
+
+impl Departure {
+    /// From `f(r(t)) = a t^2 + 2 b t`: dividing by t leaves the root `-2 b / a`.
+    pub fn quadratic(a: f64, half_b: f64) -> Departure {
+        let leading = if half_b == 0.0 { a } else { half_b };
+        let t = -2.0 * half_b / a;
+        let remaining = [if t > 0.0 { t } else { f64::INFINITY }];
+        Departure {
+            negative_after: (leading != 0.0).then_some(leading < 0.0),
+            times: Crossings::new(leading < 0.0, &remaining),
+        }
+    }
+
+    /// The crossings of a ray that is `inside` just after its start by the start list, where `along_w` is the
+    /// side of a ray that lies in the surface. If list and direction disagree, the first time is 0.
+    pub fn crossings(&self, inside: bool, along_w: impl FnOnce() -> bool) -> SurfaceCrossings {
+        let led = self.negative_after.unwrap_or_else(along_w);
+        let mut times = [0.0; 4];
+        let rest = self.times.times();
+        let count = rest.len().min(3);
+        times[1..=count].copy_from_slice(&rest[..count]);
+        let first = usize::from(led == inside);
+        Crossings::new(inside, &times[first..=count])
+    }
+}

@@ -1,0 +1,81 @@
+//! The double cone `|perp(p - apex)| = slope |h|` with h the height above the apex, inside both nappes.
+
+use super::along::{Coefficients, Departure, quadratic_crossings};
+use super::cylinder::perpendicular;
+use super::{Quadric, Surface};
+use crate::Ray;
+use rayweave_math::roots::Crossings;
+use rayweave_math::{Transform, Vec3, any_perpendicular, unit};
+
+/// An unbounded circular double cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// Where the nappes meet.
+    pub apex: Vec3,
+    /// Unit vector along the axis; either sense is the same cone.
+    pub axis: Vec3,
+    /// Radius per height, > 0: the tangent of the half angle.
+    pub slope: f64,
+}
+
+impl Cone {
+    /// The cone with this apex, axis (of any length) and slope.
+    pub fn new(apex: Vec3, axis: Vec3, slope: f64) -> Cone {
+        Cone {
+            apex,
+            axis: unit(axis),
+            slope,
+        }
+    }
+
+    /// Roots of `|perp|^2 - slope^2 h^2`; at most two, and none through the apex, where the ray changes from
+    /// one nappe into the other.
+    pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
+        quadratic_crossings(ray, self.apex, |q, d| self.coefficients(q, d))
+    }
+
+    fn coefficients(&self, q: Vec3, d: Vec3) -> Coefficients {
+        let (height, rise) = (self.axis.dot(q), self.axis.dot(d));
+        let (from, along) = (q - height * self.axis, d - rise * self.axis);
+        let (height, rise) = (self.slope * height, self.slope * rise);
+        [
+            along.length_squared() - rise * rise,
+            from.dot(along) - height * rise,
+            from.length_squared() - height * height,
+        ]
+    }
+
+    /// The ray that starts on the cone.
+    pub(super) fn departure(&self, ray: &Ray) -> Departure {
+        let [a, b, _] = self.coefficients(ray.origin - self.apex, ray.direction);
+        Departure::quadratic(a, b)
+    }
+
+    /// `|perp|^2 - slope^2 h^2` and its gradient.
+    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
+        let q = point - self.apex;
+        let height = self.axis.dot(q);
+        let offset = perpendicular(q, self.axis);
+        let radius = self.slope * height;
+        (
+            offset.length_squared() - radius * radius,
+            2.0 * (offset - (self.slope * radius) * self.axis),
+        )
+    }
+
+    /// The image: a cone again under a similarity, else an elliptic one.
+    pub fn transformed(&self, to: &Transform) -> Surface {
+        let map = &to.world_from_local;
+        if map.similarity().is_some() {
+            return Surface::Cone(Cone::new(
+                map.point(self.apex),
+                map.vector(self.axis),
+                self.slope,
+            ));
+        }
+        let side = any_perpendicular(self.axis);
+        let rows = [side, self.axis.cross(side), self.slope * self.axis];
+        let here = Quadric::from_squares(self.apex, rows, [1.0, 1.0, -1.0], Vec3::ZERO, 0.0);
+        Surface::Quadric(Box::new(here.transformed(to)))
+    }
+}

@@ -1,0 +1,109 @@
+//! The circular cylinder, unbounded: `|perp(p - point)|^2 = radius^2`, inside nearer to the axis.
+
+use super::along::Departure;
+use super::{Quadric, Surface};
+use crate::Ray;
+use rayweave_math::roots::Crossings;
+use rayweave_math::{Bounds, Transform, Vec3, any_perpendicular, unit};
+
+/// An unbounded circular cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    /// The point of the axis nearest the frame's origin.
+    pub point: Vec3,
+    /// Unit vector along the axis; either sense is the same cylinder.
+    pub axis: Vec3,
+    /// The radius, > 0.
+    pub radius: f64,
+}
+
+impl Cylinder {
+    /// About the line through `point` along `axis`, which need not be of unit length.
+    pub fn new(point: Vec3, axis: Vec3, radius: f64) -> Cylinder {
+        let axis = unit(axis);
+        Cylinder {
+            point: perpendicular(point, axis),
+            axis,
+            radius,
+        }
+    }
+
+    /// Roots about the point of closest approach to the axis. A ray along the axis has none.
+    pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
+        let from = perpendicular(ray.origin - self.point, self.axis);
+        let along = perpendicular(ray.direction, self.axis);
+        let square = along.length_squared();
+        if square == 0.0 {
+            return Crossings::constant(from.length_squared() < self.radius * self.radius);
+        }
+        let closest = -from.dot(along) / square;
+        let offset = from + closest * along;
+        let inside = self.radius * self.radius - offset.length_squared();
+        if inside.is_nan() || inside <= 0.0 {
+            return Crossings::constant(false);
+        }
+        let half = (inside / square).sqrt();
+        Crossings::new(false, &[closest - half, closest + half])
+    }
+
+    /// The ray that starts on the cylinder.
+    pub(super) fn departure(&self, ray: &Ray) -> Departure {
+        let from = perpendicular(ray.origin - self.point, self.axis);
+        let along = perpendicular(ray.direction, self.axis);
+        Departure::quadratic(along.length_squared(), from.dot(along))
+    }
+
+    /// `|perp|^2 - radius^2` and its gradient.
+    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
+        let offset = perpendicular(point - self.point, self.axis);
+        (
+            offset.length_squared() - self.radius * self.radius,
+            2.0 * offset,
+        )
+    }
+
+    /// Distance of the axis from the origin plus the radius.
+    pub fn reach(&self) -> f64 {
+        self.point.length() + self.radius
+    }
+
+    /// Finite across a coordinate axis that is perpendicular to the cylinder's.
+    pub fn inside_bounds(&self) -> Bounds {
+        let half = self
+            .axis
+            .map(|u| if u == 0.0 { self.radius } else { f64::INFINITY });
+        Bounds::centred(self.point, half)
+    }
+
+    /// The image: a cylinder again under a similarity, else an elliptic one.
+    pub fn transformed(&self, to: &Transform) -> Surface {
+        let map = &to.world_from_local;
+        if let Some(scale) = map.similarity() {
+            return Surface::Cylinder(Cylinder::new(
+                map.point(self.point),
+                map.vector(self.axis),
+                scale * self.radius,
+            ));
+        }
+        let side = any_perpendicular(self.axis);
+        let rows = [side, self.axis.cross(side), self.axis];
+        let here = Quadric::from_squares(
+            self.point,
+            rows,
+            [1.0, 1.0, 0.0],
+            Vec3::ZERO,
+            -self.radius * self.radius,
+        );
+        let there = here.transformed(to);
+        let axis = unit(map.vector(self.axis));
+        Surface::Quadric(Box::new(Quadric {
+            centre: perpendicular(there.centre, axis),
+            ..there
+        }))
+    }
+}
+
+/// The part of `v` perpendicular to a unit vector.
+pub(super) fn perpendicular(v: Vec3, axis: Vec3) -> Vec3 {
+    v - v.dot(axis) * axis
+}

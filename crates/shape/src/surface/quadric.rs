@@ -1,0 +1,384 @@
+//! Any surface of degree 2, written in its principal axes: `f = sum w_k (e_k . q)^2 + linear . q + constant`
+//! with q = p - centre, orthonormal e_k and the largest |w_k| = 1.
+//!
+//! The matrix `sum w_k e_k e_k^T` itself is not kept: in a thin ellipsoid with half axes 1 and h its entries,
+//! rounded to u, would move the far ends by u / h^2. A rounding of e_k . q, at most 3 u |q|, moves the surface
+//! by no more than `sum |w_k (e_k . q)| 3 u |q| / |sum w_k (e_k . q) e_k|`, which is below `3 sqrt(3) u |q|`
+//! because the axes are perpendicular, whatever the weights are.
+
+use super::Surface;
+use super::along::{Coefficients, Departure, quadratic_crossings};
+use crate::Ray;
+use rayweave_math::roots::Crossings;
+use rayweave_math::{
+    Bounds, Eigen, Mat3, Transform, UNIT_ROUNDOFF, Vec3, any_perpendicular, symmetric_eigen, unit,
+};
+
+/// A quadric in principal axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quadric {
+    /// The point about which the equation is written: centre, vertex or apex.
+    pub centre: Vec3,
+    /// Orthonormal principal axes.
+    pub axes: [Vec3; 3],
+    /// The factor of the square along each axis; the largest magnitude is 1.
+    pub weights: Vec3,
+    /// The factor of q.
+    pub linear: Vec3,
+    /// The value at the centre.
+    pub constant: f64,
+}
+
+/// Eigenvalues of a matrix that is not diagonal are 0 if they are below this times the largest: the error of
+/// the eigenvalues.
+const NOISE: f64 = 8.0 * UNIT_ROUNDOFF;
+
+impl Quadric {
+    /// `f = q . M q + linear . q + constant` with q = p - centre, about the centre as given. The matrix is
+    /// symmetric and not zero.
+    pub fn about(centre: Vec3, matrix: &Mat3, linear: Vec3, constant: f64) -> Quadric {
+        let eigen = symmetric_eigen(matrix);
+        let weights = if eigen.exact {
+            eigen.values
+        } else {
+            without_noise(&eigen)
+        };
+        Quadric {
+            centre,
+            axes: eigen.vectors,
+            weights,
+            linear,
+            constant,
+        }
+        .normalised()
+    }
+
+    /// `f = sum signs_k (rows_k . q)^2 + linear . q + constant`; the rows need not be perpendicular, signs are
+    /// 1, -1 or 0 (then the row only completes the frame). At least one sign is not 0.
+    pub fn from_squares(
+        centre: Vec3,
+        mut rows: [Vec3; 3],
+        signs: [f64; 3],
+        linear: Vec3,
+        constant: f64,
+    ) -> Quadric {
+        make_perpendicular(&mut rows, &signs);
+        let weights: [f64; 3] = std::array::from_fn(|k| signs[k] * rows[k].length_squared());
+        complete_frame(&mut rows, &signs);
+        Quadric {
+            centre,
+            axes: rows.map(unit),
+            weights: Vec3::from_array(weights),
+            linear,
+            constant,
+        }
+        .normalised()
+    }
+
+    fn normalised(self) -> Quadric {
+        let largest = self.weights.abs().max_element();
+        Quadric {
+            weights: self.weights / largest,
+            linear: self.linear / largest,
+            constant: self.constant / largest,
+            ..self
+        }
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        self.centre.is_finite()
+            && self.axes.iter().all(|e| e.is_finite())
+            && self.weights.is_finite()
+            && self.linear.is_finite()
+            && self.constant.is_finite()
+    }
+
+    /// Coordinates along the principal axes.
+    fn coordinates(&self, v: Vec3) -> Vec3 {
+        Vec3::from_array(self.axes.map(|e| e.dot(v)))
+    }
+
+    /// A vector from coordinates along the principal axes.
+    fn along_axes(&self, v: Vec3) -> Vec3 {
+        v.x * self.axes[0] + v.y * self.axes[1] + v.z * self.axes[2]
+    }
+
+    /// At most two roots.
+    pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
+        quadratic_crossings(ray, self.centre, |q, d| self.coefficients(q, d))
+    }
+
+    fn coefficients(&self, q: Vec3, d: Vec3) -> Coefficients {
+        let (x, v) = (self.coordinates(q), self.coordinates(d));
+        let (wx, wv) = (self.weights * x, self.weights * v);
+        [
+            wv.dot(v),
+            wx.dot(v) + 0.5 * self.linear.dot(d),
+            wx.dot(x) + (self.linear.dot(q) + self.constant),
+        ]
+    }
+
+    /// The ray that starts on the quadric.
+    pub(super) fn departure(&self, ray: &Ray) -> Departure {
+        let [a, b, _] = self.coefficients(ray.origin - self.centre, ray.direction);
+        Departure::quadratic(a, b)
+    }
+
+    /// f and its gradient.
+    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
+        let q = point - self.centre;
+        let x = self.coordinates(q);
+        let wx = self.weights * x;
+        (
+            wx.dot(x) + (self.linear.dot(q) + self.constant),
+            2.0 * self.along_axes(wx) + self.linear,
+        )
+    }
+
+    /// True unless all weights have the same sign (an ellipsoid, a point or nothing).
+    pub fn is_ruled(&self) -> bool {
+        !(self.weights.cmpgt(Vec3::ZERO).all() || self.weights.cmplt(Vec3::ZERO).all())
+    }
+
+    /// Distance of the centre from the origin plus the size: the longest half axis `sqrt(|constant / w|)` and
+    /// the length `|linear|` over the largest weight.
+    pub fn reach(&self) -> f64 {
+        let longest = self
+            .weights
+            .to_array()
+            .into_iter()
+            .filter(|&w| w != 0.0)
+            .fold(0.0f64, |size, w| size.max((self.constant / w).abs()));
+        self.centre.length() + longest.sqrt() + self.linear.length()
+    }
+
+    /// The image under any map: `e . q = (L^-T e) . L q`.
+    pub fn transformed(&self, to: &Transform) -> Quadric {
+        let turned = to.local_from_world.linear.transpose();
+        let centre = to.world_from_local.point(self.centre);
+        if let Some(scale) = to.world_from_local.similarity() {
+            let square = scale * scale;
+            return Quadric {
+                centre,
+                axes: self.axes.map(|e| unit(turned * e)),
+                weights: self.weights,
+                linear: square * (turned * self.linear),
+                constant: square * self.constant,
+            };
+        }
+        let (w, axes) = (self.weights.to_array(), self.axes);
+        Quadric::from_squares(
+            centre,
+            std::array::from_fn(|k| turned * (nonzero(w[k]).abs().sqrt() * axes[k])),
+            w.map(|w| if w == 0.0 { 0.0 } else { w.signum() }),
+            turned * self.linear,
+            self.constant,
+        )
+    }
+
+    /// A box that holds f < 0: tight for ellipsoids, elliptic cylinders and paraboloids, all of space for
+    /// what is unbounded in every direction, empty where f is nowhere negative.
+    pub fn inside_bounds(&self) -> Bounds {
+        if self.weights.min_element() < 0.0 {
+            return Bounds::ALL;
+        }
+        let Some(form) = Bowl::new(self) else {
+            return Bounds::EMPTY;
+        };
+        let side = |n: Vec3| form.farthest(self.coordinates(n));
+        let axes = Vec3::AXES;
+        let hi = Vec3::from_array(axes.map(side));
+        let lo = Vec3::from_array(axes.map(|n| -side(-n)));
+        Bounds::new(form.middle + lo, form.middle + hi)
+    }
+}
+
+fn without_noise(eigen: &Eigen) -> Vec3 {
+    let largest = eigen.values.abs().max_element();
+    eigen
+        .values
+        .map(|v| if v.abs() <= NOISE * largest { 0.0 } else { v })
+}
+
+/// A row of weight 0 still has a direction.
+fn nonzero(weight: f64) -> f64 {
+    if weight == 0.0 { 1.0 } else { weight }
+}
+
+/// A quadric without negative weights as `sum w_k x_k^2 + slope . x + level` in coordinates about the middle,
+/// slope having parts along axes of weight 0 only.
+struct Bowl {
+    middle: Vec3,
+    weights: Vec3,
+    slope: Vec3,
+    level: f64,
+}
+
+impl Bowl {
+    /// `None` if f is nowhere negative.
+    fn new(quadric: &Quadric) -> Option<Bowl> {
+        let weights = quadric.weights;
+        let linear = quadric.coordinates(quadric.linear);
+        let small = NOISE * linear.length();
+        let pick = |k: usize| match (weights[k] > 0.0, linear[k]) {
+            (true, b) => (-0.5 * b / weights[k], 0.0),
+            (false, b) => (0.0, if b.abs() <= small { 0.0 } else { b }),
+        };
+        let picked = [pick(0), pick(1), pick(2)];
+        let shift = Vec3::from_array(picked.map(|p| p.0));
+        let slope = Vec3::from_array(picked.map(|p| p.1));
+        let level = quadric.constant - (weights * shift).dot(shift);
+        (slope != Vec3::ZERO || level < 0.0).then(|| Bowl {
+            middle: quadric.centre + quadric.along_axes(shift),
+            weights,
+            slope,
+            level,
+        })
+    }
+
+    /// The supremum of n . x over f < 0.
+    fn farthest(&self, n: Vec3) -> f64 {
+        let flat = Vec3::from_array(std::array::from_fn(|k| {
+            if self.weights[k] == 0.0 { n[k] } else { 0.0 }
+        }));
+        // of the directions in which f has no square only the one up the slope is bounded
+        let multiplier = if self.slope == Vec3::ZERO {
+            0.0
+        } else {
+            flat.dot(self.slope) / self.slope.length_squared()
+        };
+        let beside = flat - multiplier * self.slope;
+        if beside.abs().max_element() > NOISE || multiplier * self.slope.length() < -NOISE {
+            return f64::INFINITY;
+        }
+        let spread: f64 = (0..3)
+            .filter(|&k| self.weights[k] != 0.0)
+            .map(|k| n[k] * n[k] / self.weights[k])
+            .sum();
+        if multiplier * self.slope.length() > NOISE {
+            // maximise over x: n.x - multiplier * (w x^2 + level)
+            return spread / (4.0 * multiplier) - multiplier * self.level;
+        }
+        if self.slope != Vec3::ZERO && spread > 0.0 {
+            return f64::INFINITY;
+        }
+        (spread * -self.level).sqrt()
+    }
+}
+
+/// One-sided Jacobi rotations, ordinary between rows of equal sign and hyperbolic between rows of opposite
+/// sign, until rows that count are perpendicular; they change no value of f (J. Demmel, K. Veselic, "Jacobi's
+/// method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992), and the hyperbolic form of K. Veselic, "A Jacobi
+/// eigenreduction algorithm for definite matrix pairs", Numer. Math. 64 (1993)).
+fn make_perpendicular(rows: &mut [Vec3; 3], signs: &[f64; 3]) {
+    for _ in 0..40 {
+        let mut done = true;
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            let sign = signs[i] * signs[j];
+            let dot = rows[i].dot(rows[j]);
+            let lengths = rows[i].length() * rows[j].length();
+            if sign == 0.0 || dot.abs() <= 4.0 * UNIT_ROUNDOFF * lengths {
+                continue;
+            }
+            let (c, s) = jacobi_pair(
+                rows[i].length_squared(),
+                rows[j].length_squared(),
+                dot,
+                sign,
+            );
+            (rows[i], rows[j]) = (c * rows[i] - sign * s * rows[j], s * rows[i] + c * rows[j]);
+            done = false;
+        }
+        if done {
+            return;
+        }
+    }
+}
+
+/// Cosine and sine (sign > 0), or hyperbolic cosine and sine (sign < 0), of the rotation
+/// `(c a - sign s b, s a + c b)` that makes two rows perpendicular.
+fn jacobi_pair(aa: f64, bb: f64, ab: f64, sign: f64) -> (f64, f64) {
+    if sign > 0.0 {
+        let cot = (bb - aa) / (2.0 * ab);
+        let tan = 1f64.copysign(cot) / (cot.abs() + (1.0 + cot * cot).sqrt());
+        let c = 1.0 / (1.0 + tan * tan).sqrt();
+        return (c, tan * c);
+    }
+    let ratio = 2.0 * ab / (aa + bb);
+    let tanh = -ratio / (1.0 + (1.0 - ratio * ratio).max(0.0).sqrt());
+    let c = 1.0 / (1.0 - tanh * tanh).sqrt();
+    (c, tanh * c)
+}
+
+/// Puts rows of sign 0 perpendicular to the others.
+fn complete_frame(rows: &mut [Vec3; 3], signs: &[f64; 3]) {
+    match std::array::from_fn(|k| signs[k] != 0.0) {
+        [true, true, false] => rows[2] = unit(rows[0]).cross(unit(rows[1])),
+        [true, false, true] => rows[1] = unit(rows[2]).cross(unit(rows[0])),
+        [false, true, true] => rows[0] = unit(rows[1]).cross(unit(rows[2])),
+        [true, false, false] => complete_pair(rows, [0, 1, 2]),
+        [false, true, false] => complete_pair(rows, [1, 2, 0]),
+        [false, false, true] => complete_pair(rows, [2, 0, 1]),
+        [true, true, true] | [false, false, false] => {}
+    }
+}
+
+fn complete_pair(rows: &mut [Vec3; 3], [only, next, last]: [usize; 3]) {
+    let axis = unit(rows[only]);
+    rows[next] = any_perpendicular(axis);
+    rows[last] = axis.cross(rows[next]);
+}
+
+/// The surface `[x y z 1] Q [x y z 1]^T = 0` of a symmetric 4 x 4 matrix: a quadric about its centre or
+/// vertex, a plane where Q has no squares, `None` where it has no variables at all or is not finite.
+pub(super) fn from_matrix(rows: &[[f64; 4]; 4]) -> Option<Surface> {
+    let entry = |i: usize, j: usize| 0.5 * rows[i][j] + 0.5 * rows[j][i];
+    let column = |j: usize| Vec3::new(entry(0, j), entry(1, j), entry(2, j));
+    let matrix = Mat3::from_cols(column(0), column(1), column(2));
+    let (linear, constant) = (2.0 * column(3), rows[3][3]);
+    if !(matrix.is_finite() && linear.is_finite() && constant.is_finite()) {
+        return None;
+    }
+    if matrix == Mat3::ZERO {
+        return (linear != Vec3::ZERO).then(|| Surface::plane(linear, -constant));
+    }
+    let about_origin = Quadric::about(Vec3::ZERO, &matrix, linear, constant);
+    Some(Surface::Quadric(Box::new(at_centre(about_origin))))
+}
+
+/// The same quadric written about its centre nearest the old one or, if it has none, its vertex.
+fn at_centre(quadric: Quadric) -> Quadric {
+    let (w, b) = (quadric.weights, quadric.coordinates(quadric.linear));
+    let small = NOISE * b.length();
+    let has_square = |k: usize| w[k] != 0.0;
+    let shift = Vec3::from_array(std::array::from_fn(|k| {
+        if has_square(k) {
+            -0.5 * b[k] / w[k]
+        } else {
+            0.0
+        }
+    }));
+    let rest = Vec3::from_array(std::array::from_fn(|k| {
+        if has_square(k) || b[k].abs() <= small {
+            0.0
+        } else {
+            b[k]
+        }
+    }));
+    let level = quadric.constant - (w * shift).dot(shift);
+    if rest == Vec3::ZERO {
+        return Quadric {
+            centre: quadric.centre + quadric.along_axes(shift),
+            linear: Vec3::ZERO,
+            constant: level,
+            ..quadric
+        };
+    }
+    let shift = shift - level / rest.length_squared() * rest;
+    Quadric {
+        centre: quadric.centre + quadric.along_axes(shift),
+        linear: quadric.along_axes(rest),
+        constant: 0.0,
+        ..quadric
+    }
+}

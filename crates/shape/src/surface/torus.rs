@@ -1,0 +1,127 @@
+//! The torus: points at distance `minor` from a circle of radius `major`, inside nearer to the circle.
+//!
+//! `g = (rho - major)^2 + z^2 - minor^2` with rho the distance from the axis and z the height. For
+//! `major < minor` (a spindle) the balls about the circle overlap and fill the lemon in the middle, so it is
+//! solid. The quartic `g (g + 4 major rho)` vanishes on the lemon's skin, too; g does not, and in a thin
+//! torus it loses no digits where the quartic loses those of `(major / minor)^2`. So roots are found from g.
+
+use super::Surface;
+use super::affine_torus::AffineTorus;
+use super::along::{Departure, recentred};
+use super::torus_line::TorusLine;
+use crate::Ray;
+use rayweave_math::roots::Crossings;
+use rayweave_math::{Bounds, Transform, Vec3, unit};
+
+/// A torus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Torus {
+    /// The centre.
+    pub centre: Vec3,
+    /// Unit vector along the axis of revolution; either sense is the same torus.
+    pub axis: Vec3,
+    /// Radius of the circle in the middle of the tube, > 0.
+    pub major: f64,
+    /// Radius of the tube, > 0.
+    pub minor: f64,
+}
+
+impl Torus {
+    /// About `centre`, the axis along `axis`, which need not be of unit length.
+    pub fn new(centre: Vec3, axis: Vec3, major: f64, minor: f64) -> Torus {
+        Torus {
+            centre,
+            axis: unit(axis),
+            major,
+            minor,
+        }
+    }
+
+    /// At most four roots, found about the point of closest approach to the centre.
+    pub fn crossings(&self, ray: &Ray) -> Crossings<4> {
+        let (shift, q) = recentred(ray, self.centre);
+        self.crossings_about(shift, q, ray.direction)
+    }
+
+    /// The same from a point of the ray relative to the centre and its time.
+    pub(super) fn crossings_about(&self, shift: f64, q: Vec3, d: Vec3) -> Crossings<4> {
+        let (line, rate) = TorusLine::new(self, q, d);
+        let mut times = line.sign_changes();
+        for t in times.found_mut() {
+            *t = shift + *t / rate;
+        }
+        Crossings::new(false, times.found())
+    }
+
+    /// The ray that starts on the torus.
+    pub(super) fn departure(&self, ray: &Ray) -> Departure {
+        self.departure_from(ray.origin - self.centre, ray.direction)
+    }
+
+    pub(super) fn departure_from(&self, q: Vec3, d: Vec3) -> Departure {
+        let (line, rate) = TorusLine::new(self, q, d);
+        let mut times = line.sign_changes_from_start();
+        for t in times.found_mut() {
+            *t /= rate;
+        }
+        // far away the ray is outside, so the parity of the remaining roots is the side just after the start
+        let inside = times.found().len() % 2 == 1;
+        Departure {
+            negative_after: Some(inside),
+            times: Crossings::new(inside, times.found()),
+        }
+    }
+
+    /// `(rho - major)^2 + z^2 - minor^2` and its gradient.
+    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
+        let q = point - self.centre;
+        let z = self.axis.dot(q);
+        let across = q - z * self.axis;
+        let rho = across.length();
+        let ring = rho - self.major;
+        // on the axis g has a ridge: the gradient of the two sides cancels across it
+        let outwards = if rho > 0.0 { across / rho } else { Vec3::ZERO };
+        (
+            ring * ring + z * z - self.minor * self.minor,
+            2.0 * (ring * outwards + z * self.axis),
+        )
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        self.centre.is_finite()
+            && self.axis.is_finite()
+            && self.major.is_finite()
+            && self.minor.is_finite()
+    }
+
+    /// Distance of the centre from the origin plus the outer radius.
+    pub fn reach(&self) -> f64 {
+        self.centre.length() + self.major + self.minor
+    }
+
+    /// The largest value of `n . (p - centre)` in the torus.
+    pub(super) fn support(&self, n: Vec3) -> f64 {
+        let across = n - self.axis.dot(n) * self.axis;
+        self.major * across.length() + self.minor * n.length()
+    }
+
+    /// The smallest box that holds the torus.
+    pub fn inside_bounds(&self) -> Bounds {
+        let half = Vec3::from_array(Vec3::AXES.map(|n| self.support(n)));
+        Bounds::centred(self.centre, half)
+    }
+
+    /// The image: a torus again under a similarity, else in a frame of its own.
+    pub fn transformed(&self, to: &Transform) -> Surface {
+        let map = &to.world_from_local;
+        match map.similarity() {
+            Some(scale) => Surface::Torus(Torus::new(
+                map.point(self.centre),
+                map.vector(self.axis),
+                scale * self.major,
+                scale * self.minor,
+            )),
+            None => AffineTorus::of(self).transformed(to),
+        }
+    }
+}

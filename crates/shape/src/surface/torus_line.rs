@@ -1,0 +1,325 @@
+//! A straight line through a torus: where `g(s) = (rho - major)^2 + z^2 - minor^2` changes sign.
+//!
+//! With a unit direction `g = s^2 + linear - 2 major rho(s)`, and rho, the distance from the axis, is convex with
+//! `rho'' = twist^2 / rho^3`, twist being the moment of the line about the axis. So g is convex where
+//! `rho^3 > major twist^2`, that is before and after one interval about the point closest to the axis, and
+//! concave within it. On each of these at most three pieces the signs at the two ends, and at the extremum
+//! between them where the ends have the sign of the curvature, tell the number of sign changes; each is then
+//! found by guarded steps in its bracket. Nothing is decided by the size of a residual, so the list always has
+//! the right parity and order, and a crossing is lost or invented only if the sign of g at an extremum is
+//! within its rounding, a few u (major + minor) in distance.
+//!
+//! Lengths are scaled by a power of two such that major + minor is about 1: scaling a scene by a power of two
+//! changes no digit.
+
+use super::Torus;
+use rayweave_math::{UNIT_ROUNDOFF, Vec3};
+
+/// Up to four times in increasing order.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Times {
+    times: [f64; 4],
+    count: usize,
+}
+
+impl Times {
+    fn push(&mut self, t: f64) {
+        if self.count < 4 {
+            self.times[self.count] = t;
+            self.count += 1;
+        }
+    }
+
+    /// The times.
+    pub fn found(&self) -> &[f64] {
+        &self.times[..self.count]
+    }
+
+    /// The times, to be scaled.
+    pub fn found_mut(&mut self) -> &mut [f64] {
+        &mut self.times[..self.count]
+    }
+}
+
+/// g, half its slope and half its second derivative at a point of the line.
+#[derive(Clone, Copy, Debug)]
+struct Jet {
+    value: f64,
+    slope: f64,
+    curvature: f64,
+}
+
+/// A part of the line on which g is convex or concave.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    from: f64,
+    to: f64,
+    convex: bool,
+}
+
+/// The line, in units in which major + minor is about 1, by arc length.
+#[derive(Clone, Copy, Debug)]
+pub struct TorusLine {
+    across: Vec3,
+    along: Vec3,
+    z: f64,
+    rise: f64,
+    major: f64,
+    minor: f64,
+    /// `|along|^2`, `across . along` and the squared moment about the axis.
+    alpha: f64,
+    beta: f64,
+    twist_squared: f64,
+    /// If the line starts on the torus: `rho` there; then g is taken relative to its value there.
+    start: Option<f64>,
+}
+
+/// Room around a region outside of which g > 0 for certain, against the rounding of its border.
+const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
+
+impl TorusLine {
+    /// The line through the point q relative to the torus's centre along d, and the factor from times along d to its arc length.
+    pub fn new(torus: &Torus, q: Vec3, d: Vec3) -> (TorusLine, f64) {
+        let scale = libm::ldexp(1.0, -libm::ilogb(torus.major + torus.minor));
+        let length = d.length();
+        let (q, d) = (scale * q, d / length);
+        let (z, rise) = (torus.axis.dot(q), torus.axis.dot(d));
+        let (across, along) = (q - z * torus.axis, d - rise * torus.axis);
+        let twist = torus.axis.dot(across.cross(along));
+        let line = TorusLine {
+            across,
+            along,
+            z,
+            rise,
+            major: scale * torus.major,
+            minor: scale * torus.minor,
+            alpha: along.length_squared(),
+            beta: across.dot(along),
+            twist_squared: twist * twist,
+            start: None,
+        };
+        (line, scale * length)
+    }
+
+    /// Where g changes sign; it is positive far away.
+    pub fn sign_changes(&self) -> Times {
+        let mut times = Times::default();
+        let Some((from, to)) = self.window() else {
+            return times;
+        };
+        for piece in self.pieces(from, to).into_iter().flatten() {
+            let (from, to) = (self.jet(piece.from), self.jet(piece.to));
+            self.search(&piece, from, to, &mut times);
+        }
+        times
+    }
+
+    /// Where g, less its value at s = 0, changes sign for s > 0.
+    ///
+    /// g = s k(s), and k has no root that belongs to s = 0. On the first piece k is monotonic, because g is
+    /// convex or concave there and 0 at its beginning: k has a root there if its signs at the ends differ.
+    pub fn sign_changes_from_start(&self) -> Times {
+        let line = TorusLine {
+            start: Some(self.across.length()),
+            ..*self
+        };
+        let mut times = Times::default();
+        let k = line.chord_slope(0.0);
+        // beyond it s^2 + 2 s (q . d) exceeds 2 major (rho(s) - rho(0)) <= 2 major s
+        let radial = (self.beta + self.z * self.rise).abs();
+        let to = 2.0 * (1.0 + MARGIN) * (self.major + radial);
+        for piece in line.pieces(0.0, to).into_iter().flatten() {
+            let end = line.jet(piece.to);
+            if piece.from > 0.0 {
+                line.search(&piece, line.jet(piece.from), end, &mut times);
+                continue;
+            }
+            let negative = if k == 0.0 { !piece.convex } else { k < 0.0 };
+            if negative != (end.value < 0.0) {
+                times.push(line.root(&piece, negative, piece.to));
+            }
+        }
+        times
+    }
+
+    /// `g(s) / s` where g is relative to its value at 0: `s + 2 q.d - 2 major (rho(s) - rho(0)) / s`.
+    fn chord_slope(&self, s: f64) -> f64 {
+        let rho = (self.across + s * self.along).length();
+        let sum = rho + self.start.unwrap_or(0.0);
+        let drift = if sum > 0.0 {
+            (self.alpha * s + 2.0 * self.beta) / sum
+        } else {
+            self.alpha.sqrt()
+        };
+        s + 2.0 * ((self.beta + self.z * self.rise) - self.major * drift)
+    }
+
+    fn jet(&self, s: f64) -> Jet {
+        let p = self.across + s * self.along;
+        let z = self.z + s * self.rise;
+        let rho = p.length();
+        let ring = rho - self.major;
+        let value = match self.start {
+            None => ring * ring + (z * z - self.minor * self.minor),
+            Some(_) => s * self.chord_slope(s),
+        };
+        Jet {
+            value,
+            slope: ring * (p.dot(self.along) / rho) + z * self.rise,
+            curvature: 1.0 - self.major * self.twist_squared / (rho * rho * rho),
+        }
+    }
+
+    /// The part of the line in the ball and between the two planes that hold the torus.
+    fn window(&self) -> Option<(f64, f64)> {
+        let outer = (self.major + self.minor) * (1.0 + MARGIN);
+        let middle = -(self.beta + self.z * self.rise);
+        let nearest = (self.across + middle * self.along).length_squared()
+            + (self.z + middle * self.rise) * (self.z + middle * self.rise);
+        let square = outer * outer - nearest;
+        if square.is_nan() || square <= 0.0 {
+            return None;
+        }
+        let half = square.sqrt();
+        let thick = self.minor + MARGIN * outer;
+        let (a, b) = ((-thick - self.z) / self.rise, (thick - self.z) / self.rise);
+        if self.rise == 0.0 {
+            return (self.z.abs() < thick).then_some((middle - half, middle + half));
+        }
+        let (from, to) = (a.min(b).max(middle - half), a.max(b).min(middle + half));
+        (from < to).then_some((from, to))
+    }
+
+    /// The convex, concave and convex pieces between two points.
+    fn pieces(&self, from: f64, to: f64) -> [Option<Piece>; 3] {
+        let piece = |a: f64, b: f64, convex: bool| {
+            let (from, to) = (a.max(from), b.min(to));
+            (from < to).then_some(Piece { from, to, convex })
+        };
+        let (lo, hi) = (f64::NEG_INFINITY, f64::INFINITY);
+        match self.inflections() {
+            None => [piece(lo, hi, true), None, None],
+            Some((a, b)) => [piece(lo, a, true), piece(a, b, false), piece(b, hi, true)],
+        }
+    }
+
+    /// The points at which `rho^3 = major twist^2`, if there are any.
+    fn inflections(&self) -> Option<(f64, f64)> {
+        if self.alpha == 0.0 {
+            return None;
+        }
+        let rho = libm::cbrt(self.major * self.twist_squared);
+        let square = (rho * rho - self.twist_squared / self.alpha) / self.alpha;
+        let closest = -self.beta / self.alpha;
+        let half = square.sqrt();
+        (square >= 0.0 && half.is_finite()).then_some((closest - half, closest + half))
+    }
+
+    /// The sign changes in one piece: g has at most one between ends of different sign, and none or two
+    /// between ends that both have the sign of the curvature.
+    fn search(&self, piece: &Piece, from: Jet, to: Jet, times: &mut Times) {
+        let (first, last) = (from.value < 0.0, to.value < 0.0);
+        if first != last {
+            let near = if from.value.abs() < to.value.abs() {
+                piece.from
+            } else {
+                piece.to
+            };
+            times.push(self.root(piece, first, near));
+        } else if first != piece.convex
+            && let Some(between) = self.other_side(piece, from, to)
+        {
+            times.push(self.root(
+                &Piece {
+                    to: between,
+                    ..*piece
+                },
+                first,
+                between,
+            ));
+            times.push(self.root(
+                &Piece {
+                    from: between,
+                    ..*piece
+                },
+                !first,
+                between,
+            ));
+        }
+    }
+
+    /// A point of the piece where g has not the sign of the ends: a search for the extremum that stops as soon
+    /// as one is found, or as soon as the tangent shows that there is none.
+    fn other_side(&self, piece: &Piece, from: Jet, to: Jet) -> Option<f64> {
+        let up = if piece.convex { 1.0 } else { -1.0 };
+        // slopes are NaN at the kink of a line through the axis, and say nothing there
+        if up * from.slope >= 0.0 || up * to.slope <= 0.0 {
+            return None;
+        }
+        let (mut lo, mut hi) = (piece.from, piece.to);
+        let mut s = within(
+            lo,
+            hi,
+            lo - from.slope * (hi - lo) / (to.slope - from.slope),
+        );
+        for _ in 0..80 {
+            let jet = self.jet(s);
+            if (jet.value < 0.0) == piece.convex {
+                return Some(s);
+            }
+            let rising = up * jet.slope > 0.0;
+            if rising {
+                hi = s
+            } else {
+                lo = s
+            }
+            let room = if rising { s - lo } else { hi - s };
+            let out_of_reach = up * jet.value > 2.0 * jet.slope.abs() * room;
+            let next = within(lo, hi, s - jet.slope / jet.curvature);
+            if out_of_reach || (next - s).abs() <= UNIT_ROUNDOFF * (1.0 + s.abs()) {
+                return None;
+            }
+            s = next;
+        }
+        None
+    }
+
+    /// The sign change in a bracket, by steps to the root of the local parabola (Euler's method, of third
+    /// order, and as fast at a nearly double root), or to the middle where that leaves the bracket.
+    fn root(&self, piece: &Piece, starts_negative: bool, near: f64) -> f64 {
+        let (mut lo, mut hi, mut s) = (piece.from, piece.to, near);
+        let noise = match self.start {
+            None => UNIT_ROUNDOFF * self.minor,
+            Some(_) => 0.0,
+        };
+        for _ in 0..120 {
+            let jet = self.jet(s);
+            if (jet.value < 0.0) == starts_negative {
+                lo = s
+            } else {
+                hi = s
+            }
+            let near = s + parabola_step(&jet);
+            if jet.value.abs() <= noise || (near - s).abs() <= UNIT_ROUNDOFF * s.abs() {
+                return if near.is_nan() { s } else { near.clamp(lo, hi) };
+            }
+            s = within(lo, hi, near);
+        }
+        s
+    }
+}
+
+/// `s` if it lies strictly between, else the middle.
+fn within(lo: f64, hi: f64, s: f64) -> f64 {
+    if lo < s && s < hi {
+        s
+    } else {
+        0.5 * lo + 0.5 * hi
+    }
+}
+
+/// The root of `value + 2 slope x + curvature x^2` nearest 0; NaN if there is none.
+fn parabola_step(jet: &Jet) -> f64 {
+    let discriminant = jet.slope * jet.slope - jet.curvature * jet.value;
+    -jet.value / (jet.slope + discriminant.sqrt().copysign(jet.slope))
+}
