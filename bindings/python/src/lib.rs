@@ -1,1 +1,21 @@
-//! The Python package rayweave.
+//! The Python package `rayweave`: NumPy arrays in, exact answers out.
+//!
+//! This is the compiled half, `rayweave._core`; the half in Python beside it holds what needs no speed.
+
+mod arrays;
+mod error;
+mod hit_array;
+mod rootray;
+
+use pyo3::prelude::*;
+
+/// The compiled half of the package: import from `rayweave` instead.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use crate::error::RayweaveError;
+    #[pymodule_export]
+    use crate::hit_array::{array_csg, count_array};
+    #[pymodule_export]
+    use crate::rootray::{PyRootRay, count_surfaces, least_separation, root_problems};
+}

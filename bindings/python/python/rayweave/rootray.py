@@ -1,0 +1,166 @@
+"""The boolean algebra of solids along one ray: the functions of J. Stolfi's module *rootray* (2021), under its names.
+
+A root-ray says on which side of a solid a trajectory starts and at which times it crosses the boundary. These functions take
+`RootRay` objects or that module's pairs ``(s, T)``: ``s`` is +1 if the trajectory starts in the exterior and -1 if it starts in
+the interior, ``T`` is a list of strictly increasing finite times. Of pairs they make pairs; if any operand is a `RootRay`, so
+is the result.
+
+As that module does, the functions that combine or cut root-rays drop pieces shorter than `min_sep`. The operators
+``| & - ^ ~`` of `RootRay` are exact.
+
+>>> union((+1, [1.0, 2.0]), (+1, [2.0, 3.0]))
+(1, [1.0, 3.0])
+>>> RootRay(+1, [1.0, 3.0]) - RootRay("inside", [2.0])
+RootRay(+1, [2.0, 3.0])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeAlias, overload
+
+from rayweave import _core
+from rayweave._core import RootRay
+
+__all__ = [
+    "RootRay",
+    "clip_time",
+    "complement",
+    "difference",
+    "intersection",
+    "min_sep",
+    "plenum",
+    "surface_count",
+    "symmetric_difference",
+    "union",
+    "vacuum",
+    "validate",
+]
+
+Pair: TypeAlias = tuple[int, Sequence[float]]
+"""A root-ray as the module *rootray* writes it."""
+NewPair: TypeAlias = tuple[int, list[float]]
+"""A pair as these functions return it."""
+
+
+def vacuum() -> RootRay:
+    """The trajectory that is outside for ever, ``(+1, [])``: neutral for `union`, absorbing for `intersection`."""
+    return RootRay(+1, [])
+
+
+def plenum() -> RootRay:
+    """The trajectory that is inside for ever, ``(-1, [])``: neutral for `intersection`, absorbing for `union`."""
+    return RootRay(-1, [])
+
+
+@overload
+def complement(f: RootRay) -> RootRay: ...
+@overload
+def complement(f: Pair) -> NewPair: ...
+def complement(f: RootRay | Pair) -> RootRay | NewPair:
+    """The root-ray of the complement: the same times, the other start side. Exact."""
+    return _like(~_root_ray(f, "f"), f)
+
+
+@overload
+def union(f1: RootRay, f2: RootRay | Pair) -> RootRay: ...
+@overload
+def union(f1: Pair, f2: RootRay) -> RootRay: ...
+@overload
+def union(f1: Pair, f2: Pair) -> NewPair: ...
+def union(f1: RootRay | Pair, f2: RootRay | Pair) -> RootRay | NewPair:
+    """The root-ray of the union; a very thin gap between the two disappears."""
+    return _combine(RootRay.__or__, f1, f2)
+
+
+@overload
+def intersection(f1: RootRay, f2: RootRay | Pair) -> RootRay: ...
+@overload
+def intersection(f1: Pair, f2: RootRay) -> RootRay: ...
+@overload
+def intersection(f1: Pair, f2: Pair) -> NewPair: ...
+def intersection(f1: RootRay | Pair, f2: RootRay | Pair) -> RootRay | NewPair:
+    """The root-ray of the intersection; a very thin layer where the two barely overlap disappears."""
+    return _combine(RootRay.__and__, f1, f2)
+
+
+@overload
+def difference(f1: RootRay, f2: RootRay | Pair) -> RootRay: ...
+@overload
+def difference(f1: Pair, f2: RootRay) -> RootRay: ...
+@overload
+def difference(f1: Pair, f2: Pair) -> NewPair: ...
+def difference(f1: RootRay | Pair, f2: RootRay | Pair) -> RootRay | NewPair:
+    """The root-ray of `f1` without `f2`; a very thin layer that is left over disappears."""
+    return _combine(RootRay.__sub__, f1, f2)
+
+
+@overload
+def symmetric_difference(f1: RootRay, f2: RootRay | Pair) -> RootRay: ...
+@overload
+def symmetric_difference(f1: Pair, f2: RootRay) -> RootRay: ...
+@overload
+def symmetric_difference(f1: Pair, f2: Pair) -> NewPair: ...
+def symmetric_difference(f1: RootRay | Pair, f2: RootRay | Pair) -> RootRay | NewPair:
+    """The root-ray of what is in exactly one of the two, without very thin pieces."""
+    return _combine(RootRay.__xor__, f1, f2)
+
+
+def min_sep(t1: float, t2: float) -> float:
+    """The least separation of two distinct finite root times: symmetric, monotonic in ``abs(t1)`` and ``abs(t2)``."""
+    return _core.min_sep(t1, t2)
+
+
+@overload
+def clip_time(f: RootRay, tmin: float, tmax: float) -> RootRay: ...
+@overload
+def clip_time(f: Pair, tmin: float, tmax: float) -> NewPair: ...
+def clip_time(f: RootRay | Pair, tmin: float, tmax: float) -> RootRay | NewPair:
+    """The part of `f` with ``tmin < t < tmax``; the side just after `tmin` becomes the start. Either end may be infinite."""
+    return _like(_root_ray(f, "f").clip(tmin, tmax).weld(), f)
+
+
+def validate(f: RootRay | Pair) -> list[str]:
+    """All that is wrong with `f`: times that are NaN, infinite, not increasing, or closer than `min_sep`.
+
+    One message each, none if all is well. A pair may hold anything; a `RootRay` can only have roots that are too close.
+    """
+    if isinstance(f, RootRay):
+        return _core.root_problems(f.roots)
+    start, roots = _unpacked(f, "f")
+    signs = [] if start in (1, -1) else [f"the sign {start!r} is neither +1 nor -1"]
+    return signs + _core.root_problems(roots)
+
+
+def surface_count(rays: Iterable[RootRay | Pair]) -> tuple[int, list[tuple[float, int]]]:
+    """How many solids a trajectory is inside of: the number as t goes to -inf, and (time, number just after it) for every
+    distinct time at which some solid is entered or left."""
+    return _core.surface_count([_root_ray(f, f"rays[{k}]") for k, f in enumerate(rays)])
+
+
+def _combine(
+    operator: Callable[[RootRay, RootRay], RootRay], f1: RootRay | Pair, f2: RootRay | Pair
+) -> RootRay | NewPair:
+    exact = operator(_root_ray(f1, "f1"), _root_ray(f2, "f2"))
+    return _like(exact.weld(), f1, f2)
+
+
+def _root_ray(f: RootRay | Pair, name: str) -> RootRay:
+    if isinstance(f, RootRay):
+        return f
+    return RootRay(*_unpacked(f, name))
+
+
+def _unpacked(f: RootRay | Pair, name: str) -> Pair:
+    try:
+        start, roots = f
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} is {f!r} (a RootRay or a pair (+1 | -1, list of times) is needed)") from None
+    return start, roots
+
+
+def _like(result: RootRay, *given: RootRay | Pair) -> RootRay | NewPair:
+    """The result as a pair if all that was given were pairs."""
+    if any(isinstance(f, RootRay) for f in given):
+        return result
+    return result.start, result.roots

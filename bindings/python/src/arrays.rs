@@ -1,0 +1,124 @@
+//! NumPy arrays on their way in: dtypes, layouts and shapes.
+
+use numpy::{
+    Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
+};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::error::{bad_type, bad_value};
+
+/// A real array in one of the two types that are computed with; its layout can be read as it is.
+pub enum RealArray<'py> {
+    /// Given as float32.
+    Single(Bound<'py, PyArrayDyn<f32>>),
+    /// Given as float64, or as anything else that became float64.
+    Double(Bound<'py, PyArrayDyn<f64>>),
+}
+
+/// The real array that an object is or can be made into: float32 and float64 arrays stay what they are, integers and other
+/// floating-point numbers become float64. Anything else is a `TypeError` that names the array.
+pub fn real_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<RealArray<'py>> {
+    if let Ok(array) = object.cast::<PyArrayDyn<f64>>()
+        && is_plain(array)
+    {
+        return Ok(RealArray::Double(array.clone()));
+    }
+    let array = as_array(object, name)?;
+    match array.dtype().kind() {
+        b'f' if array.dtype().itemsize() == size_of::<f32>() => {
+            converted(&array).map(RealArray::Single)
+        }
+        b'f' | b'i' | b'u' => converted(&array).map(RealArray::Double),
+        _ => Err(bad_type(format!(
+            "{name} has dtype {} (real numbers are needed)",
+            array.dtype()
+        ))),
+    }
+}
+
+impl<'py> RealArray<'py> {
+    /// The array as float64, copied only if it is float32.
+    pub fn into_double(self) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        match self {
+            RealArray::Double(array) => Ok(array),
+            RealArray::Single(array) => converted(array.as_untyped()),
+        }
+    }
+}
+
+/// As [`real_array`], but always float64.
+pub fn double_array<'py>(
+    object: &Bound<'py, PyAny>,
+    name: &str,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    real_array(object, name)?.into_double()
+}
+
+/// A one-dimensional array as a list of numbers.
+pub fn list(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
+    let array = double_array(object, name)?;
+    if array.ndim() != 1 {
+        let shape = shape_text(array.shape());
+        return Err(bad_value(format!(
+            "{name} has shape {shape} (a list of numbers is needed)"
+        )));
+    }
+    let array = array.try_readonly().map_err(bad_value)?;
+    Ok(array.as_array().iter().copied().collect())
+}
+
+/// The shape as NumPy prints it.
+pub fn shape_text(shape: &[usize]) -> String {
+    match shape {
+        [one] => format!("({one},)"),
+        _ => {
+            let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
+            format!("({})", sizes.join(", "))
+        }
+    }
+}
+
+/// Row after row without gaps: the array itself, or a copy if it is laid out in any other way.
+pub fn contiguous<'py, T: Element>(
+    array: Bound<'py, PyArrayDyn<T>>,
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    if array.is_c_contiguous() {
+        return Ok(array);
+    }
+    let copy = array.call_method1("copy", ("C",))?;
+    Ok(copy.cast_into()?)
+}
+
+/// What `numpy.asarray` makes of an object.
+fn as_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let py = object.py();
+    let module = numpy::get_array_module(py)?;
+    match module.call_method1("asarray", (object,)) {
+        Ok(array) => Ok(array.cast_into()?),
+        Err(error) if error.is_instance_of::<PyValueError>(py) => Err(bad_value(format!(
+            "{name} is no array of numbers ({})",
+            error.value(py)
+        ))),
+        Err(error) => Err(error),
+    }
+}
+
+/// The array with elements of type `T` in a plain layout, copied only if it is not so already.
+fn converted<'py, T: Element>(
+    array: &Bound<'py, PyUntypedArray>,
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    if let Ok(array) = array.cast::<PyArrayDyn<T>>()
+        && is_plain(array)
+    {
+        return Ok(array.clone());
+    }
+    let copy = array.call_method1("astype", (T::get_dtype(array.py()), "C"))?;
+    Ok(copy.cast_into()?)
+}
+
+/// True if the elements are aligned and whole elements apart: a field of a packed record array need not be.
+fn is_plain<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
+    let whole = |stride: &isize| stride % size_of::<T>() as isize == 0;
+    array.is_aligned() && array.strides().iter().all(whole) && array.len() > 0
+}
