@@ -13,7 +13,6 @@
 //!
 //! Volume: the product of the extents.
 
-use super::bridge::Bridge;
 use super::parameter::check_increasing;
 use super::shape::between;
 use super::{

@@ -15,7 +15,6 @@
 //! the bounds if the planes enclose it from all sides, miss each other by more than one part in 1e9 and are
 //! at most 64.
 
-use super::bridge::Bridge;
 use super::half_space::{check_plane, random_normal};
 use super::shape::between;
 use super::support::polyhedron_bounds;

@@ -12,7 +12,6 @@
 //! A greater normal with the same offset brings the plane nearer to the origin: only their ratio counts. The
 //! bounds are finite on one side if the normal is along an axis.
 
-use super::bridge::Bridge;
 use super::parameter::check_length;
 use super::shape::between;
 use super::{

@@ -1,6 +1,5 @@
 //! What every primitive becomes: sides of surfaces, joined by "and".
 
-use super::bridge::Bridge;
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
 use std::borrow::Cow;

@@ -5,7 +5,6 @@
 //! [`build`], the examples and the random ones that other crates test with.
 
 mod arguments;
-mod bridge;
 mod error;
 mod lowered;
 mod manual;
@@ -18,11 +17,18 @@ mod value;
 
 pub mod box_from_corners;
 pub mod centred_box;
+pub mod cone;
 pub mod convex;
+pub mod cylinder;
+pub mod ellipsoid;
 pub mod half_space;
+pub mod paraboloid;
 pub mod prism;
+pub mod quadric;
 pub mod slab;
 pub mod sphere;
+pub mod torus;
+pub mod tube;
 pub mod wedge;
 
 pub use arguments::Arguments;
@@ -109,10 +115,17 @@ macro_rules! primitives {
 
 primitives! {
     sphere::Sphere,
+    ellipsoid::Ellipsoid,
     centred_box::CentredBox,
     box_from_corners::BoxFromCorners,
+    cylinder::Cylinder,
+    cone::Cone,
     half_space::HalfSpace,
     slab::Slab,
+    torus::Torus,
+    paraboloid::Paraboloid,
+    quadric::Quadric,
+    tube::Tube,
     wedge::Wedge,
     prism::Prism,
     convex::Convex,

@@ -15,7 +15,6 @@
 //!
 //! Volume: sides/2 radius^2 sin(360/sides) height, the triangles between the axis and the sides.
 
-use super::bridge::Bridge;
 use super::lowered::caps;
 use super::shape::between;
 use super::{

@@ -12,7 +12,6 @@
 //!
 //! `lo` must be less than `hi`. The bounds are finite in one direction if the normal is along an axis.
 
-use super::bridge::Bridge;
 use super::half_space::{check_plane, layer_bounds, random_normal};
 use super::parameter::check_increasing;
 use super::shape::between;

@@ -10,7 +10,6 @@
 //!
 //! Volume: 4/3 pi radius^3 (Archimedes, *On the Sphere and Cylinder*).
 
-use super::bridge::Bridge;
 use super::shape::between;
 use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
 use crate::surface::Surface;

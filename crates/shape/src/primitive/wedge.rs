@@ -13,7 +13,6 @@
 //! is the complement of the wedge that is missing. Angles that are multiples of 90 degrees are exact. The
 //! bounds are finite on the sides of the axes that the sector does not reach.
 
-use super::bridge::Bridge;
 use super::shape::between;
 use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
 use crate::surface::Surface;
