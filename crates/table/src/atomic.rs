@@ -46,10 +46,7 @@ pub struct AtomicFile {
 #[derive(Debug)]
 enum Place {
     /// Into `temporary`, which becomes `resolved`.
-    Beside {
-        temporary: PathBuf,
-        resolved: PathBuf,
-    },
+    Beside { temporary: PathBuf, resolved: PathBuf },
     /// Into the target itself: a device or a pipe.
     Direct,
 }
@@ -94,11 +91,7 @@ impl AtomicFile {
             return Err(io::Error::other("an earlier write failed"));
         }
         self.flush()?;
-        let Place::Beside {
-            temporary,
-            resolved,
-        } = &self.place
-        else {
+        let Place::Beside { temporary, resolved } = &self.place else {
             return Ok(());
         };
         // closed before the rename: some systems refuse to rename an open file
@@ -109,10 +102,7 @@ impl AtomicFile {
     }
 
     /// Runs one operation on the open file and remembers a failure, so that `finish` cannot bless a damaged file.
-    fn guard<T>(
-        &mut self,
-        operation: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>,
-    ) -> io::Result<T> {
+    fn guard<T>(&mut self, operation: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) -> io::Result<T> {
         let Some(file) = &mut self.file else {
             return Err(io::Error::other("the file is closed"));
         };
@@ -153,10 +143,7 @@ impl Drop for AtomicFile {
 fn create_error(target: &Path, error: io::Error) -> TableError {
     let folder = folder_of(target);
     if error.kind() == io::ErrorKind::NotFound && !folder.exists() {
-        let missing = format!(
-            "the folder {} does not exist; create it first",
-            folder.display()
-        );
+        let missing = format!("the folder {} does not exist; create it first", folder.display());
         return TableError::io("create", target, io::Error::other(missing));
     }
     TableError::io("create", target, error)
@@ -195,19 +182,9 @@ fn resolve_link(target: &Path) -> PathBuf {
 fn open_beside(resolved: PathBuf) -> io::Result<(File, Place)> {
     loop {
         let temporary = temporary_beside(&resolved)?;
-        match OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&temporary)
-        {
+        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
             Ok(file) => {
-                return Ok((
-                    file,
-                    Place::Beside {
-                        temporary,
-                        resolved,
-                    },
-                ));
+                return Ok((file, Place::Beside { temporary, resolved }));
             }
             // left over by a killed process that had our number: take the next name
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}

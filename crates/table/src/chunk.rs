@@ -130,17 +130,12 @@ impl Chunk {
     pub(crate) fn check(&self, schema: &Schema) -> Result<(), TableError> {
         let columns = schema.columns();
         if self.columns.len() != columns.len() {
-            let problem = format!(
-                "{} columns, the table has {}",
-                self.columns.len(),
-                columns.len()
-            );
+            let problem = format!("{} columns, the table has {}", self.columns.len(), columns.len());
             return Err(TableError::Chunk(problem));
         }
         for (values, column) in self.columns.iter().zip(columns) {
-            check_column(values, &column.dtype).map_err(|problem| {
-                TableError::Chunk(format!("column {:?}: {problem}", column.name))
-            })?;
+            check_column(values, &column.dtype)
+                .map_err(|problem| TableError::Chunk(format!("column {:?}: {problem}", column.name)))?;
         }
         Ok(())
     }
@@ -153,10 +148,7 @@ fn check_column(values: &Values, dtype: &DType) -> Result<(), String> {
         | (Values::I32(_), DType::I32)
         | (Values::Bool(_), DType::Bool) => Ok(()),
         (Values::Name(ids), DType::Name(names)) => check_ids(ids, names.len()),
-        _ => Err(format!(
-            "values are {}, the table has {dtype}",
-            values.dtype()
-        )),
+        _ => Err(format!("values are {}, the table has {dtype}", values.dtype())),
     }
 }
 
@@ -164,9 +156,6 @@ fn check_ids(ids: &[u32], names: usize) -> Result<(), String> {
     let is_bad = |&id: &u32| id != NO_NAME && id as usize >= names;
     match ids.iter().position(is_bad) {
         None => Ok(()),
-        Some(i) => Err(format!(
-            "id {} in row {i} (the table has {names} names)",
-            ids[i]
-        )),
+        Some(i) => Err(format!("id {} in row {i} (the table has {names} names)", ids[i])),
     }
 }

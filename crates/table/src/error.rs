@@ -49,18 +49,11 @@ impl TableError {
     }
 
     pub(crate) fn io(action: &'static str, path: &Path, error: io::Error) -> Self {
-        Self::Io {
-            action,
-            path: path.display().to_string(),
-            error,
-        }
+        Self::Io { action, path: path.display().to_string(), error }
     }
 
     pub(crate) fn format(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Format {
-            path: path.display().to_string(),
-            problem: problem.into(),
-        }
+        Self::Format { path: path.display().to_string(), problem: problem.into() }
     }
 }
 
@@ -93,12 +86,7 @@ pub struct RayProblem {
 impl RayProblem {
     /// A problem of the whole file.
     pub(crate) fn whole(message: impl Into<String>) -> Self {
-        Self {
-            line: None,
-            row: None,
-            column: None,
-            message: message.into(),
-        }
+        Self { line: None, row: None, column: None, message: message.into() }
     }
 }
 

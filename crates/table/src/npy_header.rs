@@ -93,18 +93,13 @@ pub(crate) fn read(source: &mut impl Read) -> io::Result<Result<NpyHeader, Strin
         Some(1) => 2,
         Some(2 | 3) => 4,
         Some(version) => {
-            return Ok(Err(format!(
-                "NPY version {version} is unknown (1, 2 and 3 are known)"
-            )));
+            return Ok(Err(format!("NPY version {version} is unknown (1, 2 and 3 are known)")));
         }
     };
     read_dictionary(source, length_size)
 }
 
-fn read_dictionary(
-    source: &mut impl Read,
-    length_size: usize,
-) -> io::Result<Result<NpyHeader, String>> {
+fn read_dictionary(source: &mut impl Read, length_size: usize) -> io::Result<Result<NpyHeader, String>> {
     let mut length = [0; 4];
     let mut text = Vec::new();
     let count = read_some(source, &mut length[..length_size])?;
@@ -179,11 +174,7 @@ impl<'a> Parser<'a> {
 
     /// A quoted string without escapes: no key or type string has any.
     fn string(&mut self) -> Option<&'a str> {
-        let quote = self
-            .rest
-            .chars()
-            .next()
-            .filter(|c| matches!(c, '\'' | '"'))?;
+        let quote = self.rest.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
         let (text, rest) = self.rest[1..].split_once(quote)?;
         self.rest = rest.trim_start();
         Some(text)

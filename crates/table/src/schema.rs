@@ -73,11 +73,7 @@ pub struct Column {
 impl Column {
     /// A column without a unit.
     pub fn new(name: impl Into<String>, dtype: DType) -> Self {
-        Self {
-            name: name.into(),
-            dtype,
-            unit: None,
-        }
+        Self { name: name.into(), dtype, unit: None }
     }
 
     /// A column of ids into `names`. Columns may share one table.
@@ -119,9 +115,7 @@ impl Schema {
                 return Err(TableError::Schema(problem));
             }
         }
-        Ok(Self {
-            columns: columns.into(),
-        })
+        Ok(Self { columns: columns.into() })
     }
 
     /// The columns, in order.

@@ -63,9 +63,7 @@ impl TableWriter {
     /// [`TableError::Chunk`] if columns differ from the schema in number or type, or a name id is out of range (nothing
     /// of the chunk is written then); [`TableError::Io`] if writing fails. After an error the table cannot be finished.
     pub fn write(&mut self, chunk: &Chunk) -> Result<(), TableError> {
-        let written = chunk
-            .check(&self.schema)
-            .and_then(|()| self.sink.write(&self.schema, chunk));
+        let written = chunk.check(&self.schema).and_then(|()| self.sink.write(&self.schema, chunk));
         self.failed |= written.is_err();
         self.rows += chunk.rows() as u64;
         written

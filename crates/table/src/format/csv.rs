@@ -1,5 +1,6 @@
 //! Comma-separated values, RFC 4180 with `\n` as the end of a line.
 
+use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -40,24 +41,14 @@ impl CsvSink {
     }
 
     pub(super) fn stdout(schema: &Schema) -> Result<Self, TableError> {
-        Self::start(
-            Output::Stdout(io::stdout()),
-            Path::new("standard output"),
-            schema,
-        )
+        Self::start(Output::Stdout(io::stdout()), Path::new("standard output"), schema)
     }
 
     fn start(output: Output, path: &Path, schema: &Schema) -> Result<Self, TableError> {
-        let mut csv = ::csv::WriterBuilder::new()
-            .buffer_capacity(1 << 16)
-            .from_writer(output);
+        let mut csv = ::csv::WriterBuilder::new().buffer_capacity(1 << 16).from_writer(output);
         let header = schema.columns().iter().map(|column| &column.name);
-        csv.write_record(header)
-            .map_err(|error| write_error(path, error))?;
-        Ok(Self {
-            csv,
-            path: path.to_path_buf(),
-        })
+        csv.write_record(header).map_err(|error| write_error(path, error))?;
+        Ok(Self { csv, path: path.to_path_buf() })
     }
 
     fn write_row(&mut self, columns: &[Column], chunk: &Chunk, row: usize) -> ::csv::Result<()> {
@@ -93,8 +84,7 @@ impl Sink for CsvSink {
 
     fn finish(self: Box<Self>, _schema: &Schema, _rows: u64) -> Result<(), TableError> {
         let output = self.csv.into_inner();
-        let output =
-            output.map_err(|error| TableError::io("write", &self.path, error.into_error()))?;
+        let output = output.map_err(|error| TableError::io("write", &self.path, error.into_error()))?;
         match output {
             Output::File(file) => file.finish(),
             Output::Stdout(mut stdout) => {
@@ -139,14 +129,14 @@ impl Number {
         } else if value == f64::NEG_INFINITY {
             "-inf"
         } else {
-            self.float
-                .get_or_insert_with(ryu::Buffer::new)
-                .format_finite(value)
+            self.float.get_or_insert_with(ryu::Buffer::new).format_finite(value)
         }
     }
 
     fn integer(&mut self, value: i64) -> &str {
-        self.text = value.to_string();
+        self.text.clear();
+        // writing into a String cannot fail
+        let _ = write!(self.text, "{value}");
         &self.text
     }
 }

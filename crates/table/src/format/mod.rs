@@ -36,9 +36,7 @@ pub(crate) fn open(path: &Path, schema: &Schema) -> Result<Box<dyn Sink>, TableE
 
 /// The extension in lower case; empty if there is none.
 pub(crate) fn extension(path: &Path) -> String {
-    let extension = path
-        .extension()
-        .map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     extension.unwrap_or_default()
 }
 

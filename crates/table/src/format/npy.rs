@@ -30,11 +30,7 @@ impl NpySink {
             file,
             names: write_names(&path.with_extension("names.json"), schema)?,
             block: Vec::new(),
-            row_size: schema
-                .columns()
-                .iter()
-                .map(|column| column.dtype.size())
-                .sum(),
+            row_size: schema.columns().iter().map(|column| column.dtype.size()).sum(),
         })
     }
 
@@ -45,33 +41,11 @@ impl NpySink {
         for values in chunk.columns() {
             let target = &mut self.block[offset..];
             offset += match values {
-                Values::F64(v) => scatter(
-                    target,
-                    self.row_size,
-                    &v[first..first + rows],
-                    f64::to_le_bytes,
-                ),
-                Values::I64(v) => scatter(
-                    target,
-                    self.row_size,
-                    &v[first..first + rows],
-                    i64::to_le_bytes,
-                ),
-                Values::I32(v) => scatter(
-                    target,
-                    self.row_size,
-                    &v[first..first + rows],
-                    i32::to_le_bytes,
-                ),
-                Values::Name(v) => scatter(
-                    target,
-                    self.row_size,
-                    &v[first..first + rows],
-                    u32::to_le_bytes,
-                ),
-                Values::Bool(v) => scatter(target, self.row_size, &v[first..first + rows], |b| {
-                    [b.into()]
-                }),
+                Values::F64(v) => scatter(target, self.row_size, &v[first..first + rows], f64::to_le_bytes),
+                Values::I64(v) => scatter(target, self.row_size, &v[first..first + rows], i64::to_le_bytes),
+                Values::I32(v) => scatter(target, self.row_size, &v[first..first + rows], i32::to_le_bytes),
+                Values::Name(v) => scatter(target, self.row_size, &v[first..first + rows], u32::to_le_bytes),
+                Values::Bool(v) => scatter(target, self.row_size, &v[first..first + rows], |b| [b.into()]),
             };
         }
     }
@@ -102,10 +76,7 @@ impl Sink for NpySink {
 
     fn finish(mut self: Box<Self>, schema: &Schema, rows: u64) -> Result<(), TableError> {
         let header = npy_header::table(schema, rows);
-        let patched = self
-            .file
-            .seek(SeekFrom::Start(0))
-            .and_then(|_| self.file.write_all(&header));
+        let patched = self.file.seek(SeekFrom::Start(0)).and_then(|_| self.file.write_all(&header));
         patched.map_err(|error| TableError::io("write", self.file.target(), error))?;
         self.names.map_or(Ok(()), AtomicFile::finish)?;
         self.file.finish()
@@ -114,13 +85,10 @@ impl Sink for NpySink {
 
 /// `{"COLUMN": ["name 0", "name 1", ...], ...}` for the columns of names; no file if there are none.
 fn write_names(path: &PathBuf, schema: &Schema) -> Result<Option<AtomicFile>, TableError> {
-    let tables = schema
-        .columns()
-        .iter()
-        .filter_map(|column| match &column.dtype {
-            DType::Name(names) => Some((&column.name, names)),
-            _ => None,
-        });
+    let tables = schema.columns().iter().filter_map(|column| match &column.dtype {
+        DType::Name(names) => Some((&column.name, names)),
+        _ => None,
+    });
     let mut file = None;
     for (column, names) in tables {
         let before = if file.is_none() { "{" } else { "," };
@@ -132,8 +100,7 @@ fn write_names(path: &PathBuf, schema: &Schema) -> Result<Option<AtomicFile>, Ta
         written.map_err(|error| TableError::io("write", path, error))?;
     }
     if let Some(out) = &mut file {
-        out.write_all(b"\n}\n")
-            .map_err(|error| TableError::io("write", path, error))?;
+        out.write_all(b"\n}\n").map_err(|error| TableError::io("write", path, error))?;
     }
     Ok(file)
 }

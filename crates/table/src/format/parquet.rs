@@ -9,7 +9,7 @@ use ::parquet::errors::{ParquetError, Result};
 use ::parquet::file::metadata::KeyValue;
 use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
-use ::parquet::schema::types::{Type, TypePtr};
+use ::parquet::schema::types::{ColumnPath, Type, TypePtr};
 
 use crate::chunk::Values;
 use crate::format::Sink;
@@ -37,11 +37,7 @@ impl ParquetSink {
             writer,
             pending: Vec::new(),
             pending_rows: 0,
-            names: schema
-                .columns()
-                .iter()
-                .map(|column| name_table(&column.dtype))
-                .collect(),
+            names: schema.columns().iter().map(|column| name_table(&column.dtype)).collect(),
             path,
         })
     }
@@ -68,24 +64,17 @@ impl Sink for ParquetSink {
         self.pending.push(chunk.clone());
         self.pending_rows += chunk.rows();
         if self.pending_rows >= ROWS_PER_GROUP {
-            self.write_group()
-                .map_err(|error| write_error(&self.path, error))?;
+            self.write_group().map_err(|error| write_error(&self.path, error))?;
         }
         Ok(())
     }
 
-    fn finish(
-        mut self: Box<Self>,
-        _schema: &Schema,
-        _rows: u64,
-    ) -> std::result::Result<(), TableError> {
+    fn finish(mut self: Box<Self>, _schema: &Schema, _rows: u64) -> std::result::Result<(), TableError> {
         if self.pending_rows > 0 {
-            self.write_group()
-                .map_err(|error| write_error(&self.path, error))?;
+            self.write_group().map_err(|error| write_error(&self.path, error))?;
         }
         let file = self.writer.into_inner();
-        file.map_err(|error| write_error(&self.path, error))?
-            .finish()
+        file.map_err(|error| write_error(&self.path, error))?.finish()
     }
 }
 
@@ -95,18 +84,20 @@ fn start(file: AtomicFile, schema: &Schema) -> Result<SerializedFileWriter<Atomi
         Some(KeyValue::new(format!("unit.{}", column.name), unit))
     };
     let units: Vec<_> = schema.columns().iter().filter_map(unit).collect();
-    let properties = WriterProperties::builder()
+    let mut properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata((!units.is_empty()).then_some(units))
-        .build();
-    SerializedFileWriter::new(file, message(schema)?, Arc::new(properties))
+        .set_key_value_metadata((!units.is_empty()).then_some(units));
+    // coordinates hardly repeat: a dictionary of them would be built and thrown away
+    for column in schema.columns().iter().filter(|column| column.dtype == DType::F64) {
+        let path = ColumnPath::new(vec![column.name.clone()]);
+        properties = properties.set_column_dictionary_enabled(path, false);
+    }
+    SerializedFileWriter::new(file, message(schema)?, Arc::new(properties.build()))
 }
 
 fn message(schema: &Schema) -> Result<TypePtr> {
     let fields: Result<Vec<_>> = schema.columns().iter().map(field).collect();
-    let message = Type::group_type_builder("table")
-        .with_fields(fields?)
-        .build()?;
+    let message = Type::group_type_builder("table").with_fields(fields?).build()?;
     Ok(Arc::new(message))
 }
 
@@ -117,11 +108,7 @@ fn field(column: &Column) -> Result<TypePtr> {
         DType::I64 => (Physical::INT64, None, Repetition::REQUIRED),
         DType::I32 => (Physical::INT32, None, Repetition::REQUIRED),
         DType::Bool => (Physical::BOOLEAN, None, Repetition::REQUIRED),
-        DType::Name(_) => (
-            Physical::BYTE_ARRAY,
-            Some(LogicalType::String),
-            Repetition::OPTIONAL,
-        ),
+        DType::Name(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::OPTIONAL),
     };
     let field = Type::primitive_type_builder(&column.name, physical)
         .with_logical_type(logical)
@@ -130,11 +117,7 @@ fn field(column: &Column) -> Result<TypePtr> {
     Ok(Arc::new(field))
 }
 
-fn write_column(
-    column: &mut SerializedColumnWriter,
-    values: &Values,
-    names: &[ByteArray],
-) -> Result<usize> {
+fn write_column(column: &mut SerializedColumnWriter, values: &Values, names: &[ByteArray]) -> Result<usize> {
     match values {
         Values::F64(v) => column.typed::<DoubleType>().write_batch(v, None, None),
         Values::I64(v) => column.typed::<Int64Type>().write_batch(v, None, None),
@@ -145,9 +128,7 @@ fn write_column(
             let levels: Vec<i16> = ids.iter().map(|&id| i16::from(id != NO_NAME)).collect();
             let present = ids.iter().filter(|&&id| id != NO_NAME);
             let texts: Vec<_> = present.map(|&id| names[id as usize].clone()).collect();
-            column
-                .typed::<ByteArrayType>()
-                .write_batch(&texts, Some(&levels), None)
+            column.typed::<ByteArrayType>().write_batch(&texts, Some(&levels), None)
         }
     }
 }
@@ -155,10 +136,7 @@ fn write_column(
 /// Texts whose copies share their memory.
 fn name_table(dtype: &DType) -> Vec<ByteArray> {
     match dtype {
-        DType::Name(names) => names
-            .iter()
-            .map(|name| ByteArray::from(name.as_str()))
-            .collect(),
+        DType::Name(names) => names.iter().map(|name| ByteArray::from(name.as_str())).collect(),
         _ => Vec::new(),
     }
 }

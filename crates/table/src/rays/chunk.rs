@@ -29,9 +29,7 @@ impl RayChunk {
     }
 
     pub(super) fn push(&mut self, ray: &[f64; 6]) {
-        self.columns_mut()
-            .zip(ray)
-            .for_each(|(column, &x)| column.push(x));
+        self.columns_mut().zip(ray).for_each(|(column, &x)| column.push(x));
     }
 
     fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {

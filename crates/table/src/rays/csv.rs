@@ -36,9 +36,7 @@ impl CsvRays {
         let mut lines = Lines::new(Box::new(source));
         let mut fields = Fields::new();
         let Some(line) = lines.next()? else {
-            found.add(RayProblem::whole(
-                "the file is empty (the first line is ox,oy,oz,dx,dy,dz)",
-            ));
+            found.add(RayProblem::whole("the file is empty (the first line is ox,oy,oz,dx,dy,dz)"));
             return Ok(None);
         };
         let header = check_start(&line).and_then(|()| fields.split(&line));
@@ -49,12 +47,7 @@ impl CsvRays {
                 None
             }
         };
-        Ok(field_of.map(|field_of| Self {
-            lines,
-            fields,
-            field_of,
-            total,
-        }))
+        Ok(field_of.map(|field_of| Self { lines, fields, field_of, total }))
     }
 }
 
@@ -71,10 +64,7 @@ impl RaySource for CsvRays {
             let Some(line) = self.lines.next()? else {
                 break;
             };
-            let place = Place {
-                line: Some(line.number),
-                row: first + rows,
-            };
+            let place = Place { line: Some(line.number), row: first + rows };
             match self.fields.split(&line) {
                 Err(message) => found.add(place.problem(None, message)),
                 Ok(()) => {
@@ -89,10 +79,7 @@ impl RaySource for CsvRays {
     }
 
     fn progress(&self) -> Progress {
-        Progress {
-            done: self.lines.bytes,
-            total: self.total,
-        }
+        Progress { done: self.lines.bytes, total: self.total }
     }
 
     fn rays(&self) -> Option<u64> {
@@ -100,12 +87,7 @@ impl RaySource for CsvRays {
     }
 }
 
-fn read_ray(
-    fields: &Fields,
-    field_of: &[usize; 6],
-    place: Place,
-    found: &mut Findings,
-) -> Option<[f64; 6]> {
+fn read_ray(fields: &Fields, field_of: &[usize; 6], place: Place, found: &mut Findings) -> Option<[f64; 6]> {
     if fields.count != 6 {
         found.add(place.problem(None, wrong_count(fields.count)));
         return None;
@@ -162,10 +144,7 @@ fn check_start(line: &Line) -> Result<(), String> {
 }
 
 fn header_problem(line: u64, message: String) -> RayProblem {
-    RayProblem {
-        line: Some(line),
-        ..RayProblem::whole(message)
-    }
+    RayProblem { line: Some(line), ..RayProblem::whole(message) }
 }
 
 /// The field of each column, if the header names exactly the six columns.
@@ -176,16 +155,11 @@ fn read_header(fields: &Fields, line: u64, found: &mut Findings) -> Option<[usiz
     }
     let names: Vec<_> = (0..fields.count).map(|i| fields.get(i)).collect();
     let places = RAY_COLUMNS.map(|column| names.iter().position(|name| *name == column.as_bytes()));
-    let missing: Vec<_> = (0..6)
-        .filter(|&c| places[c].is_none())
-        .map(|c| RAY_COLUMNS[c])
-        .collect();
+    let missing: Vec<_> = (0..6).filter(|&c| places[c].is_none()).map(|c| RAY_COLUMNS[c]).collect();
 
     let mut messages = Vec::new();
     for (i, name) in names.iter().enumerate() {
-        let column = RAY_COLUMNS
-            .iter()
-            .position(|column| column.as_bytes() == *name);
+        let column = RAY_COLUMNS.iter().position(|column| column.as_bytes() == *name);
         match column {
             None => messages.push(unknown_column(name, &missing)),
             Some(column) if places[column] != Some(i) => {
@@ -195,15 +169,10 @@ fn read_header(fields: &Fields, line: u64, found: &mut Findings) -> Option<[usiz
         }
     }
     if !missing.is_empty() {
-        messages.push(format!(
-            "missing: {} (rays have ox,oy,oz,dx,dy,dz, in any order)",
-            missing.join(", ")
-        ));
+        messages.push(format!("missing: {} (rays have ox,oy,oz,dx,dy,dz, in any order)", missing.join(", ")));
     }
     let is_good = messages.is_empty();
-    messages
-        .into_iter()
-        .for_each(|message| found.add(header_problem(line, message)));
+    messages.into_iter().for_each(|message| found.add(header_problem(line, message)));
     is_good.then(|| places.map(Option::unwrap_or_default))
 }
 
@@ -212,8 +181,7 @@ fn not_a_header(fields: &Fields) -> Option<String> {
     let first = fields.get(0);
     if (0..fields.count).all(|i| parse(fields.get(i)).is_some()) {
         return Some(
-            "the first line holds numbers (it is the header); put ox,oy,oz,dx,dy,dz before it"
-                .into(),
+            "the first line holds numbers (it is the header); put ox,oy,oz,dx,dy,dz before it".into(),
         );
     }
     if first.starts_with(b"#") {
@@ -223,34 +191,30 @@ fn not_a_header(fields: &Fields) -> Option<String> {
                 .into(),
         );
     }
-    let separator = first
-        .iter()
-        .find(|c| b";\t ".contains(c))
-        .filter(|_| fields.count == 1)?;
+    let separator = first.iter().find(|c| b";\t ".contains(c)).filter(|_| fields.count == 1)?;
     let name = match separator {
         b';' => "semicolons",
         b'\t' => "tabs",
         _ => "spaces",
     };
-    Some(format!(
-        "fields are separated by {name} (CSV is read with commas); write it with commas"
-    ))
+    Some(format!("fields are separated by {name} (CSV is read with commas); write it with commas"))
 }
 
 /// Suggests the one missing column that the name may stand for.
 fn unknown_column(name: &[u8], missing: &[&str]) -> String {
-    let name_text = String::from_utf8_lossy(name).to_ascii_lowercase();
-    let mut alike = missing
-        .iter()
-        .filter(|column| one_change_apart(&name_text, column));
-    let suggestion = match (alike.next(), alike.next()) {
-        (Some(column), None) => format!("; did you mean {column}?"),
-        _ => "; remove it".into(),
+    let lower = String::from_utf8_lossy(name).to_ascii_lowercase();
+    let exact = missing.iter().find(|column| **column == lower);
+    let mut alike = missing.iter().filter(|column| one_change_apart(&lower, column));
+    let only = alike.next().filter(|_| alike.next().is_none());
+    let suggestion = match exact.or(only) {
+        Some(column) => format!("; did you mean {column}?"),
+        None if missing.is_empty() => "; remove it".into(),
+        None => String::new(),
     };
     format!("unknown column {}{suggestion}", shown(name))
 }
 
-/// Equal, or one character replaced, inserted or removed.
+/// Whether one character replaced, inserted or removed (or none) makes one of the other.
 fn one_change_apart(a: &str, b: &str) -> bool {
     let (a, b): (Vec<_>, Vec<_>) = (a.chars().collect(), b.chars().collect());
     let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
@@ -285,14 +249,10 @@ impl Fields {
     /// Splits a line; `Err` says why it has no fields.
     fn split(&mut self, line: &Line) -> Result<(), String> {
         if line.too_long {
-            return Err(format!(
-                "the line is longer than {MAX_LINE} bytes (a ray needs 150 at most)"
-            ));
+            return Err(format!("the line is longer than {MAX_LINE} bytes (a ray needs 150 at most)"));
         }
         self.splitter.reset();
-        let (result, read, _, count) =
-            self.splitter
-                .read_record(line.bytes, &mut self.text, &mut self.ends);
+        let (result, read, _, count) = self.splitter.read_record(line.bytes, &mut self.text, &mut self.ends);
         match result {
             ReadRecordResult::Record if read < line.bytes.len() => {
                 Err("a carriage return within the line (lines end with \\n or \\r\\n)".into())
@@ -301,9 +261,7 @@ impl Fields {
                 self.count = count;
                 Ok(())
             }
-            ReadRecordResult::OutputEndsFull => {
-                Err(format!("more than {MAX_FIELDS} fields (a ray has six)"))
-            }
+            ReadRecordResult::OutputEndsFull => Err(format!("more than {MAX_FIELDS} fields (a ray has six)")),
             _ => Err("a quote is opened and not closed on its line".into()),
         }
     }
@@ -312,11 +270,7 @@ impl Fields {
     fn get(&self, i: usize) -> &[u8] {
         let start = if i == 0 { 0 } else { self.ends[i - 1] };
         let is_there = i < self.count;
-        if is_there {
-            self.text[start..self.ends[i]].trim_ascii()
-        } else {
-            b""
-        }
+        if is_there { self.text[start..self.ends[i]].trim_ascii() } else { b"" }
     }
 }
 
@@ -337,12 +291,7 @@ struct Lines {
 
 impl Lines {
     fn new(source: Box<dyn Read + Send>) -> Self {
-        Self {
-            source: BufReader::with_capacity(MAX_LINE, source),
-            line: Vec::new(),
-            number: 0,
-            bytes: 0,
-        }
+        Self { source: BufReader::with_capacity(MAX_LINE, source), line: Vec::new(), number: 0, bytes: 0 }
     }
 
     /// The next line that is not blank; `None` at the end.
@@ -362,11 +311,7 @@ impl Lines {
             }
             self.tidy();
             if too_long || self.line != b"\n" {
-                return Ok(Some(Line {
-                    number: self.number,
-                    bytes: &self.line,
-                    too_long,
-                }));
+                return Ok(Some(Line { number: self.number, bytes: &self.line, too_long }));
             }
         }
     }

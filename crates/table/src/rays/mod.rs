@@ -92,10 +92,7 @@ impl RayReader {
     /// # Errors
     ///
     /// As [`open`](Self::open).
-    pub fn from_csv(
-        source: impl Read + Send + 'static,
-        name: impl Into<String>,
-    ) -> Result<Self, TableError> {
+    pub fn from_csv(source: impl Read + Send + 'static, name: impl Into<String>) -> Result<Self, TableError> {
         Self::start(name.into(), |found| csv::CsvRays::open(source, None, found))
     }
 
@@ -107,12 +104,7 @@ impl RayReader {
         match open(&mut found) {
             Err(error) => Err(found.unreadable(error)),
             Ok(None) => Err(found.take().into()),
-            Ok(Some(source)) => Ok(Self {
-                source: Box::new(source),
-                found,
-                row: 0,
-                ended: false,
-            }),
+            Ok(Some(source)) => Ok(Self { source: Box::new(source), found, row: 0, ended: false }),
         }
     }
 
@@ -200,13 +192,7 @@ struct Findings {
 
 impl Findings {
     fn new(file: String) -> Self {
-        Self {
-            problems: RayProblems {
-                file,
-                problems: Vec::new(),
-                stopped: false,
-            },
-        }
+        Self { problems: RayProblems { file, problems: Vec::new(), stopped: false } }
     }
 
     fn add(&mut self, problem: RayProblem) {
@@ -263,10 +249,7 @@ fn check_ray(ray: &[f64; 6], place: Place, found: &mut Findings) -> bool {
     }
     for (column, x) in ray.iter().enumerate().filter(|(_, x)| !x.is_finite()) {
         let what = if x.is_nan() { "NaN" } else { "infinite" };
-        let message = format!(
-            "{} is {what} (a ray is six finite numbers)",
-            RAY_COLUMNS[column]
-        );
+        let message = format!("{} is {what} (a ray is six finite numbers)", RAY_COLUMNS[column]);
         found.add(place.problem(Some(column), message));
     }
     if is_finite {

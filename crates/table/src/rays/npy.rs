@@ -42,20 +42,12 @@ impl Number {
             Self::F32 { big_endian } => {
                 let mut b = [0; 4];
                 b.copy_from_slice(bytes);
-                f64::from(if big_endian {
-                    f32::from_be_bytes(b)
-                } else {
-                    f32::from_le_bytes(b)
-                })
+                f64::from(if big_endian { f32::from_be_bytes(b) } else { f32::from_le_bytes(b) })
             }
             Self::F64 { big_endian } => {
                 let mut b = [0; 8];
                 b.copy_from_slice(bytes);
-                if big_endian {
-                    f64::from_be_bytes(b)
-                } else {
-                    f64::from_le_bytes(b)
-                }
+                if big_endian { f64::from_be_bytes(b) } else { f64::from_le_bytes(b) }
             }
         }
     }
@@ -76,11 +68,7 @@ pub(super) struct NpyRays {
 
 impl NpyRays {
     /// Reads the header; `None` if it has problems. `size` is that of a regular file.
-    pub(super) fn open(
-        mut file: File,
-        size: Option<u64>,
-        found: &mut Findings,
-    ) -> io::Result<Option<Self>> {
+    pub(super) fn open(mut file: File, size: Option<u64>, found: &mut Findings) -> io::Result<Option<Self>> {
         let header = match npy_header::read(&mut file)? {
             Ok(header) => header,
             Err(message) => {
@@ -88,10 +76,7 @@ impl NpyRays {
                 return Ok(None);
             }
         };
-        let (number, rows) = (
-            check_dtype(&header, found),
-            check_shape(&header.shape, found),
-        );
+        let (number, rows) = (check_dtype(&header, found), check_shape(&header.shape, found));
         let (Some(number), Some(rows)) = (number, rows) else {
             return Ok(None);
         };
@@ -130,11 +115,7 @@ impl NpyRays {
     fn ray(&self, row: usize, rows: usize) -> [f64; 6] {
         let size = self.number.size();
         std::array::from_fn(|column| {
-            let index = if self.fortran_order {
-                column * rows + row
-            } else {
-                6 * row + column
-            };
+            let index = if self.fortran_order { column * rows + row } else { 6 * row + column };
             self.number.decode(&self.block[index * size..][..size])
         })
     }
@@ -153,10 +134,7 @@ impl RaySource for NpyRays {
             let rows = (end - self.next).min(ROWS_PER_BLOCK as u64) as usize;
             match self.read_block(rows) {
                 Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
-                    let message = format!(
-                        "the file is cut off (the header promises {} rays)",
-                        self.rows
-                    );
+                    let message = format!("the file is cut off (the header promises {} rays)", self.rows);
                     found.add(RayProblem::whole(message));
                     self.rows = self.next;
                     break;
@@ -165,10 +143,7 @@ impl RaySource for NpyRays {
             }
             for row in 0..rows {
                 let ray = self.ray(row, rows);
-                let place = Place {
-                    line: None,
-                    row: self.next + row as u64,
-                };
+                let place = Place { line: None, row: self.next + row as u64 };
                 if check_ray(&ray, place, found) {
                     chunk.push(&ray);
                 }
@@ -182,9 +157,7 @@ impl RaySource for NpyRays {
         let row_size = 6 * self.number.size() as u64;
         Progress {
             done: self.data_offset + self.next * row_size,
-            total: self
-                .is_file
-                .then_some(self.data_offset + self.rows * row_size),
+            total: self.is_file.then_some(self.data_offset + self.rows * row_size),
         }
     }
 
@@ -220,37 +193,21 @@ fn check_shape(shape: &[u64], found: &mut Findings) -> Option<u64> {
     };
     let shape = match shape {
         [length] => format!("({length},)"),
-        _ => format!(
-            "({})",
-            shape
-                .iter()
-                .map(u64::to_string)
-                .collect::<Vec<_>>()
-                .join(", ")
-        ),
+        _ => format!("({})", shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
     };
-    let message =
-        format!("shape is {shape} (rays have shape (N, 6): ox, oy, oz, dx, dy, dz){suggestion}");
+    let message = format!("shape is {shape} (rays have shape (N, 6): ox, oy, oz, dx, dy, dz){suggestion}");
     found.add(RayProblem::whole(message));
     None
 }
 
 /// Compares the promised length with the file's, if that is known.
-fn check_length(
-    header: &NpyHeader,
-    number: Number,
-    rows: u64,
-    size: Option<u64>,
-) -> Option<String> {
+fn check_length(header: &NpyHeader, number: Number, rows: u64, size: Option<u64>) -> Option<String> {
     let promised = rows.checked_mul(6 * number.size() as u64);
     let Some(promised) = promised.filter(|&bytes| bytes <= i64::MAX as u64) else {
-        return Some(format!(
-            "the NPY header is damaged (it promises {rows} rays)"
-        ));
+        return Some(format!("the NPY header is damaged (it promises {rows} rays)"));
     };
     let Some(size) = size else {
-        let problem =
-            "the array is in Fortran order (that needs a file, not a pipe); save it in C order";
+        let problem = "the array is in Fortran order (that needs a file, not a pipe); save it in C order";
         return header.fortran_order.then(|| problem.into());
     };
     let there = size.saturating_sub(header.data_offset);

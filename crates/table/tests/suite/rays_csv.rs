@@ -1,0 +1,285 @@
+//! Rays from CSV.
+
+use std::fmt::Write;
+use std::io::{self, Read};
+
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use rayweave_table::{Progress, RayChunk, RayProblems, RayReader, TableError};
+
+use crate::folder::Folder;
+
+/// All rays of a text, read in chunks of 3.
+fn rays(text: impl AsRef<[u8]>) -> Result<Vec<[f64; 6]>, TableError> {
+    let text = io::Cursor::new(text.as_ref().to_vec());
+    let mut reader = RayReader::from_csv(text, "rays.csv")?;
+    let mut chunk = RayChunk::default();
+    let mut rays = Vec::new();
+    while reader.read(&mut chunk, 3)? > 0 {
+        assert_eq!(chunk.first, rays.len() as u64);
+        for i in 0..chunk.len() {
+            let [ox, oy, oz] = &chunk.origin;
+            let [dx, dy, dz] = &chunk.direction;
+            rays.push([ox[i], oy[i], oz[i], dx[i], dy[i], dz[i]]);
+        }
+    }
+    Ok(rays)
+}
+
+fn problems(text: impl AsRef<[u8]>) -> String {
+    rays(text).unwrap_err().to_string()
+}
+
+/// The problem of a file with a good header and this one ray.
+fn problem_of_ray(line: &str) -> String {
+    problems(format!("ox,oy,oz,dx,dy,dz\n{line}\n"))
+}
+
+#[test]
+fn random_bits_read_back_over_many_chunks() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut number = || loop {
+        let x = f64::from_bits(rng.random());
+        if x.is_finite() {
+            return x;
+        }
+    };
+    let expected: Vec<[f64; 6]> = (0..1000).map(|_| std::array::from_fn(|_| number())).collect();
+    let mut text = String::from("ox,oy,oz,dx,dy,dz\n");
+    for [a, b, c, d, e, f] in &expected {
+        writeln!(text, "{a:?},{b},{c:e},{d:?},{e},{f:e}").unwrap();
+    }
+    let bits = |rays: &[[f64; 6]]| rays.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&rays(text).unwrap()), bits(&expected));
+}
+
+#[test]
+fn columns_in_any_order_and_dialects() {
+    let expected = [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]];
+    for text in [
+        "ox,oy,oz,dx,dy,dz\n1,2,3,4,5,6",
+        "ox,oy,oz,dx,dy,dz\r\n1,2,3,4,5,6\r\n",
+        "\u{feff}ox,oy,oz,dx,dy,dz\n\n 1, 2 ,3.0,4e0, +5,6.\n\n",
+        "\n  \ndz,dy,dx,oz,oy,ox\n6,5,4,3,2,1\n \t \n",
+        "\"ox\",\"oy\",oz,dx,dy,dz\n\"1\",2,3,4,5,\"6\"\n",
+    ] {
+        assert_eq!(rays(text).unwrap(), expected, "{text:?}");
+    }
+}
+
+#[test]
+fn no_rays_is_legal() {
+    assert_eq!(rays("ox,oy,oz,dx,dy,dz").unwrap(), [[0.0; 6]; 0]);
+}
+
+#[test]
+fn an_empty_file_is_an_error() {
+    let expected = "rays.csv: the file is empty (the first line is ox,oy,oz,dx,dy,dz)";
+    assert_eq!(problems(""), expected);
+    assert_eq!(problems("\n\n"), expected);
+}
+
+#[test]
+fn all_problems_of_a_header_at_once() {
+    assert_eq!(
+        problems("ox,oy,0z,dx,dx,velocity\n1,2,3,4,5,6\n"),
+        "rays.csv:1: unknown column \"0z\"\n\
+         rays.csv:1: column dx occurs twice\n\
+         rays.csv:1: unknown column \"velocity\"\n\
+         rays.csv:1: missing: oz, dy, dz (rays have ox,oy,oz,dx,dy,dz, in any order)"
+    );
+    assert_eq!(
+        problems("ox,oy,oz,DX,dyy,d,w\n"),
+        "rays.csv:1: unknown column \"DX\"; did you mean dx?\n\
+         rays.csv:1: unknown column \"dyy\"; did you mean dy?\n\
+         rays.csv:1: unknown column \"d\"\n\
+         rays.csv:1: unknown column \"w\"\n\
+         rays.csv:1: missing: dx, dy, dz (rays have ox,oy,oz,dx,dy,dz, in any order)"
+    );
+    assert_eq!(problems("ox,oy,oz,dx,dy,dz,\n"), "rays.csv:1: unknown column empty; remove it");
+}
+
+#[test]
+fn files_of_another_kind_are_recognised() {
+    for (text, message) in [
+        (
+            "1,2,3,4,5,6\n",
+            "1: the first line holds numbers (it is the header); put ox,oy,oz,dx,dy,dz before it",
+        ),
+        (
+            "\n# ox,oy,oz,dx,dy,dz\n",
+            "2: the header begins with # (there are no comments in CSV); \
+             remove it, or pass comments=\"\" to numpy.savetxt",
+        ),
+        (
+            "ox;oy;oz;dx;dy;dz\n",
+            "1: fields are separated by semicolons (CSV is read with commas); write it with commas",
+        ),
+        ("ox\toy\toz\n", "1: fields are separated by tabs (CSV is read with commas); write it with commas"),
+        ("ox oy oz\n", "1: fields are separated by spaces (CSV is read with commas); write it with commas"),
+    ] {
+        assert_eq!(problems(text), format!("rays.csv:{message}"));
+    }
+    assert_eq!(problems(b"\x93NUMPY\x01\0"), "rays.csv:1: this is an NPY file, not CSV; name it .npy");
+    assert_eq!(
+        problems(b"\xff\xfeo\0x\0"),
+        "rays.csv:1: the text is UTF-16 (CSV is read as UTF-8); save it as UTF-8"
+    );
+}
+
+#[test]
+fn a_bad_number_has_line_and_column() {
+    for (line, message) in [
+        ("1,2,3,4,5,1.O", "dz is \"1.O\" (not a number)"),
+        ("1,2,3,4,5,", "dz is empty (not a number)"),
+        ("1,2,3,4,0x5,6", "dy is \"0x5\" (not a number)"),
+        ("1,2,nan,4,5,6", "oz is NaN (a ray is six finite numbers)"),
+        ("1,-inf,3,4,5,6", "oy is infinite (a ray is six finite numbers)"),
+        ("1e999,2,3,4,5,6", "ox is infinite (a ray is six finite numbers)"),
+        ("1,2,3,0,-0.0,0e5", "dx, dy and dz are all 0 (a direction is a vector that is not zero)"),
+        ("1,2,3,4", "4 fields (a ray has six); is the file cut off?"),
+        ("1", "1 field (a ray has six); is the file cut off?"),
+        ("1,2,3,4,5,6,7", "7 fields (a ray has six)"),
+        ("1,0,2,0,3,0,4,0,5,0,6,0", "12 fields (a ray has six); write decimals with a point, not a comma"),
+        ("1,\"2,3,4,5,6", "a quote is opened and not closed on its line"),
+        ("1,2,3\r4,5,6", "a carriage return within the line (lines end with \\n or \\r\\n)"),
+        ("1,2,3,4,5,a\u{1b}[31mb", "dz is \"a\\u{1b}[31mb\" (not a number)"),
+    ] {
+        assert_eq!(problem_of_ray(line), format!("rays.csv:2: {message}"));
+    }
+    assert_eq!(problem_of_ray(&",".repeat(100)), "rays.csv:2: more than 64 fields (a ray has six)");
+    assert_eq!(
+        problem_of_ray(&format!("1,2,3,4,5,{}", "é".repeat(1000))),
+        format!("rays.csv:2: dz is \"{}\"... (not a number)", "é".repeat(30))
+    );
+}
+
+#[test]
+fn bytes_that_are_no_text_are_shown() {
+    assert_eq!(
+        problems(b"ox,oy,oz,dx,dy,dz\n1,2,3,4,5,\xff\xfe\n"),
+        "rays.csv:2: dz is \"\u{fffd}\u{fffd}\" (not a number)"
+    );
+}
+
+#[test]
+fn lines_are_counted_as_an_editor_does() {
+    for end in ["\n", "\r\n"] {
+        let text = ["ox,oy,oz,dx,dy,dz", "", "1,2,3,4,5,6", "", "x,2,3,4,5,6"].join(end);
+        assert_eq!(problems(&text), "rays.csv:5: ox is \"x\" (not a number)");
+    }
+}
+
+#[test]
+fn a_problem_knows_line_row_and_column() {
+    let TableError::Rays(problems) = rays("ox,oy,oz,dx,dy,dz\n1,2,3,4,5,6\n1,2,3,4,nan,6\n").unwrap_err()
+    else {
+        panic!();
+    };
+    let [problem] = &problems.problems[..] else { panic!() };
+    assert_eq!((problem.line, problem.row, problem.column), (Some(3), Some(1), Some("dy")));
+    assert!(!problems.stopped);
+}
+
+#[test]
+fn a_stream_is_searched_to_the_end_of_the_chunk() {
+    // chunks of three: the fourth ray is not looked at
+    let text = "ox,oy,oz,dx,dy,dz\n1,2,3,4,5,6\n,,3,4,5,6\n1,2,3,0,0,0\nx,2,3,4,5,6\n";
+    assert_eq!(
+        problems(text),
+        "rays.csv:3: ox is empty (not a number)\n\
+         rays.csv:3: oy is empty (not a number)\n\
+         rays.csv:4: dx, dy and dz are all 0 (a direction is a vector that is not zero)"
+    );
+}
+
+#[test]
+fn a_file_is_searched_to_its_end() {
+    let folder = Folder::new();
+    let good = "1,2,3,4,5,6\n".repeat(100);
+    let path = folder.write("rays.csv", format!("ox,oy,oz,dx,dy,dz\n{good}a,2,3,4,5,6\n{good}1,2,3,4,5\n"));
+    let mut reader = RayReader::open(path).unwrap();
+    let mut chunk = RayChunk::default();
+    for _ in 0..10 {
+        assert_eq!(reader.read(&mut chunk, 10).unwrap(), 10);
+    }
+    assert_eq!(
+        folder.tell(&reader.read(&mut chunk, 10).unwrap_err()),
+        "rays.csv:102: ox is \"a\" (not a number)\n\
+         rays.csv:203: 5 fields (a ray has six); is the file cut off?"
+    );
+    assert!(chunk.is_empty());
+    assert_eq!(reader.read(&mut chunk, 10).unwrap(), 0);
+}
+
+#[test]
+fn twenty_problems_are_enough() {
+    let tell = |bad: usize| {
+        let text = format!("ox,oy,oz,dx,dy,dz\n{}", "1,2,3,4,5,z\n".repeat(bad));
+        let folder = Folder::new();
+        let mut reader = RayReader::open(folder.write("rays.csv", text)).unwrap();
+        folder.tell(&reader.read(&mut RayChunk::default(), 7).unwrap_err())
+    };
+    assert_eq!(tell(RayProblems::LIMIT).lines().count(), 20);
+    let text = tell(10_000);
+    assert_eq!(text.lines().count(), 21);
+    assert_eq!(text.lines().last().unwrap(), "rays.csv: stopped after 20 problems");
+}
+
+#[test]
+fn a_line_without_end_is_refused_and_skipped() {
+    let long = "9".repeat(200_000);
+    let text = format!("ox,oy,oz,dx,dy,dz\n{long}\n1,2,3,4,5\n");
+    assert_eq!(
+        problems(text),
+        "rays.csv:2: the line is longer than 65536 bytes (a ray needs 150 at most)\n\
+         rays.csv:3: 5 fields (a ray has six); is the file cut off?"
+    );
+    assert_eq!(
+        problems(" ".repeat(200_000)),
+        "rays.csv:1: the line is longer than 65536 bytes (a ray needs 150 at most)"
+    );
+}
+
+#[test]
+fn progress_is_in_bytes() {
+    let folder = Folder::new();
+    let text = "ox,oy,oz,dx,dy,dz\n1,2,3,4,5,6\n1,2,3,4,5,6\n";
+    let mut reader = RayReader::open(folder.write("rays.csv", text)).unwrap();
+    let total = Some(text.len() as u64);
+    assert_eq!((reader.progress(), reader.rays()), (Progress { done: 18, total }, None));
+    reader.read(&mut RayChunk::default(), 1).unwrap();
+    assert_eq!(reader.progress(), Progress { done: 30, total });
+    let stream = RayReader::from_csv(text.as_bytes(), "stdin").unwrap();
+    assert_eq!(stream.progress(), Progress { done: 18, total: None });
+}
+
+#[test]
+fn what_cannot_be_read_says_why() {
+    let folder = Folder::new();
+    let tell = |name: &str| folder.tell(&RayReader::open(folder.join(name)).unwrap_err());
+    assert_eq!(tell("rays.csv"), "cannot read rays.csv (there is no such file or folder)");
+    std::fs::create_dir(folder.join("rays.csv")).unwrap();
+    assert_eq!(tell("rays.csv"), "cannot read rays.csv (it is a folder)");
+    assert_eq!(tell("rays.txt"), "rays.txt: unknown format of rays (the extension says it: .csv or .npy)");
+}
+
+/// Gives a header, then fails.
+struct Failing(bool);
+
+impl Read for Failing {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if std::mem::replace(&mut self.0, true) {
+            return Err(io::Error::other("the line is down"));
+        }
+        (&b"ox,oy,oz,dx,dy,dz\n1,2,3,4,5,6\n"[..]).read(buffer)
+    }
+}
+
+#[test]
+fn a_failing_source_is_told() {
+    let mut reader = RayReader::from_csv(Failing(false), "stdin").unwrap();
+    let error = reader.read(&mut RayChunk::default(), 10).unwrap_err();
+    assert_eq!(error.to_string(), "cannot read stdin (the line is down)");
+    assert_eq!(error.io_kind(), Some(io::ErrorKind::Other));
+}
