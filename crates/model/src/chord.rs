@@ -20,16 +20,10 @@ impl Ball {
     /// the origin, or 1 at the origin itself, is the only length in sight.
     pub fn around(finite: &Bounds) -> Ball {
         if finite.is_empty() {
-            return Ball {
-                centre: Vec3::ZERO,
-                radius: 1.0,
-            };
+            return Ball { centre: Vec3::ZERO, radius: 1.0 };
         }
         let (centre, half) = (finite.centre(), 0.5 * finite.size().length());
-        let radius = [2.0 * half, centre.length(), 1.0]
-            .into_iter()
-            .find(|&r| r > 0.0)
-            .unwrap_or(1.0);
+        let radius = [2.0 * half, centre.length(), 1.0].into_iter().find(|&r| r > 0.0).unwrap_or(1.0);
         Ball { centre, radius }
     }
 }

@@ -1,33 +1,26 @@
 //! From solids to a program.
 
 use crate::gate::Network;
-use crate::interim::{SurfaceExt, share};
 use crate::lower::{Content, Group, RawLeaf, lower};
 use crate::program::{Leaf, LeafFacet, LeafKind, Program, Prototype, RegionInfo, SurfaceEntry};
-use crate::{Ball, CompileError, CompileProblem, LeafId, PrototypeId, Region, Solid, SurfaceId};
+use crate::{
+    Ball, CompileError, CompileProblem, Edge, Gate, LeafId, PrototypeId, Region, Rule, Solid, SurfaceId,
+};
 use rayweave_math::{Bounds, Transform};
 use rayweave_shape::primitive::{Lowered, Primitive};
+use rayweave_shape::surface::share;
 
 impl Program {
     /// Compiles one solid. Its inside is region 1 of medium 1, everything else the world.
     pub fn compile(solid: &Solid) -> Result<Program, CompileError> {
-        let regions = vec![RegionInfo {
-            name: solid_name(solid),
-            medium: 1,
-        }];
+        let regions = vec![RegionInfo { name: solid_name(solid), medium: 1 }];
         compile(&[solid], regions)
     }
 
     /// Compiles an ordered list of regions: where they overlap, the later one wins.
     pub fn compile_regions(regions: &[Region]) -> Result<Program, CompileError> {
         let solids: Vec<&Solid> = regions.iter().map(|region| &region.solid).collect();
-        let infos = regions
-            .iter()
-            .map(|r| RegionInfo {
-                name: r.name.clone(),
-                medium: r.medium,
-            })
-            .collect();
+        let infos = regions.iter().map(|r| RegionInfo { name: r.name.clone(), medium: r.medium }).collect();
         compile(&solids, infos)
     }
 }
@@ -76,13 +69,10 @@ fn compile(solids: &[&Solid], regions: Vec<RegionInfo>) -> Result<Program, Compi
 /// The groups ordered so that placed solids come before what places them.
 fn inner_first(groups: &[Group]) -> Vec<usize> {
     let inner = |id: usize| {
-        groups[id]
-            .leaves
-            .iter()
-            .filter_map(|leaf| match leaf.content {
-                Content::Instance(prototype) => Some(prototype.index()),
-                Content::Shape(..) => None,
-            })
+        groups[id].leaves.iter().filter_map(|leaf| match leaf.content {
+            Content::Instance(prototype) => Some(prototype.index()),
+            Content::Shape(..) => None,
+        })
     };
     let (mut order, mut state) = (Vec::new(), vec![0u8; groups.len()]);
     let mut waiting: Vec<usize> = vec![0];
@@ -126,12 +116,7 @@ struct Compiler {
 }
 
 impl Compiler {
-    fn group(
-        &mut self,
-        id: usize,
-        group: Group,
-        first_leaf: u32,
-    ) -> Result<GroupTables, CompileError> {
+    fn group(&mut self, id: usize, group: Group, first_leaf: u32) -> Result<GroupTables, CompileError> {
         let mut tables = Tables::default();
         for raw in &group.leaves {
             match &raw.content {
@@ -142,49 +127,31 @@ impl Compiler {
             }
         }
         tables.share(&group)?;
-        let bounds = tables.output_bounds(&group);
+        let bounds = tables.bound(&group);
         let prototype = Prototype {
             leaves: first_leaf..first_leaf + group.leaves.len() as u32,
             network: Network::new(&group.expression, &group.outputs, group.leaves.len()),
             bounds,
             ball: tables.ball(),
             placements: tables.placements,
-            instances: tables
-                .instances
-                .iter()
-                .map(|&(p, leaf)| (p, LeafId(first_leaf + leaf)))
-                .collect(),
+            instances: tables.instances.iter().map(|&(p, leaf)| (p, LeafId(first_leaf + leaf))).collect(),
             expression: group.expression,
             outputs: group.outputs,
         };
-        self.done[id] = Some(Summary {
-            bounds,
-            placements: prototype.placements,
-        });
-        Ok(GroupTables {
-            prototype,
-            leaves: tables.leaves,
-            facets: tables.facets,
-            surfaces: tables.surfaces,
-        })
+        self.done[id] = Some(Summary { bounds, placements: prototype.placements });
+        Ok(GroupTables { prototype, leaves: tables.leaves, facets: tables.facets, surfaces: tables.surfaces })
     }
 
     /// Joins the tables of all groups, moving their numbers behind one another.
     fn assemble(mut self, tables: Vec<Option<GroupTables>>) -> Result<Program, CompileError> {
         for mut group in tables.into_iter().flatten() {
-            let (facets, surfaces) = (
-                self.program.facets.len() as u32,
-                self.program.surfaces.len() as u32,
-            );
+            let (facets, surfaces) = (self.program.facets.len() as u32, self.program.surfaces.len() as u32);
             for leaf in &mut group.leaves {
                 if let LeafKind::Shape { facets: range, .. } = &mut leaf.kind {
                     *range = range.start + facets..range.end + facets;
                 }
             }
-            group
-                .facets
-                .iter_mut()
-                .for_each(|facet| facet.surface.0 += surfaces);
+            group.facets.iter_mut().for_each(|facet| facet.surface.0 += surfaces);
             self.program.prototypes.push(group.prototype);
             self.program.leaves.append(&mut group.leaves);
             self.program.facets.append(&mut group.facets);
@@ -216,12 +183,7 @@ impl Default for Tables {
 }
 
 impl Tables {
-    fn shape(
-        &mut self,
-        raw: &RawLeaf,
-        primitive: &Primitive,
-        lowered: &Lowered,
-    ) -> Result<(), CompileError> {
+    fn shape(&mut self, raw: &RawLeaf, primitive: &Primitive, lowered: &Lowered) -> Result<(), CompileError> {
         let transform = transform_of(raw)?;
         let first = self.facets.len() as u32;
         let mut bounds = if lowered.complement {
@@ -233,10 +195,7 @@ impl Tables {
             let surface = facet.surface.transformed(&transform);
             let reach = surface.reach() + transform.path;
             if !reach.is_finite() || !surface.is_finite() {
-                return Err(CompileError {
-                    path: raw.path.clone(),
-                    problem: CompileProblem::NotFinite,
-                });
+                return Err(CompileError { path: raw.path.clone(), problem: CompileProblem::NotFinite });
             }
             if facet.inside {
                 bounds = bounds.intersection(&surface.inside_bounds());
@@ -244,11 +203,7 @@ impl Tables {
             let name = format!("{}.{}", raw.name, facet.name).into();
             let surface_id = SurfaceId::from(self.surfaces.len());
             self.surfaces.push(SurfaceEntry { surface, reach });
-            self.facets.push(LeafFacet {
-                surface: surface_id,
-                inside: facet.inside,
-                name,
-            });
+            self.facets.push(LeafFacet { surface: surface_id, inside: facet.inside, name });
         }
         self.leaves.push(Leaf {
             name: raw.name.clone(),
@@ -258,6 +213,7 @@ impl Tables {
                 complement: lowered.complement,
             },
             bounds,
+            matters: bounds,
             transform,
         });
         Ok(())
@@ -272,21 +228,19 @@ impl Tables {
         let transform = transform_of(raw)?;
         let Some(inner) = inner else { return Ok(()) };
         let placement = self.placements;
-        self.placements = placement
-            .checked_add(inner.placements)
-            .filter(|&all| all < 1 << 31)
-            .ok_or_else(|| CompileError {
-                path: raw.path.clone(),
-                problem: CompileProblem::TooLarge { what: "placements" },
+        self.placements =
+            placement.checked_add(inner.placements).filter(|&all| all < 1 << 31).ok_or_else(|| {
+                CompileError {
+                    path: raw.path.clone(),
+                    problem: CompileProblem::TooLarge { what: "placements" },
+                }
             })?;
         self.instances.push((placement, self.leaves.len() as u32));
         self.leaves.push(Leaf {
             name: raw.name.clone(),
-            kind: LeafKind::Instance {
-                prototype,
-                placement,
-            },
+            kind: LeafKind::Instance { prototype, placement },
             bounds: inner.bounds.transformed(&transform.world_from_local),
+            matters: Bounds::ALL,
             transform,
         });
         Ok(())
@@ -294,23 +248,12 @@ impl Tables {
 
     /// Faces that coincide get one surface, the same bits for all of them.
     fn share(&mut self, group: &Group) -> Result<(), CompileError> {
-        let candidates: Vec<_> = self
-            .surfaces
-            .iter()
-            .map(|s| (s.surface.clone(), s.reach))
-            .collect();
+        let candidates: Vec<_> = self.surfaces.iter().map(|s| (s.surface.clone(), s.reach)).collect();
         let shared = share(&candidates).map_err(|wide| {
             let name = |k: usize| self.facets[k].name.to_string();
             CompileError {
-                path: group
-                    .leaves
-                    .first()
-                    .map(|leaf| leaf.path.clone())
-                    .unwrap_or_default(),
-                problem: CompileProblem::WideClass {
-                    first: name(wide.first),
-                    second: name(wide.second),
-                },
+                path: group.leaves.first().map(|leaf| leaf.path.clone()).unwrap_or_default(),
+                problem: CompileProblem::WideClass { first: name(wide.first), second: name(wide.second) },
             }
         })?;
         let mut number = vec![u32::MAX; self.surfaces.len()];
@@ -331,35 +274,53 @@ impl Tables {
         Ok(())
     }
 
-    /// A box around everything that is asked of the group, from the boxes of its leaves: the intersection for
-    /// a gate that needs all operands, else the union; complements are unbounded.
-    fn output_bounds(&self, group: &Group) -> Bounds {
+    /// A box around what is asked of the group, from the boxes of its leaves; and for each leaf the part of
+    /// its box where it can matter.
+    ///
+    /// Upwards: the intersection for a gate that needs all its operands, else the union; complements are
+    /// unbounded. Downwards: a gate is outside wherever its box is not, whatever its operands are there, so an
+    /// operand matters only in the boxes of its users. (If some leaves are taken for outside where they
+    /// cannot matter, a gate can still be inside only in its own box, by induction over the gates; and there
+    /// its operands are right.)
+    fn bound(&mut self, group: &Group) -> Bounds {
+        let nodes = group.expression.nodes();
+        let exact = self.node_boxes(group, |leaf| leaf.bounds);
+        let outputs =
+            group.outputs.iter().fold(Bounds::EMPTY, |all, &edge| all.union(&edge_box(&exact, edge)));
+        // grown by more than rounding, so that parts that only touch are not taken for apart
+        let boxes = self.node_boxes(group, |leaf| leaf.bounds.grown(leaf.margin()));
+        let mut matters = vec![Bounds::EMPTY; nodes.len()];
+        group.outputs.iter().for_each(|edge| matters[edge.node().index()] = Bounds::ALL);
+        for (node, gate) in nodes.iter().enumerate().rev() {
+            let here = boxes[node].intersection(&matters[node]);
+            match gate {
+                Gate::Join(_, operands) => operands.iter().for_each(|edge| {
+                    let below = &mut matters[edge.node().index()];
+                    *below = below.union(&here);
+                }),
+                Gate::Leaf(leaf) => self.leaves[leaf.index()].matters = here,
+                Gate::Vacuum | Gate::Plenum => {}
+            }
+        }
+        outputs
+    }
+
+    fn node_boxes(&self, group: &Group, leaf_box: impl Fn(&Leaf) -> Bounds) -> Vec<Bounds> {
         let mut boxes: Vec<Bounds> = Vec::with_capacity(group.expression.nodes().len());
-        let of = |boxes: &[Bounds], edge: crate::Edge| match edge.is_complemented() {
-            true => Bounds::ALL,
-            false => boxes[edge.node().index()],
-        };
         for gate in group.expression.nodes() {
             boxes.push(match gate {
-                crate::Gate::Vacuum => Bounds::EMPTY,
-                crate::Gate::Plenum => Bounds::ALL,
-                crate::Gate::Leaf(leaf) => self.leaves[leaf.index()].bounds,
-                crate::Gate::Join(rule, operands)
-                    if *rule == crate::Rule::AtLeast(operands.len() as u32) =>
-                {
-                    operands.iter().fold(Bounds::ALL, |all, &edge| {
-                        all.intersection(&of(&boxes, edge))
-                    })
+                Gate::Vacuum => Bounds::EMPTY,
+                Gate::Plenum => Bounds::ALL,
+                Gate::Leaf(leaf) => leaf_box(&self.leaves[leaf.index()]),
+                Gate::Join(rule, operands) if *rule == Rule::AtLeast(operands.len() as u32) => {
+                    operands.iter().fold(Bounds::ALL, |all, &edge| all.intersection(&edge_box(&boxes, edge)))
                 }
-                crate::Gate::Join(_, operands) => operands
-                    .iter()
-                    .fold(Bounds::EMPTY, |all, &edge| all.union(&of(&boxes, edge))),
+                Gate::Join(_, operands) => {
+                    operands.iter().fold(Bounds::EMPTY, |all, &edge| all.union(&edge_box(&boxes, edge)))
+                }
             });
         }
-        group
-            .outputs
-            .iter()
-            .fold(Bounds::EMPTY, |all, &edge| all.union(&of(&boxes, edge)))
+        boxes
     }
 
     /// The ball around the finite leaves and the anchors of the surfaces of the others.
@@ -371,10 +332,7 @@ impl Tables {
             } else if let LeafKind::Shape { facets, .. } = &leaf.kind {
                 for facet in &self.facets[facets.start as usize..facets.end as usize] {
                     let anchor = self.surfaces[facet.surface.index()].surface.anchor();
-                    finite = finite.union(&Bounds {
-                        lo: anchor,
-                        hi: anchor,
-                    });
+                    finite = finite.union(&Bounds { lo: anchor, hi: anchor });
                 }
             }
         }
@@ -382,9 +340,11 @@ impl Tables {
     }
 }
 
+fn edge_box(boxes: &[Bounds], edge: Edge) -> Bounds {
+    if edge.is_complemented() { Bounds::ALL } else { boxes[edge.node().index()] }
+}
+
 fn transform_of(raw: &RawLeaf) -> Result<Transform, CompileError> {
-    Transform::new(raw.world_from_local, raw.way).map_err(|e| CompileError {
-        path: raw.path.clone(),
-        problem: e.into(),
-    })
+    Transform::new(raw.world_from_local, raw.way)
+        .map_err(|e| CompileError { path: raw.path.clone(), problem: e.into() })
 }

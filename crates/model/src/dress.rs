@@ -18,46 +18,25 @@ pub fn point(ray: &Ray, crossing: &Crossing) -> Vec3 {
 pub fn normal(program: &Program, ray: &Ray, crossing: &Crossing) -> Vec3 {
     let gradient = world_gradient(program, ray, crossing.face, crossing.t);
     let sign = if crossing.enters() { -1.0 } else { 1.0 };
-    let unit = gradient
-        .try_normalize()
-        .unwrap_or_else(|| sign * ray.direction.normalize());
+    let unit = gradient.try_normalize().unwrap_or_else(|| sign * ray.direction.normalize());
     let slope = unit.dot(ray.direction);
-    if slope == 0.0 {
-        unit * outward(program, crossing.face)
-    } else {
-        unit * (slope.signum() * sign)
-    }
+    if slope == 0.0 { unit * outward(program, crossing.face) } else { unit * (slope.signum() * sign) }
 }
 
 /// The gradient of a face's surface at a time of the ray, in world coordinates; of no particular length.
 pub fn world_gradient(program: &Program, ray: &Ray, face: Face, t: f64) -> Vec3 {
     let local = local_ray(program, ray, face.placement);
-    let (_, gradient) = program
-        .surface(face.surface)
-        .surface
-        .value_and_gradient(local.at(t));
+    let (_, gradient) = program.surface(face.surface).surface.value_and_gradient(local.at(t));
     // carried up through every frame: the covector of f composed with the map into the frame
     let steps: Vec<_> = program.descend(face.placement).collect();
-    let up = steps.iter().rev().fold(gradient, |g, local_from_world| {
-        local_from_world.linear.transpose() * g
-    });
+    let up = steps.iter().rev().fold(gradient, |g, local_from_world| local_from_world.linear.transpose() * g);
     let largest = up.abs().max_element();
-    if largest > 0.0 {
-        up / largest
-    } else {
-        Vec3::ZERO
-    }
+    if largest > 0.0 { up / largest } else { Vec3::ZERO }
 }
 
 /// +1 if the gradient of a face's surface points out of its leaf, else -1: decides where a ray only grazes.
 fn outward(program: &Program, face: Face) -> f64 {
     let facet = &program.facets()[program.face_number(face.leaf, face.facet) as usize];
-    let complement = matches!(
-        program.leaf(face.leaf).kind,
-        LeafKind::Shape {
-            complement: true,
-            ..
-        }
-    );
+    let complement = matches!(program.leaf(face.leaf).kind, LeafKind::Shape { complement: true, .. });
     if facet.inside ^ complement { 1.0 } else { -1.0 }
 }

@@ -103,11 +103,7 @@ fn drive_here<I, O, S, E>(
         }
         merge(work(&mut scratch, chunk))?;
     }
-    if cancel.is_cancelled() {
-        Err(Stopped::Cancelled)
-    } else {
-        Ok(())
-    }
+    if cancel.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(()) }
 }
 
 /// Chunks on their way out and results on their way in.
@@ -129,35 +125,18 @@ struct QueueState<C, O> {
 
 impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
     fn new(chunks: C, ahead: usize) -> Self {
-        let state = QueueState {
-            chunks,
-            pulled: 0,
-            merged: 0,
-            results: BTreeMap::new(),
-            left: 0,
-            closed: false,
-        };
-        Queue {
-            state: Mutex::new(state),
-            changed: Condvar::new(),
-            ahead,
-        }
+        let state =
+            QueueState { chunks, pulled: 0, merged: 0, results: BTreeMap::new(), left: 0, closed: false };
+        Queue { state: Mutex::new(state), changed: Condvar::new(), ahead }
     }
 
     fn lock(&self) -> MutexGuard<'_, QueueState<C, O>> {
         // a thread that panicked under the lock left numbers that are still true
-        self.state
-            .lock()
-            .unwrap_or_else(|poisoned| poisoned.into_inner())
+        self.state.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
-    fn wait<'a>(
-        &self,
-        guard: MutexGuard<'a, QueueState<C, O>>,
-    ) -> MutexGuard<'a, QueueState<C, O>> {
-        self.changed
-            .wait(guard)
-            .unwrap_or_else(|poisoned| poisoned.into_inner())
+    fn wait<'a>(&self, guard: MutexGuard<'a, QueueState<C, O>>) -> MutexGuard<'a, QueueState<C, O>> {
+        self.changed.wait(guard).unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
     /// The next chunk with its number, once the merge is near enough; `None` at the end.
@@ -210,11 +189,7 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
                     self.changed.notify_all();
                 }
                 None if state.left == threads => {
-                    return if cancel.is_cancelled() {
-                        Err(Stopped::Cancelled)
-                    } else {
-                        Ok(())
-                    };
+                    return if cancel.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(()) };
                 }
                 None => {
                     state = self.wait(state);
@@ -299,10 +274,7 @@ mod tests {
                 }
                 Ok::<(), ()>(())
             };
-            assert_eq!(
-                drive(threads(n), &cancel, 0usize.., || (), |_, k| k, merge),
-                Err(Stopped::Cancelled)
-            );
+            assert_eq!(drive(threads(n), &cancel, 0usize.., || (), |_, k| k, merge), Err(Stopped::Cancelled));
             assert_eq!(count, 5);
         }
     }
@@ -310,14 +282,7 @@ mod tests {
     #[test]
     fn a_panic_is_passed_on() {
         let run = || {
-            drive(
-                threads(2),
-                &Cancel::new(),
-                0..100,
-                || (),
-                |_, k| assert!(k < 50),
-                |()| Ok::<(), ()>(()),
-            )
+            drive(threads(2), &Cancel::new(), 0..100, || (), |_, k| assert!(k < 50), |()| Ok::<(), ()>(()))
         };
         assert!(std::panic::catch_unwind(run).is_err());
     }

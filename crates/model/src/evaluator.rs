@@ -49,20 +49,14 @@ impl RayBatch {
 
     /// Forgets all rays and keeps the memory.
     pub fn clear(&mut self) {
-        self.origins
-            .iter_mut()
-            .chain(&mut self.directions)
-            .for_each(Vec::clear);
+        self.origins.iter_mut().chain(&mut self.directions).for_each(Vec::clear);
     }
 
     /// The rays as slices.
     pub fn rays(&self) -> Rays<'_> {
         let [ox, oy, oz] = &self.origins;
         let [dx, dy, dz] = &self.directions;
-        Rays {
-            origins: [ox, oy, oz],
-            directions: [dx, dy, dz],
-        }
+        Rays { origins: [ox, oy, oz], directions: [dx, dy, dz] }
     }
 }
 
@@ -88,18 +82,13 @@ pub enum WindowError {
     #[error("the window has a bound that is NaN (nothing lies before or after it)")]
     NotANumber,
     /// The window holds no time.
-    #[error(
-        "the window is empty or reversed (t_min must be less than t_max) are its ends swapped?"
-    )]
+    #[error("the window is empty or reversed (t_min must be less than t_max) are its ends swapped?")]
     Empty,
 }
 
 impl Window {
     /// The whole line.
-    pub const ALL: Window = Window {
-        t_min: f64::NEG_INFINITY,
-        t_max: f64::INFINITY,
-    };
+    pub const ALL: Window = Window { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY };
 
     /// The times with `t_min < t < t_max`.
     pub fn new(t_min: f64, t_max: f64) -> Result<Window, WindowError> {
@@ -182,14 +171,7 @@ pub struct Query<'a> {
 impl Query<'_> {
     /// The first crossing after t = 0.
     pub fn nearest() -> Query<'static> {
-        Query {
-            window: Window {
-                t_min: 0.0,
-                t_max: f64::INFINITY,
-            },
-            limit: Limit::First,
-            starts: None,
-        }
+        Query { window: Window { t_min: 0.0, t_max: f64::INFINITY }, limit: Limit::First, starts: None }
     }
 }
 
@@ -266,11 +248,7 @@ pub struct Collected {
 
 impl Default for Collected {
     fn default() -> Self {
-        Collected {
-            starts: Vec::new(),
-            offsets: vec![0],
-            crossings: Vec::new(),
-        }
+        Collected { starts: Vec::new(), offsets: vec![0], crossings: Vec::new() }
     }
 }
 
@@ -295,8 +273,7 @@ impl Collected {
         let before = self.crossings.len();
         self.starts.extend_from_slice(&other.starts);
         self.crossings.extend_from_slice(&other.crossings);
-        self.offsets
-            .extend(other.offsets[1..].iter().map(|end| end + before));
+        self.offsets.extend(other.offsets[1..].iter().map(|end| end + before));
     }
 }
 
@@ -327,13 +304,7 @@ pub trait Evaluator: Sync {
     fn scratch(&self) -> Self::Scratch;
 
     /// The crossings of every ray of a batch, into the sink.
-    fn crossings(
-        &self,
-        rays: Rays<'_>,
-        query: &Query<'_>,
-        scratch: &mut Self::Scratch,
-        sink: &mut dyn Sink,
-    );
+    fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink);
 
     /// The region that each point is in; 0 is the world. On a boundary: the side of a ray that lies in it.
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]);
@@ -353,11 +324,7 @@ pub trait Evaluator: Sync {
     /// True where the one point given is inside some region.
     fn contains(&self, point: Vec3) -> bool {
         let mut region = [RegionId(0)];
-        self.regions_at(
-            [&[point.x], &[point.y], &[point.z]],
-            &mut self.scratch(),
-            &mut region,
-        );
+        self.regions_at([&[point.x], &[point.y], &[point.z]], &mut self.scratch(), &mut region);
         region[0] != RegionId(0)
     }
 }

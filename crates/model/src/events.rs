@@ -1,6 +1,5 @@
 //! Where one leaf changes along a ray: the meaning of a leaf, for every evaluator.
 
-use crate::interim::SurfaceExt;
 use crate::{Face, LeafFacet, PlacementId, Program, Start};
 use rayweave_math::Vec3;
 use rayweave_shape::Ray;
@@ -45,10 +44,7 @@ impl GroupRay<'_> {
     /// Where the ray crosses a facet, as "inside the facet" before and after.
     fn crossings(&self, program: &Program, facet: &LeafFacet) -> SurfaceCrossings {
         let entry = program.surface(facet.surface);
-        let start = self
-            .starts
-            .iter()
-            .find(|s| s.surface == facet.surface && s.placement == self.placement);
+        let start = self.starts.iter().find(|s| s.surface == facet.surface && s.placement == self.placement);
         let crossings = match start {
             Some(start) => entry.surface.crossings_from(&self.ray, start.inside),
             None => match self.chord.lies_in(&entry.surface, entry.reach, &self.ray) {
@@ -56,11 +52,7 @@ impl GroupRay<'_> {
                 None => entry.surface.crossings(&self.ray),
             },
         };
-        if facet.inside {
-            crossings
-        } else {
-            crossings.negated()
-        }
+        if facet.inside { crossings } else { crossings.negated() }
     }
 }
 
@@ -68,12 +60,7 @@ impl GroupRay<'_> {
 ///
 /// Of facets that flip at the same time the one with the lowest number is named: entering, undoing any of
 /// them alone would leave the leaf outside, and leaving, any of them alone would; so all are candidates.
-pub fn leaf_events(
-    program: &Program,
-    facets: &[LeafFacet],
-    ray: &GroupRay,
-    events: &mut LeafEvents,
-) {
+pub fn leaf_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, events: &mut LeafEvents) {
     events.flips.clear();
     events.starts_inside = false;
     let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0u32), (f64::INFINITY, 0u32));
@@ -96,9 +83,7 @@ pub fn leaf_events(
         }
     }
     events.starts_inside = enter.0 == f64::NEG_INFINITY;
-    events
-        .flips
-        .extend([enter, leave].into_iter().filter(|(t, _)| t.is_finite()));
+    events.flips.extend([enter, leave].into_iter().filter(|(t, _)| t.is_finite()));
 }
 
 fn later(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
@@ -111,18 +96,8 @@ fn earlier(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
 
 /// The same where some facet is inside in more than one piece: all flips in order, counting the facets that
 /// do not hold.
-fn general_events(
-    program: &Program,
-    facets: &[LeafFacet],
-    ray: &GroupRay,
-    events: &mut LeafEvents,
-) {
-    let LeafEvents {
-        flips,
-        unsorted,
-        holds,
-        starts_inside,
-    } = events;
+fn general_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, events: &mut LeafEvents) {
+    let LeafEvents { flips, unsorted, holds, starts_inside } = events;
     unsorted.clear();
     holds.clear();
     for (k, facet) in facets.iter().enumerate() {
@@ -154,15 +129,8 @@ fn general_events(
 /// lies in it: where moving along the fixed direction leads.
 pub fn facets_contain(program: &Program, facets: &[LeafFacet], point: Vec3) -> bool {
     facets.iter().all(|facet| {
-        let (value, gradient) = program
-            .surface(facet.surface)
-            .surface
-            .value_and_gradient(point);
-        let negative = if value == 0.0 {
-            side_along_gradient(gradient)
-        } else {
-            value < 0.0
-        };
+        let (value, gradient) = program.surface(facet.surface).surface.value_and_gradient(point);
+        let negative = if value == 0.0 { side_along_gradient(gradient) } else { value < 0.0 };
         negative == facet.inside
     })
 }

@@ -80,10 +80,7 @@ pub struct Expression {
 
 impl Default for Expression {
     fn default() -> Self {
-        Expression {
-            nodes: vec![Gate::Vacuum, Gate::Plenum],
-            known: HashMap::new(),
-        }
+        Expression { nodes: vec![Gate::Vacuum, Gate::Plenum], known: HashMap::new() }
     }
 }
 
@@ -110,20 +107,13 @@ impl Expression {
 
     /// Union or intersection: drops the neutral element and repeated operands, and answers at once where an
     /// operand is absorbing or stands beside its own complement.
-    fn join(
-        &mut self,
-        mut operands: Vec<Edge>,
-        neutral: Edge,
-        least: impl Fn(usize) -> u32,
-    ) -> Edge {
+    fn join(&mut self, mut operands: Vec<Edge>, neutral: Edge, least: impl Fn(usize) -> u32) -> Edge {
         let absorbing = neutral.complement();
         operands.sort_unstable();
         operands.dedup();
         operands.retain(|&e| e != neutral);
         // sorted, so an operand and its complement are neighbours
-        let contradiction = operands
-            .windows(2)
-            .any(|pair| pair[0].complement() == pair[1]);
+        let contradiction = operands.windows(2).any(|pair| pair[0].complement() == pair[1]);
         if contradiction || operands.contains(&absorbing) {
             return absorbing;
         }
@@ -161,11 +151,7 @@ impl Expression {
             [only] => only,
             _ => self.insert(Gate::Join(Rule::Odd, kept)),
         };
-        if complemented {
-            result.complement()
-        } else {
-            result
-        }
+        if complemented { result.complement() } else { result }
     }
 
     fn insert(&mut self, gate: Gate) -> Edge {
@@ -188,10 +174,8 @@ impl Expression {
                 Gate::Plenum => true,
                 Gate::Leaf(leaf) => inside(*leaf),
                 Gate::Join(rule, operands) => {
-                    let count = operands
-                        .iter()
-                        .filter(|e| values[e.node().index()] ^ e.is_complemented())
-                        .count();
+                    let count =
+                        operands.iter().filter(|e| values[e.node().index()] ^ e.is_complemented()).count();
                     rule.holds(count as u32)
                 }
             };

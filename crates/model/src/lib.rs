@@ -19,7 +19,6 @@ mod evaluator;
 mod events;
 mod expression;
 mod ids;
-mod interim;
 mod lower;
 mod print;
 
@@ -29,13 +28,11 @@ mod solid;
 pub use chord::{Ball, chord};
 pub use error::{CompileError, CompileProblem};
 pub use evaluator::{
-    Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, RayBatch, Rays, Sink, Start,
-    StartLists, State, Window, WindowError,
+    Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, RayBatch, Rays, Sink, Start, StartLists,
+    State, Window, WindowError,
 };
 pub use events::{Event, GroupRay, LeafEvents, facets_contain, leaf_events};
 pub use expression::{Edge, Expression, Gate, Rule};
 pub use ids::{LeafId, NodeId, PlacementId, PrototypeId, RegionId, SurfaceId};
-pub use program::{
-    Leaf, LeafFacet, LeafKind, Medium, Program, Prototype, RegionInfo, SurfaceEntry,
-};
+pub use program::{Leaf, LeafFacet, LeafKind, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
 pub use solid::{Node, Region, Solid};

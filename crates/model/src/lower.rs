@@ -98,11 +98,7 @@ struct Frame {
 }
 
 enum Task<'a> {
-    Visit {
-        solid: &'a Solid,
-        context: u32,
-        complemented: bool,
-    },
+    Visit { solid: &'a Solid, context: u32, complemented: bool },
     Close,
 }
 
@@ -146,66 +142,27 @@ impl<'p, 'a> Lowering<'p, 'a> {
         self.visit_all(solids.iter().map(|&solid| (solid, false)), 0);
         while let Some(task) = self.tasks.pop() {
             match task {
-                Task::Visit {
-                    solid,
-                    context,
-                    complemented,
-                } => self.visit(solid, context, complemented)?,
+                Task::Visit { solid, context, complemented } => self.visit(solid, context, complemented)?,
                 Task::Close => self.close(),
             }
         }
-        let outputs = self
-            .frames
-            .pop()
-            .map(|frame| frame.operands)
-            .unwrap_or_default();
-        Ok(Group {
-            expression: self.expression,
-            outputs,
-            leaves: self.leaves,
-        })
+        let outputs = self.frames.pop().map(|frame| frame.operands).unwrap_or_default();
+        Ok(Group { expression: self.expression, outputs, leaves: self.leaves })
     }
 
     /// Puts operands on the stack so that they are visited in order.
-    fn visit_all(
-        &mut self,
-        operands: impl DoubleEndedIterator<Item = (&'a Solid, bool)>,
-        context: u32,
-    ) {
-        let visits = operands.rev().map(|(solid, complemented)| Task::Visit {
-            solid,
-            context,
-            complemented,
-        });
+    fn visit_all(&mut self, operands: impl DoubleEndedIterator<Item = (&'a Solid, bool)>, context: u32) {
+        let visits = operands.rev().map(|(solid, complemented)| Task::Visit { solid, context, complemented });
         self.tasks.extend(visits);
     }
 
-    fn visit(
-        &mut self,
-        solid: &'a Solid,
-        context: u32,
-        complemented: bool,
-    ) -> Result<(), CompileError> {
-        let (union, intersection) = if complemented {
-            (Op::All, Op::Any)
-        } else {
-            (Op::Any, Op::All)
-        };
+    fn visit(&mut self, solid: &'a Solid, context: u32, complemented: bool) -> Result<(), CompileError> {
+        let (union, intersection) = if complemented { (Op::All, Op::Any) } else { (Op::Any, Op::All) };
         match solid.node() {
-            Node::Vacuum => self.operand(if complemented {
-                Edge::PLENUM
-            } else {
-                Edge::VACUUM
-            }),
-            Node::Plenum => self.operand(if complemented {
-                Edge::VACUUM
-            } else {
-                Edge::PLENUM
-            }),
+            Node::Vacuum => self.operand(if complemented { Edge::PLENUM } else { Edge::VACUUM }),
+            Node::Plenum => self.operand(if complemented { Edge::VACUUM } else { Edge::PLENUM }),
             Node::Primitive(primitive) => self.shape(solid, primitive, context, complemented)?,
-            Node::Complement(inner) => {
-                self.visit_all([(inner, !complemented)].into_iter(), context)
-            }
+            Node::Complement(inner) => self.visit_all([(inner, !complemented)].into_iter(), context),
             Node::Transformed(map, inner) => {
                 let context = self.moved(context, solid, map)?;
                 self.visit_all([(inner, complemented)].into_iter(), context);
@@ -214,34 +171,18 @@ impl<'p, 'a> Lowering<'p, 'a> {
                 let context = self.named(context, solid, name);
                 self.visit_all([(inner, complemented)].into_iter(), context);
             }
-            Node::Union(all) => self.join(
-                union,
-                solid,
-                context,
-                complemented,
-                all.iter().map(|s| (s, complemented)),
-            ),
+            Node::Union(all) => {
+                self.join(union, solid, context, complemented, all.iter().map(|s| (s, complemented)))
+            }
             Node::Intersection(all) => {
-                self.join(
-                    intersection,
-                    solid,
-                    context,
-                    complemented,
-                    all.iter().map(|s| (s, complemented)),
-                );
+                self.join(intersection, solid, context, complemented, all.iter().map(|s| (s, complemented)));
             }
             Node::Difference(a, b) => {
                 let operands = [(a, complemented), (b, !complemented)].into_iter();
                 self.join(intersection, solid, context, complemented, operands);
             }
             Node::SymmetricDifference(all) => {
-                self.join(
-                    Op::Odd,
-                    solid,
-                    context,
-                    complemented,
-                    all.iter().map(|s| (s, false)),
-                );
+                self.join(Op::Odd, solid, context, complemented, all.iter().map(|s| (s, false)));
             }
             Node::Placed(inner, maps) => self.placed(solid, inner, maps, context, complemented)?,
         }
@@ -249,9 +190,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
     }
 
     fn top(&mut self) -> &mut Frame {
-        self.frames
-            .last_mut()
-            .expect("the root frame is open for the whole walk")
+        self.frames.last_mut().expect("the root frame is open for the whole walk")
     }
 
     fn operand(&mut self, edge: Edge) {
@@ -259,13 +198,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
     }
 
     fn open(&mut self, op: Op, complemented: bool, key: Option<Key>) {
-        self.frames.push(Frame {
-            op,
-            complemented,
-            operands: Vec::new(),
-            merged: HashSet::new(),
-            key,
-        });
+        self.frames.push(Frame { op, complemented, operands: Vec::new(), merged: HashSet::new(), key });
     }
 
     /// A gate of the given kind: merged into the gate above where that is of the same kind, looked up where
@@ -308,11 +241,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
             Op::All => self.expression.all(frame.operands),
             Op::Odd | Op::Root => self.expression.odd(frame.operands),
         };
-        let edge = if frame.complemented {
-            edge.complement()
-        } else {
-            edge
-        };
+        let edge = if frame.complemented { edge.complement() } else { edge };
         if let Some(key) = frame.key {
             self.done.insert(key, edge);
         }
@@ -333,22 +262,14 @@ impl<'p, 'a> Lowering<'p, 'a> {
                 let lowered = primitive.lower();
                 let inverted = lowered.complement;
                 let name = self.leaf_name(context, primitive.name());
-                let leaf = self.leaf(
-                    name,
-                    context,
-                    primitive.name(),
-                    Content::Shape(primitive.clone(), lowered),
-                )?;
+                let leaf =
+                    self.leaf(name, context, primitive.name(), Content::Shape(primitive.clone(), lowered))?;
                 self.leaf_of.insert(key, (leaf, inverted));
                 (leaf, inverted)
             }
         };
         let edge = self.expression.leaf(leaf);
-        self.operand(if complemented ^ inverted {
-            edge.complement()
-        } else {
-            edge
-        });
+        self.operand(if complemented ^ inverted { edge.complement() } else { edge });
         Ok(())
     }
 
@@ -361,23 +282,10 @@ impl<'p, 'a> Lowering<'p, 'a> {
     ) -> Result<LeafId, CompileError> {
         let path = self.path(context, what);
         if self.leaves.len() >= LIMIT {
-            return Err(CompileError {
-                path,
-                problem: CompileProblem::TooLarge { what: "leaves" },
-            });
+            return Err(CompileError { path, problem: CompileProblem::TooLarge { what: "leaves" } });
         }
-        let Context {
-            world_from_local,
-            way,
-            ..
-        } = self.contexts[context as usize];
-        self.leaves.push(RawLeaf {
-            name,
-            path,
-            content,
-            world_from_local,
-            way,
-        });
+        let Context { world_from_local, way, .. } = self.contexts[context as usize];
+        self.leaves.push(RawLeaf { name, path, content, world_from_local, way });
         Ok(LeafId::from(self.leaves.len() - 1))
     }
 
@@ -400,10 +308,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         for (number, map) in maps.iter().enumerate() {
             let moved = self.step(context, map);
             let name: Arc<str> = format!("{}[{number}]", self.leaf_name(context, "place")).into();
-            map.inverse().map_err(|e| CompileError {
-                path: self.path(context, &name),
-                problem: e.into(),
-            })?;
+            map.inverse().map_err(|e| CompileError { path: self.path(context, &name), problem: e.into() })?;
             self.contexts.push(moved);
             let place = (self.contexts.len() - 1) as u32;
             let leaf = self.leaf(name, place, "place", Content::Instance(prototype))?;
@@ -411,20 +316,14 @@ impl<'p, 'a> Lowering<'p, 'a> {
             edges.push(self.expression.leaf(leaf));
         }
         let edge = self.expression.any(edges);
-        self.operand(if complemented {
-            edge.complement()
-        } else {
-            edge
-        });
+        self.operand(if complemented { edge.complement() } else { edge });
         Ok(())
     }
 
     /// The context under a map, the same for each visit of the node.
     fn moved(&mut self, context: u32, solid: &Solid, map: &Affine) -> Result<u32, CompileError> {
-        map.inverse().map_err(|e| CompileError {
-            path: self.path(context, "transform"),
-            problem: e.into(),
-        })?;
+        map.inverse()
+            .map_err(|e| CompileError { path: self.path(context, "transform"), problem: e.into() })?;
         let next = self.step(context, map);
         Ok(self.enter(context, solid, next))
     }
@@ -449,10 +348,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
 
     fn enter(&mut self, parent: u32, solid: &Solid, next: Context) -> u32 {
         let fresh = self.contexts.len() as u32;
-        let context = *self
-            .context_of
-            .entry((parent, solid.address()))
-            .or_insert(fresh);
+        let context = *self.context_of.entry((parent, solid.address())).or_insert(fresh);
         if context == fresh {
             self.contexts.push(next);
         }

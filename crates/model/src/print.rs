@@ -80,36 +80,14 @@ fn expand<'a>(
             f.write_str("place(")
         }
         Node::Union(all) => infix(f, "union", " | ", Binding::Union, all.iter(), inside, tasks),
-        Node::Intersection(all) => infix(
-            f,
-            "intersection",
-            " & ",
-            Binding::Intersection,
-            all.iter(),
-            inside,
-            tasks,
-        ),
+        Node::Intersection(all) => {
+            infix(f, "intersection", " & ", Binding::Intersection, all.iter(), inside, tasks)
+        }
         Node::SymmetricDifference(all) => {
             let binding = Binding::SymmetricDifference;
-            infix(
-                f,
-                "symmetric_difference",
-                " ^ ",
-                binding,
-                all.iter(),
-                inside,
-                tasks,
-            )
+            infix(f, "symmetric_difference", " ^ ", binding, all.iter(), inside, tasks)
         }
-        Node::Difference(a, b) => infix(
-            f,
-            "",
-            " - ",
-            Binding::Difference,
-            [a, b].into_iter(),
-            inside,
-            tasks,
-        ),
+        Node::Difference(a, b) => infix(f, "", " - ", Binding::Difference, [a, b].into_iter(), inside, tasks),
     }
 }
 
@@ -153,11 +131,8 @@ fn primitive_text(primitive: &Primitive) -> String {
         Value::Vector(list) => format!("{list:?}"),
         Value::Rows(rows) => format!("{rows:?}"),
     };
-    let arguments: Vec<_> = primitive
-        .arguments()
-        .iter()
-        .map(|(name, v)| format!("{name}={}", value(v)))
-        .collect();
+    let arguments: Vec<_> =
+        primitive.arguments().iter().map(|(name, v)| format!("{name}={}", value(v))).collect();
     format!("{}({})", primitive.name(), arguments.join(", "))
 }
 
@@ -173,10 +148,5 @@ fn transform_text(map: &Affine) -> String {
     }
     let rows = map.to_rows();
     let row = |r: &[f64; 4]| format!("[{}, {}, {}, {}]", r[0], r[1], r[2], r[3]);
-    format!(
-        ".transform([{}, {}, {}])",
-        row(&rows[0]),
-        row(&rows[1]),
-        row(&rows[2])
-    )
+    format!(".transform([{}, {}, {}])", row(&rows[0]), row(&rows[1]), row(&rows[2]))
 }

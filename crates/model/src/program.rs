@@ -2,7 +2,7 @@
 
 use crate::gate::Network;
 use crate::{Ball, Expression, LeafId, PlacementId, PrototypeId, RegionId, SurfaceId};
-use rayweave_math::{Affine, Bounds, Transform};
+use rayweave_math::{Affine, Bounds, Transform, UNIT_ROUNDOFF, Vec3};
 use rayweave_shape::primitive::Primitive;
 use rayweave_shape::surface::Surface;
 use std::sync::Arc;
@@ -59,8 +59,20 @@ pub struct Leaf {
     pub kind: LeafKind,
     /// A box, in the frame of the group, that holds the conjunction of its facets.
     pub bounds: Bounds,
+    /// The part of that box where the leaf can matter to what is asked of the group.
+    pub matters: Bounds,
     /// Its place in its group.
     pub transform: Transform,
+}
+
+impl Leaf {
+    /// How far its box has to be grown to hold everything that a kernel may find of it: 256 u of the lengths
+    /// involved, four times the distance at which a computed root may lie off its surface. (A ray from far
+    /// away adds its own share.)
+    pub fn margin(&self) -> f64 {
+        let far = |v: Vec3| if v.is_finite() { v.length() } else { 0.0 };
+        256.0 * UNIT_ROUNDOFF * (far(self.bounds.lo) + far(self.bounds.hi) + self.transform.path)
+    }
 }
 
 /// What a leaf is.
@@ -158,10 +170,7 @@ impl Program {
 
     /// The medium of a region; that of the world for region 0.
     pub fn medium_of(&self, region: RegionId) -> Medium {
-        region
-            .index()
-            .checked_sub(1)
-            .map_or(0, |k| self.regions[k].medium)
+        region.index().checked_sub(1).map_or(0, |k| self.regions[k].medium)
     }
 
     /// A box that holds all regions.

@@ -63,10 +63,9 @@ impl Node {
     pub fn operands(&self) -> &[Solid] {
         match self {
             Node::Vacuum | Node::Plenum | Node::Primitive(_) => &[],
-            Node::Complement(a)
-            | Node::Transformed(_, a)
-            | Node::Named(_, a)
-            | Node::Placed(a, _) => std::slice::from_ref(a),
+            Node::Complement(a) | Node::Transformed(_, a) | Node::Named(_, a) | Node::Placed(a, _) => {
+                std::slice::from_ref(a)
+            }
             Node::Union(all) | Node::Intersection(all) | Node::SymmetricDifference(all) => all,
             Node::Difference(..) => &[],
         }
@@ -199,9 +198,7 @@ fn take_operands(node: &mut Node, waiting: &mut Vec<Solid>) {
         Node::Complement(a) | Node::Transformed(_, a) | Node::Named(_, a) | Node::Placed(a, _) => {
             waiting.push(a)
         }
-        Node::Union(all) | Node::Intersection(all) | Node::SymmetricDifference(all) => {
-            waiting.extend(all)
-        }
+        Node::Union(all) | Node::Intersection(all) | Node::SymmetricDifference(all) => waiting.extend(all),
         Node::Difference(a, b) => waiting.extend([a, b]),
     }
 }
@@ -289,12 +286,8 @@ macro_rules! operator {
 }
 
 operator!(BitOr, bitor, "The union.", |a, b| Node::Union(vec![a, b]));
-operator!(BitAnd, bitand, "The intersection.", |a, b| {
-    Node::Intersection(vec![a, b])
-});
-operator!(BitXor, bitxor, "The symmetric difference.", |a, b| {
-    Node::SymmetricDifference(vec![a, b])
-});
+operator!(BitAnd, bitand, "The intersection.", |a, b| { Node::Intersection(vec![a, b]) });
+operator!(BitXor, bitxor, "The symmetric difference.", |a, b| { Node::SymmetricDifference(vec![a, b]) });
 operator!(Sub, sub, "The difference.", |a, b| Node::Difference(a, b));
 
 impl Not for Solid {

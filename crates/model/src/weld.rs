@@ -54,45 +54,23 @@ pub struct Weld<'a> {
 impl<'a> Weld<'a> {
     /// For one ray with all its events in order of time.
     pub fn new(program: &'a Program, ray: Ray, events: &'a [Event]) -> Self {
-        Weld {
-            program,
-            ray,
-            events,
-            pending: None,
-        }
+        Weld { program, ray, events, pending: None }
     }
 
     /// Takes the next change; answers with the crossing that it shows to be complete, if any. `flips` must be
     /// in the state just after the change, that is, with events `..change.end` flipped.
     pub fn change(&mut self, change: Change, flips: &mut impl Flips) -> Option<Crossing> {
-        let face = attribute(
-            self.events,
-            change.first..change.end,
-            change.end,
-            flips,
-            medium_state(self.program),
-        );
+        let face =
+            attribute(self.events, change.first..change.end, change.end, flips, medium_state(self.program));
         let Some(run) = self.pending else {
-            self.pending = Some(Run {
-                first: change,
-                last: change,
-                face,
-            });
+            self.pending = Some(Run { first: change, last: change, face });
             return None;
         };
         if self.welded(&run, &change, face) {
-            self.pending = Some(Run {
-                first: run.first,
-                last: change,
-                face,
-            });
+            self.pending = Some(Run { first: run.first, last: change, face });
             return None;
         }
-        self.pending = Some(Run {
-            first: change,
-            last: change,
-            face,
-        });
+        self.pending = Some(Run { first: change, last: change, face });
         self.report(&run, change.end, flips)
     }
 
@@ -110,13 +88,7 @@ impl<'a> Weld<'a> {
 
     fn hugs(&self, face: Face, a: f64, b: f64) -> bool {
         let entry = self.program.surface(face.surface);
-        hugs(
-            &entry.surface,
-            entry.reach,
-            &local_ray(self.program, &self.ray, face.placement),
-            a,
-            b,
-        )
+        hugs(&entry.surface, entry.reach, &local_ray(self.program, &self.ray, face.placement), a, b)
     }
 
     /// The crossing that a complete run amounts to: none if the medium is the same before and after.
@@ -129,36 +101,17 @@ impl<'a> Weld<'a> {
         let alone = end - first == 1;
         let face = match alone || run.first.first == run.last.first {
             true => run.face,
-            false => attribute(
-                self.events,
-                first..end,
-                position,
-                flips,
-                medium_state(self.program),
-            ),
+            false => attribute(self.events, first..end, position, flips, medium_state(self.program)),
         };
         let mut of_region = |region: RegionId| match alone || region == RegionId(0) {
             true => face,
-            false => attribute(
-                self.events,
-                first..end,
-                position,
-                flips,
-                region_state(region),
-            ),
+            false => attribute(self.events, first..end, position, flips, region_state(region)),
         };
         let (mut left, mut entered) = (of_region(before.region), of_region(after.region));
         if before.region == RegionId(0) || after.region == RegionId(0) {
             (left, entered) = (face, face);
         }
-        Some(Crossing {
-            t: run.last.t,
-            face,
-            left,
-            entered,
-            before: before.region,
-            after: after.region,
-        })
+        Some(Crossing { t: run.last.t, face, left, entered, before: before.region, after: after.region })
     }
 }
 
@@ -178,9 +131,7 @@ pub fn attribute<F: Flips>(
         return only.face;
     }
     let toggle = |flips: &mut F, range: Range<usize>| {
-        events[range]
-            .iter()
-            .for_each(|event| flips.flip(event.leaf));
+        events[range].iter().for_each(|event| flips.flip(event.leaf));
     };
     let mut best: Option<&Event> = None;
     toggle(flips, range.end..position);
@@ -189,8 +140,7 @@ pub fn attribute<F: Flips>(
     test_each(members, flips, &state, &mut best);
     toggle(flips, range.start..position);
     let lowest = || members.iter().rev().min_by_key(|event| event.leaf);
-    best.or_else(lowest)
-        .map_or(members[0].face, |event| event.face)
+    best.or_else(lowest).map_or(members[0].face, |event| event.face)
 }
 
 /// Flips each member alone and keeps the lowest leaf that makes a difference; of several flips of one leaf
@@ -225,9 +175,5 @@ fn region_state<F: Flips>(region: RegionId) -> impl Fn(&mut F) -> u32 {
 
 /// A ray of the world in the frame of a placement, by the same steps by which evaluators carried it there.
 pub fn local_ray(program: &Program, ray: &Ray, placement: PlacementId) -> Ray {
-    program
-        .descend(placement)
-        .fold(*ray, |ray, local_from_world| {
-            ray.transformed(local_from_world)
-        })
+    program.descend(placement).fold(*ray, |ray, local_from_world| ray.transformed(local_from_world))
 }

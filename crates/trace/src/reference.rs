@@ -8,9 +8,9 @@
 use rayweave_math::Vec3;
 use rayweave_model::weld::{Change, Flips, Weld, attribute};
 use rayweave_model::{
-    Crossing, Edge, Evaluator, Event, Expression, Gate, GroupRay, LeafEvents, LeafId, LeafKind,
-    Limit, PlacementId, Program, Prototype, PrototypeId, Query, RayAnswer, Rays, RegionId, Rule,
-    Sink, Start, State, chord, facets_contain, leaf_events,
+    Crossing, Edge, Evaluator, Event, Expression, Gate, GroupRay, LeafEvents, LeafId, LeafKind, Limit,
+    PlacementId, Program, Prototype, PrototypeId, Query, RayAnswer, Rays, RegionId, Rule, Sink, Start, State,
+    chord, facets_contain, leaf_events,
 };
 use rayweave_rootray::{Root, RootRay, Side};
 use rayweave_shape::Ray;
@@ -35,32 +35,16 @@ impl Reference {
     }
 
     /// The changes of one solid of a group along a ray, with all flips of its leaves.
-    fn group(
-        &self,
-        group: PrototypeId,
-        ray: Ray,
-        placement: PlacementId,
-        starts: &[Start],
-    ) -> GroupAnswer {
+    fn group(&self, group: PrototypeId, ray: Ray, placement: PlacementId, starts: &[Start]) -> GroupAnswer {
         let prototype = self.program.prototype(group);
-        let ray = GroupRay {
-            ray,
-            chord: chord(&prototype.ball, &ray),
-            placement,
-            starts,
-        };
-        let leaves: Vec<(bool, Vec<Event>)> = (0..prototype.leaves.len() as u32)
-            .map(|leaf| self.leaf(prototype, leaf, &ray))
-            .collect();
+        let ray = GroupRay { ray, chord: chord(&prototype.ball, &ray), placement, starts };
+        let leaves: Vec<(bool, Vec<Event>)> =
+            (0..prototype.leaves.len() as u32).map(|leaf| self.leaf(prototype, leaf, &ray)).collect();
         let outputs = root_rays(&prototype.expression, &prototype.outputs, &leaves);
         let starts_inside = leaves.iter().map(|leaf| leaf.0).collect();
         let mut events: Vec<Event> = leaves.into_iter().flat_map(|leaf| leaf.1).collect();
         events.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
-        GroupAnswer {
-            outputs,
-            starts_inside,
-            events,
-        }
+        GroupAnswer { outputs, starts_inside, events }
     }
 
     /// The flips of one leaf of a group.
@@ -83,13 +67,8 @@ impl Reference {
                 };
                 (flips.starts_inside, flips.flips.iter().map(event).collect())
             }
-            LeafKind::Instance {
-                prototype: inner,
-                placement,
-            } => {
-                let local = ray
-                    .ray
-                    .transformed(&self.program.leaf(id).transform.local_from_world);
+            LeafKind::Instance { prototype: inner, placement } => {
+                let local = ray.ray.transformed(&self.program.leaf(id).transform.local_from_world);
                 let placement = PlacementId(ray.placement.0 + placement);
                 let answer = self.group(*inner, local, placement, ray.starts);
                 answer.as_leaf(
@@ -103,47 +82,25 @@ impl Reference {
 
     /// The region just after each time at which any region changes, and those times.
     fn changes(&self, answer: &GroupAnswer) -> (State, Vec<(f64, State)>) {
-        let mut times: Vec<f64> = answer
-            .outputs
-            .iter()
-            .flat_map(|output| output.times())
-            .collect();
+        let mut times: Vec<f64> = answer.outputs.iter().flat_map(|output| output.times()).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
-        let start = self.state(
-            answer
-                .outputs
-                .iter()
-                .map(|output| output.start().is_inside()),
-        );
-        let after =
-            |t: f64| self.state(answer.outputs.iter().map(|output| inside_after(output, t)));
+        let start = self.state(answer.outputs.iter().map(|output| output.start().is_inside()));
+        let after = |t: f64| self.state(answer.outputs.iter().map(|output| inside_after(output, t)));
         (start, times.into_iter().map(|t| (t, after(t))).collect())
     }
 
     fn state(&self, outputs: impl Iterator<Item = bool>) -> State {
         let last = outputs.enumerate().filter(|(_, inside)| *inside).last();
         let region = RegionId(last.map_or(0, |(k, _)| k as u32 + 1));
-        State {
-            region,
-            medium: self.program.medium_of(region),
-        }
+        State { region, medium: self.program.medium_of(region) }
     }
 
-    fn one_ray(
-        &self,
-        ray: Ray,
-        query: &Query<'_>,
-        starts: &[Start],
-        out: &mut Vec<Crossing>,
-    ) -> RegionId {
+    fn one_ray(&self, ray: Ray, query: &Query<'_>, starts: &[Start], out: &mut Vec<Crossing>) -> RegionId {
         let answer = self.group(PrototypeId(0), ray, PlacementId(0), starts);
         let prototype = self.program.prototype(PrototypeId(0));
-        let mut flips = PlainFlips::new(
-            &prototype.expression,
-            &prototype.outputs,
-            answer.starts_inside.clone(),
-        );
+        let mut flips =
+            PlainFlips::new(&prototype.expression, &prototype.outputs, answer.starts_inside.clone());
         let (mut now, changes) = self.changes(&answer);
         let window = query.window;
         let mut start = now.region;
@@ -153,23 +110,12 @@ impl Reference {
             let before = std::mem::replace(&mut now, after);
             let first = answer.events.partition_point(|event| event.t < t);
             let end = answer.events.partition_point(|event| event.t <= t);
-            answer.events[position..end]
-                .iter()
-                .for_each(|event| flips.flip(event.leaf));
+            answer.events[position..end].iter().for_each(|event| flips.flip(event.leaf));
             position = end;
             if t <= window.t_min() {
                 start = after.region;
             } else if before.medium != after.medium {
-                out.extend(weld.change(
-                    Change {
-                        t,
-                        first,
-                        end,
-                        before,
-                        after,
-                    },
-                    &mut flips,
-                ));
+                out.extend(weld.change(Change { t, first, end, before, after }, &mut flips));
             }
         }
         out.extend(weld.finish(position, &mut flips));
@@ -195,11 +141,7 @@ impl Reference {
         };
         let mut values = Vec::new();
         prototype.expression.evaluate(inside, &mut values);
-        prototype
-            .outputs
-            .iter()
-            .map(|edge| values[edge.node().index()] ^ edge.is_complemented())
-            .collect()
+        prototype.outputs.iter().map(|edge| values[edge.node().index()] ^ edge.is_complemented()).collect()
     }
 }
 
@@ -229,20 +171,14 @@ impl Evaluator for Reference {
             let starts = query.starts.map_or(&[][..], |lists| lists.of(i));
             scratch.crossings.clear();
             let start = self.one_ray(rays.get(i), query, starts, &mut scratch.crossings);
-            sink.ray(RayAnswer {
-                ray: i,
-                start,
-                crossings: &scratch.crossings,
-            });
+            sink.ray(RayAnswer { ray: i, start, crossings: &scratch.crossings });
         }
     }
 
     fn regions_at(&self, points: [&[f64]; 3], _: &mut ReferenceScratch, out: &mut [RegionId]) {
         for (i, region) in out.iter_mut().enumerate() {
             let point = Vec3::new(points[0][i], points[1][i], points[2][i]);
-            *region = self
-                .state(self.inside_group(PrototypeId(0), point).into_iter())
-                .region;
+            *region = self.state(self.inside_group(PrototypeId(0), point).into_iter()).region;
         }
     }
 }
@@ -268,13 +204,9 @@ impl GroupAnswer {
         let faces = output.times().map(|t| {
             let first = self.events.partition_point(|event| event.t < t);
             let end = self.events.partition_point(|event| event.t <= t);
-            self.events[position..end]
-                .iter()
-                .for_each(|event| flips.flip(event.leaf));
+            self.events[position..end].iter().for_each(|event| flips.flip(event.leaf));
             position = end;
-            let face = attribute(&self.events, first..end, end, &mut flips, |f| {
-                u32::from(f.output(0))
-            });
+            let face = attribute(&self.events, first..end, end, &mut flips, |f| u32::from(f.output(0)));
             Event { t, leaf, face }
         });
         (output.start().is_inside(), faces.collect())
@@ -283,37 +215,21 @@ impl GroupAnswer {
 
 /// The root-rays of the outputs: those of all gates in the order of the expression, each dropped after its
 /// last use.
-fn root_rays(
-    expression: &Expression,
-    outputs: &[Edge],
-    leaves: &[(bool, Vec<Event>)],
-) -> Vec<RootRay<()>> {
+fn root_rays(expression: &Expression, outputs: &[Edge], leaves: &[(bool, Vec<Event>)]) -> Vec<RootRay<()>> {
     let mut uses = vec![0usize; expression.nodes().len()];
-    outputs
-        .iter()
-        .for_each(|edge| uses[edge.node().index()] += 1);
+    outputs.iter().for_each(|edge| uses[edge.node().index()] += 1);
     for gate in expression.nodes() {
         if let Gate::Join(_, operands) = gate {
-            operands
-                .iter()
-                .for_each(|edge| uses[edge.node().index()] += 1);
+            operands.iter().for_each(|edge| uses[edge.node().index()] += 1);
         }
     }
     let mut known: Vec<Option<RootRay<()>>> = Vec::with_capacity(uses.len());
     let take = |known: &mut Vec<Option<RootRay<()>>>, uses: &mut Vec<usize>, edge: Edge| {
         let node = edge.node().index();
         uses[node] -= 1;
-        let ray = if uses[node] == 0 {
-            known[node].take()
-        } else {
-            known[node].clone()
-        };
+        let ray = if uses[node] == 0 { known[node].take() } else { known[node].clone() };
         let ray = ray.unwrap_or_else(RootRay::vacuum);
-        if edge.is_complemented() {
-            ray.complement()
-        } else {
-            ray
-        }
+        if edge.is_complemented() { ray.complement() } else { ray }
     };
     for gate in expression.nodes() {
         let ray = match gate {
@@ -321,10 +237,7 @@ fn root_rays(
             Gate::Plenum => RootRay::plenum(),
             Gate::Leaf(leaf) => leaf_ray(&leaves[leaf.index()]),
             Gate::Join(rule, operands) => {
-                let rays: Vec<_> = operands
-                    .iter()
-                    .map(|&edge| take(&mut known, &mut uses, edge))
-                    .collect();
+                let rays: Vec<_> = operands.iter().map(|&edge| take(&mut known, &mut uses, edge)).collect();
                 match *rule {
                     Rule::Odd => RootRay::symmetric_difference_all(&rays),
                     Rule::AtLeast(least) => RootRay::at_least(least as usize, &rays),
@@ -333,10 +246,7 @@ fn root_rays(
         };
         known.push(Some(ray));
     }
-    outputs
-        .iter()
-        .map(|&edge| take(&mut known, &mut uses, edge))
-        .collect()
+    outputs.iter().map(|&edge| take(&mut known, &mut uses, edge)).collect()
 }
 
 /// The side just after `t`: that of the start, flipped once for each root passed.
@@ -346,18 +256,8 @@ fn inside_after(ray: &RootRay<()>, t: f64) -> bool {
 }
 
 fn leaf_ray((starts_inside, events): &(bool, Vec<Event>)) -> RootRay<()> {
-    let start = if *starts_inside {
-        Side::Inside
-    } else {
-        Side::Outside
-    };
-    let roots = events
-        .iter()
-        .map(|event| Root {
-            t: event.t,
-            surface: (),
-        })
-        .collect();
+    let start = if *starts_inside { Side::Inside } else { Side::Outside };
+    let roots = events.iter().map(|event| Root { t: event.t, surface: () }).collect();
     // leaves give strictly increasing finite times
     RootRay::new(start, roots).unwrap_or_else(|_| RootRay::vacuum())
 }
@@ -372,22 +272,14 @@ struct PlainFlips<'a> {
 
 impl<'a> PlainFlips<'a> {
     fn new(expression: &'a Expression, outputs: &'a [Edge], inside: Vec<bool>) -> Self {
-        PlainFlips {
-            expression,
-            outputs,
-            inside,
-            values: Vec::new(),
-        }
+        PlainFlips { expression, outputs, inside, values: Vec::new() }
     }
 
     fn evaluate(&mut self) -> impl DoubleEndedIterator<Item = bool> + ExactSizeIterator + '_ {
         let inside = &self.inside;
-        self.expression
-            .evaluate(|leaf| inside[leaf.index()], &mut self.values);
+        self.expression.evaluate(|leaf| inside[leaf.index()], &mut self.values);
         let values = &self.values;
-        self.outputs
-            .iter()
-            .map(|edge| values[edge.node().index()] ^ edge.is_complemented())
+        self.outputs.iter().map(|edge| values[edge.node().index()] ^ edge.is_complemented())
     }
 }
 
@@ -397,9 +289,7 @@ impl Flips for PlainFlips<'_> {
     }
 
     fn winner(&mut self) -> u32 {
-        self.evaluate()
-            .rposition(|inside| inside)
-            .map_or(0, |k| k as u32 + 1)
+        self.evaluate().rposition(|inside| inside).map_or(0, |k| k as u32 + 1)
     }
 
     fn output(&mut self, k: u32) -> bool {

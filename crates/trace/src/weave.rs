@@ -10,9 +10,9 @@ use rayweave_math::Vec3;
 use rayweave_model::gate::{Network, NetworkState};
 use rayweave_model::weld::{Change, Flips, Weld, attribute};
 use rayweave_model::{
-    Crossing, Evaluator, Event, Face, GroupRay, LeafEvents, LeafId, LeafKind, Limit, PlacementId,
-    Program, PrototypeId, Query, RayAnswer, Rays, RegionId, Sink, Start, State, Window, chord,
-    facets_contain, leaf_events,
+    Crossing, Evaluator, Event, Face, GroupRay, LeafEvents, LeafId, LeafKind, Limit, PlacementId, Program,
+    PrototypeId, Query, RayAnswer, Rays, RegionId, Sink, Start, State, Window, chord, facets_contain,
+    leaf_events,
 };
 use rayweave_shape::Ray;
 use std::sync::Arc;
@@ -48,11 +48,7 @@ struct Level {
 impl Weave {
     /// An evaluator of a compiled model.
     pub fn new(program: Arc<Program>) -> Weave {
-        let accel = program
-            .prototypes()
-            .iter()
-            .map(|group| Accel::new(&program, group))
-            .collect();
+        let accel = program.prototypes().iter().map(|group| Accel::new(&program, group)).collect();
         Weave { program, accel }
     }
 
@@ -77,13 +73,8 @@ impl Weave {
             let id = LeafId(prototype.leaves.start + leaf);
             let starts_inside = match &self.program.leaf(id).kind {
                 LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, ray, &mut level),
-                LeafKind::Instance {
-                    prototype,
-                    placement,
-                } => {
-                    let local = ray
-                        .ray
-                        .transformed(&self.program.leaf(id).transform.local_from_world);
+                LeafKind::Instance { prototype, placement } => {
+                    let local = ray.ray.transformed(&self.program.leaf(id).transform.local_from_world);
                     let placement = PlacementId(ray.placement.0 + placement);
                     level.inner.clear();
                     let starts = self.instance(
@@ -95,9 +86,7 @@ impl Weave {
                         scratch,
                         &mut level.inner,
                     );
-                    level
-                        .events
-                        .extend(level.inner.iter().map(|&(t, face)| Event { t, leaf, face }));
+                    level.events.extend(level.inner.iter().map(|&(t, face)| Event { t, leaf, face }));
                     starts
                 }
             };
@@ -105,9 +94,7 @@ impl Weave {
                 prototype.network.flip(state, leaf);
             }
         }
-        level
-            .events
-            .sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+        level.events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
         level
     }
 
@@ -122,29 +109,15 @@ impl Weave {
     ) -> bool {
         let table = &self.program.facets()[facets.start as usize..facets.end as usize];
         leaf_events(&self.program, table, ray, &mut level.leaf);
-        level
-            .events
-            .extend(level.leaf.flips.iter().map(|&(t, facet)| {
-                let surface = table[facet as usize].surface;
-                Event {
-                    t,
-                    leaf,
-                    face: Face {
-                        leaf: id,
-                        facet,
-                        surface,
-                        placement: ray.placement,
-                    },
-                }
-            }));
+        level.events.extend(level.leaf.flips.iter().map(|&(t, facet)| {
+            let surface = table[facet as usize].surface;
+            Event { t, leaf, face: Face { leaf: id, facet, surface, placement: ray.placement } }
+        }));
         level.leaf.starts_inside
     }
 
     /// The changes of a placed solid, as flips of one leaf; true if it is inside from the start.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "one sweep within another: all of it is its state"
-    )]
+    #[expect(clippy::too_many_arguments, reason = "one sweep within another: all of it is its state")]
     fn instance(
         &self,
         group: PrototypeId,
@@ -156,12 +129,7 @@ impl Weave {
         out: &mut Vec<(f64, Face)>,
     ) -> bool {
         let prototype = self.program.prototype(group);
-        let ray = GroupRay {
-            ray,
-            chord: chord(&prototype.ball, &ray),
-            placement,
-            starts,
-        };
+        let ray = GroupRay { ray, chord: chord(&prototype.ball, &ray), placement, starts };
         let mut state = self.take_state(group, scratch);
         let level = self.gather(group, &ray, Window::ALL, depth, scratch, &mut state);
         let starts_inside = state.output(0);
@@ -172,10 +140,7 @@ impl Weave {
                 inside = !inside;
                 let end = sweep.position;
                 let output = |f: &mut NetworkFlips<'_>| u32::from(f.output(0));
-                out.push((
-                    t,
-                    attribute(&level.events, first..end, end, &mut sweep.flips, output),
-                ));
+                out.push((t, attribute(&level.events, first..end, end, &mut sweep.flips, output)));
             }
         }
         sweep.rest(&level.touched);
@@ -184,44 +149,18 @@ impl Weave {
     }
 
     fn take_state(&self, group: PrototypeId, scratch: &mut WeaveScratch) -> NetworkState {
-        scratch
-            .states
-            .resize_with(self.program.prototypes().len(), || None);
-        scratch.states[group.index()]
-            .take()
-            .unwrap_or_else(|| self.program.prototype(group).network.start())
+        scratch.states.resize_with(self.program.prototypes().len(), || None);
+        scratch.states[group.index()].take().unwrap_or_else(|| self.program.prototype(group).network.start())
     }
 
-    fn one_ray(
-        &self,
-        ray: Ray,
-        query: &Query<'_>,
-        starts: &[Start],
-        scratch: &mut WeaveScratch,
-    ) -> RegionId {
+    fn one_ray(&self, ray: Ray, query: &Query<'_>, starts: &[Start], scratch: &mut WeaveScratch) -> RegionId {
         let group = PrototypeId(0);
         let prototype = self.program.prototype(group);
-        let seen = GroupRay {
-            ray,
-            chord: chord(&prototype.ball, &ray),
-            placement: PlacementId(0),
-            starts,
-        };
+        let seen = GroupRay { ray, chord: chord(&prototype.ball, &ray), placement: PlacementId(0), starts };
         let mut state = self.take_state(group, scratch);
         let level = self.gather(group, &seen, query.window, 0, scratch, &mut state);
-        let mut sweep = Sweep::new(
-            &prototype.network,
-            &mut state,
-            &level.events,
-            query.window.t_max(),
-        );
-        let start = self.sweep(
-            ray,
-            query,
-            &level.events,
-            &mut sweep,
-            &mut scratch.crossings,
-        );
+        let mut sweep = Sweep::new(&prototype.network, &mut state, &level.events, query.window.t_max());
+        let start = self.sweep(ray, query, &level.events, &mut sweep, &mut scratch.crossings);
         sweep.rest(&level.touched);
         scratch.give_back(group, state, 0, level);
         start
@@ -248,13 +187,7 @@ impl Weave {
             if before.medium == after.medium {
                 continue;
             }
-            let change = Change {
-                t,
-                first,
-                end: sweep.position,
-                before,
-                after,
-            };
+            let change = Change { t, first, end: sweep.position, before, after };
             if let Some(crossing) = weld.change(change, &mut sweep.flips) {
                 out.push(crossing);
                 if query.limit == Limit::First {
@@ -268,10 +201,7 @@ impl Weave {
 
     fn state(&self, winner: u32) -> State {
         let region = RegionId(winner);
-        State {
-            region,
-            medium: self.program.medium_of(region),
-        }
+        State { region, medium: self.program.medium_of(region) }
     }
 
     /// Flips the leaves of a group that hold a point, and returns them so that they can be flipped back.
@@ -303,10 +233,7 @@ impl Weave {
             }
         };
         level.touched.retain(|&leaf| holds(leaf, scratch));
-        level
-            .touched
-            .iter()
-            .for_each(|&leaf| prototype.network.flip(state, leaf));
+        level.touched.iter().for_each(|&leaf| prototype.network.flip(state, leaf));
         level
     }
 
@@ -321,10 +248,7 @@ impl Weave {
         let level = self.flip_containing(group, point, depth, scratch, &mut state);
         let inside = state.output(0);
         let network = &self.program.prototype(group).network;
-        level
-            .touched
-            .iter()
-            .for_each(|&leaf| network.flip(&mut state, leaf));
+        level.touched.iter().for_each(|&leaf| network.flip(&mut state, leaf));
         scratch.give_back(group, state, depth, level);
         inside
     }
@@ -345,22 +269,12 @@ impl Evaluator for Weave {
         WeaveScratch::default()
     }
 
-    fn crossings(
-        &self,
-        rays: Rays<'_>,
-        query: &Query<'_>,
-        scratch: &mut WeaveScratch,
-        sink: &mut dyn Sink,
-    ) {
+    fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut WeaveScratch, sink: &mut dyn Sink) {
         for i in 0..rays.len() {
             let starts = query.starts.map_or(&[][..], |lists| lists.of(i));
             scratch.crossings.clear();
             let start = self.one_ray(rays.get(i), query, starts, scratch);
-            sink.ray(RayAnswer {
-                ray: i,
-                start,
-                crossings: &scratch.crossings,
-            });
+            sink.ray(RayAnswer { ray: i, start, crossings: &scratch.crossings });
         }
     }
 
@@ -372,10 +286,7 @@ impl Evaluator for Weave {
             let point = Vec3::new(points[0][i], points[1][i], points[2][i]);
             let level = self.flip_containing(group, point, 0, scratch, &mut state);
             *region = RegionId(state.winner());
-            level
-                .touched
-                .iter()
-                .for_each(|&leaf| network.flip(&mut state, leaf));
+            level.touched.iter().for_each(|&leaf| network.flip(&mut state, leaf));
             scratch.levels[0] = level;
         }
         scratch.states[group.index()] = Some(state);
@@ -425,25 +336,12 @@ struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    fn new(
-        network: &'a Network,
-        state: &'a mut NetworkState,
-        events: &'a [Event],
-        t_max: f64,
-    ) -> Self {
-        Sweep {
-            flips: NetworkFlips { network, state },
-            events,
-            position: 0,
-            t_max,
-        }
+    fn new(network: &'a Network, state: &'a mut NetworkState, events: &'a [Event], t_max: f64) -> Self {
+        Sweep { flips: NetworkFlips { network, state }, events, position: 0, t_max }
     }
 
     fn next_time(&self) -> Option<f64> {
-        self.events
-            .get(self.position)
-            .map(|event| event.t)
-            .filter(|&t| t < self.t_max)
+        self.events.get(self.position).map(|event| event.t).filter(|&t| t < self.t_max)
     }
 
     /// Flips all leaves of the next time; that time and the first of its events.

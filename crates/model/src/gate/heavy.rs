@@ -59,10 +59,7 @@ pub(super) struct HeavyState {
 
 impl HeavyState {
     pub fn gate_values(values: &[bool]) -> HeavyState {
-        HeavyState {
-            trees: Vec::new(),
-            values: values.to_vec(),
-        }
+        HeavyState { trees: Vec::new(), values: values.to_vec() }
     }
 
     /// Notes the settled value of a gate; true if it is new.
@@ -89,12 +86,7 @@ impl HeavyPaths {
                 Some(below) if below != NONE => this.path_of[below as usize],
                 _ => {
                     let bottom = if gate.is_none() { node as u32 } else { NONE };
-                    this.paths.push(Path {
-                        tree: 0,
-                        width: 0,
-                        bottom,
-                        top: NONE,
-                    });
+                    this.paths.push(Path { tree: 0, width: 0, bottom, top: NONE });
                     length.push(0u32);
                     (this.paths.len() - 1) as u32
                 }
@@ -121,13 +113,7 @@ impl HeavyPaths {
         next as usize
     }
 
-    fn first_state(
-        &self,
-        network: &Network,
-        counts: &mut [u32],
-        values: &[bool],
-        size: usize,
-    ) -> HeavyState {
+    fn first_state(&self, network: &Network, counts: &mut [u32], values: &[bool], size: usize) -> HeavyState {
         let mut trees = vec![IDENTITY; size];
         for gate in 0..counts.len() {
             let (below, complemented) = self.heavy[gate];
@@ -144,11 +130,7 @@ impl HeavyPaths {
                 trees[(path.tree + k) as usize] = compose(at(2 * k), at(2 * k + 1));
             }
         }
-        let values = self
-            .paths
-            .iter()
-            .map(|path| values[path.top as usize])
-            .collect();
+        let values = self.paths.iter().map(|path| values[path.top as usize]).collect();
         HeavyState { trees, values }
     }
 
@@ -157,17 +139,9 @@ impl HeavyPaths {
         let rule: Rule = network.rules[gate];
         let alone = rule.holds(light);
         let (below, complemented) = self.heavy[gate];
-        let joined = if below == NONE {
-            alone
-        } else {
-            rule.holds(light + 1)
-        };
+        let joined = if below == NONE { alone } else { rule.holds(light + 1) };
         let plain = u8::from(alone) | u8::from(joined) << 1;
-        if complemented {
-            compose(0b01, plain)
-        } else {
-            plain
-        }
+        if complemented { compose(0b01, plain) } else { plain }
     }
 
     /// Flips a leaf: the path above it gets a new value, and so on upwards while values change.
@@ -176,10 +150,7 @@ impl HeavyPaths {
         loop {
             let this = &self.paths[path as usize];
             let function = state.heavy.trees[(this.tree + 1) as usize];
-            let value = apply(
-                function,
-                this.bottom != NONE && state.leaves[this.bottom as usize],
-            );
+            let value = apply(function, this.bottom != NONE && state.leaves[this.bottom as usize]);
             if !state.heavy.changed(path as usize, value) {
                 return;
             }
@@ -192,21 +163,11 @@ impl HeavyPaths {
     }
 
     /// Counts the top of a path in or out of the gate above and recomputes the path of that gate.
-    fn count_light(
-        &self,
-        network: &Network,
-        state: &mut NetworkState,
-        user: u32,
-        inside: bool,
-    ) -> u32 {
+    fn count_light(&self, network: &Network, state: &mut NetworkState, user: u32, inside: bool) -> u32 {
         let gate = ((user >> 1) - network.leaf_count) as usize;
         let path = self.path_of[(user >> 1) as usize];
         let light = &mut state.counts[gate];
-        *light = if inside ^ (user & 1 == 1) {
-            *light + 1
-        } else {
-            *light - 1
-        };
+        *light = if inside ^ (user & 1 == 1) { *light + 1 } else { *light - 1 };
         let function = self.function(network, gate, *light);
         let this = &self.paths[path as usize];
         let mut k = this.width + self.place_of[gate];

@@ -99,18 +99,14 @@ impl Network {
     }
 
     fn users_of(&self, node: u32) -> &[u32] {
-        &self.users
-            [self.first_user[node as usize] as usize..self.first_user[node as usize + 1] as usize]
+        &self.users[self.first_user[node as usize] as usize..self.first_user[node as usize + 1] as usize]
     }
 
     /// Passes a node's new value on to the outputs that it feeds.
     fn feed(&self, winner: &mut Winner, node: u32, inside: bool) {
         if self.feeds[node as usize] {
             let first = self.fed.partition_point(|&(fed, ..)| fed < node);
-            for &(_, output, complemented) in self.fed[first..]
-                .iter()
-                .take_while(|&&(fed, ..)| fed == node)
-            {
+            for &(_, output, complemented) in self.fed[first..].iter().take_while(|&&(fed, ..)| fed == node) {
                 winner.set(output, inside ^ complemented);
             }
         }
@@ -120,11 +116,7 @@ impl Network {
     fn count(&self, counts: &mut [u32], gate: u32, operand_inside: bool) -> Option<bool> {
         let index = (gate - self.leaf_count) as usize;
         let (rule, before) = (self.rules[index], counts[index]);
-        let after = if operand_inside {
-            before + 1
-        } else {
-            before - 1
-        };
+        let after = if operand_inside { before + 1 } else { before - 1 };
         counts[index] = after;
         let value = rule.holds(after);
         (value != rule.holds(before)).then_some(value)
@@ -181,14 +173,10 @@ struct Builder<'e> {
 impl<'e> Builder<'e> {
     fn new(expression: &'e Expression, outputs: &'e [Edge], leaf_count: usize) -> Self {
         let mut reached = vec![false; expression.nodes().len()];
-        outputs
-            .iter()
-            .for_each(|edge| reached[edge.node().index()] = true);
+        outputs.iter().for_each(|edge| reached[edge.node().index()] = true);
         for (node, gate) in expression.nodes().iter().enumerate().rev() {
             if let (true, Gate::Join(_, operands)) = (reached[node], gate) {
-                operands
-                    .iter()
-                    .for_each(|edge| reached[edge.node().index()] = true);
+                operands.iter().for_each(|edge| reached[edge.node().index()] = true);
             }
         }
         let mut builder = Builder {
@@ -252,8 +240,7 @@ impl<'e> Builder<'e> {
         let (mut counts, mut values) = (Vec::new(), vec![false; self.leaf_count as usize]);
         for gate in 0..self.gates.len() {
             let (rule, operands) = self.operands(gate);
-            let inside =
-                |edge: &&Edge| values[self.number_of(**edge) as usize] ^ edge.is_complemented();
+            let inside = |edge: &&Edge| values[self.number_of(**edge) as usize] ^ edge.is_complemented();
             let count = operands.iter().filter(inside).count() as u32;
             counts.push(count);
             values.push(rule.holds(count));
@@ -264,12 +251,7 @@ impl<'e> Builder<'e> {
     fn depth(&self) -> u32 {
         let mut depth = vec![0u32; self.leaf_count as usize];
         for gate in 0..self.gates.len() {
-            let below = self
-                .operands(gate)
-                .1
-                .iter()
-                .map(|&edge| depth[self.number_of(edge) as usize])
-                .max();
+            let below = self.operands(gate).1.iter().map(|&edge| depth[self.number_of(edge) as usize]).max();
             depth.push(below.unwrap_or(0) + 1);
         }
         depth.into_iter().max().unwrap_or(0)
@@ -278,9 +260,7 @@ impl<'e> Builder<'e> {
     fn finish(self) -> Network {
         let (first_user, users) = self.users();
         let (counts, values) = self.counts();
-        let rules: Vec<Rule> = (0..self.gates.len())
-            .map(|gate| self.operands(gate).0)
-            .collect();
+        let rules: Vec<Rule> = (0..self.gates.len()).map(|gate| self.operands(gate).0).collect();
         let mut winner = Winner::new(self.outputs.len());
         let mut fed = Vec::new();
         for (k, &edge) in self.outputs.iter().enumerate() {
@@ -295,8 +275,7 @@ impl<'e> Builder<'e> {
         }
         fed.sort_unstable();
         let mut feeds = vec![false; values.len()];
-        fed.iter()
-            .for_each(|&(node, ..)| feeds[node as usize] = true);
+        fed.iter().for_each(|&(node, ..)| feeds[node as usize] = true);
         let is_tree = first_user.windows(2).all(|pair| pair[1] - pair[0] <= 1);
         let mut initial = NetworkState {
             leaves: vec![false; self.leaf_count as usize],
@@ -338,42 +317,22 @@ mod tests {
 
     impl Stream {
         fn below(&mut self, n: usize) -> usize {
-            self.0 = self
-                .0
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             ((self.0 >> 33) as usize) % n
         }
     }
 
     /// A random expression over `leaves` leaves; `deep` makes chains, `shared` uses nodes several times.
-    fn random(
-        stream: &mut Stream,
-        leaves: usize,
-        deep: bool,
-        shared: bool,
-    ) -> (Expression, Vec<Edge>) {
+    fn random(stream: &mut Stream, leaves: usize, deep: bool, shared: bool) -> (Expression, Vec<Edge>) {
         let mut e = Expression::default();
         let mut pool: Vec<Edge> = (0..leaves).map(|k| e.leaf(LeafId::from(k))).collect();
         while pool.len() > 3 {
             let arity = if deep { 2 } else { 2 + stream.below(3) };
             let operands: Vec<Edge> = (0..arity.min(pool.len()))
                 .map(|k| {
-                    let at = if deep && k == 0 {
-                        pool.len() - 1
-                    } else {
-                        stream.below(pool.len())
-                    };
-                    let edge = if shared && stream.below(4) == 0 {
-                        pool[at]
-                    } else {
-                        pool.swap_remove(at)
-                    };
-                    if stream.below(3) == 0 {
-                        edge.complement()
-                    } else {
-                        edge
-                    }
+                    let at = if deep && k == 0 { pool.len() - 1 } else { stream.below(pool.len()) };
+                    let edge = if shared && stream.below(4) == 0 { pool[at] } else { pool.swap_remove(at) };
+                    if stream.below(3) == 0 { edge.complement() } else { edge }
                 })
                 .collect();
             let joined = match stream.below(3) {

@@ -41,11 +41,7 @@ impl Hierarchy {
             }
             let bounds = around(&leaves[range.clone()]);
             let here = nodes.len();
-            nodes.push(Node {
-                bounds,
-                next: here as u32 + 1,
-                leaves: 0..0,
-            });
+            nodes.push(Node { bounds, next: here as u32 + 1, leaves: 0..0 });
             match split(&mut leaves[range.clone()]) {
                 None => nodes[here].leaves = range.start as u32..range.end as u32,
                 Some(at) => {
@@ -75,30 +71,19 @@ impl Hierarchy {
                 continue;
             }
             let leaves = &self.leaves[node.leaves.start as usize..node.leaves.end as usize];
-            out.extend(
-                leaves
-                    .iter()
-                    .filter(|(bounds, _)| hits(bounds))
-                    .map(|(_, leaf)| leaf),
-            );
+            out.extend(leaves.iter().filter(|(bounds, _)| hits(bounds)).map(|(_, leaf)| leaf));
             at += 1;
         }
     }
 }
 
 fn around(leaves: &[(Bounds, u32)]) -> Bounds {
-    leaves
-        .iter()
-        .fold(Bounds::EMPTY, |all, (bounds, _)| all.union(bounds))
+    leaves.iter().fold(Bounds::EMPTY, |all, (bounds, _)| all.union(bounds))
 }
 
 fn area(bounds: &Bounds) -> f64 {
     let size = bounds.size();
-    if bounds.is_empty() {
-        0.0
-    } else {
-        size.x * size.y + size.y * size.z + size.z * size.x
-    }
+    if bounds.is_empty() { 0.0 } else { size.x * size.y + size.y * size.z + size.z * size.x }
 }
 
 /// Reorders the boxes and says where to part them; `None` for few, or where no plane parts their centres.
@@ -106,12 +91,9 @@ fn split(leaves: &mut [(Bounds, u32)]) -> Option<usize> {
     if leaves.len() <= FEW {
         return None;
     }
-    let centres = leaves.iter().fold(Bounds::EMPTY, |all, (b, _)| {
-        all.union(&Bounds {
-            lo: b.centre(),
-            hi: b.centre(),
-        })
-    });
+    let centres = leaves
+        .iter()
+        .fold(Bounds::EMPTY, |all, (b, _)| all.union(&Bounds { lo: b.centre(), hi: b.centre() }));
     let size = centres.size();
     let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
     if size[axis] == 0.0 || !size[axis].is_finite() {
@@ -138,16 +120,12 @@ fn best_border(leaves: &[(Bounds, u32)], bin: impl Fn(&Bounds) -> usize) -> Opti
         let side = |bins: &[(Bounds, usize)]| {
             let (bounds, count) = bins
                 .iter()
-                .fold((Bounds::EMPTY, 0), |(all, n), (bounds, count)| {
-                    (all.union(bounds), n + count)
-                });
+                .fold((Bounds::EMPTY, 0), |(all, n), (bounds, count)| (all.union(bounds), n + count));
             (area(&bounds) * count as f64, count)
         };
         let (left, right) = (side(&bins[..border]), side(&bins[border..]));
         (left.1 > 0 && right.1 > 0).then_some(left.0 + right.0)
     };
     let costs = (1..BINS).filter_map(|border| cost(border).map(|c| (border, c)));
-    costs
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(border, _)| border)
+    costs.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(border, _)| border)
 }

@@ -1,7 +1,7 @@
 //! Which leaves a ray can touch. May change speed, never an answer.
 //!
-//! A leaf outside whose bounds the ray passes would give no flips: bounds are grown by more than any kernel
-//! can err, so leaving it out changes nothing.
+//! A leaf counts where it can matter ([`rayweave_model::Leaf::matters`]): a ray that passes outside of that box
+//! would see no flip of it that changes anything. Boxes are grown by more than any kernel can err.
 
 mod hierarchy;
 
@@ -13,13 +13,13 @@ use rayweave_shape::Ray;
 /// The leaves of a group by where they are.
 #[derive(Clone, Debug)]
 pub(crate) struct Accel {
-    /// Leaves without finite bounds: every ray can touch them.
+    /// Leaves that can matter without bound: every ray can touch them.
     unbounded: Vec<u32>,
     hierarchy: Hierarchy,
 }
 
-/// Bounds are grown by this many unit roundoffs of all lengths involved: four times the tolerance within
-/// which a computed root may lie off its surface.
+/// What the position of a ray's origin adds to the growth of every box; see [`rayweave_model::Leaf::margin`] for the
+/// share of the leaf itself.
 const MARGIN: f64 = 256.0 * UNIT_ROUNDOFF;
 
 impl Accel {
@@ -28,17 +28,13 @@ impl Accel {
         let (mut unbounded, mut boxes) = (Vec::new(), Vec::new());
         for (k, leaf) in leaves.iter().enumerate() {
             if leaf.bounds.is_finite() {
-                let size =
-                    leaf.bounds.lo.abs().max(leaf.bounds.hi.abs()).length() + leaf.transform.path;
+                let size = leaf.bounds.lo.abs().max(leaf.bounds.hi.abs()).length() + leaf.transform.path;
                 boxes.push((leaf.bounds.grown(MARGIN * size), k as u32));
             } else if !leaf.bounds.is_empty() {
                 unbounded.push(k as u32);
             }
         }
-        Accel {
-            unbounded,
-            hierarchy: Hierarchy::new(boxes),
-        }
+        Accel { unbounded, hierarchy: Hierarchy::new(boxes) }
     }
 
     /// The leaves that the ray can touch within the window.
@@ -66,12 +62,7 @@ pub(crate) struct Probe {
 impl Probe {
     fn new(ray: &Ray, window: Window) -> Probe {
         let inverse = Vec3::ONE / ray.direction;
-        Probe {
-            origin: ray.origin,
-            inverse,
-            margin: MARGIN * ray.origin.length(),
-            window,
-        }
+        Probe { origin: ray.origin, inverse, margin: MARGIN * ray.origin.length(), window }
     }
 
     /// True if the ray passes the grown box within the window (the slab test of Kay & Kajiya, 1986). A time

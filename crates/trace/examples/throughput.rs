@@ -1,0 +1,61 @@
+//! Rays per second through a small lens and a die, on one thread.
+
+use rayweave_math::Vec3;
+use rayweave_model::{Evaluator, Limit, Program, Query, RayAnswer, RayBatch, Solid};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::{Value, build};
+use rayweave_trace::Weave;
+use std::sync::Arc;
+use std::time::Instant;
+
+fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
+    let arguments: Vec<_> = arguments.iter().map(|&(n, v)| (n, Value::Number(v))).collect();
+    Solid::from(build(name, &arguments).expect("a valid shape"))
+}
+
+fn lens() -> Solid {
+    let ball = shape("sphere", &[("radius", 50.0)]);
+    let rim = shape("cylinder", &[("radius", 12.0)]);
+    ball.translate([0.0, 0.0, 48.0]) & ball.translate([0.0, 0.0, -48.0]) & rim
+}
+
+fn die() -> Solid {
+    let bore = shape("cylinder", &[("radius", 0.5)]);
+    let body = shape("box", &[("size", 2.0)]) & shape("sphere", &[("radius", 1.35)]);
+    body - &bore - bore.rotate_x(90.0) - bore.rotate_y(90.0)
+}
+
+/// Rays from points on a sphere towards points in a box, from a fixed multiplicative sequence.
+fn rays(count: usize, radius: f64, half: f64) -> RayBatch {
+    let mut state = 1u64;
+    let mut unit = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+    };
+    std::iter::repeat_with(|| {
+        let from = Vec3::new(unit(), unit(), unit()).normalize() * radius;
+        let to = Vec3::new(unit(), unit(), unit()) * half;
+        Ray::new(from, (to - from).normalize())
+    })
+    .take(count)
+    .collect()
+}
+
+fn main() {
+    for (name, solid, radius, half) in [("lens", lens(), 60.0, 10.0), ("die", die(), 5.0, 1.0)] {
+        let weave = Weave::new(Arc::new(Program::compile(&solid).expect("a valid solid")));
+        let batch = rays(200_000, radius, half);
+        let mut scratch = weave.scratch();
+        for (what, limit) in [("all crossings", Limit::All), ("first crossing", Limit::First)] {
+            let query = Query { limit, ..Query::default() };
+            let mut crossings = 0;
+            let started = Instant::now();
+            weave.crossings(batch.rays(), &query, &mut scratch, &mut |answer: RayAnswer<'_>| {
+                crossings += answer.crossings.len();
+            });
+            let seconds = started.elapsed().as_secs_f64();
+            let rate = 200_000.0 / seconds / 1e6;
+            println!("{name}: {what}: {rate:.2} Mray/s, {:.2} crossings a ray", crossings as f64 / 200_000.0);
+        }
+    }
+}
