@@ -31,12 +31,7 @@ const fn function(
     summary: &'static str,
     apply: fn(&[f64]) -> f64,
 ) -> Function {
-    Function {
-        name,
-        arity,
-        summary,
-        apply,
-    }
+    Function { name, arity, summary, apply }
 }
 
 /// The functions of arithmetic text.
@@ -183,7 +178,11 @@ impl Operation {
         match self {
             Operation::Number(_) | Operation::Parameter(_) => 0,
             Operation::Negate | Operation::Keep => 1,
-            Operation::Add | Operation::Subtract | Operation::Multiply | Operation::Divide | Operation::Power => 2,
+            Operation::Add
+            | Operation::Subtract
+            | Operation::Multiply
+            | Operation::Divide
+            | Operation::Power => 2,
             Operation::Call(_, count) => *count,
         }
     }
@@ -224,7 +223,9 @@ impl Operation {
     fn with_arguments(&self, x: &[f64]) -> String {
         let infix = |symbol| format!("{} {symbol} {}", written(x[0]), written(x[1]));
         match self {
-            Operation::Number(_) | Operation::Parameter(_) | Operation::Negate | Operation::Keep => "it".to_owned(),
+            Operation::Number(_) | Operation::Parameter(_) | Operation::Negate | Operation::Keep => {
+                "it".to_owned()
+            }
             Operation::Add => infix("+"),
             Operation::Subtract => infix("-"),
             Operation::Multiply => infix("*"),
@@ -307,8 +308,16 @@ mod tests {
         check_fault("1 / (2 - 2)", (2, 3), "division by zero (the divisor of 1 / 0 is zero)");
         check_fault("sqrt(0 - 4)", (0, 11), "the result is not a number (sqrt(-4) has no value)");
         check_fault("inf - inf", (4, 5), "the result is not a number (inf - inf has no value)");
-        check_fault("1e300 * 1e300", (6, 7), "the result is infinite (1e300 * 1e300 is beyond the range of a 64-bit float)");
-        check_fault("0 ^ -1", (2, 3), "the result is infinite (0 ^ -1 is beyond the range of a 64-bit float)");
+        check_fault(
+            "1e300 * 1e300",
+            (6, 7),
+            "the result is infinite (1e300 * 1e300 is beyond the range of a 64-bit float)",
+        );
+        check_fault(
+            "0 ^ -1",
+            (2, 3),
+            "the result is infinite (0 ^ -1 is beyond the range of a 64-bit float)",
+        );
         check_fault("", (0, 0), "the text is empty (a number or a parameter is missing)");
         check_fault("1 +", (3, 3), "the text ends too early (a number or a parameter is missing)");
         check_fault("1 + * 2", (4, 5), "unexpected `*` (a number or a parameter is missing before it)");
@@ -325,7 +334,11 @@ mod tests {
         check_fault("1 | 2", (2, 3), "unexpected operator `|` (the operators are + - * / ^)");
         check_fault("1.2.3", (0, 5), "`1.2.3` is not a number (it has more than one decimal point)");
         check_fault("1e999", (0, 5), "`1e999` is not a number (it is too large for a 64-bit float)");
-        check_fault("2 \u{d7} 3", (2, 4), "unexpected character `\u{d7}` (it has no meaning here) did you mean `*`?");
+        check_fault(
+            "2 \u{d7} 3",
+            (2, 4),
+            "unexpected character `\u{d7}` (it has no meaning here) did you mean `*`?",
+        );
         let functions: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
         let message = format!(
             "unknown function `sqr` (the functions are {}) did you mean `sqrt`?",

@@ -36,12 +36,7 @@ impl Diagnostic {
     }
 
     fn new(severity: Severity, message: String) -> Diagnostic {
-        Diagnostic {
-            severity,
-            message,
-            place: None,
-            notes: Vec::new(),
-        }
+        Diagnostic { severity, message, place: None, notes: Vec::new() }
     }
 
     /// Adds the reason, which the message shows in parentheses.

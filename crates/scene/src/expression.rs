@@ -73,11 +73,7 @@ impl Operator {
     }
 }
 
-const FUNCTIONS: [Operator; 3] = [
-    Operator::Union,
-    Operator::Intersection,
-    Operator::SymmetricDifference,
-];
+const FUNCTIONS: [Operator; 3] = [Operator::Union, Operator::Intersection, Operator::SymmetricDifference];
 
 /// A name that has a meaning of its own in expressions, so that no solid may have it.
 pub(crate) fn is_reserved(name: &str) -> bool {
@@ -183,7 +179,9 @@ impl std::fmt::Display for Expression {
                     Term::Vacuum => f.write_str("vacuum")?,
                     Term::Plenum => f.write_str("plenum")?,
                     Term::Name(name) => write_name(f, name)?,
-                    Term::Operation(operator, _) => push_pieces(&mut waiting, *operator, &operands[index], power),
+                    Term::Operation(operator, _) => {
+                        push_pieces(&mut waiting, *operator, &operands[index], power)
+                    }
                 },
             }
         }

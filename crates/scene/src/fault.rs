@@ -15,12 +15,7 @@ pub(crate) struct Fault {
 
 impl Fault {
     pub fn new(span: Span, problem: impl Into<String>, reason: impl Into<String>) -> Fault {
-        Fault {
-            span,
-            problem: problem.into(),
-            reason: reason.into(),
-            suggestion: None,
-        }
+        Fault { span, problem: problem.into(), reason: reason.into(), suggestion: None }
     }
 
     pub fn suggest(mut self, suggestion: Option<String>) -> Fault {

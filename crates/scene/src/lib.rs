@@ -1,15 +1,34 @@
 //! Model files: documents, diagnostics with source spans, the native TOML format.
+//!
+//! - [`load`] and [`parse`] read a model: a [`Document`] (what the file says, with the place of every word)
+//!   and a [`Scene`] (what it means: solids, regions, media, camera, lights, with all numbers known).
+//! - [`Diagnostics`] are all problems of a file at once.
+//! - [`arithmetic`] and [`Expression`] are the two languages inside texts: numbers and boolean expressions.
 
 pub mod arithmetic;
+mod colour;
+mod datum;
 mod diagnostic;
+mod document;
 mod expression;
 mod fault;
+mod file;
+mod formats;
 mod number;
+mod resolve;
+mod scene;
 mod source;
 mod suggestion;
 mod syntax;
+mod unit;
 
+pub use colour::Colour;
+pub use datum::{Datum, Table};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use document::*;
 pub use expression::{Expression, Operator, Term};
+pub use file::{load, parse, parse_with};
 pub use number::Number;
+pub use scene::{Camera, Light, Medium, Projection, RenderSettings, Scene, SceneRegion};
 pub use source::{Source, Span, Spanned};
+pub use unit::Unit;

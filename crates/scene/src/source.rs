@@ -95,11 +95,7 @@ impl Source {
     pub fn new(path: Option<PathBuf>, text: String) -> Source {
         let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let line_starts = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
-        Source {
-            path,
-            text,
-            line_starts,
-        }
+        Source { path, text, line_starts }
     }
 
     /// The file, if the text has one.
@@ -153,7 +149,8 @@ mod tests {
     #[test]
     fn lines_and_columns_count_from_one() {
         let source = Source::new(None, "a\n\u{e4}b\r\n\nlast".to_owned());
-        let places = [(0, (1, 1)), (1, (1, 2)), (2, (2, 1)), (4, (2, 2)), (7, (3, 1)), (9, (4, 2)), (12, (4, 5))];
+        let places =
+            [(0, (1, 1)), (1, (1, 2)), (2, (2, 1)), (4, (2, 2)), (7, (3, 1)), (9, (4, 2)), (12, (4, 5))];
         for (at, expected) in places {
             assert_eq!(source.line_column(at), expected, "byte {at}");
         }

@@ -55,12 +55,7 @@ pub(crate) enum ItemKind<'a> {
 
 /// Reads a whole text.
 pub(crate) fn parse<'a>(text: &'a str, grammar: &Grammar) -> Result<Vec<Item<'a>>, Fault> {
-    let mut yard = Yard {
-        grammar,
-        output: Vec::new(),
-        waiting: Vec::new(),
-        want_operand: true,
-    };
+    let mut yard = Yard { grammar, output: Vec::new(), waiting: Vec::new(), want_operand: true };
     let mut lexer = Lexer { text, at: 0 };
     while let Some((token, span)) = lexer.next()? {
         yard.push(token, span)?;
@@ -321,7 +316,9 @@ impl<'a> Yard<'a, '_> {
     fn reduce(&mut self, power: u8, or_equal: bool) {
         loop {
             let (item, own) = match self.waiting.last() {
-                Some(&Waiting::Prefix(symbol, own, span)) => (Item { kind: ItemKind::Prefix(symbol), span }, own),
+                Some(&Waiting::Prefix(symbol, own, span)) => {
+                    (Item { kind: ItemKind::Prefix(symbol), span }, own)
+                }
                 Some(&Waiting::Infix(symbol, own, _, count, span)) => {
                     let kind = ItemKind::Infix(symbol, count);
                     (Item { kind, span }, own)

@@ -1,0 +1,82 @@
+//! Colours.
+
+use std::fmt;
+
+/// A colour as screens take it: sRGB, 8 bits a channel, with opacity (255 is opaque).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Colour {
+    /// Red.
+    pub red: u8,
+    /// Green.
+    pub green: u8,
+    /// Blue.
+    pub blue: u8,
+    /// Opacity.
+    pub alpha: u8,
+}
+
+impl Colour {
+    /// White.
+    pub const WHITE: Colour = Colour::new(255, 255, 255);
+
+    /// The colours that regions without one get in turn: those of Okabe and Ito, which people with any kind
+    /// of colour vision can tell apart ("Color Universal Design", 2008), without black.
+    pub const PALETTE: [Colour; 7] = [
+        Colour::new(86, 180, 233),
+        Colour::new(230, 159, 0),
+        Colour::new(0, 158, 115),
+        Colour::new(204, 121, 167),
+        Colour::new(240, 228, 66),
+        Colour::new(0, 114, 178),
+        Colour::new(213, 94, 0),
+    ];
+
+    /// An opaque colour.
+    pub const fn new(red: u8, green: u8, blue: u8) -> Colour {
+        let alpha = 255;
+        Colour { red, green, blue, alpha }
+    }
+
+    /// From `#rgb`, `#rrggbb` or `#rrggbbaa`.
+    pub fn parse(text: &str) -> Option<Colour> {
+        let digits = text.strip_prefix('#')?.as_bytes();
+        let nibbles: Vec<u8> =
+            digits.iter().map(|c| (*c as char).to_digit(16).map(|d| d as u8)).collect::<Option<_>>()?;
+        let pair = |k: usize| 16 * nibbles[2 * k] + nibbles[2 * k + 1];
+        match nibbles.len() {
+            3 => Some(Colour::new(17 * nibbles[0], 17 * nibbles[1], 17 * nibbles[2])),
+            6 => Some(Colour::new(pair(0), pair(1), pair(2))),
+            8 => Some(Colour { alpha: pair(3), ..Colour::new(pair(0), pair(1), pair(2)) }),
+            _ => None,
+        }
+    }
+}
+
+/// `#rrggbb`, or `#rrggbbaa` if it is not opaque.
+impl fmt::Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "#{:02x}{:02x}{:02x}", self.red, self.green, self.blue)?;
+        match self.alpha {
+            255 => Ok(()),
+            alpha => write!(f, "{alpha:02x}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_read_and_written() {
+        assert_eq!(Colour::parse("#8af"), Some(Colour::new(0x88, 0xaa, 0xff)));
+        assert_eq!(Colour::parse("#88AAff"), Colour::parse("#8af"));
+        assert_eq!(Colour::parse("#01020380").unwrap().alpha, 128);
+        for text in ["#0a0b0c", "#0a0b0c0d"] {
+            assert_eq!(Colour::parse(text).unwrap().to_string(), text);
+        }
+        for text in ["", "#", "8af", "#8a", "#8aff", "#gggggg", "#8888888888", "#\u{e4}\u{e4}"] {
+            assert_eq!(Colour::parse(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Values of a file, whatever they mean.
+
+use crate::diagnostic::Diagnostic;
+use crate::number::written;
+use crate::source::{Source, Span, Spanned};
+use std::sync::Arc;
+use toml::de::{DeInteger, DeTable, DeValue};
+
+/// A value as it stands in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Datum {
+    /// A number; whole numbers beyond 2^53 are rounded.
+    Number(f64),
+    /// A text.
+    Text(String),
+    /// `true` or `false`.
+    Truth(bool),
+    /// A date or a time, as written.
+    Time(String),
+    /// Values in order.
+    List(Vec<Spanned<Datum>>),
+    /// Values with names, in the order of the file.
+    Table(Table),
+}
+
+/// Values with names, in the order of the file.
+pub type Table = Vec<(Spanned<String>, Spanned<Datum>)>;
+
+impl Datum {
+    /// What it is, for messages.
+    pub(crate) fn description(&self) -> String {
+        match self {
+            Datum::Number(value) => format!("the number {}", written(*value)),
+            Datum::Text(_) => "a text".to_owned(),
+            Datum::Truth(value) => format!("`{value}`"),
+            Datum::Time(_) => "a date or time".to_owned(),
+            Datum::List(list) => match list.len() {
+                0 => "an empty list".to_owned(),
+                1 => "a list of 1 value".to_owned(),
+                n => format!("a list of {n} values"),
+            },
+            Datum::Table(_) => "a table".to_owned(),
+        }
+    }
+}
+
+/// Takes a table of the syntax tree over. Tables nest no deeper than the parser of the syntax allows, which
+/// is less than 300 levels.
+pub(crate) fn from_toml(table: &DeTable, source: &Arc<Source>, problems: &mut Vec<Diagnostic>) -> Table {
+    let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<_>)| {
+        let key: &toml::Spanned<toml::de::DeString> = key;
+        let name = Spanned::new(key.get_ref().to_string(), key.span());
+        (name, datum(value, source, problems))
+    };
+    table.iter().map(entry).collect()
+}
+
+fn datum(
+    value: &toml::Spanned<DeValue>,
+    source: &Arc<Source>,
+    problems: &mut Vec<Diagnostic>,
+) -> Spanned<Datum> {
+    let span = Span::from(value.span());
+    let datum = match value.get_ref() {
+        DeValue::String(text) => Datum::Text(text.to_string()),
+        DeValue::Integer(integer) => Datum::Number(whole(integer)),
+        DeValue::Float(float) => Datum::Number(real(float.as_str(), span, source, problems)),
+        DeValue::Boolean(truth) => Datum::Truth(*truth),
+        DeValue::Datetime(time) => Datum::Time(time.to_string()),
+        DeValue::Array(list) => {
+            Datum::List(list.iter().map(|value| datum(value, source, problems)).collect())
+        }
+        DeValue::Table(table) => Datum::Table(from_toml(table, source, problems)),
+    };
+    Spanned::new(datum, span)
+}
+
+fn whole(integer: &DeInteger) -> f64 {
+    match integer.radix() {
+        10 => integer.as_str().parse().unwrap_or(f64::NAN),
+        radix => u128::from_str_radix(integer.as_str(), radix).map_or(f64::NAN, |value| value as f64),
+    }
+}
+
+fn real(text: &str, span: Span, source: &Arc<Source>, problems: &mut Vec<Diagnostic>) -> f64 {
+    let value: f64 = text.parse().unwrap_or(f64::NAN);
+    if value.is_infinite() && !text.contains("inf") {
+        let problem =
+            Diagnostic::error(format!("{text} is too large")).why("the largest number is about 1.8e308");
+        let suggestion = Some("did you mean `inf`?".to_owned());
+        problems.push(problem.suggest(suggestion).at(source, span));
+    }
+    value
+}
+
+/// The value in TOML, on one line.
+pub(crate) fn to_toml(datum: &Datum) -> String {
+    match datum {
+        Datum::Number(value) => written(*value),
+        Datum::Text(text) => quoted(text),
+        Datum::Truth(value) => value.to_string(),
+        Datum::Time(text) => text.clone(),
+        Datum::List(list) => {
+            let items: Vec<String> = list.iter().map(|item| to_toml(&item.value)).collect();
+            format!("[{}]", items.join(", "))
+        }
+        Datum::Table(table) if table.is_empty() => "{}".to_owned(),
+        Datum::Table(table) => {
+            let items: Vec<String> = table
+                .iter()
+                .map(|(name, item)| format!("{} = {}", key(&name.value), to_toml(&item.value)))
+                .collect();
+            format!("{{ {} }}", items.join(", "))
+        }
+    }
+}
+
+/// A key in TOML.
+pub(crate) fn key(name: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !name.is_empty() && name.chars().all(bare) { name.to_owned() } else { quoted(name) }
+}
+
+/// A text in TOML.
+pub(crate) fn quoted(text: &str) -> String {
+    let mut quoted = String::with_capacity(text.len() + 2);
+    quoted.push('"');
+    for c in text.chars() {
+        match c {
+            '"' => quoted += "\\\"",
+            '\\' => quoted += "\\\\",
+            '\n' => quoted += "\\n",
+            '\t' => quoted += "\\t",
+            '\r' => quoted += "\\r",
+            c if c.is_control() => quoted += &format!("\\u{:04x}", u32::from(c)),
+            c => quoted.push(c),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> (Table, Vec<Diagnostic>) {
+        let source = Arc::new(Source::new(None, text.to_owned()));
+        let mut problems = Vec::new();
+        let (table, errors) = DeTable::parse_recoverable(text);
+        assert_eq!(errors, []);
+        (from_toml(table.get_ref(), &source, &mut problems), problems)
+    }
+
+    #[test]
+    fn values_survive_printing() {
+        let text = "a = [1, -2.5, 0x10, inf, 1e300]\n\"b c\" = \"q\\\"\\\\\\n\\u0001\u{e4}\"\nd = { e = true, f = {} }\ng = 1979-05-27";
+        let (table, problems) = read(text);
+        assert!(problems.is_empty());
+        let printed: Vec<String> = table
+            .iter()
+            .map(|(name, datum)| format!("{} = {}", key(&name.value), to_toml(&datum.value)))
+            .collect();
+        assert_eq!(read(&printed.join("\n")).0, table);
+        assert_eq!(printed[0], "a = [1, -2.5, 16, inf, 1e300]");
+        assert_eq!(printed[2], "d = { e = true, f = {} }");
+    }
+
+    #[test]
+    fn numbers_beyond_the_range_are_reported() {
+        assert_eq!(
+            read("a = 1e999").1[0].message(),
+            "1e999 is too large (the largest number is about 1.8e308) did you mean `inf`?"
+        );
+        assert_eq!(read("a = 99999999999999999999").0[0].1.value, Datum::Number(1e20));
+    }
+}

@@ -1,0 +1,286 @@
+//! What a model file says, before anything is computed.
+
+use crate::colour::Colour;
+use crate::datum::{Datum, Table};
+use crate::number::Number;
+use crate::source::{Source, Spanned};
+use crate::unit::Unit;
+use std::sync::Arc;
+
+/// A document: names, numbers and texts with their places, nothing evaluated. Every importer makes one.
+///
+/// Two documents are equal if they say the same, wherever they say it.
+#[derive(Clone, Debug, Default)]
+pub struct Document {
+    /// The text that the places refer to.
+    pub source: Arc<Source>,
+    /// The comment at the head of the file, without the `#`.
+    pub heading: Vec<String>,
+    /// The unit of all lengths.
+    pub unit: Option<Spanned<Unit>>,
+    /// Named numbers, in the order of the file.
+    pub parameters: Vec<Parameter>,
+    /// Named solids, in the order of the file.
+    pub solids: Vec<SolidEntry>,
+    /// Regions; later ones win where they overlap.
+    pub regions: Vec<RegionEntry>,
+    /// Media, in the order of the file.
+    pub media: Vec<MediumEntry>,
+    /// From where the picture is taken.
+    pub camera: Option<Spanned<CameraEntry>>,
+    /// Lights.
+    pub lights: Vec<LightEntry>,
+    /// How the picture is drawn.
+    pub render: Option<RenderEntry>,
+    /// Tables that belong to others.
+    pub foreign: Vec<Foreign>,
+}
+
+impl PartialEq for Document {
+    fn eq(&self, other: &Document) -> bool {
+        self.heading == other.heading
+            && self.unit == other.unit
+            && self.parameters == other.parameters
+            && self.solids == other.solids
+            && self.regions == other.regions
+            && self.media == other.media
+            && self.camera == other.camera
+            && self.lights == other.lights
+            && self.render == other.render
+            && self.foreign == other.foreign
+    }
+}
+
+impl Document {
+    /// A solid by its name.
+    pub fn solid(&self, name: &str) -> Option<&SolidEntry> {
+        self.solids.iter().find(|solid| solid.name.value == name)
+    }
+
+    /// A table that belongs to somebody else, by its name.
+    pub fn foreign(&self, name: &str) -> Option<&Foreign> {
+        self.foreign.iter().find(|table| table.name.value == name)
+    }
+}
+
+/// A named number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// Its value, which may depend on other parameters, earlier or later ones.
+    pub value: Spanned<Number>,
+}
+
+/// Three numbers.
+pub type Vector = [Spanned<Number>; 3];
+
+/// Four rows of four numbers.
+pub type Matrix = [[Spanned<Number>; 4]; 4];
+
+/// A named solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidEntry {
+    /// The name by which others refer to it.
+    pub name: Spanned<String>,
+    /// The name that its faces are called by, if that is another one; empty for none.
+    pub label: Option<Spanned<String>>,
+    /// What it is.
+    pub body: Body,
+    /// The maps that are applied to it, in order.
+    pub transform: Vec<Spanned<Step>>,
+}
+
+/// What a solid is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Body {
+    /// A shape: its keyword and its arguments.
+    Shape(Spanned<String>, Table),
+    /// A boolean expression over solids.
+    Expression(Spanned<String>),
+    /// Another solid, placed many times.
+    Place(Place),
+}
+
+/// One map.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// Move by a vector.
+    Translate(Vector),
+    /// Turn about the x axis, in degrees.
+    RotateX(Spanned<Number>),
+    /// Turn about the y axis, in degrees.
+    RotateY(Spanned<Number>),
+    /// Turn about the z axis, in degrees.
+    RotateZ(Spanned<Number>),
+    /// Turn about an axis through the origin, in degrees.
+    Rotate(Vector, Spanned<Number>),
+    /// Scale about the origin.
+    Scale(Spanned<Number>),
+    /// Scale about the origin by one factor per axis.
+    ScaleAxes(Vector),
+    /// Mirror in the plane through the origin with this normal.
+    Mirror(Vector),
+    /// Any affine map, as a matrix that acts on columns.
+    Matrix(Matrix),
+}
+
+/// A solid placed many times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Which solid.
+    pub solid: Spanned<String>,
+    /// Where.
+    pub layout: Layout,
+}
+
+/// Where the copies of a solid are.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Layout {
+    /// Copy (i, j, k) is moved by `origin + (i, j, k) * step`.
+    Grid {
+        /// How many along x, y and z.
+        count: Vector,
+        /// The distances from one to the next.
+        step: Vector,
+        /// Where the first is; the origin, if it is not given.
+        origin: Option<Vector>,
+    },
+    /// Copy k is moved along x by `radius`, then turned about the z axis by `start + 360 k / count` degrees.
+    Ring {
+        /// How many.
+        count: Spanned<Number>,
+        /// The distance from the axis.
+        radius: Spanned<Number>,
+        /// The angle of the first; 0, if it is not given.
+        start: Option<Spanned<Number>>,
+    },
+    /// Copies moved by vectors.
+    At(Vec<Vector>),
+    /// Copies under maps.
+    Matrices(Vec<Matrix>),
+    /// Vectors or maps from an NPY file beside the model file: float64, (N, 3) or (N, 4, 4).
+    File(Spanned<String>),
+}
+
+/// A solid made of a medium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionEntry {
+    /// Which solid.
+    pub solid: Spanned<String>,
+    /// Which medium; one of its own, if it is not given.
+    pub medium: Option<Spanned<String>>,
+    /// Its colour in pictures.
+    pub colour: Option<Spanned<Colour>>,
+    /// What the region is called; like its solid, if it is not given.
+    pub name: Option<Spanned<String>>,
+}
+
+/// A medium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MediumEntry {
+    /// Its name; `world` is the medium around everything.
+    pub name: Spanned<String>,
+    /// Its refractive index.
+    pub index: Option<Spanned<Number>>,
+    /// The colour of regions made of it.
+    pub colour: Option<Spanned<Colour>>,
+    /// Whatever else is said of it.
+    pub others: Table,
+}
+
+/// From where the picture is taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraEntry {
+    /// How space becomes a picture.
+    pub projection: ProjectionEntry,
+    /// Where the camera is.
+    pub position: Vector,
+    /// The point in the middle of the picture; the origin, if it is not given.
+    pub target: Option<Vector>,
+    /// The direction that is up in the picture; +z, if it is not given.
+    pub up: Option<Vector>,
+    /// Width and height of the picture in pixels.
+    pub size: Option<[Spanned<Number>; 2]>,
+}
+
+/// How space becomes a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ProjectionEntry {
+    /// As the eye sees it: the vertical field of view in degrees, 35 if it is not given.
+    Perspective(Option<Spanned<Number>>),
+    /// Without foreshortening: the height of the picture in lengths of the model.
+    Orthographic(Spanned<Number>),
+}
+
+/// A light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightEntry {
+    /// Where it comes from.
+    pub kind: LightKind<Vector>,
+    /// How strong it is; 1, if it is not given.
+    pub intensity: Option<Spanned<Number>>,
+    /// Its colour; white, if it is not given.
+    pub colour: Option<Spanned<Colour>>,
+}
+
+/// Where light comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind<V> {
+    /// Parallel light that travels along this vector.
+    Direction(V),
+    /// Light from this point, equally strong at every distance.
+    Position(V),
+}
+
+/// How the picture is drawn; what is not given is left to whoever draws it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RenderEntry {
+    /// The colour where there is nothing.
+    pub background: Option<Spanned<Colour>>,
+    /// How surfaces are shaded.
+    pub shading: Option<Spanned<Shading>>,
+    /// Whether edges are drawn.
+    pub edges: Option<Spanned<bool>>,
+    /// Whether there are shadows.
+    pub shadows: Option<Spanned<bool>>,
+    /// How many rays make a pixel, along x and along y.
+    pub samples: Option<Spanned<Number>>,
+}
+
+/// How surfaces are shaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shading {
+    /// From cool to warm colours (Gooch et al., SIGGRAPH 1998).
+    Gooch,
+    /// Light from the camera.
+    Headlight,
+}
+
+impl Shading {
+    /// All of them, with their names.
+    pub const ALL: [(Shading, &'static str); 2] =
+        [(Shading::Gooch, "gooch"), (Shading::Headlight, "headlight")];
+
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        Shading::ALL[self as usize].1
+    }
+}
+
+/// A table that belongs to somebody else, kept as it is.
+#[derive(Clone, Debug)]
+pub struct Foreign {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// What it holds, with the places.
+    pub value: Spanned<Datum>,
+    /// The text that says so: its headers with everything up to the next table of another name.
+    pub text: String,
+}
+
+impl PartialEq for Foreign {
+    fn eq(&self, other: &Foreign) -> bool {
+        self.name == other.name && self.value == other.value
+    }
+}

@@ -1,0 +1,143 @@
+//! Model files on disk and as text.
+
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::document::Document;
+use crate::formats::native;
+use crate::resolve::{reason, resolve};
+use crate::scene::Scene;
+use crate::source::{Source, Span};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The largest model file in bytes: a text of this size says that it is no model.
+const LARGEST_FILE: u64 = 256 << 20;
+
+/// Reads a model file, with other values for some of its parameters (name, arithmetic text).
+///
+/// # Errors
+///
+/// All problems of the file at once.
+pub fn load(
+    path: impl AsRef<Path>,
+    overrides: &[(String, String)],
+) -> Result<(Document, Scene), Diagnostics> {
+    understand(Arc::new(read_source(path.as_ref())?), overrides)
+}
+
+/// Reads a model from text. Files that it names are looked for in the current folder.
+///
+/// # Errors
+///
+/// All problems of the text at once.
+pub fn parse(text: &str) -> Result<(Document, Scene), Diagnostics> {
+    parse_with(text, &[])
+}
+
+/// Reads a model from text, with other values for some of its parameters (name, arithmetic text).
+///
+/// # Errors
+///
+/// All problems of the text at once.
+pub fn parse_with(text: &str, overrides: &[(String, String)]) -> Result<(Document, Scene), Diagnostics> {
+    understand(Arc::new(Source::new(None, text.to_owned())), overrides)
+}
+
+fn understand(source: Arc<Source>, overrides: &[(String, String)]) -> Result<(Document, Scene), Diagnostics> {
+    let reading = native::read(source);
+    if reading.broken {
+        return Err(Diagnostics::new(reading.problems));
+    }
+    let scene = resolve(&reading.document, overrides, &reading.unreadable, reading.problems)?;
+    Ok((reading.document, scene))
+}
+
+fn read_source(path: &Path) -> Result<Source, Diagnostics> {
+    let source = |text: String| Source::new(Some(path.to_owned()), text);
+    let problem = |reason: &str| {
+        let problem = Diagnostic::error("the model file cannot be read").why(reason);
+        Diagnostics::from(problem.in_file(&Arc::new(source(String::new()))))
+    };
+    let bytes = read_bytes(path).map_err(|reason| problem(&reason))?;
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok(source(text)),
+        Err(error) => {
+            let at = error.utf8_error().valid_up_to();
+            let source = Arc::new(source(String::from_utf8_lossy(error.as_bytes()).into_owned()));
+            let problem = Diagnostic::error("the file is not a text in UTF-8");
+            let reason = format!("byte {at} is part of no character");
+            let suggestion = Some("was it saved in another encoding?".to_owned());
+            Err(problem.why(reason).suggest(suggestion).at(&source, Span::new(at, at + 1)).into())
+        }
+    }
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
+    let file = File::open(path).map_err(|error| reason(&error))?;
+    let metadata = file.metadata().map_err(|error| reason(&error))?;
+    if metadata.is_dir() {
+        return Err("it is a folder".to_owned());
+    }
+    let mut bytes = Vec::new();
+    // also where the size is not known before, as of a pipe
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| reason(&error))?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(format!("it is larger than {} MiB", LARGEST_FILE >> 20));
+    }
+    Ok(bytes)
+}
+
+impl Document {
+    /// Computes what the document means, with other values for some of its parameters.
+    ///
+    /// # Errors
+    ///
+    /// All problems at once.
+    pub fn scene(&self, overrides: &[(String, String)]) -> Result<Scene, Diagnostics> {
+        resolve(self, overrides, &Default::default(), Vec::new())
+    }
+
+    /// The document as a model file. Comments are kept at its head and in the tables of others.
+    pub fn to_toml(&self) -> String {
+        native::write(self)
+    }
+
+    /// Writes the model file beside its final place and renames it when it is complete.
+    ///
+    /// # Errors
+    ///
+    /// Those of the operating system; the file then is as it was before.
+    pub fn save(&self, path: impl AsRef<Path>) -> io::Result<()> {
+        let path = path.as_ref();
+        let (draft, file) = create_beside(path)?;
+        let written = write_all(file, &self.to_toml()).and_then(|()| std::fs::rename(&draft, path));
+        if written.is_err() {
+            // the first error is the one to report
+            let _ = std::fs::remove_file(&draft);
+        }
+        written
+    }
+}
+
+/// A new file in the same folder, so that renaming it cannot become copying it.
+fn create_beside(path: &Path) -> io::Result<(PathBuf, File)> {
+    let name = path
+        .file_name()
+        .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"))?;
+    for attempt in 0..100 {
+        let mut draft = name.to_owned();
+        draft.push(format!(".{}-{attempt}.part", std::process::id()));
+        let draft = path.with_file_name(draft);
+        match OpenOptions::new().write(true).create_new(true).open(&draft) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            other => return other.map(|file| (draft, file)),
+        }
+    }
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, "no name is free for the unfinished file"))
+}
+
+fn write_all(mut file: File, text: &str) -> io::Result<()> {
+    file.write_all(text.as_bytes())?;
+    file.sync_all()
+}

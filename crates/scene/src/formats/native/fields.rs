@@ -1,0 +1,221 @@
+//! Taking a table apart, key by key, so that what nobody asked for is noticed.
+
+use crate::colour::Colour;
+use crate::datum::{Datum, Table};
+use crate::diagnostic::Diagnostic;
+use crate::document::{Matrix, Vector};
+use crate::number::Number;
+use crate::source::{Source, Span, Spanned};
+use crate::suggestion::did_you_mean;
+use std::sync::Arc;
+
+/// Where problems are collected.
+pub(super) struct Problems {
+    pub source: Arc<Source>,
+    pub list: Vec<Diagnostic>,
+}
+
+impl Problems {
+    pub fn push(&mut self, problem: Diagnostic, span: Span) {
+        let source = self.source.clone();
+        self.list.push(problem.at(&source, span));
+    }
+
+    /// A value of the wrong type.
+    pub fn wrong_type(&mut self, what: &str, datum: &Spanned<Datum>, wanted: &str) {
+        let problem = format!("`{what}` is {}", datum.value.description());
+        self.push(Diagnostic::error(problem).why(format!("it must be {wanted}")), datum.span);
+    }
+
+    pub fn number(&mut self, what: &str, datum: Spanned<Datum>) -> Option<Spanned<Number>> {
+        match datum.value {
+            Datum::Number(value) if value.is_nan() => {
+                let problem = Diagnostic::error(format!("`{what}` is nan")).why("it must be a number");
+                self.push(problem, datum.span);
+                None
+            }
+            Datum::Number(value) => Some(Spanned::new(Number::Value(value), datum.span)),
+            Datum::Text(text) => Some(Spanned::new(Number::Text(text), datum.span)),
+            _ => {
+                self.wrong_type(what, &datum, "a number or arithmetic text");
+                None
+            }
+        }
+    }
+
+    pub fn numbers<const N: usize>(
+        &mut self,
+        what: &str,
+        datum: Spanned<Datum>,
+    ) -> Option<[Spanned<Number>; N]> {
+        match datum.value {
+            Datum::List(list) if list.len() == N => {
+                let numbers: Vec<Option<_>> = list.into_iter().map(|item| self.number(what, item)).collect();
+                let numbers: Option<Vec<_>> = numbers.into_iter().collect();
+                numbers?.try_into().ok()
+            }
+            _ => {
+                self.wrong_type(what, &datum, &format!("a list of {N} numbers"));
+                None
+            }
+        }
+    }
+
+    pub fn matrix(&mut self, what: &str, datum: Spanned<Datum>) -> Option<Matrix> {
+        match datum.value {
+            Datum::List(rows) if rows.len() == 4 => {
+                let rows: Vec<Option<_>> = rows.into_iter().map(|row| self.numbers(what, row)).collect();
+                let rows: Option<Vec<_>> = rows.into_iter().collect();
+                rows?.try_into().ok()
+            }
+            _ => {
+                self.wrong_type(what, &datum, "4 rows of 4 numbers");
+                None
+            }
+        }
+    }
+
+    pub fn text(&mut self, what: &str, datum: Spanned<Datum>) -> Option<Spanned<String>> {
+        match datum.value {
+            Datum::Text(text) => Some(Spanned::new(text, datum.span)),
+            _ => {
+                self.wrong_type(what, &datum, "a text");
+                None
+            }
+        }
+    }
+
+    pub fn truth(&mut self, what: &str, datum: Spanned<Datum>) -> Option<Spanned<bool>> {
+        match datum.value {
+            Datum::Truth(truth) => Some(Spanned::new(truth, datum.span)),
+            _ => {
+                self.wrong_type(what, &datum, "true or false");
+                None
+            }
+        }
+    }
+
+    pub fn colour(&mut self, what: &str, datum: Spanned<Datum>) -> Option<Spanned<Colour>> {
+        let text = self.text(what, datum)?;
+        let colour = Colour::parse(&text.value);
+        if colour.is_none() {
+            let problem = format!("`{}` is not a colour", text.value);
+            let reason = "colours are #rgb, #rrggbb or #rrggbbaa in hexadecimal digits";
+            let suggestion = Some("did you mean `#88aaff`?".to_owned());
+            self.push(Diagnostic::error(problem).why(reason).suggest(suggestion), text.span);
+        }
+        Some(Spanned::new(colour?, text.span))
+    }
+
+    /// One of a few words.
+    pub fn choice<T: Copy>(
+        &mut self,
+        what: &str,
+        datum: Spanned<Datum>,
+        choices: &[(T, &str)],
+    ) -> Option<Spanned<T>> {
+        let text = self.text(what, datum)?;
+        if let Some((value, _)) = choices.iter().find(|(_, name)| *name == text.value) {
+            return Some(Spanned::new(*value, text.span));
+        }
+        let names: Vec<&str> = choices.iter().map(|(_, name)| *name).collect();
+        let problem = Diagnostic::error(format!("unknown {what} `{}`", text.value));
+        let suggestion = did_you_mean(&text.value, names.iter().copied());
+        self.push(problem.why(format!("it may be {}", names.join(", "))).suggest(suggestion), text.span);
+        None
+    }
+}
+
+/// A table that is being taken apart.
+pub(super) struct Fields<'p> {
+    pub problems: &'p mut Problems,
+    /// The table's name, for messages.
+    name: String,
+    /// Where the table stands.
+    pub span: Span,
+    /// What has not been taken.
+    pub rest: Table,
+    asked: Vec<&'static str>,
+}
+
+impl<'p> Fields<'p> {
+    /// Nothing, and a problem, if the value is not a table.
+    pub fn new(problems: &'p mut Problems, name: &str, datum: Spanned<Datum>) -> Option<Fields<'p>> {
+        match datum.value {
+            Datum::Table(rest) => {
+                Some(Fields { problems, name: name.to_owned(), span: datum.span, rest, asked: Vec::new() })
+            }
+            _ => {
+                problems.wrong_type(name, &datum, "a table");
+                None
+            }
+        }
+    }
+
+    /// Takes a value out.
+    pub fn take(&mut self, key: &'static str) -> Option<Spanned<Datum>> {
+        self.take_entry(key).map(|(_, datum)| datum)
+    }
+
+    /// Takes a value out, with its key.
+    pub fn take_entry(&mut self, key: &'static str) -> Option<(Spanned<String>, Spanned<Datum>)> {
+        self.asked.push(key);
+        let at = self.rest.iter().position(|(name, _)| name.value == key)?;
+        Some(self.rest.remove(at))
+    }
+
+    /// Takes a value out that must be there.
+    pub fn need(&mut self, key: &'static str) -> Option<Spanned<Datum>> {
+        let datum = self.take(key);
+        if datum.is_none() {
+            self.missing(key);
+        }
+        datum
+    }
+
+    /// Says that a value is missing.
+    pub fn missing(&mut self, what: &str) {
+        let problem = Diagnostic::error(format!("`{}` has no `{what}`", self.name)).why("it is needed");
+        self.problems.push(problem, self.span);
+    }
+
+    pub fn number(&mut self, key: &'static str) -> Option<Spanned<Number>> {
+        let datum = self.take(key)?;
+        self.problems.number(key, datum)
+    }
+
+    pub fn vector(&mut self, key: &'static str) -> Option<Vector> {
+        let datum = self.take(key)?;
+        self.problems.numbers(key, datum)
+    }
+
+    pub fn text(&mut self, key: &'static str) -> Option<Spanned<String>> {
+        let datum = self.take(key)?;
+        self.problems.text(key, datum)
+    }
+
+    pub fn colour(&mut self, key: &'static str) -> Option<Spanned<Colour>> {
+        let datum = self.take(key)?;
+        self.problems.colour(key, datum)
+    }
+
+    pub fn truth(&mut self, key: &'static str) -> Option<Spanned<bool>> {
+        let datum = self.take(key)?;
+        self.problems.truth(key, datum)
+    }
+
+    /// True if everything has been taken.
+    pub fn is_exhausted(&self) -> bool {
+        self.rest.is_empty()
+    }
+
+    /// Reports everything that nobody asked for.
+    pub fn finish(self) {
+        for (key, _) in self.rest {
+            let problem = Diagnostic::error(format!("unknown key `{}` in `{}`", key.value, self.name));
+            let reason = format!("the keys are {}", self.asked.join(", "));
+            let suggestion = did_you_mean(&key.value, self.asked.iter().copied());
+            self.problems.push(problem.why(reason).suggest(suggestion), key.span);
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The text of tables that belong to others.
+
+use crate::datum::{Datum, Table};
+use crate::source::{Source, Span, Spanned};
+
+/// The sections of a file: from one header, or the comment directly above it, to the next.
+pub(super) struct Sections<'a> {
+    source: &'a Source,
+    /// Where each section starts and to which table of the top level it belongs.
+    starts: Vec<(usize, &'a str)>,
+}
+
+impl<'a> Sections<'a> {
+    pub fn new(source: &'a Source, table: &'a Table) -> Sections<'a> {
+        let mut starts = Vec::new();
+        for (name, value) in table {
+            collect_headers(source, value, &name.value, &mut starts);
+        }
+        for (start, _) in &mut starts {
+            *start = with_comment(source.text(), *start);
+        }
+        starts.sort();
+        starts.dedup_by_key(|(start, _)| *start);
+        Sections { source, starts }
+    }
+
+    /// The text of all sections of one table of the top level.
+    pub fn text(&self, name: &str, entry: &(Spanned<String>, Spanned<Datum>)) -> String {
+        let ends = self.starts.iter().skip(1).map(|(start, _)| *start).chain([self.source.text().len()]);
+        let mine = self.starts.iter().zip(ends).filter(|((_, owner), _)| *owner == name);
+        let text: String = mine.map(|((start, _), end)| self.source.slice(Span::new(*start, end))).collect();
+        match text.trim_end() {
+            // `name = { .. }` before the first header
+            "" => format!("{}\n", self.source.slice(entry.0.span.to(entry.1.span))),
+            text => format!("{text}\n"),
+        }
+    }
+}
+
+/// The places of all headers (`[a.b]`, `[[a.b]]`) below a value.
+fn collect_headers<'a>(
+    source: &Source,
+    value: &Spanned<Datum>,
+    name: &'a str,
+    starts: &mut Vec<(usize, &'a str)>,
+) {
+    match &value.value {
+        Datum::Table(table) => {
+            if source.slice(value.span).starts_with('[') {
+                starts.push((value.span.start, name));
+            }
+            table.iter().for_each(|(_, value)| collect_headers(source, value, name, starts));
+        }
+        // an array of tables has the place of its first header; its items have their own
+        Datum::List(list) => list.iter().for_each(|value| collect_headers(source, value, name, starts)),
+        _ => {}
+    }
+}
+
+/// Moves the start of a header to the first of the comment lines directly above it.
+fn with_comment(text: &str, header: usize) -> usize {
+    let mut start = text[..header].rfind('\n').map_or(0, |end| end + 1);
+    loop {
+        let Some(above) = text[..start].strip_suffix('\n') else {
+            return start;
+        };
+        let line = above.rfind('\n').map_or(0, |end| end + 1);
+        if !above[line..].trim_start().starts_with('#') {
+            return start;
+        }
+        start = line;
+    }
+}

@@ -1,0 +1,12 @@
+//! The native model file: TOML, written by people.
+
+mod fields;
+mod foreign;
+mod read;
+mod write;
+
+pub(crate) use read::read;
+pub(crate) use write::write;
+
+/// The version of the format that this crate reads and writes.
+pub const VERSION: f64 = 1.0;

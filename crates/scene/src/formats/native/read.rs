@@ -1,0 +1,513 @@
+//! From text to a document.
+
+use super::VERSION;
+use super::fields::{Fields, Problems};
+use super::foreign::Sections;
+use crate::datum::{self, Datum, Table};
+use crate::diagnostic::Diagnostic;
+use crate::document::*;
+use crate::expression::is_reserved;
+use crate::number::written;
+use crate::source::{Source, Span, Spanned};
+use crate::suggestion::{did_you_mean, nearest};
+use crate::unit::Unit;
+use rayweave_shape::primitive::MANUALS;
+use std::collections::HashSet;
+use std::sync::Arc;
+use toml::de::DeTable;
+
+/// What was read, as far as it could be.
+pub(crate) struct Reading {
+    pub document: Document,
+    pub problems: Vec<Diagnostic>,
+    /// The text is not TOML: what was not found may stand in a part that could not be read.
+    pub broken: bool,
+    /// Names of solids and parameters that stand in the file but could not be read, or not wholly.
+    pub unreadable: HashSet<String>,
+}
+
+/// The tables of the top level.
+const TABLES: [&str; 7] = ["parameters", "solid", "region", "medium", "camera", "light", "render"];
+
+/// Reads as much as there is, with all problems.
+pub(crate) fn read(source: Arc<Source>) -> Reading {
+    let (table, errors) = DeTable::parse_recoverable(source.text());
+    let mut problems = Problems { source: source.clone(), list: Vec::new() };
+    let table = datum::from_toml(table.get_ref(), &source, &mut problems.list);
+    let mut reader = Reader {
+        document: Document { source: source.clone(), heading: heading(source.text()), ..Document::default() },
+        problems,
+        unreadable: HashSet::new(),
+    };
+    reader.top(&source, table);
+    let broken = !errors.is_empty();
+    if broken {
+        reader.add_syntax_errors(&errors);
+    }
+    Reading {
+        document: reader.document,
+        problems: reader.problems.list,
+        broken,
+        unreadable: reader.unreadable,
+    }
+}
+
+/// The comment lines at the head of the file.
+fn heading(text: &str) -> Vec<String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let comments = text.lines().map_while(|line| line.strip_prefix('#'));
+    comments.map(|line| line.trim().to_owned()).collect()
+}
+
+struct Reader {
+    document: Document,
+    problems: Problems,
+    unreadable: HashSet<String>,
+}
+
+impl Reader {
+    /// Adds the errors of syntax and removes what else was found on their lines, which is their consequence.
+    fn add_syntax_errors(&mut self, errors: &[toml::de::Error]) {
+        let source = self.problems.source.clone();
+        let span = |error: &toml::de::Error| error.span().map(Span::from).unwrap_or_default();
+        let lines: HashSet<usize> =
+            errors.iter().map(|error| source.line_column(span(error).start).0).collect();
+        let stays =
+            |problem: &Diagnostic| problem.line_column().is_none_or(|(line, _)| !lines.contains(&line));
+        self.problems.list.retain(stays);
+        let mut seen = HashSet::new();
+        for error in errors {
+            if seen.insert((span(error), error.message())) {
+                let problem = Diagnostic::error(error.message()).why("the text is not TOML here");
+                self.problems.push(problem, span(error));
+            }
+        }
+    }
+
+    fn top(&mut self, source: &Source, table: Table) {
+        let sections = Sections::new(source, &table);
+        let foreign: Vec<String> =
+            table
+                .iter()
+                .map(|entry| {
+                    if self.is_foreign(entry) { sections.text(&entry.0.value, entry) } else { String::new() }
+                })
+                .collect();
+        let stated = table.iter().any(|(key, _)| key.value == "rayweave");
+        if !stated {
+            let problem =
+                Diagnostic::warning("the file does not say which version of the format it is written in")
+                    .why("formats change")
+                    .suggest(Some("begin with `rayweave = 1`".to_owned()));
+            self.problems.list.push(problem.in_file(&self.problems.source.clone()));
+        }
+        for ((key, value), text) in table.into_iter().zip(foreign) {
+            self.entry(key, value, text);
+        }
+    }
+
+    fn is_foreign(&self, (key, value): &(Spanned<String>, Spanned<Datum>)) -> bool {
+        let known = TABLES.contains(&key.value.as_str()) || matches!(key.value.as_str(), "rayweave" | "unit");
+        !known && (matches!(value.value, Datum::Table(_)) || is_tables(&value.value))
+    }
+
+    fn entry(&mut self, key: Spanned<String>, value: Spanned<Datum>, text: String) {
+        match key.value.as_str() {
+            "rayweave" => self.version(value),
+            "unit" => self.unit(value),
+            "parameters" => self.parameters(value),
+            "solid" => self.named_tables("solid", value, Reader::solid),
+            "region" => self.tables("region", value, Reader::region),
+            "medium" => self.named_tables("medium", value, Reader::medium),
+            "camera" => self.camera(value),
+            "light" => self.tables("light", value, Reader::light),
+            "render" => self.render(value),
+            _ if text.is_empty() => self.unknown(&key),
+            _ => self.foreign(key, value, text),
+        }
+    }
+
+    fn unknown(&mut self, key: &Spanned<String>) {
+        let names = ["rayweave", "unit"];
+        let problem = Diagnostic::error(format!("unknown key `{}`", key.value))
+            .why(format!("outside tables there are only {}", names.join(" and ")))
+            .suggest(did_you_mean(&key.value, names.iter().chain(&TABLES).copied()));
+        self.problems.push(problem, key.span);
+    }
+
+    fn foreign(&mut self, name: Spanned<String>, value: Spanned<Datum>, text: String) {
+        if let Some(other) = nearest(&name.value, TABLES) {
+            let problem = Diagnostic::warning(format!("the table `{}` is not used", name.value))
+                .why("tables of other names are kept for those who know them")
+                .suggest(Some(format!("did you mean `{other}`?")));
+            self.problems.push(problem, name.span);
+        }
+        self.document.foreign.push(Foreign { name, value, text });
+    }
+
+    fn version(&mut self, value: Spanned<Datum>) {
+        if value.value != Datum::Number(VERSION) {
+            let found = match &value.value {
+                Datum::Number(number) => format!("unknown version {}", written(*number)),
+                other => format!("`rayweave` is {}", other.description()),
+            };
+            let reason = format!("this program reads version {}", written(VERSION));
+            self.problems.push(Diagnostic::error(found).why(reason), value.span);
+        }
+    }
+
+    fn unit(&mut self, value: Spanned<Datum>) {
+        let choices = Unit::ALL.map(|(unit, symbol, _)| (unit, symbol));
+        self.document.unit = self.problems.choice("unit", value, &choices);
+    }
+
+    fn parameters(&mut self, value: Spanned<Datum>) {
+        let Some(fields) = Fields::new(&mut self.problems, "parameters", value) else {
+            return;
+        };
+        for (name, value) in fields.rest {
+            match self.problems.number(&name.value, value) {
+                Some(value) => self.document.parameters.push(Parameter { name, value }),
+                None => drop(self.unreadable.insert(name.value)),
+            }
+        }
+    }
+
+    /// `[what.name]` tables.
+    fn named_tables(
+        &mut self,
+        what: &str,
+        value: Spanned<Datum>,
+        each: fn(&mut Reader, Spanned<String>, Spanned<Datum>),
+    ) {
+        let Datum::Table(table) = value.value else {
+            self.problems.wrong_type(what, &value, &format!("tables with names, as [{what}.name]"));
+            return;
+        };
+        for (name, value) in table {
+            each(self, name, value);
+        }
+    }
+
+    /// `[[what]]` tables.
+    fn tables(&mut self, what: &str, value: Spanned<Datum>, each: fn(&mut Reader, Spanned<Datum>)) {
+        match value.value {
+            Datum::List(list) => list.into_iter().for_each(|value| each(self, value)),
+            _ => self.problems.wrong_type(what, &value, &format!("a list of tables, as [[{what}]]")),
+        }
+    }
+
+    fn solid(&mut self, name: Spanned<String>, value: Spanned<Datum>) {
+        if is_reserved(&name.value) {
+            let problem = Diagnostic::error(format!("no solid can be called `{}`", name.value));
+            self.problems.push(problem.why("the name has a meaning of its own in expressions"), name.span);
+        }
+        let what = format!("solid.{}", name.value);
+        let before = self.problems.list.len();
+        let entry = Fields::new(&mut self.problems, &what, value).map(|fields| solid(fields, name.clone()));
+        if self.problems.list.len() > before {
+            self.unreadable.insert(name.value);
+        }
+        self.document.solids.extend(entry);
+    }
+
+    fn region(&mut self, value: Spanned<Datum>) {
+        let Some(mut fields) = Fields::new(&mut self.problems, "region", value) else {
+            return;
+        };
+        let solid = fields.need("solid").and_then(|datum| fields.problems.text("solid", datum));
+        let (medium, colour, name) = (fields.text("medium"), fields.colour("colour"), fields.text("name"));
+        fields.finish();
+        if let Some(solid) = solid {
+            self.document.regions.push(RegionEntry { solid, medium, colour, name });
+        }
+    }
+
+    fn medium(&mut self, name: Spanned<String>, value: Spanned<Datum>) {
+        let what = format!("medium.{}", name.value);
+        let Some(mut fields) = Fields::new(&mut self.problems, &what, value) else {
+            return;
+        };
+        let (index, colour) = (fields.number("index"), fields.colour("colour"));
+        let others = fields.rest;
+        for (key, _) in &others {
+            if let Some(other) = nearest(&key.value, ["index", "colour"]) {
+                let problem = Diagnostic::warning(format!("`{}` is not used", key.value))
+                    .why("other keys of media are kept for those who know them")
+                    .suggest(Some(format!("did you mean `{other}`?")));
+                self.problems.push(problem, key.span);
+            }
+        }
+        self.document.media.push(MediumEntry { name, index, colour, others });
+    }
+
+    fn camera(&mut self, value: Spanned<Datum>) {
+        let span = value.span;
+        let Some(mut fields) = Fields::new(&mut self.problems, "camera", value) else {
+            return;
+        };
+        let projection = projection(&mut fields);
+        let position = fields.need("position").and_then(|datum| fields.problems.numbers("position", datum));
+        let target = fields.vector("target");
+        let up = fields.vector("up");
+        let size = fields.take("size").and_then(|datum| fields.problems.numbers("size", datum));
+        fields.finish();
+        if let (Some(projection), Some(position)) = (projection, position) {
+            let camera = CameraEntry { projection, position, target, up, size };
+            self.document.camera = Some(Spanned::new(camera, span));
+        }
+    }
+
+    fn light(&mut self, value: Spanned<Datum>) {
+        let span = value.span;
+        let Some(mut fields) = Fields::new(&mut self.problems, "light", value) else {
+            return;
+        };
+        let (direction, position) = (fields.take("direction"), fields.take("position"));
+        let (intensity, colour) = (fields.number("intensity"), fields.colour("colour"));
+        let kind = match (direction, position) {
+            (Some(datum), None) => fields.problems.numbers("direction", datum).map(LightKind::Direction),
+            (None, Some(datum)) => fields.problems.numbers("position", datum).map(LightKind::Position),
+            (both, _) => {
+                let found = if both.is_some() { "a `direction` and a" } else { "no `direction` and no" };
+                let problem = Diagnostic::error(format!("the light has {found} `position`"));
+                fields.problems.push(problem.why("it is parallel or comes from a point"), span);
+                None
+            }
+        };
+        fields.finish();
+        if let Some(kind) = kind {
+            self.document.lights.push(LightEntry { kind, intensity, colour });
+        }
+    }
+
+    fn render(&mut self, value: Spanned<Datum>) {
+        let Some(mut fields) = Fields::new(&mut self.problems, "render", value) else {
+            return;
+        };
+        let shading = fields.take("shading");
+        let entry = RenderEntry {
+            background: fields.colour("background"),
+            shading: shading.and_then(|datum| fields.problems.choice("shading", datum, &Shading::ALL)),
+            edges: fields.truth("edges"),
+            shadows: fields.truth("shadows"),
+            samples: fields.number("samples"),
+        };
+        fields.finish();
+        self.document.render = Some(entry);
+    }
+}
+
+fn is_tables(value: &Datum) -> bool {
+    match value {
+        Datum::List(list) => {
+            !list.is_empty() && list.iter().all(|item| matches!(item.value, Datum::Table(_)))
+        }
+        _ => false,
+    }
+}
+
+fn projection(fields: &mut Fields) -> Option<ProjectionEntry> {
+    const CHOICES: [(bool, &str); 2] = [(false, "perspective"), (true, "orthographic")];
+    let (fov, height) = (fields.take_entry("fov"), fields.take_entry("height"));
+    let orthographic = match fields.take("projection") {
+        Some(datum) => fields.problems.choice("projection", datum, &CHOICES)?.value,
+        None => height.is_some() && fov.is_none(),
+    };
+    let (used, unused) = if orthographic { (height, fov) } else { (fov, height) };
+    let kind = CHOICES[usize::from(orthographic)].1;
+    if let Some((key, _)) = unused {
+        let problem = Diagnostic::error(format!("`{}` has no meaning here", key.value));
+        let reason = "`fov` is for perspective cameras and `height` for orthographic ones";
+        fields.problems.push(problem.why(reason), key.span);
+    }
+    let number = match used {
+        Some((key, datum)) => Some(fields.problems.number(&key.value, datum)?),
+        None => None,
+    };
+    match (kind, number) {
+        ("perspective", fov) => Some(ProjectionEntry::Perspective(fov)),
+        (_, Some(height)) => Some(ProjectionEntry::Orthographic(height)),
+        _ => {
+            fields.missing("height");
+            None
+        }
+    }
+}
+
+fn solid(mut fields: Fields, name: Spanned<String>) -> SolidEntry {
+    let label = fields.text("name");
+    let transform = fields.take("transform").map(|datum| transform(fields.problems, datum));
+    // what could not be read is replaced, so that the rest can be checked too
+    let body = body(fields).unwrap_or_else(|| Body::Expression("vacuum".into()));
+    SolidEntry { name, label, body, transform: transform.unwrap_or_default() }
+}
+
+fn body(mut fields: Fields) -> Option<Body> {
+    let mut found = Vec::new();
+    for keyword in ["expr", "place"].into_iter().chain(MANUALS.iter().map(|manual| manual.name)) {
+        found.extend(fields.take_entry(keyword));
+    }
+    if let [(first, _), (second, _), ..] = found.as_slice() {
+        let problem = format!("the solid is a `{}` and a `{}`", first.value, second.value);
+        let problem = Diagnostic::error(problem).why("a solid is one thing; `expr` joins several");
+        fields.problems.push(problem, second.span);
+    }
+    let Some((keyword, datum)) = found.into_iter().next() else {
+        return nothing_known(fields);
+    };
+    let body = match keyword.value.as_str() {
+        "expr" => fields.problems.text("expr", datum).map(Body::Expression),
+        "place" => place(fields.problems, datum).map(Body::Place),
+        _ => arguments(fields.problems, &keyword, datum).map(|table| Body::Shape(keyword, table)),
+    };
+    fields.finish();
+    body
+}
+
+/// The solid has no keyword that means something.
+fn nothing_known(fields: Fields) -> Option<Body> {
+    if fields.is_exhausted() {
+        let problem = Diagnostic::error("the solid has no shape").why("it needs a shape, `expr` or `place`");
+        fields.problems.push(problem, fields.span);
+        return None;
+    }
+    let shapes: Vec<&str> = MANUALS.iter().map(|manual| manual.name).collect();
+    let names = ["expr", "place", "transform", "name"].into_iter().chain(shapes.iter().copied());
+    for (key, _) in &fields.rest {
+        let problem = Diagnostic::error(format!("unknown shape `{}`", key.value))
+            .why(format!("the shapes are {}; others are `expr` and `place`", shapes.join(", ")))
+            .suggest(did_you_mean(&key.value, names.clone()));
+        fields.problems.push(problem, key.span);
+    }
+    None
+}
+
+fn arguments(problems: &mut Problems, keyword: &Spanned<String>, datum: Spanned<Datum>) -> Option<Table> {
+    match datum.value {
+        Datum::Table(table) => Some(table),
+        _ => {
+            let manual = MANUALS.iter().find(|manual| manual.name == keyword.value);
+            let parameter =
+                manual.and_then(|manual| manual.parameters.first()).map_or("..", |first| first.name);
+            let wanted = format!("a table of its parameters, as {{ {parameter} = .. }}");
+            problems.wrong_type(&keyword.value, &datum, &wanted);
+            None
+        }
+    }
+}
+
+/// The steps that can be read.
+fn transform(problems: &mut Problems, datum: Spanned<Datum>) -> Vec<Spanned<Step>> {
+    match datum.value {
+        Datum::List(list) => list.into_iter().filter_map(|item| step(problems, item)).collect(),
+        // one step needs no brackets
+        Datum::Table(_) => step(problems, datum).into_iter().collect(),
+        _ => {
+            problems.wrong_type("transform", &datum, "a list of steps, as [{ rotate_x = 90 }]");
+            Vec::new()
+        }
+    }
+}
+
+fn step(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Spanned<Step>> {
+    let span = datum.span;
+    let mut fields = Fields::new(problems, "transform", datum)?;
+    let mut found = Vec::new();
+    for key in ["translate", "rotate_x", "rotate_y", "rotate_z", "rotate", "scale", "mirror", "matrix"] {
+        found.extend(fields.take_entry(key));
+    }
+    let counted = found.len() == 1 || !fields.is_exhausted();
+    if !counted {
+        let problem = Diagnostic::error(format!("the step has {} maps", found.len()));
+        fields.problems.push(problem.why("each step is one map, because their order counts"), span);
+    }
+    let step = match found.into_iter().next() {
+        Some((key, datum)) if counted => map(fields.problems, &key.value, datum),
+        _ => None,
+    };
+    fields.finish();
+    step.map(|step| Spanned::new(step, span))
+}
+
+fn map(problems: &mut Problems, key: &str, datum: Spanned<Datum>) -> Option<Step> {
+    match key {
+        "translate" => problems.numbers(key, datum).map(Step::Translate),
+        "rotate_x" => problems.number(key, datum).map(Step::RotateX),
+        "rotate_y" => problems.number(key, datum).map(Step::RotateY),
+        "rotate_z" => problems.number(key, datum).map(Step::RotateZ),
+        "rotate" => rotate(problems, datum),
+        "scale" if matches!(datum.value, Datum::List(_)) => problems.numbers(key, datum).map(Step::ScaleAxes),
+        "scale" => problems.number(key, datum).map(Step::Scale),
+        "mirror" => problems.numbers(key, datum).map(Step::Mirror),
+        _ => problems.matrix(key, datum).map(Step::Matrix),
+    }
+}
+
+fn rotate(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Step> {
+    let mut fields = Fields::new(problems, "rotate", datum)?;
+    let axis = fields.need("axis").and_then(|datum| fields.problems.numbers("axis", datum));
+    let degrees = fields.need("degrees").and_then(|datum| fields.problems.number("degrees", datum));
+    fields.finish();
+    Some(Step::Rotate(axis?, degrees?))
+}
+
+fn place(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Place> {
+    let span = datum.span;
+    let mut fields = Fields::new(problems, "place", datum)?;
+    let solid = fields.need("solid").and_then(|datum| fields.problems.text("solid", datum));
+    let mut found = Vec::new();
+    for key in ["grid", "ring", "at", "matrices", "file"] {
+        found.extend(fields.take_entry(key));
+    }
+    if found.len() != 1 {
+        let problem = Diagnostic::error(format!("`place` says {} times where", found.len()));
+        fields.problems.push(problem.why("it needs one of grid, ring, at, matrices, file"), span);
+        return None;
+    }
+    let (key, datum) = found.remove(0);
+    let layout = layout(&mut fields, &key.value, datum);
+    fields.finish();
+    let (solid, layout) = (solid?, layout?);
+    Some(Place { solid, layout })
+}
+
+fn layout(fields: &mut Fields, key: &str, datum: Spanned<Datum>) -> Option<Layout> {
+    match key {
+        "grid" => {
+            let count = fields.problems.numbers(key, datum);
+            let step = fields.need("step").and_then(|datum| fields.problems.numbers("step", datum));
+            let origin = fields.vector("origin");
+            let (count, step) = (count?, step?);
+            Some(Layout::Grid { count, step, origin })
+        }
+        "ring" => {
+            let count = fields.problems.number(key, datum);
+            let radius = fields.need("radius").and_then(|datum| fields.problems.number("radius", datum));
+            let start = fields.number("start");
+            let (count, radius) = (count?, radius?);
+            Some(Layout::Ring { count, radius, start })
+        }
+        "at" => list(fields.problems, key, datum, Problems::numbers).map(Layout::At),
+        "matrices" => list(fields.problems, key, datum, Problems::matrix).map(Layout::Matrices),
+        _ => fields.problems.text(key, datum).map(Layout::File),
+    }
+}
+
+fn list<T>(
+    problems: &mut Problems,
+    key: &str,
+    datum: Spanned<Datum>,
+    each: fn(&mut Problems, &str, Spanned<Datum>) -> Option<T>,
+) -> Option<Vec<T>> {
+    match datum.value {
+        Datum::List(list) => {
+            let items: Vec<Option<T>> = list.into_iter().map(|item| each(problems, key, item)).collect();
+            items.into_iter().collect()
+        }
+        _ => {
+            problems.wrong_type(key, &datum, "a list");
+            None
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Placements from NPY files.
+
+use super::Context;
+use super::solids::map_problem;
+use crate::diagnostic::Diagnostic;
+use crate::source::Spanned;
+use npyz::{DType, NpyFile, Order};
+use rayweave_math::{Affine, Vec3};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+/// The most numbers in a file of placements.
+const MOST_NUMBERS: u64 = 1 << 26;
+
+/// Reads the maps of a file beside the model file: float64, (N, 3) translations or (N, 4, 4) matrices.
+pub(super) fn transforms(context: &mut Context, file: &Spanned<String>) -> Option<Vec<Affine>> {
+    let folder = context.document.source.path().and_then(|path| path.parent().map(Path::to_owned));
+    let path = folder.unwrap_or_default().join(&file.value);
+    match read(&path).and_then(|(numbers, shape)| to_maps(&numbers, &shape)) {
+        Ok(maps) => Some(maps),
+        Err(reason) => {
+            let problem = Diagnostic::error(format!("the placements in `{}` cannot be used", file.value));
+            context.push(problem.why(reason), file.span);
+            None
+        }
+    }
+}
+
+fn read(path: &PathBuf) -> Result<(Vec<f64>, Vec<u64>), String> {
+    let opened = File::open(path).map_err(|error| reason(&error))?;
+    if opened.metadata().is_ok_and(|metadata| metadata.is_dir()) {
+        return Err("it is a folder".to_owned());
+    }
+    let array = NpyFile::new(BufReader::new(opened)).map_err(|error| format!("not an NPY file: {error}"))?;
+    let shape = array.shape().to_vec();
+    if let DType::Plain(kind) = array.dtype()
+        && kind.to_string().trim_start_matches(['<', '>', '=']) != "f8"
+    {
+        return Err(format!("its numbers are {kind}, they must be float64"));
+    }
+    if array.order() != Order::C {
+        return Err("its order is Fortran's, it must be C".to_owned());
+    }
+    let count = shape.iter().try_fold(1u64, |product, n| product.checked_mul(*n));
+    if count.is_none_or(|count| count > MOST_NUMBERS) {
+        return Err(format!("it holds more than {MOST_NUMBERS} numbers"));
+    }
+    let numbers = array.data::<f64>().map_err(|error| error.to_string())?;
+    let numbers: Result<Vec<f64>, _> = numbers.collect();
+    Ok((numbers.map_err(|error| reason(&error))?, shape))
+}
+
+/// An error of the operating system in words that do not differ between systems.
+pub(crate) fn reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        std::io::ErrorKind::PermissionDenied => "reading it is not permitted".to_owned(),
+        std::io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+        std::io::ErrorKind::UnexpectedEof => "it ends too early".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+fn to_maps(numbers: &[f64], shape: &[u64]) -> Result<Vec<Affine>, String> {
+    let maps: Vec<Affine> = match shape {
+        [_, 3] => numbers.chunks_exact(3).map(|p| Affine::translate(Vec3::new(p[0], p[1], p[2]))).collect(),
+        [_, 4, 4] => {
+            let maps = numbers.chunks_exact(16).enumerate().map(|(index, entries)| matrix(index, entries));
+            maps.collect::<Result<_, _>>()?
+        }
+        _ => return Err(format!("its shape is {shape:?}, it must be (N, 3) or (N, 4, 4)")),
+    };
+    for (index, map) in maps.iter().enumerate() {
+        map.inverse().map_err(|error| map_problem(index, error))?;
+    }
+    Ok(maps)
+}
+
+fn matrix(index: usize, entries: &[f64]) -> Result<Affine, String> {
+    let row = |k: usize| [entries[4 * k], entries[4 * k + 1], entries[4 * k + 2], entries[4 * k + 3]];
+    let map = Affine::from_rows(&[row(0), row(1), row(2), row(3)]);
+    map.ok_or_else(|| format!("the last row of matrix {index} is not 0, 0, 0, 1"))
+}

@@ -1,0 +1,66 @@
+//! From what a document says to what it means.
+
+mod files;
+mod numbers;
+mod regions;
+mod solids;
+mod view;
+
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::document::Document;
+use crate::scene::Scene;
+use crate::source::Span;
+pub(crate) use files::reason;
+use numbers::Numbers;
+use std::collections::HashSet;
+
+/// Computes everything; every problem that does not follow from another one is reported.
+///
+/// `unreadable` are names that stand in the file but could not be read: using them is not a new problem.
+pub(crate) fn resolve(
+    document: &Document,
+    overrides: &[(String, String)],
+    unreadable: &HashSet<String>,
+    problems: Vec<Diagnostic>,
+) -> Result<Scene, Diagnostics> {
+    let mut context = Context { document, problems, unreadable };
+    let mut numbers = Numbers::new(&mut context, overrides);
+    let solids = solids::build(&mut context, &mut numbers);
+    let (media, regions) = regions::build(&mut context, &mut numbers, &solids);
+    let (camera, lights, render) = view::build(&mut context, &mut numbers);
+    if context.problems.iter().any(|problem| problem.severity() == Severity::Error) {
+        return Err(Diagnostics::new(context.problems));
+    }
+    // only now is it known that nothing was passed over
+    numbers.warn_unused(&mut context);
+    let names = document.solids.iter().map(|entry| &entry.name.value);
+    let built = names.zip(solids.built).filter_map(|(name, solid)| Some((name.clone(), solid?)));
+    Ok(Scene {
+        unit: document.unit.as_ref().map(|unit| unit.value).unwrap_or_default(),
+        parameters: numbers.into_values(document),
+        solids: built.collect(),
+        regions,
+        media,
+        camera,
+        lights,
+        render,
+        warnings: Diagnostics::new(context.problems),
+    })
+}
+
+/// The document, and where problems are collected.
+struct Context<'d> {
+    document: &'d Document,
+    problems: Vec<Diagnostic>,
+    unreadable: &'d HashSet<String>,
+}
+
+impl Context<'_> {
+    fn push(&mut self, problem: Diagnostic, span: Span) {
+        self.problems.push(problem.at(&self.document.source, span));
+    }
+
+    fn is_unreadable(&self, name: &str) -> bool {
+        self.unreadable.contains(name)
+    }
+}

@@ -1,0 +1,141 @@
+//! Regions and media.
+
+use super::Context;
+use super::numbers::Numbers;
+use super::solids::Solids;
+use crate::colour::Colour;
+use crate::datum::{Datum, key};
+use crate::diagnostic::Diagnostic;
+use crate::document::RegionEntry;
+use crate::scene::{Medium, SceneRegion};
+use crate::suggestion::did_you_mean;
+use std::collections::HashMap;
+
+/// The name of the medium around everything.
+pub(crate) const WORLD: &str = "world";
+
+/// The media, that of the world first, and the regions.
+pub(super) fn build<'d>(
+    context: &mut Context<'d>,
+    numbers: &mut Numbers,
+    solids: &Solids<'d>,
+) -> (Vec<Medium>, Vec<SceneRegion>) {
+    let mut media = Media::new(context, numbers);
+    let document = context.document;
+    if document.regions.is_empty() {
+        let regions = implied(context, solids, &mut media);
+        return (media.list, regions);
+    }
+    let mut regions = Vec::new();
+    let mut seen = HashMap::new();
+    for (number, entry) in document.regions.iter().enumerate() {
+        let stated = entry.name.as_ref().unwrap_or(&entry.solid);
+        if let Some(first) = seen.insert(stated.value.as_str(), stated.span) {
+            let problem = Diagnostic::error(format!("there are two regions called `{}`", stated.value))
+                .why("answers call regions by their names")
+                .suggest(Some("give one of them another `name`".to_owned()))
+                .note(first, "the first one");
+            context.push(problem, stated.span);
+        }
+        regions.extend(region(context, solids, &mut media, entry, number));
+    }
+    (media.list, regions)
+}
+
+/// One region.
+fn region<'d>(
+    context: &mut Context<'d>,
+    solids: &Solids<'d>,
+    media: &mut Media,
+    entry: &RegionEntry,
+    number: usize,
+) -> Option<SceneRegion> {
+    let found = solids.find(context, &entry.solid.value, entry.solid.span);
+    let name = &entry.name.as_ref().unwrap_or(&entry.solid).value;
+    let medium = match &entry.medium {
+        None => media.find_or_add(name),
+        Some(medium) => match media.find(&medium.value) {
+            Some(found) => found,
+            None => {
+                let problem = Diagnostic::error(format!("unknown medium `{}`", medium.value))
+                    .why(format!("there is no [medium.{}]", key(&medium.value)))
+                    .suggest(did_you_mean(&medium.value, media.index.keys().map(String::as_str)));
+                context.push(problem, medium.span);
+                return None;
+            }
+        },
+    };
+    let colour = entry.colour.as_ref().map(|colour| colour.value);
+    Some(SceneRegion {
+        name: name.clone(),
+        solid: solids.built[found?].clone()?,
+        medium,
+        colour: colour.or(media.list[medium as usize].colour).unwrap_or(palette(number)),
+    })
+}
+
+/// Without regions, each solid that no other uses is one, of a medium of its own.
+fn implied<'d>(context: &Context<'d>, solids: &Solids<'d>, media: &mut Media) -> Vec<SceneRegion> {
+    let document = context.document;
+    let unused = document.solids.iter().zip(&solids.built).zip(&solids.used).filter(|(_, used)| !**used);
+    let mut regions = Vec::new();
+    for ((entry, solid), _) in unused {
+        let Some(solid) = solid.clone() else {
+            continue;
+        };
+        let name = entry.name.value.clone();
+        let medium = media.find_or_add(&name);
+        let colour = media.list[medium as usize].colour.unwrap_or(palette(regions.len()));
+        regions.push(SceneRegion { name, solid, medium, colour });
+    }
+    regions
+}
+
+fn palette(number: usize) -> Colour {
+    Colour::PALETTE[number % Colour::PALETTE.len()]
+}
+
+/// The media by number and by name.
+struct Media {
+    list: Vec<Medium>,
+    index: HashMap<String, u32>,
+}
+
+impl Media {
+    fn new(context: &mut Context, numbers: &Numbers) -> Media {
+        let mut media = Media { list: Vec::new(), index: HashMap::new() };
+        media.find_or_add(WORLD);
+        for entry in &context.document.media {
+            let number = media.find_or_add(&entry.name.value) as usize;
+            let positive = |value: f64| value > 0.0 && value.is_finite();
+            let index = entry.index.as_ref();
+            let index = index
+                .and_then(|index| numbers.checked(context, index, "finite and greater than 0", positive));
+            let others = entry.others.iter().filter_map(|(key, value)| match value.value {
+                Datum::Number(number) => Some((key.value.clone(), number)),
+                _ => None,
+            });
+            media.list[number] = Medium {
+                name: entry.name.value.clone(),
+                index,
+                colour: entry.colour.as_ref().map(|colour| colour.value),
+                numbers: others.collect(),
+            };
+        }
+        media
+    }
+
+    fn find(&self, name: &str) -> Option<u32> {
+        self.index.get(name).copied()
+    }
+
+    fn find_or_add(&mut self, name: &str) -> u32 {
+        if let Some(number) = self.find(name) {
+            return number;
+        }
+        let number = self.list.len() as u32;
+        self.index.insert(name.to_owned(), number);
+        self.list.push(Medium { name: name.to_owned(), ..Medium::default() });
+        number
+    }
+}

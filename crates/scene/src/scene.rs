@@ -1,0 +1,149 @@
+//! What a model file means: solids, regions, media, camera, lights, with all numbers known.
+
+use crate::colour::Colour;
+use crate::diagnostic::Diagnostics;
+use crate::document::{LightKind, Shading};
+use crate::unit::Unit;
+use rayweave_math::Vec3;
+use rayweave_model::{Region, Solid};
+
+/// A scene, ready to be compiled and drawn.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The unit of all lengths.
+    pub unit: Unit,
+    /// The parameters with their values, in the order of the file.
+    pub parameters: Vec<(String, f64)>,
+    /// The solids with their names, in the order of the file.
+    pub solids: Vec<(String, Solid)>,
+    /// The regions in order: later ones win where they overlap.
+    pub regions: Vec<SceneRegion>,
+    /// The media; the first, number 0, is that of the world.
+    pub media: Vec<Medium>,
+    /// From where the picture is taken.
+    pub camera: Option<Camera>,
+    /// Lights.
+    pub lights: Vec<Light>,
+    /// How the picture is drawn.
+    pub render: RenderSettings,
+    /// What may not have been meant.
+    pub warnings: Diagnostics,
+}
+
+/// Warnings do not count.
+impl PartialEq for Scene {
+    fn eq(&self, other: &Scene) -> bool {
+        self.unit == other.unit
+            && self.parameters == other.parameters
+            && self.solids == other.solids
+            && self.regions == other.regions
+            && self.media == other.media
+            && self.camera == other.camera
+            && self.lights == other.lights
+            && self.render == other.render
+    }
+}
+
+impl Scene {
+    /// A solid by its name.
+    pub fn solid(&self, name: &str) -> Option<&Solid> {
+        self.solids.iter().find(|(own, _)| own == name).map(|(_, solid)| solid)
+    }
+
+    /// The regions as they are compiled.
+    pub fn model_regions(&self) -> Vec<Region> {
+        let region = |region: &SceneRegion| Region {
+            name: region.name.clone(),
+            solid: region.solid.clone(),
+            medium: region.medium,
+        };
+        self.regions.iter().map(region).collect()
+    }
+
+    /// The names of the media, by number.
+    pub fn medium_names(&self) -> Vec<&str> {
+        self.media.iter().map(|medium| medium.name.as_str()).collect()
+    }
+}
+
+/// A solid made of a medium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneRegion {
+    /// What it is called.
+    pub name: String,
+    /// The space that it takes, except where a later region takes it.
+    pub solid: Solid,
+    /// The number of its medium.
+    pub medium: u32,
+    /// Its colour in pictures.
+    pub colour: Colour,
+}
+
+/// What a region is made of.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Medium {
+    /// Its name.
+    pub name: String,
+    /// Its refractive index, if it is known.
+    pub index: Option<f64>,
+    /// The colour of regions made of it.
+    pub colour: Option<Colour>,
+    /// The other numbers that are said of it.
+    pub numbers: Vec<(String, f64)>,
+}
+
+/// From where a picture is taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// How space becomes a picture.
+    pub projection: Projection,
+    /// Where the camera is.
+    pub position: Vec3,
+    /// The point in the middle of the picture; not the position.
+    pub target: Vec3,
+    /// The direction that is up in the picture; not the direction of view.
+    pub up: Vec3,
+    /// Width and height of the picture in pixels.
+    pub size: Option<(u32, u32)>,
+}
+
+/// How space becomes a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// As the eye sees it.
+    Perspective {
+        /// The vertical field of view in degrees, between 0 and 180.
+        fov: f64,
+    },
+    /// Without foreshortening.
+    Orthographic {
+        /// The height of the picture in lengths of the model, > 0.
+        height: f64,
+    },
+}
+
+/// A light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Where it comes from; directions are not zero, and need not be of unit length.
+    pub kind: LightKind<Vec3>,
+    /// How strong it is, >= 0.
+    pub intensity: f64,
+    /// Its colour.
+    pub colour: Colour,
+}
+
+/// How a picture is drawn; what is `None` is left to whoever draws it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RenderSettings {
+    /// The colour where there is nothing.
+    pub background: Option<Colour>,
+    /// How surfaces are shaded.
+    pub shading: Option<Shading>,
+    /// Whether edges are drawn.
+    pub edges: Option<bool>,
+    /// Whether there are shadows.
+    pub shadows: Option<bool>,
+    /// How many rays make a pixel, along x and along y: 1 to 16.
+    pub samples: Option<u32>,
+}
