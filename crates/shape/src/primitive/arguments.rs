@@ -27,8 +27,7 @@ impl Arguments {
 
     fn value(&self, name: &str) -> Option<&Value> {
         let mut all = self.values.iter();
-        all.find(|(known, _)| *known == name)
-            .map(|(_, value)| value)
+        all.find(|(known, _)| *known == name).map(|(_, value)| value)
     }
 
     /// A number. NaN, which no primitive accepts, if there is no number of that name; likewise below.
@@ -74,10 +73,7 @@ fn refuse_unknown(
     given: &[(&str, Value)],
 ) -> Result<(), ShapeError> {
     let names = || parameters.iter().map(|parameter| parameter.name);
-    match given
-        .iter()
-        .find(|(name, _)| !names().any(|known| known == *name))
-    {
+    match given.iter().find(|(name, _)| !names().any(|known| known == *name)) {
         None => Ok(()),
         Some((name, _)) => Err(ShapeError::UnknownParameter {
             shape,
@@ -95,10 +91,7 @@ fn read_one(
     let mut values = given.iter().filter(|(name, _)| *name == parameter.name);
     let value = values.next().map(|(_, value)| value.clone());
     if values.next().is_some() {
-        return Err(ShapeError::RepeatedParameter {
-            shape,
-            parameter: parameter.name,
-        });
+        return Err(ShapeError::RepeatedParameter { shape, parameter: parameter.name });
     }
     let value = value.or(parameter.default.map(Value::Number));
     let value = value.ok_or(ShapeError::MissingParameter {

@@ -15,9 +15,7 @@
 
 use super::parameter::check_increasing;
 use super::shape::between;
-use super::{
-    Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
-};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
 
@@ -42,10 +40,7 @@ impl BoxFromCorners {
 pub(super) fn between_corners(lo: Vec3, hi: Vec3) -> Lowered {
     let facets = (0..3).flat_map(|k| {
         let plane = |corner: Vec3| Surface::plane(Vec3::AXES[k], corner[k]);
-        [
-            Facet::outside(FACES[2 * k], plane(lo)),
-            Facet::inside(FACES[2 * k + 1], plane(hi)),
-        ]
+        [Facet::outside(FACES[2 * k], plane(lo)), Facet::inside(FACES[2 * k + 1], plane(hi))]
     });
     Lowered::conjunction(facets.collect(), Bounds::new(lo, hi))
 }
@@ -96,18 +91,12 @@ impl Shape for BoxFromCorners {
     }
 
     fn example() -> BoxFromCorners {
-        BoxFromCorners {
-            lo: Vec3::ZERO,
-            hi: Vec3::new(1.0, 0.8, 0.6),
-        }
+        BoxFromCorners { lo: Vec3::ZERO, hi: Vec3::new(1.0, 0.8, 0.6) }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> BoxFromCorners {
         let lo = Vec3::ZERO.map(|_| between(rng, -1.2, 0.2));
-        BoxFromCorners {
-            lo,
-            hi: lo + Vec3::ZERO.map(|_| between(rng, 0.3, 1.5)),
-        }
+        BoxFromCorners { lo, hi: lo + Vec3::ZERO.map(|_| between(rng, 0.3, 1.5)) }
     }
 }
 
@@ -119,14 +108,9 @@ mod tests {
     #[test]
     fn a_box_at_every_scale() {
         for scale in [1e-8, 1.0, 1e8] {
-            let (lo, hi) = (
-                scale * Vec3::new(-1.0, 0.2, -3.0),
-                scale * Vec3::new(2.0, 1.0, -1.0),
-            );
+            let (lo, hi) = (scale * Vec3::new(-1.0, 0.2, -3.0), scale * Vec3::new(2.0, 1.0, -1.0));
             let solid = BoxFromCorners::new(lo, hi).unwrap();
-            check_inside(&solid, scale * Vec3::splat(3.0), |p| {
-                (0..3).all(|k| lo[k] < p[k] && p[k] < hi[k])
-            });
+            check_inside(&solid, scale * Vec3::splat(3.0), |p| (0..3).all(|k| lo[k] < p[k] && p[k] < hi[k]));
             check_touched(&solid, 0.5 * (lo + hi), &[lo, hi]);
             check_volume(&solid);
         }

@@ -64,15 +64,11 @@ impl Shape for CentredBox {
     }
 
     fn example() -> CentredBox {
-        CentredBox {
-            size: Vec3::new(1.6, 1.2, 1.0),
-        }
+        CentredBox { size: Vec3::new(1.6, 1.2, 1.0) }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> CentredBox {
-        CentredBox {
-            size: Vec3::ZERO.map(|_| between(rng, 0.5, 2.5)),
-        }
+        CentredBox { size: Vec3::ZERO.map(|_| between(rng, 0.5, 2.5)) }
     }
 }
 

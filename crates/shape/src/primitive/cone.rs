@@ -33,12 +33,7 @@ pub struct Cone {
 impl Cone {
     /// The cone with `radius1` at z = -height/2 and `radius2` at z = height/2.
     pub fn new(radius1: f64, radius2: f64, height: f64) -> Result<Cone, ShapeError> {
-        Cone {
-            radius1,
-            radius2,
-            height,
-        }
-        .validated()
+        Cone { radius1, radius2, height }.validated()
     }
 
     /// The cylinder, or the double cone of which the faces `bottom` and `top` cut out a piece of one nappe.
@@ -47,10 +42,8 @@ impl Cone {
         if slope == 0.0 {
             return Surface::cylinder(Vec3::ZERO, Vec3::Z, self.radius1);
         }
-        let (mean, size) = (
-            0.5 * (self.radius1 + self.radius2),
-            self.radius1.max(self.radius2).max(self.height),
-        );
+        let (mean, size) =
+            (0.5 * (self.radius1 + self.radius2), self.radius1.max(self.radius2).max(self.height));
         let apex = -mean / slope;
         if apex.abs() <= DISTANT * size {
             return Surface::cone(Vec3::new(0.0, 0.0, self.apex()), Vec3::Z, slope.abs());
@@ -80,33 +73,14 @@ impl Shape for Cone {
     const EQUATION: &'static str =
         "x^2 + y^2 < (radius1 + (radius2 - radius1) (z/height + 1/2))^2, |z| < height/2";
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::number(
-            "radius1",
-            Unit::Length,
-            Range::NotNegative,
-            "radius at z = -height/2",
-        ),
-        Parameter::number(
-            "radius2",
-            Unit::Length,
-            Range::NotNegative,
-            "radius at z = height/2",
-        ),
-        Parameter::number(
-            "height",
-            Unit::Length,
-            Range::Positive,
-            "whole extent along z",
-        ),
+        Parameter::number("radius1", Unit::Length, Range::NotNegative, "radius at z = -height/2"),
+        Parameter::number("radius2", Unit::Length, Range::NotNegative, "radius at z = height/2"),
+        Parameter::number("height", Unit::Length, Range::Positive, "whole extent along z"),
     ];
     const FACES: &'static [&'static str] = &["side", "bottom", "top"];
 
     fn from_arguments(arguments: &Arguments) -> Result<Cone, ShapeError> {
-        Cone::new(
-            arguments.number("radius1"),
-            arguments.number("radius2"),
-            arguments.number("height"),
-        )
+        Cone::new(arguments.number("radius1"), arguments.number("radius2"), arguments.number("height"))
     }
 
     fn arguments(&self) -> Vec<(&'static str, Value)> {
@@ -121,11 +95,7 @@ impl Shape for Cone {
         if self.radius1 > 0.0 || self.radius2 > 0.0 {
             return Ok(());
         }
-        Err(ShapeError::BothZero {
-            shape: Self::NAME,
-            first: "radius1",
-            second: "radius2",
-        })
+        Err(ShapeError::BothZero { shape: Self::NAME, first: "radius1", second: "radius2" })
     }
 
     fn lower(&self) -> Lowered {
@@ -140,11 +110,7 @@ impl Shape for Cone {
     }
 
     fn example() -> Cone {
-        Cone {
-            radius1: 0.9,
-            radius2: 0.3,
-            height: 1.6,
-        }
+        Cone { radius1: 0.9, radius2: 0.3, height: 1.6 }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Cone {
@@ -154,11 +120,7 @@ impl Shape for Cone {
             1 => (0.0, b),
             _ => (a, b),
         };
-        Cone {
-            radius1,
-            radius2,
-            height: between(rng, 0.4, 2.0),
-        }
+        Cone { radius1, radius2, height: between(rng, 0.4, 2.0) }
     }
 }
 
@@ -178,11 +140,7 @@ mod tests {
         let wide = if radius1 > radius2 { -0.5 } else { 0.5 } * height;
         let rim = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)];
         let rim = rim.map(|(x, y)| Vec3::new(radius * x, radius * y, wide));
-        check_touched(
-            &solid,
-            Vec3::ZERO,
-            &[&rim[..], &[Vec3::new(0.0, 0.0, -wide)]].concat(),
-        );
+        check_touched(&solid, Vec3::ZERO, &[&rim[..], &[Vec3::new(0.0, 0.0, -wide)]].concat());
         check_volume(&solid);
     }
 
@@ -207,12 +165,18 @@ mod tests {
         assert!(at(1.0 + 0.7e-9, 0.5) && !at(1.0 + 0.8e-9, 0.5));
     }
 
+    /// The tolerances of a side are those of its size, wherever its apex is.
+    #[test]
+    fn the_reach_of_the_side_is_about_its_size() {
+        for exponent in 0..16 {
+            let solid = Cone::new(1.0, 1.0 + 10f64.powi(-exponent), 2.0).unwrap();
+            assert!(solid.side().reach() < 40.0, "{:?}", solid.side());
+        }
+    }
+
     #[test]
     fn equal_radii_are_the_cylinder() {
-        let (cone, rod) = (
-            Cone::new(0.5, 0.5, 2.0).unwrap(),
-            Cylinder::new(0.5, 2.0).unwrap(),
-        );
+        let (cone, rod) = (Cone::new(0.5, 0.5, 2.0).unwrap(), Cylinder::new(0.5, 2.0).unwrap());
         assert_eq!(cone.lower(), rod.lower());
     }
 

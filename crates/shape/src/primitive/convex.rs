@@ -18,9 +18,7 @@
 use super::half_space::{check_plane, random_normal};
 use super::shape::between;
 use super::support::polyhedron_bounds;
-use super::{
-    Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
-};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
 use crate::surface::{Plane, Surface};
 use rayweave_math::Vec3;
 
@@ -75,18 +73,12 @@ impl Shape for Convex {
         };
         let unit = |row: &[f64; 4]| Plane::new(split(row).0, split(row).1);
         let planes: Vec<Plane> = self.planes.iter().map(unit).collect();
-        Lowered::conjunction(
-            self.planes.iter().enumerate().map(facet).collect(),
-            polyhedron_bounds(&planes),
-        )
+        Lowered::conjunction(self.planes.iter().enumerate().map(facet).collect(), polyhedron_bounds(&planes))
     }
 
     fn example() -> Convex {
-        let signs =
-            (0..8).map(|k: u32| [0, 1, 2].map(|bit| f64::from(1 - 2 * (k >> bit & 1) as i32)));
-        Convex {
-            planes: signs.map(|[x, y, z]| [x, y, z, 1.0]).collect(),
-        }
+        let signs = (0..8).map(|k: u32| [0, 1, 2].map(|bit| f64::from(1 - 2 * (k >> bit & 1) as i32)));
+        Convex { planes: signs.map(|[x, y, z]| [x, y, z, 1.0]).collect() }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Convex {
@@ -95,9 +87,7 @@ impl Shape for Convex {
             let normal = random_normal(rng);
             [normal.x, normal.y, normal.z, between(rng, 0.3, 1.0)]
         };
-        Convex {
-            planes: (0..count).map(row).collect(),
-        }
+        Convex { planes: (0..count).map(row).collect() }
     }
 }
 
@@ -115,12 +105,7 @@ mod tests {
     fn turned_box(half: Vec3, map: &Affine) -> Vec<[f64; 4]> {
         let plane = |(axis, h): (Vec3, f64)| {
             let normal = map.vector(axis);
-            [
-                normal.x,
-                normal.y,
-                normal.z,
-                h + normal.dot(map.translation),
-            ]
+            [normal.x, normal.y, normal.z, h + normal.dot(map.translation)]
         };
         let sides = (0..3).flat_map(|k| [(Vec3::AXES[k], half[k]), (-Vec3::AXES[k], half[k])]);
         sides.map(plane).collect()
@@ -131,9 +116,7 @@ mod tests {
         for scale in [1e-8, 1.0, 1e8] {
             let mut solid = Convex::example();
             solid.planes.iter_mut().for_each(|row| row[3] *= scale);
-            check_inside(&solid, Vec3::splat(scale), |p| {
-                p.abs().element_sum() < scale
-            });
+            check_inside(&solid, Vec3::splat(scale), |p| p.abs().element_sum() < scale);
             let axes = Vec3::AXES.map(|axis| scale * axis);
             check_touched(&solid, Vec3::ZERO, &[axes, axes.map(|p| -p)].concat());
         }
@@ -154,13 +137,8 @@ mod tests {
                     bounds.union(&Bounds::new(p, p))
                 });
                 let found = bounds(&turned_box(half, &map));
-                let error = (found.lo - direct.lo)
-                    .abs()
-                    .max((found.hi - direct.hi).abs());
-                assert!(
-                    error.max_element() < 2e-15 * scale * 3.0,
-                    "{found:?} {direct:?}"
-                );
+                let error = (found.lo - direct.lo).abs().max((found.hi - direct.hi).abs());
+                assert!(error.max_element() < 2e-15 * scale * 3.0, "{found:?} {direct:?}");
             }
         }
     }
@@ -177,26 +155,15 @@ mod tests {
         assert_eq!(bounds(&[[0.0, 0.0, 2.0, 1.0]]).hi, Vec3::new(inf, inf, 0.5));
         assert_eq!(bounds(&[[1.0, 1.0, 0.0, 1.0]]), Bounds::ALL);
         // a pyramid upside down without a lid
-        let pyramid = [
-            [1.0, 0.0, -1.0, 0.0],
-            [-1.0, 0.0, -1.0, 0.0],
-            [0.0, 1.0, -1.0, 0.0],
-            [0.0, -1.0, -1.0, 0.0],
-        ];
+        let pyramid =
+            [[1.0, 0.0, -1.0, 0.0], [-1.0, 0.0, -1.0, 0.0], [0.0, 1.0, -1.0, 0.0], [0.0, -1.0, -1.0, 0.0]];
         let open = bounds(&pyramid);
-        assert_eq!(
-            (open.lo, open.hi),
-            (Vec3::new(-inf, -inf, 0.0), Vec3::INFINITY)
-        );
+        assert_eq!((open.lo, open.hi), (Vec3::new(-inf, -inf, 0.0), Vec3::INFINITY));
         // a beam: four planes along z, turned
         let beam = bounds(&turned_box(Vec3::ONE, &Affine::rotation(Vec3::Z, 45.0))[..4]);
         assert!((beam.hi.x - 2f64.sqrt()).abs() < 1e-15 && beam.lo.z == -inf);
         // a slab and a plane across it, which together bound one side of one more axis
-        let gutter = bounds(&[
-            [1.0, 0.0, 1.0, 1.0],
-            [-1.0, 0.0, 1.0, 1.0],
-            [0.0, 1.0, 0.0, 5.0],
-        ]);
+        let gutter = bounds(&[[1.0, 0.0, 1.0, 1.0], [-1.0, 0.0, 1.0, 1.0], [0.0, 1.0, 0.0, 5.0]]);
         assert_eq!(gutter.hi, Vec3::new(inf, 5.0, 1.0));
     }
 
@@ -221,17 +188,9 @@ mod tests {
         for count in [40, 64, 300, 1000] {
             let normal = || Vec3::new(rng() - 0.5, rng() - 0.5, rng() - 0.5).normalize();
             let normals: Vec<Vec3> = std::iter::repeat_with(normal).take(count).collect();
-            let found = bounds(
-                &normals
-                    .iter()
-                    .map(|n| [n.x, n.y, n.z, 1.0])
-                    .collect::<Vec<_>>(),
-            );
+            let found = bounds(&normals.iter().map(|n| [n.x, n.y, n.z, 1.0]).collect::<Vec<_>>());
             let reach = found.hi.max(-found.lo);
-            assert!(
-                reach.min_element() >= 1.0 && reach.max_element() < 1.6,
-                "{count} {found:?}"
-            );
+            assert!(reach.min_element() >= 1.0 && reach.max_element() < 1.6, "{count} {found:?}");
         }
     }
 
@@ -246,9 +205,7 @@ mod tests {
                 [n.x, n.y, n.z, 0.2 + rng()]
             }));
             let (direct, found) = (vertex_bounds(&planes), bounds(&planes));
-            let error = (found.lo - direct.lo)
-                .abs()
-                .max((found.hi - direct.hi).abs());
+            let error = (found.lo - direct.lo).abs().max((found.hi - direct.hi).abs());
             assert!(error.max_element() < 1e-12, "{found:?} {direct:?}");
         }
     }
@@ -262,10 +219,7 @@ mod tests {
                     let [a, b, c] = rows.map(|(normal, _)| normal);
                     let matrix = rayweave_math::Mat3::from_cols(a, b, c).transpose();
                     let p = matrix.inverse() * Vec3::from_array(rows.map(|(_, offset)| offset));
-                    if planes
-                        .iter()
-                        .all(|row| split(row).0.dot(p) <= row[3] + 1e-12)
-                    {
+                    if planes.iter().all(|row| split(row).0.dot(p) <= row[3] + 1e-12) {
                         bounds = bounds.union(&Bounds::new(p, p));
                     }
                 }
@@ -282,10 +236,7 @@ mod tests {
              or too many?"
         );
         assert_eq!(
-            message(Convex::new(vec![
-                [1.0, 0.0, 0.0, 1.0],
-                [0.0, 0.0, 0.0, 1.0]
-            ])),
+            message(Convex::new(vec![[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]])),
             "convex: planes[1] is a normal of length zero (it must say which way the plane faces) did you mean \
              [0, 0, 1]?"
         );

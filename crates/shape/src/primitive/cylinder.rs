@@ -38,19 +38,9 @@ impl Shape for Cylinder {
     const NAME: &'static str = "cylinder";
     const EQUATION: &'static str = "x^2 + y^2 < radius^2, |z| < height/2";
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::number(
-            "radius",
-            Unit::Length,
-            Range::Positive,
-            "distance of the side from the axis",
-        ),
-        Parameter::number(
-            "height",
-            Unit::Length,
-            Range::PositiveOrInfinite,
-            "whole extent along z",
-        )
-        .or(f64::INFINITY),
+        Parameter::number("radius", Unit::Length, Range::Positive, "distance of the side from the axis"),
+        Parameter::number("height", Unit::Length, Range::PositiveOrInfinite, "whole extent along z")
+            .or(f64::INFINITY),
     ];
     const FACES: &'static [&'static str] = &["side", "bottom", "top"];
 
@@ -59,10 +49,7 @@ impl Shape for Cylinder {
     }
 
     fn arguments(&self) -> Vec<(&'static str, Value)> {
-        vec![
-            ("radius", self.radius.into()),
-            ("height", self.height.into()),
-        ]
+        vec![("radius", self.radius.into()), ("height", self.height.into())]
     }
 
     fn lower(&self) -> Lowered {
@@ -77,10 +64,7 @@ impl Shape for Cylinder {
     }
 
     fn example() -> Cylinder {
-        Cylinder {
-            radius: 0.7,
-            height: 1.8,
-        }
+        Cylinder { radius: 0.7, height: 1.8 }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Cylinder {
@@ -107,12 +91,7 @@ mod tests {
             check_inside(&solid, scale * Vec3::new(0.5, 0.5, 2.0), |p| {
                 p.x.hypot(p.y) < radius && 2.0 * p.z.abs() < height
             });
-            let rim = [
-                (1.0, 0.0, -0.5),
-                (-1.0, 0.0, 0.5),
-                (0.0, 1.0, 0.5),
-                (0.0, -1.0, -0.5),
-            ];
+            let rim = [(1.0, 0.0, -0.5), (-1.0, 0.0, 0.5), (0.0, 1.0, 0.5), (0.0, -1.0, -0.5)];
             let rim = rim.map(|(x, y, z)| Vec3::new(radius * x, radius * y, height * z));
             check_touched(&solid, Vec3::ZERO, &rim);
             check_volume(&solid);
@@ -122,16 +101,10 @@ mod tests {
     #[test]
     fn without_a_height_it_has_no_ends() {
         let endless = Cylinder::new(0.5, f64::INFINITY).unwrap();
-        assert_eq!(
-            build("cylinder", &[("radius", 0.5.into())]),
-            Ok(endless.into())
-        );
+        assert_eq!(build("cylinder", &[("radius", 0.5.into())]), Ok(endless.into()));
         assert_eq!(endless.lower().facets.len(), 1);
         assert!(endless.lower().contains(Vec3::new(0.3, 0.3, 1e30)));
-        assert_eq!(
-            endless.lower().bounds.hi,
-            Vec3::new(0.5, 0.5, f64::INFINITY)
-        );
+        assert_eq!(endless.lower().bounds.hi, Vec3::new(0.5, 0.5, f64::INFINITY));
         assert_eq!(endless.volume(), Some(f64::INFINITY));
         check_inside(&endless, Vec3::ONE, |p| p.x.hypot(p.y) < 0.5);
     }

@@ -13,9 +13,7 @@
 //! Volume: 4/3 pi radii\[0\] radii\[1\] radii\[2\], the affine image of the unit ball.
 
 use super::shape::between;
-use super::{
-    Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
-};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Mat3, Vec3};
 use std::f64::consts::PI;
@@ -80,15 +78,11 @@ impl Shape for Ellipsoid {
     }
 
     fn example() -> Ellipsoid {
-        Ellipsoid {
-            radii: Vec3::new(1.2, 0.8, 0.5),
-        }
+        Ellipsoid { radii: Vec3::new(1.2, 0.8, 0.5) }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Ellipsoid {
-        Ellipsoid {
-            radii: Vec3::ZERO.map(|_| between(rng, 0.3, 1.5)),
-        }
+        Ellipsoid { radii: Vec3::ZERO.map(|_| between(rng, 0.3, 1.5)) }
     }
 }
 

@@ -113,9 +113,7 @@ pub enum ShapeError {
         hi: f64,
     },
     /// Two parameters that are both zero, where one may be.
-    #[error(
-        "{shape}: {first} and {second} are both 0 (then nothing is left) did you mean one of them?"
-    )]
+    #[error("{shape}: {first} and {second} are both 0 (then nothing is left) did you mean one of them?")]
     BothZero {
         /// The primitive.
         shape: &'static str,
@@ -182,31 +180,22 @@ fn at(index: &[usize]) -> String {
 }
 
 fn or_name(suggestion: &Option<&'static str>) -> String {
-    suggestion
-        .map(|name| format!(" did you mean `{name}`?"))
-        .unwrap_or_default()
+    suggestion.map(|name| format!(" did you mean `{name}`?")).unwrap_or_default()
 }
 
 fn or_value(suggestion: &Option<f64>) -> String {
-    suggestion
-        .map(|value| format!(" did you mean {}?", short(value)))
-        .unwrap_or_default()
+    suggestion.map(|value| format!(" did you mean {}?", short(value))).unwrap_or_default()
 }
 
 fn parameters(shape: &str) -> String {
-    let names = super::manual(shape)
-        .map(|manual| manual.parameters)
-        .unwrap_or_default();
+    let names = super::manual(shape).map(|manual| manual.parameters).unwrap_or_default();
     let names: Vec<&str> = names.iter().map(|parameter| parameter.name).collect();
     names.join(", ")
 }
 
 /// The nearest of the names, if it is near enough to be a slip of the fingers: at most a third of the
 /// letters wrong (Damerau-Levenshtein distance), and at least one letter of two right.
-pub(super) fn nearest_name<'a>(
-    name: &str,
-    names: impl Iterator<Item = &'a str>,
-) -> Option<&'a str> {
+pub(super) fn nearest_name<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let wrong = |other: &str| strsim::damerau_levenshtein(&name.to_lowercase(), other);
     names
         .map(|other| (wrong(other), other))

@@ -14,9 +14,7 @@
 
 use super::parameter::check_length;
 use super::shape::between;
-use super::{
-    Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
-};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
 use crate::surface::{Plane, Surface};
 use rayweave_math::{Bounds, Vec3};
 
@@ -88,10 +86,7 @@ impl Shape for HalfSpace {
     }
 
     fn arguments(&self) -> Vec<(&'static str, Value)> {
-        vec![
-            ("normal", self.normal.into()),
-            ("offset", self.offset.into()),
-        ]
+        vec![("normal", self.normal.into()), ("offset", self.offset.into())]
     }
 
     fn consistent(&self) -> Result<(), ShapeError> {
@@ -111,17 +106,11 @@ impl Shape for HalfSpace {
     }
 
     fn example() -> HalfSpace {
-        HalfSpace {
-            normal: Vec3::new(0.3, 0.2, 1.0),
-            offset: 0.0,
-        }
+        HalfSpace { normal: Vec3::new(0.3, 0.2, 1.0), offset: 0.0 }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> HalfSpace {
-        HalfSpace {
-            normal: random_normal(rng),
-            offset: between(rng, -1.0, 1.0),
-        }
+        HalfSpace { normal: random_normal(rng), offset: between(rng, -1.0, 1.0) }
     }
 }
 
@@ -130,13 +119,7 @@ pub(super) fn random_normal(rng: &mut dyn FnMut() -> f64) -> Vec3 {
     let sign = if rng() < 0.5 { -1.0 } else { 1.0 };
     match (6.0 * rng()) as usize {
         k @ 0..3 => sign * Vec3::AXES[k],
-        _ => {
-            sign * Vec3::new(
-                between(rng, -1.0, 1.0),
-                between(rng, -1.0, 1.0),
-                between(rng, 0.1, 1.0),
-            )
-        }
+        _ => sign * Vec3::new(between(rng, -1.0, 1.0), between(rng, -1.0, 1.0), between(rng, 0.1, 1.0)),
     }
 }
 
@@ -159,21 +142,14 @@ mod tests {
     fn bounds_are_finite_only_along_an_axis() {
         let bounds = |normal, offset| HalfSpace::new(normal, offset).unwrap().lower().bounds;
         let lower = bounds(Vec3::new(0.0, -2.0, 0.0), 3.0);
-        assert_eq!(
-            lower.lo,
-            Vec3::new(f64::NEG_INFINITY, -1.5, f64::NEG_INFINITY)
-        );
+        assert_eq!(lower.lo, Vec3::new(f64::NEG_INFINITY, -1.5, f64::NEG_INFINITY));
         assert_eq!(lower.hi, Vec3::INFINITY);
         assert_eq!(bounds(Vec3::new(1e-9, 1.0, 0.0), 3.0), Bounds::ALL);
     }
 
     #[test]
     fn only_the_ratio_counts() {
-        let lowered = |s: f64| {
-            HalfSpace::new(Vec3::new(s, 2.0 * s, 0.0), 3.0 * s)
-                .unwrap()
-                .lower()
-        };
+        let lowered = |s: f64| HalfSpace::new(Vec3::new(s, 2.0 * s, 0.0), 3.0 * s).unwrap().lower();
         assert_eq!(lowered(1.0), lowered(1024.0));
         assert_eq!(lowered(1.0), lowered(2f64.powi(-40)));
     }
@@ -193,6 +169,8 @@ mod tests {
             message(HalfSpace::new(Vec3::new(0.0, 1e-200, 0.0), 1.0)),
             "half_space: offset is 1e200 (only lengths from 1e-60 to 1e60 can be computed with) is the unit right?"
         );
+        assert!(message(HalfSpace::new(Vec3::Z * 1e-310, 1.0)).contains("offset is inf (only lengths"));
+        assert_eq!(HalfSpace::new(Vec3::Z * 1e-310, 0.0).unwrap().lower().bounds.hi.z, 0.0);
         assert_eq!(
             message(HalfSpace::new(Vec3::Z, f64::INFINITY)),
             "half_space: offset is inf (offset must be finite)"

@@ -18,20 +18,12 @@ pub struct Facet {
 impl Facet {
     /// The side `f < 0` of a surface.
     pub fn inside(name: impl Into<Cow<'static, str>>, surface: Surface) -> Facet {
-        Facet {
-            name: name.into(),
-            surface,
-            inside: true,
-        }
+        Facet { name: name.into(), surface, inside: true }
     }
 
     /// The side `f > 0` of a surface.
     pub fn outside(name: impl Into<Cow<'static, str>>, surface: Surface) -> Facet {
-        Facet {
-            name: name.into(),
-            surface,
-            inside: false,
-        }
+        Facet { name: name.into(), surface, inside: false }
     }
 
     fn holds(&self, point: Vec3) -> bool {
@@ -56,20 +48,12 @@ pub struct Lowered {
 impl Lowered {
     /// The solid where all facets hold.
     pub fn conjunction(facets: Vec<Facet>, bounds: Bounds) -> Lowered {
-        Lowered {
-            facets,
-            complement: false,
-            bounds,
-        }
+        Lowered { facets, complement: false, bounds }
     }
 
     /// The solid where not all facets hold.
     pub fn complement(facets: Vec<Facet>, bounds: Bounds) -> Lowered {
-        Lowered {
-            facets,
-            complement: true,
-            bounds,
-        }
+        Lowered { facets, complement: true, bounds }
     }
 
     /// Nothing.

@@ -22,7 +22,8 @@ pub struct Manual {
 
 /// The parameters as a Markdown table, as every manual page holds it.
 pub fn parameter_table(parameters: &[Parameter]) -> String {
-    let head = "| parameter | is | unit | range | default | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
+    let head =
+        "| parameter | is | unit | range | default | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
     parameters.iter().fold(head.to_owned(), |table, parameter| {
         let default = parameter.default.map(short).unwrap_or_default();
         table
@@ -49,11 +50,7 @@ pub(super) const fn page<const N: usize>(source: &str) -> [u8; N] {
 const fn copy_page(source: &[u8], text: &mut [u8]) -> usize {
     let (mut from, mut to) = (0, 0);
     while is_page_line(source, from) {
-        from += if from + 3 < source.len() && source[from + 3] == b' ' {
-            4
-        } else {
-            3
-        };
+        from += if from + 3 < source.len() && source[from + 3] == b' ' { 4 } else { 3 };
         loop {
             if from == source.len() {
                 return to;

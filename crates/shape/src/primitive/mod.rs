@@ -134,9 +134,7 @@ primitives! {
 impl Primitive {
     /// An example of the kind with this name, one that shows well.
     pub fn example(name: &str) -> Option<Primitive> {
-        Primitive::examples()
-            .into_iter()
-            .find(|primitive| primitive.name() == name)
+        Primitive::examples().into_iter().find(|primitive| primitive.name() == name)
     }
 
     /// A primitive of any kind and of a size about 1, from numbers uniform in [0, 1).

@@ -31,11 +31,7 @@ pub struct Paraboloid {
 impl Paraboloid {
     /// The paraboloid with this focal length up to this height, which may be infinite.
     pub fn new(focal_length: f64, height: f64) -> Result<Paraboloid, ShapeError> {
-        Paraboloid {
-            focal_length,
-            height,
-        }
-        .validated()
+        Paraboloid { focal_length, height }.validated()
     }
 }
 
@@ -64,10 +60,7 @@ impl Shape for Paraboloid {
     }
 
     fn arguments(&self) -> Vec<(&'static str, Value)> {
-        vec![
-            ("focal_length", self.focal_length.into()),
-            ("height", self.height.into()),
-        ]
+        vec![("focal_length", self.focal_length.into()), ("height", self.height.into())]
     }
 
     fn lower(&self) -> Lowered {
@@ -83,10 +76,7 @@ impl Shape for Paraboloid {
         }
         let radius = 2.0 * (self.focal_length * self.height).sqrt();
         let lo = Vec3::new(-radius, -radius, 0.0);
-        Lowered::conjunction(
-            facets,
-            Bounds::new(lo, Vec3::new(radius, radius, self.height)),
-        )
+        Lowered::conjunction(facets, Bounds::new(lo, Vec3::new(radius, radius, self.height)))
     }
 
     fn volume(&self) -> Option<f64> {
@@ -94,10 +84,7 @@ impl Shape for Paraboloid {
     }
 
     fn example() -> Paraboloid {
-        Paraboloid {
-            focal_length: 0.25,
-            height: 1.0,
-        }
+        Paraboloid { focal_length: 0.25, height: 1.0 }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Paraboloid {
@@ -106,10 +93,7 @@ impl Shape for Paraboloid {
             true => f64::INFINITY,
             false => between(rng, 0.3, 1.5),
         };
-        Paraboloid {
-            focal_length,
-            height,
-        }
+        Paraboloid { focal_length, height }
     }
 }
 
@@ -122,11 +106,9 @@ mod tests {
     #[test]
     fn paraboloids_at_every_scale() {
         for scale in [1e-8, 1.0, 1e8] {
-            for (focal_length, height) in [
-                (0.25 * scale, scale),
-                (1e-3 * scale, 2.0 * scale),
-                (3.0 * scale, scale),
-            ] {
+            for (focal_length, height) in
+                [(0.25 * scale, scale), (1e-3 * scale, 2.0 * scale), (3.0 * scale, scale)]
+            {
                 let solid = Paraboloid::new(focal_length, height).unwrap();
                 let radius = 2.0 * (focal_length * height).sqrt();
                 // nearer to the focus than to the directrix
@@ -134,13 +116,8 @@ mod tests {
                     let focus = Vec3::new(0.0, 0.0, focal_length);
                     (p - focus).length() < p.z + focal_length && p.z < height
                 });
-                let rim = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y]
-                    .map(|v| v * radius + Vec3::Z * height);
-                check_touched(
-                    &solid,
-                    Vec3::Z * (0.5 * height),
-                    &[&rim[..], &[Vec3::ZERO]].concat(),
-                );
+                let rim = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y].map(|v| v * radius + Vec3::Z * height);
+                check_touched(&solid, Vec3::Z * (0.5 * height), &[&rim[..], &[Vec3::ZERO]].concat());
                 check_volume(&solid);
             }
         }
@@ -149,10 +126,7 @@ mod tests {
     #[test]
     fn without_a_height_it_has_no_top() {
         let endless = Paraboloid::new(0.25, f64::INFINITY).unwrap();
-        assert_eq!(
-            build("paraboloid", &[("focal_length", 0.25.into())]),
-            Ok(endless.into())
-        );
+        assert_eq!(build("paraboloid", &[("focal_length", 0.25.into())]), Ok(endless.into()));
         let lowered = endless.lower();
         assert_eq!((lowered.facets.len(), lowered.bounds.lo.z), (1, 0.0));
         assert_eq!(lowered.bounds.hi, Vec3::INFINITY);

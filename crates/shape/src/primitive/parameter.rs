@@ -117,9 +117,7 @@ impl Range {
             Range::PositiveOrInfinite => value > 0.0,
             Range::NotNegative => value.is_finite() && value >= 0.0,
             Range::Between(lo, hi) => lo < value && value < hi,
-            Range::Whole(lo, hi) => {
-                value.fract() == 0.0 && f64::from(lo) <= value && value <= f64::from(hi)
-            }
+            Range::Whole(lo, hi) => value.fract() == 0.0 && f64::from(lo) <= value && value <= f64::from(hi),
         }
     }
 
@@ -157,14 +155,7 @@ impl Parameter {
         range: Range,
         summary: &'static str,
     ) -> Parameter {
-        Parameter {
-            name,
-            kind,
-            unit,
-            range,
-            default: None,
-            summary,
-        }
+        Parameter { name, kind, unit, range, default: None, summary }
     }
 
     /// The same with a default.
@@ -179,30 +170,20 @@ impl Parameter {
         match value {
             Value::Number(number) => self.check_number(shape, *number, Vec::new()),
             Value::Vector(list) => self.check_list(shape, list, &[]),
-            Value::Rows(rows) => (0..)
-                .zip(rows)
-                .try_for_each(|(i, row)| self.check_list(shape, row, &[i])),
+            Value::Rows(rows) => (0..).zip(rows).try_for_each(|(i, row)| self.check_list(shape, row, &[i])),
         }
     }
 
     fn check_kind(&self, shape: &'static str, value: &Value) -> Result<(), ShapeError> {
         let wrong = |index, found: String| {
-            Err(ShapeError::WrongKind {
-                shape,
-                parameter: self.name,
-                index,
-                expected: self.kind,
-                found,
-            })
+            Err(ShapeError::WrongKind { shape, parameter: self.name, index, expected: self.kind, found })
         };
         let good = match (self.kind, value) {
             (
                 ParameterKind::Number | ParameterKind::Count | ParameterKind::NumberOrVector3,
                 Value::Number(_),
             ) => true,
-            (ParameterKind::Vector3 | ParameterKind::NumberOrVector3, Value::Vector(list)) => {
-                list.len() == 3
-            }
+            (ParameterKind::Vector3 | ParameterKind::NumberOrVector3, Value::Vector(list)) => list.len() == 3,
             (ParameterKind::Planes, Value::Rows(rows)) => !rows.is_empty(),
             (ParameterKind::Matrix4, Value::Rows(rows)) => rows.len() == 4,
             _ => false,
@@ -217,32 +198,18 @@ impl Parameter {
         }
     }
 
-    fn check_list(
-        &self,
-        shape: &'static str,
-        list: &[f64],
-        row: &[usize],
-    ) -> Result<(), ShapeError> {
+    fn check_list(&self, shape: &'static str, list: &[f64], row: &[usize]) -> Result<(), ShapeError> {
         for (i, &number) in list.iter().enumerate() {
             self.check_number(shape, number, [row, &[i]].concat())?;
         }
         // of a plane's row the first three are the normal
         if self.range == Range::Direction && list[..3].iter().all(|&number| number == 0.0) {
-            return Err(ShapeError::ZeroNormal {
-                shape,
-                parameter: self.name,
-                index: row.to_vec(),
-            });
+            return Err(ShapeError::ZeroNormal { shape, parameter: self.name, index: row.to_vec() });
         }
         Ok(())
     }
 
-    fn check_number(
-        &self,
-        shape: &'static str,
-        value: f64,
-        index: Vec<usize>,
-    ) -> Result<(), ShapeError> {
+    fn check_number(&self, shape: &'static str, value: f64, index: Vec<usize>) -> Result<(), ShapeError> {
         if !self.range.contains(value) {
             return Err(ShapeError::OutOfRange {
                 shape,
@@ -254,13 +221,13 @@ impl Parameter {
             });
         }
         match self.unit {
-            Unit::Length => check_length(shape, self.name, index, value),
-            Unit::Angle | Unit::Count | Unit::None => Ok(()),
+            Unit::Length if value.is_finite() => check_length(shape, self.name, index, value),
+            Unit::Length | Unit::Angle | Unit::Count | Unit::None => Ok(()),
         }
     }
 }
 
-/// An error if a length is beyond what can be computed with; 0 and infinity are not.
+/// An error if a length is beyond what can be computed with, infinity included; 0 is not.
 pub(super) fn check_length(
     shape: &'static str,
     parameter: &'static str,
@@ -268,15 +235,10 @@ pub(super) fn check_length(
     value: f64,
 ) -> Result<(), ShapeError> {
     let size = value.abs();
-    if size == 0.0 || size == f64::INFINITY || (LENGTHS.0..=LENGTHS.1).contains(&size) {
+    if size == 0.0 || (LENGTHS.0..=LENGTHS.1).contains(&size) {
         return Ok(());
     }
-    Err(ShapeError::Extreme {
-        shape,
-        parameter,
-        index,
-        value,
-    })
+    Err(ShapeError::Extreme { shape, parameter, index, value })
 }
 
 /// An error if the first of two parameters is not less than the second.
@@ -289,12 +251,5 @@ pub(super) fn check_increasing(
     if lo < hi {
         return Ok(());
     }
-    Err(ShapeError::NotIncreasing {
-        shape,
-        lower,
-        upper,
-        index,
-        lo,
-        hi,
-    })
+    Err(ShapeError::NotIncreasing { shape, lower, upper, index, lo, hi })
 }

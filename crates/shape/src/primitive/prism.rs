@@ -17,9 +17,7 @@
 
 use super::lowered::caps;
 use super::shape::between;
-use super::{
-    Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
-};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3, sin_cos_degrees, unit_vector_degrees};
 
@@ -35,12 +33,7 @@ impl Prism {
     /// The prism with this number of sides, radius of the circle through its vertices, and height, which
     /// may be infinite.
     pub fn new(sides: u32, radius: f64, height: f64) -> Result<Prism, ShapeError> {
-        Prism {
-            sides,
-            radius,
-            height,
-        }
-        .validated()
+        Prism { sides, radius, height }.validated()
     }
 
     /// The direction at the angle k 180/sides: a vertex for even k, the middle of a side for odd.
@@ -65,7 +58,8 @@ impl Prism {
 
 impl Shape for Prism {
     const NAME: &'static str = "prism";
-    const EQUATION: &'static str = "x cos a_k + y sin a_k < radius cos(180/sides) for all a_k = (2 k + 1) 180/sides, |z| < height/2";
+    const EQUATION: &'static str =
+        "x cos a_k + y sin a_k < radius cos(180/sides) for all a_k = (2 k + 1) 180/sides, |z| < height/2";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new(
             "sides",
@@ -74,35 +68,17 @@ impl Shape for Prism {
             Range::Whole(3, 4096),
             "number of sides of the polygon",
         ),
-        Parameter::number(
-            "radius",
-            Unit::Length,
-            Range::Positive,
-            "distance of its vertices from the axis",
-        ),
-        Parameter::number(
-            "height",
-            Unit::Length,
-            Range::PositiveOrInfinite,
-            "whole extent along z",
-        ),
+        Parameter::number("radius", Unit::Length, Range::Positive, "distance of its vertices from the axis"),
+        Parameter::number("height", Unit::Length, Range::PositiveOrInfinite, "whole extent along z"),
     ];
     const FACES: &'static [&'static str] = &["side0..sideN-1", "bottom", "top"];
 
     fn from_arguments(arguments: &Arguments) -> Result<Prism, ShapeError> {
-        Prism::new(
-            arguments.count("sides"),
-            arguments.number("radius"),
-            arguments.number("height"),
-        )
+        Prism::new(arguments.count("sides"), arguments.number("radius"), arguments.number("height"))
     }
 
     fn arguments(&self) -> Vec<(&'static str, Value)> {
-        vec![
-            ("sides", self.sides.into()),
-            ("radius", self.radius.into()),
-            ("height", self.height.into()),
-        ]
+        vec![("sides", self.sides.into()), ("radius", self.radius.into()), ("height", self.height.into())]
     }
 
     fn lower(&self) -> Lowered {
@@ -118,11 +94,7 @@ impl Shape for Prism {
     }
 
     fn example() -> Prism {
-        Prism {
-            sides: 6,
-            radius: 0.9,
-            height: 1.4,
-        }
+        Prism { sides: 6, radius: 0.9, height: 1.4 }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Prism {
@@ -158,13 +130,7 @@ mod tests {
                     inside(sides, radius, p) && 2.0 * p.z.abs() < height
                 });
                 let angle = |k: u32| 2.0 * PI * f64::from(k) / f64::from(sides);
-                let vertex = |k| {
-                    Vec3::new(
-                        radius * libm::cos(angle(k)),
-                        radius * libm::sin(angle(k)),
-                        0.0,
-                    )
-                };
+                let vertex = |k| Vec3::new(radius * libm::cos(angle(k)), radius * libm::sin(angle(k)), 0.0);
                 let vertices: Vec<Vec3> = (0..2 * sides)
                     .map(|k| vertex(k / 2).with_z(if k % 2 == 0 { -0.5 } else { 0.5 } * height))
                     .collect();
@@ -177,31 +143,17 @@ mod tests {
     #[test]
     fn four_sides_are_a_turned_square_with_equal_distances() {
         let square = Prism::new(4, 1.0, 2.0).unwrap();
-        assert_eq!(
-            square.lower().bounds,
-            Bounds::centred(Vec3::ZERO, Vec3::ONE)
-        );
+        assert_eq!(square.lower().bounds, Bounds::centred(Vec3::ZERO, Vec3::ONE));
         assert!((square.volume().unwrap() - 4.0).abs() < 1e-15);
         assert_eq!(square.lower().facets[0].name, "side0");
         assert!(!square.lower().contains(Vec3::new(0.51, 0.51, 0.0)));
-        assert_eq!(
-            Prism::new(3, 1.0, f64::INFINITY)
-                .unwrap()
-                .lower()
-                .facets
-                .len(),
-            3
-        );
+        assert_eq!(Prism::new(3, 1.0, f64::INFINITY).unwrap().lower().facets.len(), 3);
     }
 
     #[test]
     fn refusals() {
         let with = |sides: f64| {
-            let arguments = [
-                ("sides", sides.into()),
-                ("radius", 1.0.into()),
-                ("height", 1.0.into()),
-            ];
+            let arguments = [("sides", sides.into()), ("radius", 1.0.into()), ("height", 1.0.into())];
             message(build("prism", &arguments))
         };
         assert_eq!(
@@ -212,10 +164,7 @@ mod tests {
             with(6.5),
             "prism: sides is 6.5 (sides must be a whole number from 3 to 4096) did you mean 7?"
         );
-        assert_eq!(
-            with(f64::NAN),
-            "prism: sides is nan (sides must be a whole number from 3 to 4096)"
-        );
+        assert_eq!(with(f64::NAN), "prism: sides is nan (sides must be a whole number from 3 to 4096)");
         assert!(message(Prism::new(0, 1.0, 1.0)).starts_with("prism: sides is 0"));
     }
 }

@@ -22,9 +22,7 @@
 
 use super::half_space::check_plane;
 use super::shape::between;
-use super::{
-    Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
-};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
 use crate::surface::Surface;
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 
@@ -57,9 +55,7 @@ impl Quadric {
 
 /// The normal and the offset of `normal . p < offset`, if A is 0.
 fn linear_part(q: &[[f64; 4]; 4]) -> Option<(Vec3, f64)> {
-    let linear = q[..3]
-        .iter()
-        .all(|row| row[..3].iter().all(|&entry| entry == 0.0));
+    let linear = q[..3].iter().all(|row| row[..3].iter().all(|&entry| entry == 0.0));
     linear.then(|| (2.0 * Vec3::new(q[0][3], q[1][3], q[2][3]), -q[3][3]))
 }
 
@@ -190,9 +186,7 @@ mod tests {
             let q = solid.matrix;
             let form = |p: Vec3| {
                 let v = [p.x, p.y, p.z, 1.0];
-                (0..16)
-                    .map(|k| v[k / 4] * q[k / 4][k % 4] * v[k % 4])
-                    .sum::<f64>()
+                (0..16).map(|k| v[k / 4] * q[k / 4][k % 4] * v[k % 4]).sum::<f64>()
             };
             let lowered = solid.lower();
             for _ in 0..200 {
@@ -227,9 +221,7 @@ mod tests {
             let found = bounds(d, Vec3::ZERO, &turn.then(&Affine::translate(shift)));
             let rows = turn.linear.transpose();
             let half = Vec3::from_array([0, 1, 2].map(|k| (rows.col(k) * radii).length()));
-            let error = (found.lo - (shift - half))
-                .abs()
-                .max((found.hi - (shift + half)).abs());
+            let error = (found.lo - (shift - half)).abs().max((found.hi - (shift + half)).abs());
             assert!(error.max_element() < 1e-13, "{found:?} {half}");
         }
     }
@@ -241,63 +233,37 @@ mod tests {
         let inside = Bounds::new(Vec3::new(0.0, 0.0, -INF), Vec3::new(2.0, 4.0, INF));
         assert!((pillar.lo - inside.lo).truncate().length() < 1e-14 && pillar.lo.z == -INF);
         assert!((pillar.hi - inside.hi).truncate().length() < 1e-14 && pillar.hi.z == INF);
-        let bowl = bounds(
-            [1.0, 1.0, 0.0, 0.0],
-            Vec3::new(0.0, 0.0, -0.5),
-            &Affine::IDENTITY,
-        );
-        assert_eq!(
-            bowl,
-            Bounds::new(Vec3::new(-INF, -INF, 0.0), Vec3::INFINITY)
-        );
+        let bowl = bounds([1.0, 1.0, 0.0, 0.0], Vec3::new(0.0, 0.0, -0.5), &Affine::IDENTITY);
+        assert_eq!(bowl, Bounds::new(Vec3::new(-INF, -INF, 0.0), Vec3::INFINITY));
         // sheared: z > x^2 + y^2 becomes z > x^2 + y^2 + x, whose lowest point is at x = -1/2
-        let mut q = matrix(
-            [1.0, 1.0, 0.0, 0.0],
-            Vec3::new(0.0, 0.0, -0.5),
-            &Affine::IDENTITY,
-        );
+        let mut q = matrix([1.0, 1.0, 0.0, 0.0], Vec3::new(0.0, 0.0, -0.5), &Affine::IDENTITY);
         (q[0][3], q[3][0]) = (0.5, 0.5);
-        assert_eq!(
-            Quadric::new(q).unwrap().lower().bounds.lo,
-            Vec3::new(-INF, -INF, -0.25)
-        );
+        assert_eq!(Quadric::new(q).unwrap().lower().bounds.lo, Vec3::new(-INF, -INF, -0.25));
         // a slab, and a parabolic cylinder across two axes
         let slab = bounds([0.0, 4.0, 0.0, -1.0], Vec3::ZERO, &Affine::IDENTITY);
         assert_eq!((slab.lo.y, slab.hi.y, slab.hi.x), (-0.5, 0.5, INF));
-        let gutter = bounds(
-            [1.0, 0.0, 0.0, 0.0],
-            Vec3::new(0.0, -1.0, -1.0),
-            &Affine::IDENTITY,
-        );
+        let gutter = bounds([1.0, 0.0, 0.0, 0.0], Vec3::new(0.0, -1.0, -1.0), &Affine::IDENTITY);
         assert_eq!(gutter, Bounds::ALL);
     }
 
     #[test]
     fn bounds_of_what_opens_on_all_sides() {
         let turn = Affine::rotation(Vec3::new(1.0, 2.0, 3.0), 50.0);
-        for diagonal in [
-            [1.0, 1.0, -1.0, -1.0],
-            [1.0, 1.0, -1.0, 1.0],
-            [-1.0, -1.0, -1.0, 1.0],
-            [1.0, -1.0, 0.0, 0.0],
-        ] {
+        for diagonal in
+            [[1.0, 1.0, -1.0, -1.0], [1.0, 1.0, -1.0, 1.0], [-1.0, -1.0, -1.0, 1.0], [1.0, -1.0, 0.0, 0.0]]
+        {
             assert_eq!(bounds(diagonal, Vec3::ZERO, &Affine::IDENTITY), Bounds::ALL);
             assert_eq!(bounds(diagonal, Vec3::ZERO, &turn), Bounds::ALL);
         }
         // a turned cylinder: its eigenvalue 0 cannot be told from a small one
-        assert_eq!(
-            bounds([1.0, 1.0, 0.0, -1.0], Vec3::ZERO, &turn),
-            Bounds::ALL
-        );
+        assert_eq!(bounds([1.0, 1.0, 0.0, -1.0], Vec3::ZERO, &turn), Bounds::ALL);
     }
 
     #[test]
     fn nothing_everything_and_half_of_it() {
         let of = |entries: &[(usize, usize, f64)]| {
             let mut q = [[0.0; 4]; 4];
-            entries
-                .iter()
-                .for_each(|&(i, j, value)| (q[i][j], q[j][i]) = (value, value));
+            entries.iter().for_each(|&(i, j, value)| (q[i][j], q[j][i]) = (value, value));
             Quadric::new(q).unwrap().lower()
         };
         assert_eq!(of(&[]), Lowered::nothing());
@@ -314,11 +280,7 @@ mod tests {
 
     #[test]
     fn the_inside_of_a_negative_form_is_outside() {
-        let lowered = Quadric::new(matrix(
-            [-1.0, -1.0, -1.0, 1.0],
-            Vec3::ZERO,
-            &Affine::IDENTITY,
-        ));
+        let lowered = Quadric::new(matrix([-1.0, -1.0, -1.0, 1.0], Vec3::ZERO, &Affine::IDENTITY));
         let lowered = lowered.unwrap().lower();
         assert!(lowered.contains(Vec3::X * 1.1) && !lowered.contains(Vec3::X * 0.9));
     }
@@ -335,9 +297,6 @@ mod tests {
         q[1][2] = 1e-15;
         assert_eq!(message(Quadric::new(q)), "");
         q[2][2] = INF;
-        assert_eq!(
-            message(Quadric::new(q)),
-            "quadric: matrix[2][2] is inf (matrix must be finite)"
-        );
+        assert_eq!(message(Quadric::new(q)), "quadric: matrix[2][2] is inf (matrix must be finite)");
     }
 }

@@ -15,9 +15,7 @@
 use super::half_space::{check_plane, layer_bounds, random_normal};
 use super::parameter::check_increasing;
 use super::shape::between;
-use super::{
-    Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value,
-};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
 use crate::surface::Surface;
 use rayweave_math::Vec3;
 
@@ -47,35 +45,17 @@ impl Shape for Slab {
             Range::Direction,
             "direction across the slab, of any length",
         ),
-        Parameter::number(
-            "lo",
-            Unit::Length,
-            Range::Finite,
-            "value of normal . p on the first plane",
-        ),
-        Parameter::number(
-            "hi",
-            Unit::Length,
-            Range::Finite,
-            "value of normal . p on the second plane",
-        ),
+        Parameter::number("lo", Unit::Length, Range::Finite, "value of normal . p on the first plane"),
+        Parameter::number("hi", Unit::Length, Range::Finite, "value of normal . p on the second plane"),
     ];
     const FACES: &'static [&'static str] = &["lo", "hi"];
 
     fn from_arguments(arguments: &Arguments) -> Result<Slab, ShapeError> {
-        Slab::new(
-            arguments.vector("normal"),
-            arguments.number("lo"),
-            arguments.number("hi"),
-        )
+        Slab::new(arguments.vector("normal"), arguments.number("lo"), arguments.number("hi"))
     }
 
     fn arguments(&self) -> Vec<(&'static str, Value)> {
-        vec![
-            ("normal", self.normal.into()),
-            ("lo", self.lo.into()),
-            ("hi", self.hi.into()),
-        ]
+        vec![("normal", self.normal.into()), ("lo", self.lo.into()), ("hi", self.hi.into())]
     }
 
     fn consistent(&self) -> Result<(), ShapeError> {
@@ -87,10 +67,7 @@ impl Shape for Slab {
     fn lower(&self) -> Lowered {
         let plane = |offset| Surface::plane(self.normal, offset);
         Lowered::conjunction(
-            vec![
-                Facet::outside("lo", plane(self.lo)),
-                Facet::inside("hi", plane(self.hi)),
-            ],
+            vec![Facet::outside("lo", plane(self.lo)), Facet::inside("hi", plane(self.hi))],
             layer_bounds(self.normal, self.lo, self.hi),
         )
     }
@@ -100,20 +77,12 @@ impl Shape for Slab {
     }
 
     fn example() -> Slab {
-        Slab {
-            normal: Vec3::new(0.2, 0.1, 1.0),
-            lo: -0.3,
-            hi: 0.3,
-        }
+        Slab { normal: Vec3::new(0.2, 0.1, 1.0), lo: -0.3, hi: 0.3 }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Slab {
         let (normal, lo) = (random_normal(rng), between(rng, -1.0, 0.5));
-        Slab {
-            normal,
-            lo,
-            hi: lo + between(rng, 0.1, 1.0),
-        }
+        Slab { normal, lo, hi: lo + between(rng, 0.1, 1.0) }
     }
 }
 
@@ -136,15 +105,9 @@ mod tests {
 
     #[test]
     fn bounds_along_an_axis() {
-        let bounds = Slab::new(Vec3::new(-2.0, 0.0, 0.0), 1.0, 4.0)
-            .unwrap()
-            .lower()
-            .bounds;
+        let bounds = Slab::new(Vec3::new(-2.0, 0.0, 0.0), 1.0, 4.0).unwrap().lower().bounds;
         assert_eq!((bounds.lo.x, bounds.hi.x), (-2.0, -0.5));
-        assert_eq!(
-            (bounds.lo.y, bounds.hi.z),
-            (f64::NEG_INFINITY, f64::INFINITY)
-        );
+        assert_eq!((bounds.lo.y, bounds.hi.z), (f64::NEG_INFINITY, f64::INFINITY));
     }
 
     #[test]

@@ -65,9 +65,7 @@ impl Shape for Sphere {
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Sphere {
-        Sphere {
-            radius: between(rng, 0.3, 1.5),
-        }
+        Sphere { radius: between(rng, 0.3, 1.5) }
     }
 }
 

@@ -59,14 +59,11 @@ fn holds_all(planes: &[Plane], point: Vec3) -> bool {
 fn most_violated(planes: &[Plane], order: &[usize], vertex: Vec3) -> usize {
     let excess = |i: usize| planes[order[i]].normal.dot(vertex) - planes[order[i]].offset;
     let all = 0..order.len();
-    all.max_by(|&i, &j| excess(i).total_cmp(&excess(j)))
-        .unwrap_or(0)
+    all.max_by(|&i, &j| excess(i).total_cmp(&excess(j))).unwrap_or(0)
 }
 
 fn least(a: Option<Optimum>, others: impl Iterator<Item = Optimum>) -> Option<Optimum> {
-    a.into_iter()
-        .chain(others)
-        .min_by(|a, b| a.0.total_cmp(&b.0))
+    a.into_iter().chain(others).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// The bounds that a plane gives alone, with each other, and with each two others.
@@ -76,22 +73,15 @@ fn combinations<'a>(
     used: &'a [&'a Plane],
 ) -> impl Iterator<Item = Optimum> + 'a {
     let pairs = used.iter().filter_map(move |b| of_two(direction, plane, b));
-    let triples = (0..used.len()).flat_map(move |i| {
-        used[..i]
-            .iter()
-            .filter_map(move |b| of_three(direction, [plane, used[i], b]))
-    });
-    of_one(direction, plane)
-        .into_iter()
-        .chain(pairs)
-        .chain(triples)
+    let triples = (0..used.len())
+        .flat_map(move |i| used[..i].iter().filter_map(move |b| of_three(direction, [plane, used[i], b])));
+    of_one(direction, plane).into_iter().chain(pairs).chain(triples)
 }
 
 fn of_one(direction: Vec3, plane: &Plane) -> Option<Optimum> {
     let part = direction.dot(plane.normal);
     let rest = direction - part * plane.normal;
-    (part > 0.0 && rest.length() <= ROUNDING)
-        .then(|| (part * plane.offset, plane.normal * plane.offset))
+    (part > 0.0 && rest.length() <= ROUNDING).then(|| (part * plane.offset, plane.normal * plane.offset))
 }
 
 fn of_two(direction: Vec3, a: &Plane, b: &Plane) -> Option<Optimum> {
@@ -130,12 +120,8 @@ fn meeting(planes: [&Plane; 3], dual: [Vec3; 3], determinant: f64) -> Vec3 {
 fn has_no_vertex(planes: &[Plane]) -> bool {
     let n = planes.len();
     let triples = (0..n).flat_map(|i| (0..i).flat_map(move |j| (0..j).map(move |k| [i, j, k])));
-    let scale = planes
-        .iter()
-        .fold(0.0f64, |scale, plane| scale.max(plane.offset.abs()));
-    triples
-        .map(|triple| triple.map(|i| &planes[i]))
-        .all(|triple| !may_be_vertex(triple, planes, scale))
+    let scale = planes.iter().fold(0.0f64, |scale, plane| scale.max(plane.offset.abs()));
+    triples.map(|triple| triple.map(|i| &planes[i])).all(|triple| !may_be_vertex(triple, planes, scale))
 }
 
 fn may_be_vertex(triple: [&Plane; 3], planes: &[Plane], scale: f64) -> bool {

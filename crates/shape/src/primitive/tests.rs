@@ -27,10 +27,7 @@ pub fn check_inside(shape: &impl Shape, half: Vec3, inside: impl Fn(Vec3) -> boo
         let p = point_in(&region, &mut rng);
         assert_eq!(lowered.contains(p), inside(p), "{p} in {lowered:?}");
         count[usize::from(inside(p))] += 1;
-        assert!(
-            !inside(p) || lowered.bounds.contains(p),
-            "{p} in {lowered:?}"
-        );
+        assert!(!inside(p) || lowered.bounds.contains(p), "{p} in {lowered:?}");
     }
     assert!(count[0] > 40 && count[1] > 40, "one-sided test: {count:?}");
 }
@@ -40,9 +37,7 @@ pub fn check_inside(shape: &impl Shape, half: Vec3, inside: impl Fn(Vec3) -> boo
 /// `check_inside`.)
 pub fn check_touched(shape: &impl Shape, middle: Vec3, points: &[Vec3]) {
     let lowered = shape.lower();
-    let size = points
-        .iter()
-        .fold(0.0f64, |size, p| size.max((*p - middle).length()));
+    let size = points.iter().fold(0.0f64, |size, p| size.max((*p - middle).length()));
     for p in points {
         let nearly = *p + (middle - *p) * 1e-7;
         assert!(lowered.contains(nearly), "{p} of {lowered:?}");
@@ -50,10 +45,7 @@ pub fn check_touched(shape: &impl Shape, middle: Vec3, points: &[Vec3]) {
     let bounds = lowered.bounds;
     for (k, face) in (0..6).map(|k| (k % 3, [bounds.lo, bounds.hi][k / 3][k % 3])) {
         let touched = points.iter().any(|p| (p[k] - face).abs() <= 1e-13 * size);
-        assert!(
-            face.is_infinite() || touched,
-            "axis {k}: {face} in {bounds:?}"
-        );
+        assert!(face.is_infinite() || touched, "axis {k}: {face} in {bounds:?}");
     }
 }
 
@@ -75,18 +67,12 @@ pub fn check_volume(shape: &impl Shape) {
     let unit = cell.x * cell.y * cell.z;
     let (counted, closed) = (f64::from(inside) * unit, shape.volume().unwrap());
     let error = 9.0 * f64::from(N) * unit;
-    assert!(
-        (counted - closed).abs() <= error,
-        "{counted} {closed} +- {error}"
-    );
+    assert!((counted - closed).abs() <= error, "{counted} {closed} +- {error}");
 }
 
 /// The message of a refusal.
 pub fn message<T>(result: Result<T, ShapeError>) -> String {
-    result
-        .err()
-        .map(|error| error.to_string())
-        .unwrap_or_default()
+    result.err().map(|error| error.to_string()).unwrap_or_default()
 }
 
 fn many() -> Vec<Primitive> {
@@ -102,17 +88,8 @@ fn arguments_build_the_same_primitive_again() {
         assert_eq!(build(primitive.name(), &arguments).as_ref(), Ok(&primitive));
         arguments.reverse();
         assert_eq!(build(primitive.name(), &arguments).as_ref(), Ok(&primitive));
-        let names: Vec<&str> = primitive
-            .arguments()
-            .iter()
-            .map(|(name, _)| *name)
-            .collect();
-        let table: Vec<&str> = primitive
-            .manual()
-            .parameters
-            .iter()
-            .map(|p| p.name)
-            .collect();
+        let names: Vec<&str> = primitive.arguments().iter().map(|(name, _)| *name).collect();
+        let table: Vec<&str> = primitive.manual().parameters.iter().map(|p| p.name).collect();
         assert_eq!(names, table);
     }
 }
@@ -121,20 +98,13 @@ fn arguments_build_the_same_primitive_again() {
 fn random_primitives_are_of_all_kinds_and_examples_in_order() {
     let random = many().split_off(MANUALS.len());
     for manual in MANUALS {
-        assert!(
-            random.iter().any(|p| p.name() == manual.name),
-            "{}",
-            manual.name
-        );
+        assert!(random.iter().any(|p| p.name() == manual.name), "{}", manual.name);
         assert_eq!(Primitive::example(manual.name).unwrap().name(), manual.name);
     }
     let names = MANUALS.iter().map(|manual| manual.name);
     assert!(Primitive::examples().iter().map(Primitive::name).eq(names));
     assert_eq!(Primitive::example("teapot"), None);
-    assert_eq!(
-        Primitive::random(|| 1.0 - 1e-16).name(),
-        MANUALS[MANUALS.len() - 1].name
-    );
+    assert_eq!(Primitive::random(|| 1.0 - 1e-16).name(), MANUALS[MANUALS.len() - 1].name);
 }
 
 #[test]
@@ -146,10 +116,7 @@ fn bounds_hold_what_is_inside() {
         let slack = lowered.bounds.grown(1e-14);
         for _ in 0..200 {
             let p = point_in(&near, &mut rng);
-            assert!(
-                !lowered.contains(p) || slack.contains(p),
-                "{p} in {primitive:?}"
-            );
+            assert!(!lowered.contains(p) || slack.contains(p), "{p} in {primitive:?}");
         }
     }
 }
@@ -159,24 +126,12 @@ fn pages_tell_what_the_code_does() {
     for manual in MANUALS {
         let page = manual.text;
         assert!(page.contains(&parameter_table(manual.parameters)), "{page}");
-        assert!(
-            page.contains(&format!("`{}`", manual.equation)),
-            "{}",
-            manual.name
-        );
+        assert!(page.contains(&format!("`{}`", manual.equation)), "{}", manual.name);
         assert!(page.starts_with(manual.summary) && manual.summary.ends_with('.'));
         for face in manual.faces {
-            assert!(
-                page.contains(&format!("`{face}`")),
-                "{face} of {}",
-                manual.name
-            );
+            assert!(page.contains(&format!("`{face}`")), "{face} of {}", manual.name);
         }
-        assert!(
-            page.contains("\nFace") || page.contains("\nOne face"),
-            "{}",
-            manual.name
-        );
+        assert!(page.contains("\nFace") || page.contains("\nOne face"), "{}", manual.name);
     }
 }
 
@@ -184,9 +139,7 @@ fn pages_tell_what_the_code_does() {
 fn is_face(pattern: &str, name: &str) -> bool {
     match pattern.split_once("0..") {
         None => pattern == name,
-        Some((stem, _)) => name
-            .strip_prefix(stem)
-            .is_some_and(|k| k.parse::<u32>().is_ok()),
+        Some((stem, _)) => name.strip_prefix(stem).is_some_and(|k| k.parse::<u32>().is_ok()),
     }
 }
 
@@ -196,14 +149,8 @@ fn faces_have_the_names_of_the_page_each_once() {
         let facets = primitive.lower().facets;
         let faces = primitive.manual().faces;
         for (i, facet) in facets.iter().enumerate() {
-            assert!(
-                faces.iter().any(|face| is_face(face, &facet.name)),
-                "{facet:?}"
-            );
-            assert!(
-                facets[..i].iter().all(|other| other.name != facet.name),
-                "{facet:?}"
-            );
+            assert!(faces.iter().any(|face| is_face(face, &facet.name)), "{facet:?}");
+            assert!(facets[..i].iter().all(|other| other.name != facet.name), "{facet:?}");
         }
     }
 }
@@ -213,10 +160,7 @@ fn refusals_of_names() {
     let number = |x: f64| Value::Number(x);
     assert_eq!(
         message(build("spehre", &[])),
-        format!(
-            "unknown shape `spehre` (the shapes are {}) did you mean `sphere`?",
-            names()
-        )
+        format!("unknown shape `spehre` (the shapes are {}) did you mean `sphere`?", names())
     );
     assert!(message(build("teapot", &[])).ends_with(&format!("{})", names())));
     assert_eq!(
@@ -228,28 +172,20 @@ fn refusals_of_names() {
         "sphere: radius is missing (it is a number and has no default) did you forget it?"
     );
     assert_eq!(
-        message(build(
-            "sphere",
-            &[("radius", number(1.0)), ("radius", number(1.0))]
-        )),
+        message(build("sphere", &[("radius", number(1.0)), ("radius", number(1.0))])),
         "sphere: radius is given more than once (each parameter has one value) which one is meant?"
     );
 }
 
 #[test]
 fn refusals_of_values() {
-    let refuse =
-        |name: &str, parameter: &str, value: Value| message(build(name, &[(parameter, value)]));
+    let refuse = |name: &str, parameter: &str, value: Value| message(build(name, &[(parameter, value)]));
     assert_eq!(
         refuse("sphere", "radius", Value::Vector(vec![1.0, 2.0])),
         "sphere: radius is a list of 2 numbers (radius must be a number) are there numbers missing or too many?"
     );
     assert_eq!(
-        refuse(
-            "convex",
-            "planes",
-            Value::Rows(vec![vec![1.0; 4], vec![1.0; 3]])
-        ),
+        refuse("convex", "planes", Value::Rows(vec![vec![1.0; 4], vec![1.0; 3]])),
         "convex: planes[1] is a list of 3 numbers (planes must be 1 row or more of 4 numbers) are there \
          numbers missing or too many?"
     );

@@ -74,17 +74,13 @@ impl Shape for Torus {
             return Some(2.0 * PI * PI * self.major * square);
         }
         let h = ((self.minor - self.major) * (self.minor + self.major)).sqrt();
-        let section = 0.25 * PI * square
-            + 0.5 * self.major * h
-            + 0.5 * square * libm::asin(self.major / self.minor);
+        let section =
+            0.25 * PI * square + 0.5 * self.major * h + 0.5 * square * libm::asin(self.major / self.minor);
         Some(4.0 * PI * (self.major * section + h * h * h / 3.0))
     }
 
     fn example() -> Torus {
-        Torus {
-            major: 0.8,
-            minor: 0.3,
-        }
+        Torus { major: 0.8, minor: 0.3 }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Torus {
@@ -94,10 +90,7 @@ impl Shape for Torus {
             1 => between(rng, 0.3, 1.0),
             _ => between(rng, 1.0, 3.0),
         };
-        Torus {
-            major: ratio * minor,
-            minor,
-        }
+        Torus { major: ratio * minor, minor }
     }
 }
 
@@ -118,9 +111,7 @@ mod tests {
                 let (major, minor) = (scale * major, scale * minor);
                 let solid = Torus::new(major, minor).unwrap();
                 let size = major + minor;
-                check_inside(&solid, 1.1 * Vec3::new(size, size, minor), |p| {
-                    inside(major, minor, p)
-                });
+                check_inside(&solid, 1.1 * Vec3::new(size, size, minor), |p| inside(major, minor, p));
                 check_volume(&solid);
                 // each half of the section is convex: touched as seen from its own middle
                 let middle = Vec3::X * major;
@@ -147,18 +138,13 @@ mod tests {
         let lowered = Torus::new(0.5, 1.0).unwrap().lower();
         let skin = 0.75f64.sqrt();
         assert!(lowered.contains(Vec3::ZERO));
-        assert!(
-            lowered.contains(Vec3::Z * (skin - 1e-9)) && !lowered.contains(Vec3::Z * (skin + 1e-9))
-        );
+        assert!(lowered.contains(Vec3::Z * (skin - 1e-9)) && !lowered.contains(Vec3::Z * (skin + 1e-9)));
         assert!(lowered.contains(Vec3::new(0.49, 0.0, 0.99)));
     }
 
     #[test]
     fn volumes_agree_where_the_formulas_meet() {
-        let (ring, spindle) = (
-            Torus::new(1.0, 1.0).unwrap(),
-            Torus::new(1.0, 1.0 + 1e-9).unwrap(),
-        );
+        let (ring, spindle) = (Torus::new(1.0, 1.0).unwrap(), Torus::new(1.0, 1.0 + 1e-9).unwrap());
         assert!((ring.volume().unwrap() / spindle.volume().unwrap() - 1.0).abs() < 3e-9);
     }
 

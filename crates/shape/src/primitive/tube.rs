@@ -34,12 +34,7 @@ pub struct Tube {
 impl Tube {
     /// The tube between two radii; the height may be infinite.
     pub fn new(outer_radius: f64, inner_radius: f64, height: f64) -> Result<Tube, ShapeError> {
-        Tube {
-            outer_radius,
-            inner_radius,
-            height,
-        }
-        .validated()
+        Tube { outer_radius, inner_radius, height }.validated()
     }
 }
 
@@ -59,12 +54,7 @@ impl Shape for Tube {
             Range::NotNegative,
             "distance of the wall of the hole from the axis",
         ),
-        Parameter::number(
-            "height",
-            Unit::Length,
-            Range::PositiveOrInfinite,
-            "whole extent along z",
-        ),
+        Parameter::number("height", Unit::Length, Range::PositiveOrInfinite, "whole extent along z"),
     ];
     const FACES: &'static [&'static str] = &["outer", "inner", "bottom", "top"];
 
@@ -106,11 +96,7 @@ impl Shape for Tube {
     }
 
     fn example() -> Tube {
-        Tube {
-            outer_radius: 0.9,
-            inner_radius: 0.6,
-            height: 1.4,
-        }
+        Tube { outer_radius: 0.9, inner_radius: 0.6, height: 1.4 }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Tube {
@@ -144,38 +130,20 @@ mod tests {
                 assert!(near.contains(axis * outer * (1.0 - 1e-12)));
                 assert!(!near.contains(axis * inner * (1.0 - 1e-12)));
             }
-            assert_eq!(
-                solid.lower().bounds.hi,
-                Vec3::new(outer, outer, 0.5 * height)
-            );
+            assert_eq!(solid.lower().bounds.hi, Vec3::new(outer, outer, 0.5 * height));
             check_volume(&solid);
         }
     }
 
     #[test]
     fn without_a_hole_it_is_a_cylinder() {
-        let (full, rod) = (
-            Tube::new(0.5, 0.0, 2.0).unwrap(),
-            Cylinder::new(0.5, 2.0).unwrap(),
-        );
+        let (full, rod) = (Tube::new(0.5, 0.0, 2.0).unwrap(), Cylinder::new(0.5, 2.0).unwrap());
         let surfaces = |lowered: Lowered| lowered.facets.into_iter().map(|facet| facet.surface);
         assert!(surfaces(full.lower()).eq(surfaces(rod.lower())));
-        let ends = [
-            (1.0, 0.0, 1.0),
-            (-1.0, 0.0, -1.0),
-            (0.0, 1.0, 0.0),
-            (0.0, -1.0, 0.0),
-        ];
+        let ends = [(1.0, 0.0, 1.0), (-1.0, 0.0, -1.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)];
         let ends = ends.map(|(x, y, z)| Vec3::new(0.5 * x, 0.5 * y, z));
         check_touched(&full, Vec3::ZERO, &ends);
-        assert_eq!(
-            Tube::new(0.5, 0.2, f64::INFINITY)
-                .unwrap()
-                .lower()
-                .facets
-                .len(),
-            2
-        );
+        assert_eq!(Tube::new(0.5, 0.2, f64::INFINITY).unwrap().lower().facets.len(), 2);
     }
 
     #[test]

@@ -101,10 +101,7 @@ mod tests {
         for number in [0.0, -1.0, 0.1, 1e-7, 2.5e300, 123456789.0, f64::INFINITY] {
             assert_eq!(Value::from(number).to_string().parse(), Ok(number));
         }
-        assert_eq!(
-            Value::from(Vec3::new(1.0, -0.5, 1e20)).to_string(),
-            "[1, -0.5, 1e20]"
-        );
+        assert_eq!(Value::from(Vec3::new(1.0, -0.5, 1e20)).to_string(), "[1, -0.5, 1e20]");
         let rows: &[[f64; 2]] = &[[1.0, 2.0], [3.0, f64::NAN]];
         assert_eq!(Value::from(rows).to_string(), "[[1, 2], [3, nan]]");
     }
@@ -113,13 +110,7 @@ mod tests {
     fn descriptions() {
         assert_eq!(Value::Vector(vec![1.0]).description(), "a list of 1 number");
         assert_eq!(Value::Rows(vec![]).description(), "an empty list");
-        assert_eq!(
-            Value::Rows(vec![vec![1.0], vec![]]).description(),
-            "rows of different lengths"
-        );
-        assert_eq!(
-            Value::Rows(vec![vec![1.0, 2.0]; 3]).description(),
-            "3 row(s) of 2 numbers"
-        );
+        assert_eq!(Value::Rows(vec![vec![1.0], vec![]]).description(), "rows of different lengths");
+        assert_eq!(Value::Rows(vec![vec![1.0, 2.0]; 3]).description(), "3 row(s) of 2 numbers");
     }
 }

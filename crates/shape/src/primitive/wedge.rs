@@ -28,11 +28,7 @@ pub struct Wedge {
 impl Wedge {
     /// The sector that begins at an angle and sweeps through another, in degrees.
     pub fn new(start_degrees: f64, sweep_degrees: f64) -> Result<Wedge, ShapeError> {
-        Wedge {
-            start_degrees,
-            sweep_degrees,
-        }
-        .validated()
+        Wedge { start_degrees, sweep_degrees }.validated()
     }
 
     /// The directions of the two faces. The start is reduced first, so that whole turns cost no digits.
@@ -52,11 +48,7 @@ impl Wedge {
             if reached { f64::INFINITY } else { 0.0 }
         };
         Bounds::new(
-            Vec3::new(
-                -reach(2, Vec3::NEG_X),
-                -reach(3, Vec3::NEG_Y),
-                f64::NEG_INFINITY,
-            ),
+            Vec3::new(-reach(2, Vec3::NEG_X), -reach(3, Vec3::NEG_Y), f64::NEG_INFINITY),
             Vec3::new(reach(0, Vec3::X), reach(1, Vec3::Y), f64::INFINITY),
         )
     }
@@ -69,8 +61,7 @@ fn ahead(direction: Vec3) -> Vec3 {
 
 impl Shape for Wedge {
     const NAME: &'static str = "wedge";
-    const EQUATION: &'static str =
-        "start_degrees < atan2(y, x) < start_degrees + sweep_degrees (mod 360)";
+    const EQUATION: &'static str = "start_degrees < atan2(y, x) < start_degrees + sweep_degrees (mod 360)";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::number(
             "start_degrees",
@@ -88,23 +79,15 @@ impl Shape for Wedge {
     const FACES: &'static [&'static str] = &["start", "end"];
 
     fn from_arguments(arguments: &Arguments) -> Result<Wedge, ShapeError> {
-        Wedge::new(
-            arguments.number("start_degrees"),
-            arguments.number("sweep_degrees"),
-        )
+        Wedge::new(arguments.number("start_degrees"), arguments.number("sweep_degrees"))
     }
 
     fn arguments(&self) -> Vec<(&'static str, Value)> {
-        vec![
-            ("start_degrees", self.start_degrees.into()),
-            ("sweep_degrees", self.sweep_degrees.into()),
-        ]
+        vec![("start_degrees", self.start_degrees.into()), ("sweep_degrees", self.sweep_degrees.into())]
     }
 
     fn lower(&self) -> Lowered {
-        let [start, end] = self
-            .directions()
-            .map(|face| Surface::plane(ahead(face), 0.0));
+        let [start, end] = self.directions().map(|face| Surface::plane(ahead(face), 0.0));
         let bounds = self.bounds();
         if self.sweep_degrees == 180.0 {
             Lowered::conjunction(vec![Facet::outside("start", start)], bounds)
@@ -122,10 +105,7 @@ impl Shape for Wedge {
     }
 
     fn example() -> Wedge {
-        Wedge {
-            start_degrees: 20.0,
-            sweep_degrees: 110.0,
-        }
+        Wedge { start_degrees: 20.0, sweep_degrees: 110.0 }
     }
 
     fn random(rng: &mut dyn FnMut() -> f64) -> Wedge {
@@ -138,10 +118,7 @@ impl Shape for Wedge {
             true => 90.0 * (8.0 * rng() - 4.0).round(),
             false => between(rng, -180.0, 180.0),
         };
-        Wedge {
-            start_degrees,
-            sweep_degrees,
-        }
+        Wedge { start_degrees, sweep_degrees }
     }
 }
 
@@ -187,9 +164,7 @@ mod tests {
     #[test]
     fn a_fan_shares_its_planes() {
         let surface = |start: f64, sweep: f64, k: usize| {
-            Wedge::new(start, sweep).unwrap().lower().facets[k]
-                .surface
-                .clone()
+            Wedge::new(start, sweep).unwrap().lower().facets[k].surface.clone()
         };
         for k in 0..10 {
             let start = 36.0 * f64::from(k);

@@ -140,16 +140,15 @@ impl Quadric {
         !(self.weights.cmpgt(Vec3::ZERO).all() || self.weights.cmplt(Vec3::ZERO).all())
     }
 
-    /// Distance of the centre from the origin plus the size: the longest half axis `sqrt(|constant / w|)` and
-    /// the length `|linear|` over the largest weight.
+    /// Distance of the centre from the origin plus the size: the *shortest* half axis `sqrt(|constant|)` and the
+    /// length `|linear|` over the largest weight.
+    ///
+    /// Longer half axes need not count: an error of u in the constant moves the surface by `u |constant| /
+    /// |grad f|`, and where the linear part is 0 the surface has `q . grad f = -2 constant`, so that this is at
+    /// most `u |q| / 2`; and |q| is counted with the point of the ray. (It would be wrong to count them: a
+    /// frustum that is nearly a cylinder has its apex at any distance, and would be welded away.)
     pub fn reach(&self) -> f64 {
-        let longest = self
-            .weights
-            .to_array()
-            .into_iter()
-            .filter(|&w| w != 0.0)
-            .fold(0.0f64, |size, w| size.max((self.constant / w).abs()));
-        self.centre.length() + longest.sqrt() + self.linear.length()
+        self.centre.length() + self.constant.abs().sqrt() + self.linear.length()
     }
 
     /// The image under any map: `e . q = (L^-T e) . L q`.
