@@ -120,7 +120,7 @@ impl Compiler {
         let mut tables = Tables::default();
         for raw in &group.leaves {
             match &raw.content {
-                Content::Shape(primitive, lowered) => tables.shape(raw, primitive, lowered)?,
+                Content::Shape(shape) => tables.shape(raw, &shape.0, &shape.1)?,
                 Content::Instance(prototype) => {
                     tables.instance(raw, *prototype, self.done[prototype.index()])?
                 }

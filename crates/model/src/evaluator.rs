@@ -164,11 +164,20 @@ pub struct Query<'a> {
     pub window: Window,
     /// How many crossings are wanted.
     pub limit: Limit,
-    /// Surfaces that the rays start on; such rays are asked about times t > 0 only.
+    /// Surfaces that the rays start on; such rays are asked about times t >= 0 only.
     pub starts: Option<StartLists<'a>>,
 }
 
 impl Query<'_> {
+    /// True if a flip at `t` has happened before the part of a ray that is asked about, so that it only
+    /// moves the side at which the ray starts.
+    ///
+    /// A ray with a start list is asked about from t = 0 on, that time included: there a listed surface is
+    /// crossed whose side and direction disagree. (To go on after it, ask for t_min = `f64::MIN_POSITIVE`.)
+    pub fn is_past(&self, t: f64, has_starts: bool) -> bool {
+        if has_starts && self.window.t_min <= 0.0 { t < 0.0 } else { t <= self.window.t_min }
+    }
+
     /// The first crossing after t = 0.
     pub fn nearest() -> Query<'static> {
         Query { window: Window { t_min: 0.0, t_max: f64::INFINITY }, limit: Limit::First, starts: None }

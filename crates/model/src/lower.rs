@@ -31,7 +31,7 @@ pub(crate) struct RawLeaf {
 
 /// What stands at a leaf.
 pub(crate) enum Content {
-    Shape(Primitive, Lowered),
+    Shape(Box<(Primitive, Lowered)>),
     Instance(PrototypeId),
 }
 
@@ -262,8 +262,12 @@ impl<'p, 'a> Lowering<'p, 'a> {
                 let lowered = primitive.lower();
                 let inverted = lowered.complement;
                 let name = self.leaf_name(context, primitive.name());
-                let leaf =
-                    self.leaf(name, context, primitive.name(), Content::Shape(primitive.clone(), lowered))?;
+                let leaf = self.leaf(
+                    name,
+                    context,
+                    primitive.name(),
+                    Content::Shape(Box::new((primitive.clone(), lowered))),
+                )?;
                 self.leaf_of.insert(key, (leaf, inverted));
                 (leaf, inverted)
             }

@@ -249,46 +249,54 @@ fn same_head(a: &Node, b: &Node) -> bool {
 }
 
 macro_rules! operator {
-    ($trait:ident, $method:ident, $doc:literal, |$a:ident, $b:ident| $make:expr) => {
+    ($trait:ident, $method:ident, $doc:literal, $make:path) => {
         impl $trait for Solid {
             type Output = Solid;
             #[doc = $doc]
             fn $method(self, other: Solid) -> Solid {
-                let ($a, $b) = (self, other);
-                Solid::new($make)
+                Solid::new($make(self, other))
             }
         }
         impl $trait<&Solid> for &Solid {
             type Output = Solid;
             #[doc = $doc]
             fn $method(self, other: &Solid) -> Solid {
-                let ($a, $b) = (self.clone(), other.clone());
-                Solid::new($make)
+                Solid::new($make(self.clone(), other.clone()))
             }
         }
         impl $trait<Solid> for &Solid {
             type Output = Solid;
             #[doc = $doc]
             fn $method(self, other: Solid) -> Solid {
-                let ($a, $b) = (self.clone(), other);
-                Solid::new($make)
+                Solid::new($make(self.clone(), other))
             }
         }
         impl $trait<&Solid> for Solid {
             type Output = Solid;
             #[doc = $doc]
             fn $method(self, other: &Solid) -> Solid {
-                let ($a, $b) = (self, other.clone());
-                Solid::new($make)
+                Solid::new($make(self, other.clone()))
             }
         }
     };
 }
 
-operator!(BitOr, bitor, "The union.", |a, b| Node::Union(vec![a, b]));
-operator!(BitAnd, bitand, "The intersection.", |a, b| { Node::Intersection(vec![a, b]) });
-operator!(BitXor, bitxor, "The symmetric difference.", |a, b| { Node::SymmetricDifference(vec![a, b]) });
-operator!(Sub, sub, "The difference.", |a, b| Node::Difference(a, b));
+operator!(BitOr, bitor, "The union.", union_of);
+operator!(BitAnd, bitand, "The intersection.", intersection_of);
+operator!(BitXor, bitxor, "The symmetric difference.", symmetric_difference_of);
+operator!(Sub, sub, "The difference.", Node::Difference);
+
+fn union_of(a: Solid, b: Solid) -> Node {
+    Node::Union(vec![a, b])
+}
+
+fn intersection_of(a: Solid, b: Solid) -> Node {
+    Node::Intersection(vec![a, b])
+}
+
+fn symmetric_difference_of(a: Solid, b: Solid) -> Node {
+    Node::SymmetricDifference(vec![a, b])
+}
 
 impl Not for Solid {
     type Output = Solid;

@@ -71,7 +71,7 @@ impl Reference {
                 let local = ray.ray.transformed(&self.program.leaf(id).transform.local_from_world);
                 let placement = PlacementId(ray.placement.0 + placement);
                 let answer = self.group(*inner, local, placement, ray.starts);
-                answer.as_leaf(
+                answer.into_leaf(
                     &self.program.prototype(*inner).expression,
                     leaf,
                     self.program.prototype(*inner),
@@ -112,7 +112,7 @@ impl Reference {
             let end = answer.events.partition_point(|event| event.t <= t);
             answer.events[position..end].iter().for_each(|event| flips.flip(event.leaf));
             position = end;
-            if t <= window.t_min() {
+            if query.is_past(t, !starts.is_empty()) {
                 start = after.region;
             } else if before.medium != after.medium {
                 out.extend(weld.change(Change { t, first, end, before, after }, &mut flips));
@@ -195,7 +195,7 @@ struct GroupAnswer {
 
 impl GroupAnswer {
     /// The placed solid as one leaf of the group around it.
-    fn as_leaf(self, expression: &Expression, leaf: u32, inner: &Prototype) -> (bool, Vec<Event>) {
+    fn into_leaf(self, expression: &Expression, leaf: u32, inner: &Prototype) -> (bool, Vec<Event>) {
         let mut flips = PlainFlips::new(expression, &inner.outputs, self.starts_inside);
         let Some(output) = self.outputs.first() else {
             return (false, Vec::new());

@@ -160,7 +160,8 @@ impl Weave {
         let mut state = self.take_state(group, scratch);
         let level = self.gather(group, &seen, query.window, 0, scratch, &mut state);
         let mut sweep = Sweep::new(&prototype.network, &mut state, &level.events, query.window.t_max());
-        let start = self.sweep(ray, query, &level.events, &mut sweep, &mut scratch.crossings);
+        let start =
+            self.sweep(ray, query, &level.events, &mut sweep, !starts.is_empty(), &mut scratch.crossings);
         sweep.rest(&level.touched);
         scratch.give_back(group, state, 0, level);
         start
@@ -173,9 +174,10 @@ impl Weave {
         query: &Query<'_>,
         events: &[Event],
         sweep: &mut Sweep<'_>,
+        has_starts: bool,
         out: &mut Vec<Crossing>,
     ) -> RegionId {
-        while sweep.next_time().is_some_and(|t| t <= query.window.t_min()) {
+        while sweep.next_time().is_some_and(|t| query.is_past(t, has_starts)) {
             sweep.step();
         }
         let mut now = self.state(sweep.flips.winner());
