@@ -1,6 +1,7 @@
 //! What holds for every primitive, and the checks that each file's own tests use.
 
 use super::*;
+use crate::Ray;
 use rayweave_math::{Bounds, Vec3};
 
 /// Numbers uniform in [0, 1): SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
@@ -117,6 +118,26 @@ fn bounds_hold_what_is_inside() {
         for _ in 0..200 {
             let p = point_in(&near, &mut rng);
             assert!(!lowered.contains(p) || slack.contains(p), "{p} in {primitive:?}");
+        }
+    }
+}
+
+/// Along random rays the kernels' crossings say the same as the signs of the functions at points.
+#[test]
+fn crossings_agree_with_the_signs_at_points() {
+    let mut rng = uniform(10);
+    let cube = Bounds::centred(Vec3::ZERO, Vec3::splat(2.0));
+    for primitive in many() {
+        let (origin, target) = (point_in(&cube, &mut rng), point_in(&cube, &mut rng));
+        let ray = Ray::new(origin, target - origin);
+        for facet in primitive.lower().facets {
+            let crossings = facet.surface.crossings(&ray);
+            for _ in 0..20 {
+                let t = 6.0 * rng() - 2.5;
+                let (value, gradient) = facet.surface.value_and_gradient(ray.at(t));
+                let clear = value.abs() > 1e-9 * gradient.length();
+                assert!(!clear || crossings.negative_after(t) == (value < 0.0), "{facet:?} {ray:?} {t}");
+            }
         }
     }
 }
