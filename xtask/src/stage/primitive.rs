@@ -30,10 +30,12 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let copy = Repository { root };
     new_primitive::run(&copy, NAME)?;
     register(&copy)?;
+    // a folder of its own: cargo would take the copy's crates for the workspace's, whose tests then were stale
+    let built = workshop.repository.target().join("new-primitive-target");
     let mut cargo = Command::new("cargo");
     cargo
         .current_dir(&copy.root)
-        .env("CARGO_TARGET_DIR", workshop.repository.target());
+        .env("CARGO_TARGET_DIR", built);
     cargo
         .args(["test", "--package", "rayweave-shape", "--lib", "--"])
         .args(TESTS);
