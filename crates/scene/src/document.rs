@@ -99,7 +99,7 @@ pub enum Body {
     /// A boolean expression over solids.
     Expression(Spanned<String>),
     /// Another solid, placed many times.
-    Place(Place),
+    Place(Box<Place>),
 }
 
 /// One map.
@@ -122,7 +122,7 @@ pub enum Step {
     /// Mirror in the plane through the origin with this normal.
     Mirror(Vector),
     /// Any affine map, as a matrix that acts on columns.
-    Matrix(Matrix),
+    Matrix(Box<Matrix>),
 }
 
 /// A solid placed many times.
@@ -137,15 +137,8 @@ pub struct Place {
 /// Where the copies of a solid are.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layout {
-    /// Copy (i, j, k) is moved by `origin + (i, j, k) * step`.
-    Grid {
-        /// How many along x, y and z.
-        count: Vector,
-        /// The distances from one to the next.
-        step: Vector,
-        /// Where the first is; the origin, if it is not given.
-        origin: Option<Vector>,
-    },
+    /// In rows, columns and layers.
+    Grid(Box<Grid>),
     /// Copy k is moved along x by `radius`, then turned about the z axis by `start + 360 k / count` degrees.
     Ring {
         /// How many.
@@ -161,6 +154,17 @@ pub enum Layout {
     Matrices(Vec<Matrix>),
     /// Vectors or maps from an NPY file beside the model file: float64, (N, 3) or (N, 4, 4).
     File(Spanned<String>),
+}
+
+/// Copies in rows, columns and layers: copy (i, j, k) is moved by `origin + (i, j, k) * step`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// How many along x, y and z.
+    pub count: Vector,
+    /// The distances from one to the next.
+    pub step: Vector,
+    /// Where the first is; the origin, if it is not given.
+    pub origin: Option<Vector>,
 }
 
 /// A solid made of a medium.

@@ -8,6 +8,7 @@
 pub mod arithmetic;
 mod colour;
 mod datum;
+mod decompose;
 mod diagnostic;
 mod document;
 mod expression;

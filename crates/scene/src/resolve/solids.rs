@@ -389,7 +389,7 @@ fn from_rows(context: &mut Context, rows: &[[f64; 4]; 4], span: Span) -> Option<
 
 fn layout(context: &mut Context, numbers: &Numbers, layout: &Layout) -> Option<Vec<Affine>> {
     match layout {
-        Layout::Grid { count, step, origin } => grid(context, numbers, count, step, origin.as_ref()),
+        Layout::Grid(entry) => grid(context, numbers, entry),
         Layout::Ring { count, radius, start } => {
             let copies = numbers.whole(context, count, 1, MOST_COPIES);
             let radius = numbers.finite(context, radius);
@@ -415,16 +415,11 @@ fn placed_matrix(context: &mut Context, numbers: &Numbers, rows: &Matrix) -> Opt
     invertible(context, map, span)
 }
 
-fn grid(
-    context: &mut Context,
-    numbers: &Numbers,
-    count: &Vector,
-    step: &Vector,
-    origin: Option<&Vector>,
-) -> Option<Vec<Affine>> {
+fn grid(context: &mut Context, numbers: &Numbers, entry: &Grid) -> Option<Vec<Affine>> {
+    let Grid { count, step, origin } = entry;
     let [nx, ny, nz] = count.each_ref().map(|number| numbers.whole(context, number, 1, MOST_COPIES));
     let step = numbers.vector(context, step);
-    let origin = origin.map_or(Some(Vec3::ZERO), |origin| numbers.vector(context, origin));
+    let origin = origin.as_ref().map_or(Some(Vec3::ZERO), |origin| numbers.vector(context, origin));
     let (nx, ny, nz, step, origin) = (nx?, ny?, nz?, step?, origin?);
     let copies = u128::from(nx) * u128::from(ny) * u128::from(nz);
     if copies > u128::from(MOST_COPIES) {

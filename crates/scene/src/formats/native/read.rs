@@ -358,7 +358,7 @@ fn body(mut fields: Fields) -> Option<Body> {
     };
     let body = match keyword.value.as_str() {
         "expr" => fields.problems.text("expr", datum).map(Body::Expression),
-        "place" => place(fields.problems, datum).map(Body::Place),
+        "place" => place(fields.problems, datum).map(|place| Body::Place(Box::new(place))),
         _ => arguments(fields.problems, &keyword, datum).map(|table| Body::Shape(keyword, table)),
     };
     fields.finish();
@@ -440,7 +440,7 @@ fn map(problems: &mut Problems, key: &str, datum: Spanned<Datum>) -> Option<Step
         "scale" if matches!(datum.value, Datum::List(_)) => problems.numbers(key, datum).map(Step::ScaleAxes),
         "scale" => problems.number(key, datum).map(Step::Scale),
         "mirror" => problems.numbers(key, datum).map(Step::Mirror),
-        _ => problems.matrix(key, datum).map(Step::Matrix),
+        _ => problems.matrix(key, datum).map(|rows| Step::Matrix(Box::new(rows))),
     }
 }
 
@@ -479,7 +479,7 @@ fn layout(fields: &mut Fields, key: &str, datum: Spanned<Datum>) -> Option<Layou
             let step = fields.need("step").and_then(|datum| fields.problems.numbers("step", datum));
             let origin = fields.vector("origin");
             let (count, step) = (count?, step?);
-            Some(Layout::Grid { count, step, origin })
+            Some(Layout::Grid(Box::new(Grid { count, step, origin })))
         }
         "ring" => {
             let count = fields.problems.number(key, datum);

@@ -102,7 +102,8 @@ fn step(step: &Step) -> String {
 fn place(place: &Place) -> String {
     let solid = text(&place.solid);
     let layout = match &place.layout {
-        Layout::Grid { count, step, origin } => {
+        Layout::Grid(grid) => {
+            let Grid { count, step, origin } = &**grid;
             let origin = origin.as_ref().map(|origin| format!(", origin = {}", numbers(origin)));
             format!("grid = {}, step = {}{}", numbers(count), numbers(step), origin.unwrap_or_default())
         }
