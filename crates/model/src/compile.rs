@@ -119,12 +119,13 @@ impl Compiler {
     fn group(&mut self, id: usize, group: Group, first_leaf: u32) -> Result<GroupTables, CompileError> {
         let mut tables = Tables::default();
         for raw in &group.leaves {
-            match &raw.content {
-                Content::Shape(shape) => tables.shape(raw, &shape.0, &shape.1)?,
+            let added = match &raw.content {
+                Content::Shape(shape) => tables.shape(raw, &shape.0, &shape.1),
                 Content::Instance(prototype) => {
-                    tables.instance(raw, *prototype, self.done[prototype.index()])?
+                    tables.instance(raw, *prototype, self.done[prototype.index()])
                 }
-            }
+            };
+            added.map_err(|problem| CompileError { path: group.path(raw), problem })?;
         }
         tables.share(&group)?;
         let bounds = tables.bound(&group);
@@ -183,7 +184,12 @@ impl Default for Tables {
 }
 
 impl Tables {
-    fn shape(&mut self, raw: &RawLeaf, primitive: &Primitive, lowered: &Lowered) -> Result<(), CompileError> {
+    fn shape(
+        &mut self,
+        raw: &RawLeaf,
+        primitive: &Primitive,
+        lowered: &Lowered,
+    ) -> Result<(), CompileProblem> {
         let transform = transform_of(raw)?;
         let first = self.facets.len() as u32;
         let mut bounds = if lowered.complement {
@@ -195,7 +201,7 @@ impl Tables {
             let surface = facet.surface.transformed(&transform);
             let reach = surface.reach() + transform.path;
             if !reach.is_finite() || !surface.is_finite() {
-                return Err(CompileError { path: raw.path.clone(), problem: CompileProblem::NotFinite });
+                return Err(CompileProblem::NotFinite);
             }
             if facet.inside {
                 bounds = bounds.intersection(&surface.inside_bounds());
@@ -224,17 +230,14 @@ impl Tables {
         raw: &RawLeaf,
         prototype: PrototypeId,
         inner: Option<Summary>,
-    ) -> Result<(), CompileError> {
+    ) -> Result<(), CompileProblem> {
         let transform = transform_of(raw)?;
         let Some(inner) = inner else { return Ok(()) };
         let placement = self.placements;
-        self.placements =
-            placement.checked_add(inner.placements).filter(|&all| all < 1 << 31).ok_or_else(|| {
-                CompileError {
-                    path: raw.path.clone(),
-                    problem: CompileProblem::TooLarge { what: "placements" },
-                }
-            })?;
+        self.placements = placement
+            .checked_add(inner.placements)
+            .filter(|&all| all < 1 << 31)
+            .ok_or(CompileProblem::TooLarge { what: "placements" })?;
         self.instances.push((placement, self.leaves.len() as u32));
         self.leaves.push(Leaf {
             name: raw.name.clone(),
@@ -252,7 +255,7 @@ impl Tables {
         let shared = share(&candidates).map_err(|wide| {
             let name = |k: usize| self.facets[k].name.to_string();
             CompileError {
-                path: group.leaves.first().map(|leaf| leaf.path.clone()).unwrap_or_default(),
+                path: group.leaves.first().map(|leaf| group.path(leaf)).unwrap_or_default(),
                 problem: CompileProblem::WideClass { first: name(wide.first), second: name(wide.second) },
             }
         })?;
@@ -344,7 +347,6 @@ fn edge_box(boxes: &[Bounds], edge: Edge) -> Bounds {
     if edge.is_complemented() { Bounds::ALL } else { boxes[edge.node().index()] }
 }
 
-fn transform_of(raw: &RawLeaf) -> Result<Transform, CompileError> {
-    Transform::new(raw.world_from_local, raw.way)
-        .map_err(|e| CompileError { path: raw.path.clone(), problem: e.into() })
+fn transform_of(raw: &RawLeaf) -> Result<Transform, CompileProblem> {
+    Ok(Transform::new(raw.world_from_local, raw.way)?)
 }

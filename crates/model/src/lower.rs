@@ -7,7 +7,7 @@
 use crate::{CompileError, CompileProblem, Edge, Expression, LeafId, Node, PrototypeId, Solid};
 use rayweave_math::Affine;
 use rayweave_shape::primitive::{Lowered, Primitive};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A group of leaves in one frame, with the solids asked of it.
@@ -16,13 +16,24 @@ pub(crate) struct Group {
     /// One per solid asked for.
     pub outputs: Vec<Edge>,
     pub leaves: Vec<RawLeaf>,
+    contexts: Vec<Context>,
+}
+
+impl Group {
+    /// The way from the root to a leaf, for messages. Made only when it is asked for: the ways to all leaves
+    /// of a deep tree together are of quadratic length.
+    pub fn path(&self, leaf: &RawLeaf) -> String {
+        path(&self.contexts, leaf.context, leaf.what)
+    }
 }
 
 /// A leaf before its surfaces are brought into the group's frame.
 pub(crate) struct RawLeaf {
     pub name: Arc<str>,
-    /// The way from the root, for messages.
-    pub path: String,
+    /// Where it stands, for [`Group::path`].
+    context: u32,
+    /// What it is, for messages.
+    what: &'static str,
     pub content: Content,
     pub world_from_local: Affine,
     /// The lengths of the translations composed into the map.
@@ -85,6 +96,7 @@ enum Op {
     Root,
 }
 
+/// A node, the context of a visit, and whether its complement is meant.
 type Key = (usize, u32, bool);
 
 /// A gate whose operands are being collected.
@@ -92,13 +104,22 @@ struct Frame {
     op: Op,
     complemented: bool,
     operands: Vec<Edge>,
-    /// Shared nodes already merged into this gate: a union of a solid with itself is the solid.
-    merged: HashSet<Key>,
     key: Option<Key>,
 }
 
+/// A node to be walked.
+#[derive(Clone, Copy)]
+struct Visit<'a> {
+    solid: &'a Solid,
+    context: u32,
+    complemented: bool,
+    /// True if the same walk may come by again: the node itself, or a map, name or complement around it, is
+    /// used more than once.
+    shared: bool,
+}
+
 enum Task<'a> {
-    Visit { solid: &'a Solid, context: u32, complemented: bool },
+    Visit(Visit<'a>),
     Close,
 }
 
@@ -139,52 +160,60 @@ impl<'p, 'a> Lowering<'p, 'a> {
 
     fn run(mut self, solids: &[&'a Solid]) -> Result<Group, CompileError> {
         self.open(Op::Root, false, None);
-        self.visit_all(solids.iter().map(|&solid| (solid, false)), 0);
+        self.visit_all(solids.iter().map(|&solid| (solid, false)), 0, false);
         while let Some(task) = self.tasks.pop() {
             match task {
-                Task::Visit { solid, context, complemented } => self.visit(solid, context, complemented)?,
+                Task::Visit(visit) => self.visit(visit)?,
                 Task::Close => self.close(),
             }
         }
         let outputs = self.frames.pop().map(|frame| frame.operands).unwrap_or_default();
-        Ok(Group { expression: self.expression, outputs, leaves: self.leaves })
+        Ok(Group { expression: self.expression, outputs, leaves: self.leaves, contexts: self.contexts })
     }
 
     /// Puts operands on the stack so that they are visited in order.
-    fn visit_all(&mut self, operands: impl DoubleEndedIterator<Item = (&'a Solid, bool)>, context: u32) {
-        let visits = operands.rev().map(|(solid, complemented)| Task::Visit { solid, context, complemented });
+    fn visit_all(
+        &mut self,
+        operands: impl DoubleEndedIterator<Item = (&'a Solid, bool)>,
+        context: u32,
+        shared: bool,
+    ) {
+        let visits = operands.rev().map(|(solid, complemented)| {
+            Task::Visit(Visit { solid, context, complemented, shared: shared || solid.is_shared() })
+        });
         self.tasks.extend(visits);
     }
 
-    fn visit(&mut self, solid: &'a Solid, context: u32, complemented: bool) -> Result<(), CompileError> {
+    fn visit(&mut self, visit: Visit<'a>) -> Result<(), CompileError> {
+        let Visit { solid, context, complemented, shared } = visit;
         let (union, intersection) = if complemented { (Op::All, Op::Any) } else { (Op::Any, Op::All) };
         match solid.node() {
             Node::Vacuum => self.operand(if complemented { Edge::PLENUM } else { Edge::VACUUM }),
             Node::Plenum => self.operand(if complemented { Edge::VACUUM } else { Edge::PLENUM }),
             Node::Primitive(primitive) => self.shape(solid, primitive, context, complemented)?,
-            Node::Complement(inner) => self.visit_all([(inner, !complemented)].into_iter(), context),
+            Node::Complement(inner) => {
+                self.visit_all([(inner, !complemented)].into_iter(), context, shared);
+            }
             Node::Transformed(map, inner) => {
                 let context = self.moved(context, solid, map)?;
-                self.visit_all([(inner, complemented)].into_iter(), context);
+                self.visit_all([(inner, complemented)].into_iter(), context, shared);
             }
             Node::Named(name, inner) => {
                 let context = self.named(context, solid, name);
-                self.visit_all([(inner, complemented)].into_iter(), context);
+                self.visit_all([(inner, complemented)].into_iter(), context, shared);
             }
-            Node::Union(all) => {
-                self.join(union, solid, context, complemented, all.iter().map(|s| (s, complemented)))
-            }
+            Node::Union(all) => self.join(union, visit, all.iter().map(|s| (s, complemented))),
             Node::Intersection(all) => {
-                self.join(intersection, solid, context, complemented, all.iter().map(|s| (s, complemented)));
+                self.join(intersection, visit, all.iter().map(|s| (s, complemented)));
             }
             Node::Difference(a, b) => {
                 let operands = [(a, complemented), (b, !complemented)].into_iter();
-                self.join(intersection, solid, context, complemented, operands);
+                self.join(intersection, visit, operands);
             }
             Node::SymmetricDifference(all) => {
-                self.join(Op::Odd, solid, context, complemented, all.iter().map(|s| (s, false)));
+                self.join(Op::Odd, visit, all.iter().map(|s| (s, false)));
             }
-            Node::Placed(inner, maps) => self.placed(solid, inner, maps, context, complemented)?,
+            Node::Placed(inner, maps) => self.placed(visit, inner, maps)?,
         }
         Ok(())
     }
@@ -198,38 +227,33 @@ impl<'p, 'a> Lowering<'p, 'a> {
     }
 
     fn open(&mut self, op: Op, complemented: bool, key: Option<Key>) {
-        self.frames.push(Frame { op, complemented, operands: Vec::new(), merged: HashSet::new(), key });
+        self.frames.push(Frame { op, complemented, operands: Vec::new(), key });
     }
 
     /// A gate of the given kind: merged into the gate above where that is of the same kind, looked up where
-    /// the node was met before, else opened.
+    /// the node was met before, else opened. Shared nodes are never merged: they would be walked, and their
+    /// operands counted, once per use, which is quadratic in a chain whose every member is used, and
+    /// exponential where uses are nested.
     fn join(
         &mut self,
         op: Op,
-        solid: &Solid,
-        context: u32,
-        complemented: bool,
+        visit: Visit<'a>,
         operands: impl DoubleEndedIterator<Item = (&'a Solid, bool)>,
     ) {
+        let Visit { solid, context, complemented, shared } = visit;
         self.undirect(context);
-        let key = (solid.address(), context, complemented);
-        let shared = solid.is_shared();
         let frame = self.top();
-        if frame.op == op && (op != Op::Odd || !shared) {
-            if op == Op::Odd {
-                frame.complemented ^= complemented;
-            }
-            if !shared || frame.merged.insert(key) {
-                self.visit_all(operands, context);
-            }
-            return;
+        if frame.op == op && !shared {
+            frame.complemented ^= complemented && op == Op::Odd;
+            return self.visit_all(operands, context, false);
         }
+        let key = (solid.address(), context, complemented);
         if let Some(&edge) = shared.then(|| self.done.get(&key)).flatten() {
             return self.operand(edge);
         }
         self.open(op, complemented && op == Op::Odd, shared.then_some(key));
         self.tasks.push(Task::Close);
-        self.visit_all(operands, context);
+        self.visit_all(operands, context, false);
     }
 
     fn close(&mut self) {
@@ -281,32 +305,52 @@ impl<'p, 'a> Lowering<'p, 'a> {
         &mut self,
         name: Arc<str>,
         context: u32,
-        what: &str,
+        what: &'static str,
         content: Content,
     ) -> Result<LeafId, CompileError> {
-        let path = self.path(context, what);
         if self.leaves.len() >= LIMIT {
+            let path = self.path(context, what);
             return Err(CompileError { path, problem: CompileProblem::TooLarge { what: "leaves" } });
         }
         let Context { world_from_local, way, .. } = self.contexts[context as usize];
-        self.leaves.push(RawLeaf { name, path, content, world_from_local, way });
+        self.leaves.push(RawLeaf { name, context, what, content, world_from_local, way });
         Ok(LeafId::from(self.leaves.len() - 1))
     }
 
     /// The union of instances; a single one is an ordinary transform.
     fn placed(
         &mut self,
-        solid: &'a Solid,
+        visit: Visit<'a>,
         inner: &'a Solid,
         maps: &'a Arc<[Affine]>,
-        context: u32,
-        complemented: bool,
     ) -> Result<(), CompileError> {
-        if let [map] = maps[..] {
-            let context = self.moved(context, solid, &map)?;
-            self.visit_all([(inner, complemented)].into_iter(), context);
-            return Ok(());
+        let Visit { solid, context, complemented, shared } = visit;
+        match maps[..] {
+            // no group of its own: one that nothing places would have no place in the program
+            [] => self.operand(if complemented { Edge::PLENUM } else { Edge::VACUUM }),
+            [ref map] => {
+                let context = self.moved(context, solid, map)?;
+                self.visit_all([(inner, complemented)].into_iter(), context, shared);
+            }
+            _ => {
+                let key = (solid.address(), context, false);
+                let edge = match self.done.get(&key) {
+                    Some(&edge) => edge,
+                    None => self.instances(context, inner, maps)?,
+                };
+                self.done.insert(key, edge);
+                self.operand(if complemented { edge.complement() } else { edge });
+            }
         }
+        Ok(())
+    }
+
+    fn instances(
+        &mut self,
+        context: u32,
+        inner: &'a Solid,
+        maps: &'a Arc<[Affine]>,
+    ) -> Result<Edge, CompileError> {
         let prototype = self.prototypes.of(inner);
         let mut edges = Vec::with_capacity(maps.len());
         for (number, map) in maps.iter().enumerate() {
@@ -317,11 +361,10 @@ impl<'p, 'a> Lowering<'p, 'a> {
             let place = (self.contexts.len() - 1) as u32;
             let leaf = self.leaf(name, place, "place", Content::Instance(prototype))?;
             self.contexts.pop();
+            self.leaves[leaf.index()].context = context;
             edges.push(self.expression.leaf(leaf));
         }
-        let edge = self.expression.any(edges);
-        self.operand(if complemented { edge.complement() } else { edge });
-        Ok(())
+        Ok(self.expression.any(edges))
     }
 
     /// The context under a map, the same for each visit of the node.
@@ -374,14 +417,18 @@ impl<'p, 'a> Lowering<'p, 'a> {
         }
     }
 
-    /// The names on the way to a part, joined by slashes.
-    fn path(&self, mut context: u32, what: &str) -> String {
-        let mut names = vec![what];
-        while context != 0 {
-            names.extend(self.contexts[context as usize].name.as_deref());
-            context = self.contexts[context as usize].parent;
-        }
-        names.reverse();
-        names.join("/")
+    fn path(&self, context: u32, what: &str) -> String {
+        path(&self.contexts, context, what)
     }
+}
+
+/// The names on the way to a part, joined by slashes.
+fn path(contexts: &[Context], mut context: u32, what: &str) -> String {
+    let mut names = vec![what];
+    while context != 0 {
+        names.extend(contexts[context as usize].name.as_deref());
+        context = contexts[context as usize].parent;
+    }
+    names.reverse();
+    names.join("/")
 }

@@ -1,0 +1,86 @@
+//! Solids that use the same parts many times, and placements of nothing.
+
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::{Evaluator, Program, Query, Solid};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::{Value, build};
+use rayweave_trace::{Reference, Weave};
+use std::sync::Arc;
+
+fn ball() -> Solid {
+    Solid::from(build("sphere", &[("radius", Value::Number(1.0))]).unwrap())
+}
+
+fn times(solid: &Solid) -> Vec<f64> {
+    let program = Arc::new(Program::compile(solid).unwrap());
+    let ray = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
+    let found = Weave::new(program.clone()).one(ray, &Query::default());
+    assert_eq!(found, Reference::new(program).one(ray, &Query::default()));
+    found.crossings.iter().map(|c| c.t).collect()
+}
+
+/// Each level uses the one below twice, through a handle that is itself shared: 2^60 walks if done naively.
+#[test]
+fn nested_sharing_is_walked_once() {
+    let other = ball().translate([3.0, 0.0, 0.0]);
+    let mut s = ball();
+    for k in 0..60 {
+        let below = match k % 4 {
+            0 => !&s,
+            1 => s.named("again"),
+            2 => s.translate([0.0, 0.0, 0.0]),
+            _ => s.clone() | other.clone(),
+        };
+        drop(s);
+        s = (&below & &other) ^ (&below | &other);
+    }
+    let program = Program::compile(&s).unwrap();
+    assert!(program.leaves().len() <= 200, "{}", program.leaves().len());
+}
+
+/// The same with gates of one kind in gates of that kind, which may not be merged into each of their users.
+#[test]
+fn merged_gates_are_walked_once() {
+    let balls: Vec<Solid> = (0..4).map(|k| ball().translate([3.0 * f64::from(k), 0.0, 0.0])).collect();
+    let mut s = &balls[0] | &balls[1];
+    for _ in 0..30 {
+        let below = (&s | &balls[2]) & (&s | &balls[3]);
+        s = ((&below & &balls[2]) ^ (&below & &balls[3])) | balls[1].clone();
+    }
+    let program = Program::compile(&s).unwrap();
+    assert_eq!(program.leaves().len(), 4);
+    assert!(program.prototypes()[0].expression.nodes().len() < 1000);
+}
+
+/// Every union of a chain is a solid of its own, too: a flat gate for each of them would be quadratic.
+#[test]
+fn chains_whose_members_are_all_used_stay_linear() {
+    let mut chain = vec![ball()];
+    for k in 1..2000 {
+        let next = chain[k - 1].clone() | ball().translate([3.0 * k as f64, 0.0, 0.0]);
+        chain.push(next);
+    }
+    let program = Program::compile(&Solid::symmetric_difference(chain)).unwrap();
+    let operands = |gate: &rayweave_model::Gate| match gate {
+        rayweave_model::Gate::Join(_, operands) => operands.len(),
+        _ => 0,
+    };
+    let edges: usize = program.prototypes()[0].expression.nodes().iter().map(operands).sum();
+    assert!(edges < 8000, "{edges}");
+}
+
+#[test]
+fn placing_nothing_is_vacuum_and_shifts_no_other_placement() {
+    let pair = [Affine::translate(Vec3::X * -3.0), Affine::translate(Vec3::X * 3.0)];
+    assert_eq!(times(&ball().place([])), [0.0; 0]);
+    assert_eq!(times(&(ball().place([]) | ball().place(pair))), [1.0, 3.0, 7.0, 9.0]);
+    assert_eq!(times(&(!ball().place([]) - ball().place(pair))), [1.0, 3.0, 7.0, 9.0]);
+}
+
+#[test]
+fn a_placed_solid_met_twice_is_one() {
+    let pair = ball().place([Affine::translate(Vec3::X * -3.0), Affine::translate(Vec3::X * 3.0)]);
+    let program = Program::compile(&((&pair | &ball()) - !&pair)).unwrap();
+    assert_eq!(program.leaves().iter().filter(|leaf| leaf.name.starts_with("place")).count(), 2);
+    assert_eq!(times(&(&pair ^ &pair)), [0.0; 0]);
+}
