@@ -154,6 +154,43 @@ impl Expression {
         if complemented { result.complement() } else { result }
     }
 
+    /// The expression below an edge as text: leaves by number, `~` complement, `any{..}`, `all{..}`, `odd{..}`.
+    /// Linear in the size of the text, which writes shared nodes out wherever they are used.
+    pub fn text(&self, edge: Edge) -> String {
+        let (mut text, mut tasks) = (String::new(), vec![Err(edge)]);
+        while let Some(task) = tasks.pop() {
+            match task {
+                Ok(piece) => text.push_str(piece),
+                Err(edge) => self.write_edge(edge, &mut text, &mut tasks),
+            }
+        }
+        text
+    }
+
+    /// Writes what comes first of an operand and leaves the rest, last piece first, on the stack.
+    fn write_edge(&self, edge: Edge, text: &mut String, tasks: &mut Vec<Result<&'static str, Edge>>) {
+        if edge.is_complemented() {
+            text.push('~');
+        }
+        let (rule, operands) = match &self.nodes[edge.node().index()] {
+            Gate::Vacuum => return text.push_str("vacuum"),
+            Gate::Plenum => return text.push_str("plenum"),
+            Gate::Leaf(leaf) => return text.push_str(&leaf.0.to_string()),
+            Gate::Join(rule, operands) => (*rule, operands),
+        };
+        match rule {
+            Rule::AtLeast(1) => text.push_str("any{"),
+            Rule::AtLeast(least) if least as usize == operands.len() => text.push_str("all{"),
+            Rule::AtLeast(least) => text.push_str(&format!("at_least_{least}{{")),
+            Rule::Odd => text.push_str("odd{"),
+        }
+        tasks.push(Ok("}"));
+        for (k, &operand) in operands.iter().enumerate().rev() {
+            tasks.push(Err(operand));
+            tasks.extend((k > 0).then_some(Ok(", ")));
+        }
+    }
+
     fn insert(&mut self, gate: Gate) -> Edge {
         if let Some(&node) = self.known.get(&gate) {
             return Edge::new(node, false);

@@ -173,6 +173,14 @@ impl Program {
         region.index().checked_sub(1).map_or(0, |k| self.regions[k].medium)
     }
 
+    /// What is asked of a group as text, one line for each region: `all{0, 1, ~2}`, leaves by their number in
+    /// the group.
+    pub fn expression_text(&self, id: PrototypeId) -> String {
+        let group = self.prototype(id);
+        let lines: Vec<_> = group.outputs.iter().map(|&edge| group.expression.text(edge)).collect();
+        lines.join("\n")
+    }
+
     /// A box that holds all regions.
     pub fn bounds(&self) -> Bounds {
         self.prototypes[0].bounds

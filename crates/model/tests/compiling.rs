@@ -1,0 +1,167 @@
+//! What solids are compiled to, by short prints.
+
+use rayweave_math::{Affine, Bounds, Vec3};
+use rayweave_model::{CompileProblem, LeafKind, PlacementId, Program, PrototypeId, Region, Solid};
+use rayweave_shape::primitive::{Value, build};
+
+fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
+    let arguments: Vec<_> = arguments.iter().map(|&(n, v)| (n, Value::Number(v))).collect();
+    Solid::from(build(name, &arguments).unwrap())
+}
+
+/// Unit spheres two apart along x.
+fn balls<const N: usize>() -> [Solid; N] {
+    std::array::from_fn(|k| shape("sphere", &[("radius", 1.0)]).translate([2.0 * k as f64, 0.0, 0.0]))
+}
+
+#[track_caller]
+fn check(solid: &Solid, expected: &str) {
+    let program = Program::compile(solid).unwrap();
+    assert_eq!(program.expression_text(PrototypeId(0)), expected);
+}
+
+#[test]
+fn chains_are_flat_and_complements_at_the_leaves() {
+    let [a, b, c, d] = balls();
+    check(&(&a | &b | &c | &d), "any{0, 1, 2, 3}");
+    check(&(&a | (&b | (&c | &d))), "any{0, 1, 2, 3}");
+    check(&(&a - &b - &c), "all{0, ~1, ~2}");
+    check(&(&a - (&b | &c)), "all{0, ~1, ~2}");
+    check(&(&a - (&b - &c)), "all{0, any{~1, 2}}");
+    check(&!(&a & !&b), "any{~0, 1}");
+    check(&(&a ^ &b ^ !&c), "~odd{0, 1, 2}");
+    check(&(!&a & !&b), "all{~0, ~1}");
+}
+
+#[test]
+fn constants_vanish() {
+    let [a, b] = balls();
+    check(&(&a | Solid::vacuum()), "0");
+    check(&(&a & Solid::vacuum()), "vacuum");
+    check(&(&a | Solid::plenum()), "plenum");
+    check(&(&a - &a), "vacuum");
+    check(&(&a | !&a), "plenum");
+    check(&(&a ^ &a ^ &b), "1");
+    check(&Solid::union([]), "vacuum");
+    check(&Solid::intersection([]), "plenum");
+}
+
+#[test]
+fn a_solid_used_twice_is_one_leaf() {
+    let [a, b, c] = balls();
+    check(&((&a & &b) | (&a & &c)), "any{all{0, 1}, all{0, 2}}");
+    // doubled forty times over: linear in the number of steps
+    let mut twice = a;
+    for _ in 0..40 {
+        twice = (&twice & &b) | (&twice - &c);
+    }
+    let program = Program::compile(&twice).unwrap();
+    assert_eq!(program.leaves().len(), 3);
+    assert!(program.prototype(PrototypeId(0)).network.gate_count() < 200);
+}
+
+#[test]
+fn touching_faces_share_a_surface() {
+    let unit = shape("box", &[("size", 1.0)]);
+    let turned = |s: &Solid| s.rotate([1.0, 2.0, 3.0], 33.0).translate([0.1, 0.2, 0.3]);
+    let pair = turned(&unit) | turned(&unit.translate([1.0, 0.0, 0.0]));
+    let program = Program::compile(&pair).unwrap();
+    // six faces each; x+ meets x-, and the four sides are coplanar
+    assert_eq!(program.surfaces().len(), 7);
+    assert_eq!(program.facets().len(), 12);
+}
+
+#[test]
+fn names_lead_to_faces() {
+    let [a, b] = balls();
+    let lens = (a.named("front") & b.translate([1.0, 0.0, 0.0])).named("lens");
+    let program = Program::compile(&lens).unwrap();
+    let names: Vec<&str> = program.facets().iter().map(|f| &*f.name).collect();
+    assert!(names[0].starts_with("front.") && names[1].starts_with("lens.sphere."), "{names:?}");
+    assert_eq!(program.regions()[0].name, "lens");
+}
+
+#[test]
+fn errors_say_where() {
+    let [a, b] = balls();
+    let flat = (&a | &b.scale([1.0, 0.0, 1.0]).named("flat")).named("part");
+    let error = Program::compile(&flat).unwrap_err();
+    assert!(matches!(error.problem, CompileProblem::Transform(_)), "{error:?}");
+    assert_eq!(
+        error.to_string(),
+        "the transform is singular (it flattens space, so that no point has one image) is a scale factor 0?, \
+         in part/flat/transform"
+    );
+    let nan = a.translate([f64::NAN, 0.0, 0.0]);
+    assert!(Program::compile(&nan).unwrap_err().to_string().contains("NaN"));
+    let lost = a.place(vec![Affine::IDENTITY, Affine::scale(Vec3::ZERO)]);
+    assert_eq!(Program::compile(&lost).unwrap_err().path, "place[1]");
+}
+
+#[test]
+fn placements_are_numbered_depth_first() {
+    let [a, b] = balls();
+    let shift = |x: f64| Affine::translate(Vec3::new(x, 0.0, 0.0));
+    let pair = (&a | &b).place(vec![shift(0.0), shift(10.0)]);
+    let grid = pair.place(vec![shift(0.0), shift(100.0), shift(200.0)]);
+    let program = Program::compile(&(grid | shape("box", &[("size", 1.0)]))).unwrap();
+    assert_eq!(program.prototypes().len(), 3);
+    assert_eq!(program.prototype(PrototypeId(0)).placements, 10);
+    // 0 the model; 1 first pair, 2 and 3 in it; 4 second pair, ...
+    let origin = |k: u32| program.placement(PlacementId(k)).0.point(Vec3::ZERO).x;
+    assert_eq!(
+        (0..10).map(origin).collect::<Vec<_>>(),
+        [0., 0., 0., 10., 100., 100., 110., 200., 200., 210.]
+    );
+    let leaves = program.leaves();
+    assert!(matches!(leaves[0].kind, LeafKind::Instance { .. }));
+}
+
+#[test]
+fn too_many_placements_are_refused() {
+    let shifts: Vec<_> = (0..2000).map(|k| Affine::translate(Vec3::splat(f64::from(k)))).collect();
+    let [a] = balls();
+    let error = Program::compile(&a.place(shifts.clone()).place(shifts.clone()).place(shifts)).unwrap_err();
+    assert_eq!(error.problem, CompileProblem::TooLarge { what: "placements" });
+}
+
+#[test]
+fn bounds_follow_the_operators() {
+    let [a, b, c] = balls();
+    let of = |s: &Solid| Program::compile(s).unwrap().bounds();
+    let ball = |x: f64| Bounds::centred(Vec3::new(x, 0.0, 0.0), Vec3::ONE);
+    assert_eq!(of(&(&a | &b)), ball(0.0).union(&ball(2.0)));
+    assert_eq!(of(&(&a - &b)), ball(0.0));
+    assert!(of(&(&a & &c)).is_empty());
+    assert_eq!(of(&!&a), Bounds::ALL);
+    assert_eq!(of(&(&a & shape("cylinder", &[("radius", 0.5)]))).size(), Vec3::new(1.0, 1.0, 2.0));
+}
+
+#[test]
+fn regions_keep_their_order_and_media() {
+    let [a, b] = balls();
+    let region =
+        |name: &str, solid: &Solid, medium| Region { name: name.into(), solid: solid.clone(), medium };
+    let program = Program::compile_regions(&[region("crown", &a, 2), region("flint", &b, 1)]).unwrap();
+    assert_eq!(program.expression_text(PrototypeId(0)), "0\n1");
+    assert_eq!(program.medium_of(rayweave_model::RegionId(1)), 2);
+    assert_eq!(program.medium_of(rayweave_model::RegionId(0)), 0);
+    assert_eq!(Program::compile_regions(&[]).unwrap().regions().len(), 0);
+}
+
+#[test]
+fn printing_uses_the_fewest_parentheses() {
+    let [a, b, c] = balls();
+    let (a, b, c) = (a.named("a"), b.named("b"), c.named("c"));
+    let check = |s: Solid, text: &str| assert_eq!(s.to_string(), text);
+    check(&a - (&b - &c), "a - (b - c)");
+    check(&a - &b - &c, "a - b - c");
+    check((&a | &b) & &c, "(a | b) & c");
+    check(&a | &b & &c, "a | b & c");
+    check(!(&a ^ &b), "~(a ^ b)");
+    check(!&a - &b, "~a - b");
+    check((&a | &b).translate([1.0, 2.0, 3.0]), "(a | b).translate(1, 2, 3)");
+    check((&a | &b).named("pair"), "pair = a | b");
+    check(Solid::union([a.clone()]), "union(a)");
+    check(shape("sphere", &[("radius", 2.0)]), "sphere(radius=2)");
+}
