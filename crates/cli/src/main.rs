@@ -1,3 +1,19 @@
-//! The command `rayweave`.
+//! The command `rayweave`: pictures, probes, traces and facts of solid models.
 
-fn main() {}
+mod arguments;
+mod command;
+mod failure;
+mod interrupt;
+mod terminal;
+
+use arguments::Cli;
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match command::run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,164 @@
+//! The command line: its sub-commands and what they share.
+
+use crate::command::{Completions, Info, Man, Probe, Shapes, Trace};
+use crate::failure::Failure;
+use clap::{Args, Parser, Subcommand};
+use rayweave::scene::{Scene, load};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+const AFTER_HELP: &str = "\
+Exit codes:
+  0    done
+  1    the run failed, because a file could not be written for instance
+  2    the command line is wrong
+  3    the model or another input file is wrong or cannot be read
+  130  cancelled by Ctrl-C; unfinished files are removed
+
+Environment:
+  RAYWEAVE_THREADS  the number of threads, where --threads is not given
+  NO_COLOR          if set, messages have no colours
+
+Examples:
+  rayweave render lens.toml
+  rayweave probe lens.toml --from -100,0,0 --to 100,0,0
+  rayweave trace lens.toml --rays rays.csv -o hits.csv";
+
+/// Exact ray tracing through constructive solid geometry
+///
+/// A model file says solids as boolean expressions over shapes. This command draws it, asks it along rays, and tells
+/// what it holds.
+#[derive(Parser)]
+#[command(name = "rayweave", version, after_help = AFTER_HELP, max_term_width = 100)]
+pub struct Cli {
+    /// Use so many threads (all cores, unless the variable RAYWEAVE_THREADS says otherwise)
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+
+    /// Show no progress bar and no message of success
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    Probe(Probe),
+    Trace(Trace),
+    Info(Info),
+    Shapes(Shapes),
+    Completions(Completions),
+    Man(Man),
+}
+
+/// A model file and the values of its parameters.
+#[derive(Args)]
+pub struct ModelArguments {
+    /// The model file (TOML)
+    pub model: PathBuf,
+
+    /// Set a parameter of the model; the value may be arithmetic over others. May be repeated
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
+    pub definitions: Vec<(String, String)>,
+}
+
+impl ModelArguments {
+    /// Reads the model file. Warnings go to standard error.
+    pub fn load(&self) -> Result<Scene, Failure> {
+        let (_, scene) = load(&self.model, &self.definitions).map_err(rayweave::Error::from)?;
+        crate::terminal::warn(&scene.warnings);
+        Ok(scene)
+    }
+
+    /// The name of the file, for headings.
+    pub fn name(&self) -> String {
+        self.model.display().to_string()
+    }
+}
+
+/// Which part of the model is asked, and who answers.
+#[derive(Args)]
+pub struct SubjectArguments {
+    /// Take this solid alone instead of all regions
+    #[arg(long, value_name = "NAME")]
+    pub solid: Option<String>,
+
+    /// Who answers: the fast `weave` or the obvious `reference`; the answers are the same, bit for bit
+    #[arg(long, value_name = "NAME", value_parser = rayweave::AnyEvaluator::NAMES)]
+    pub evaluator: Option<String>,
+}
+
+/// `NAME=VALUE`.
+fn definition(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("a definition is a name and a value, as in R=60".to_owned()),
+    }
+}
+
+/// Three finite numbers, as `1,-2.5,1e3`.
+pub fn point(text: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let [x, y, z] = parts[..] else {
+        let found = parts.len();
+        return Err(format!("a point is three numbers, as in 1,-2.5,1e3; here are {found}"));
+    };
+    Ok([number(x)?, number(y)?, number(z)?])
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if f64::is_finite(number) => Ok(number),
+        Ok(_) => Err(format!("`{text}` is not finite")),
+        Err(_) => Err(format!("`{text}` is not a number")),
+    }
+}
+
+/// A time, which may be infinite but not NaN.
+pub fn time(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(t) if !t.is_nan() => Ok(t),
+        _ => Err("a time is a number, inf or -inf".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_description_is_consistent() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn points() {
+        assert_eq!(point("1,-2.5,1e3"), Ok([1.0, -2.5, 1000.0]));
+        assert_eq!(point(" 0 , .5 , -0 "), Ok([0.0, 0.5, 0.0]));
+        assert_eq!(point("1,2,inf"), Err("`inf` is not finite".to_owned()));
+        assert_eq!(point("1,2,nan"), Err("`nan` is not finite".to_owned()));
+        assert_eq!(point("1,2,"), Err("`` is not a number".to_owned()));
+        assert!(point("1,2").unwrap_err().ends_with("here are 2"));
+        assert!(point("").unwrap_err().ends_with("here are 1"));
+    }
+
+    #[test]
+    fn definitions() {
+        let pair = |name: &str, value: &str| Ok((name.to_owned(), value.to_owned()));
+        assert_eq!(definition("R=60"), pair("R", "60"));
+        assert_eq!(definition(" R = 2*a = "), pair("R", "2*a ="));
+        assert!(definition("R").is_err() && definition("=1").is_err() && definition("R=").is_err());
+    }
+
+    #[test]
+    fn times() {
+        assert_eq!(time("-inf"), Ok(f64::NEG_INFINITY));
+        assert_eq!(time("1e-3"), Ok(0.001));
+        assert!(time("nan").is_err() && time("soon").is_err());
+    }
+}

@@ -1,0 +1,32 @@
+//! `rayweave man`: the manual pages.
+
+use crate::arguments::Cli;
+use crate::failure::Failure;
+use crate::terminal;
+use clap::{Args, CommandFactory};
+use std::path::PathBuf;
+
+/// Write the manual pages of the command and of its sub-commands
+#[derive(Args)]
+pub struct Man {
+    /// The folder to write them to; it is made if there is none
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+impl Man {
+    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+        let mut command = Cli::command();
+        command.build();
+        std::fs::create_dir_all(&self.out)
+            .and_then(|()| clap_mangen::generate_to(command, &self.out))
+            .map_err(|error| {
+                let folder = self.out.display();
+                Failure::Run(format!("cannot write the manual pages to {folder} ({error})"))
+            })?;
+        match cli.quiet {
+            true => Ok(()),
+            false => terminal::print(&format!("{}\n", self.out.join("rayweave.1").display())),
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! The sub-commands, one file each.
+
+mod completions;
+mod info;
+mod man;
+mod probe;
+mod shapes;
+mod trace;
+mod tree;
+
+pub use completions::Completions;
+pub use info::Info;
+pub use man::Man;
+pub use probe::Probe;
+pub use shapes::Shapes;
+pub use trace::Trace;
+
+use crate::arguments::{Cli, Command};
+use crate::failure::Failure;
+
+/// Runs the sub-command.
+pub fn run(cli: &Cli) -> Result<(), Failure> {
+    match &cli.command {
+        Command::Probe(probe) => probe.run(),
+        Command::Trace(trace) => trace.run(cli),
+        Command::Info(info) => info.run(),
+        Command::Shapes(shapes) => shapes.run(),
+        Command::Completions(completions) => completions.run(),
+        Command::Man(man) => man.run(cli),
+    }
+}

@@ -1,0 +1,195 @@
+//! `rayweave probe`: what one ray meets.
+
+use crate::arguments::{ModelArguments, SubjectArguments, point};
+use crate::failure::Failure;
+use crate::terminal::{self, short, short_point};
+use clap::Args;
+use rayweave::model::{Collected, Face, dress};
+use rayweave::{AnyEvaluator, Compiled, Crossing, Evaluator, Query, Ray, Vec3, Window};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Show the crossings and media along one ray
+///
+/// The ray is the whole line through two points, in both directions; t is 0 at the first point and 1 at the second.
+#[derive(Args)]
+pub struct Probe {
+    #[command(flatten)]
+    model: ModelArguments,
+
+    #[command(flatten)]
+    subject: SubjectArguments,
+
+    /// The point where t = 0
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    from: [f64; 3],
+
+    /// The point where t = 1
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    to: [f64; 3],
+
+    /// Only what lies between the two points
+    #[arg(long)]
+    segment: bool,
+
+    /// Print JSON, with all digits
+    #[arg(long)]
+    json: bool,
+
+    /// Also draw the time lines of all leaves and of the result as SVG
+    #[arg(long, value_name = "OUT.svg")]
+    timeline: Option<PathBuf>,
+}
+
+impl Probe {
+    pub fn run(&self) -> Result<(), Failure> {
+        let ray = self.ray()?;
+        let scene = self.model.load()?;
+        let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
+        let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
+        let window = match self.segment {
+            true => Window::new(0.0, 1.0)?,
+            false => Window::ALL,
+        };
+        let query = Query { window, ..Query::default() };
+        let found =
+            Found { unit: scene.unit.symbol(), compiled: &compiled, ray, answer: evaluator.one(ray, &query) };
+        terminal::print(&match self.json {
+            true => format!("{:#}\n", self.as_json(&found)),
+            false => self.as_text(&found),
+        })
+    }
+
+    fn ray(&self) -> Result<Ray, Failure> {
+        let (from, to) = (Vec3::from(self.from), Vec3::from(self.to));
+        let direction = to - from;
+        match () {
+            () if direction == Vec3::ZERO => Err(Failure::Usage(
+                "--from and --to are the same point (the direction of the ray is from one to the other)"
+                    .to_owned(),
+            )),
+            () if !direction.is_finite() => {
+                Err(Failure::Usage("--from and --to are too far apart (their distance overflows)".to_owned()))
+            }
+            () => Ok(Ray::new(from, direction)),
+        }
+    }
+
+    fn as_text(&self, found: &Found<'_>) -> String {
+        let what = match (&self.subject.solid, self.segment) {
+            (None, false) => "line".to_owned(),
+            (None, true) => "segment".to_owned(),
+            (Some(name), false) => format!("{name} on the line"),
+            (Some(name), true) => format!("{name} on the segment"),
+        };
+        let (from, to) = (short_point(self.from), short_point(self.to));
+        let (length, unit) = (short(found.ray.direction.length()), found.unit);
+        let start = found.compiled.medium_name(found.answer.starts[0]);
+        let mut text = format!("{}: {what} from {from} to {to}\n", self.model.name());
+        text += &format!("t = 1 is {length} {unit}; the ray starts in {start}\n\n");
+        match found.answer.crossings.is_empty() {
+            true => text += "no crossings\n",
+            false => text += &found.table(),
+        }
+        text
+    }
+
+    fn as_json(&self, found: &Found<'_>) -> Value {
+        let window = match self.segment {
+            true => json!([0.0, 1.0]),
+            false => json!([null, null]),
+        };
+        let start = found.answer.starts[0];
+        json!({
+            "model": self.model.name(),
+            "unit": found.unit,
+            "solid": self.subject.solid,
+            "origin": found.ray.origin.to_array(),
+            "direction": found.ray.direction.to_array(),
+            "window": window,
+            "start": {
+                "region": found.compiled.region_name(start),
+                "medium": found.compiled.medium_name(start),
+            },
+            "crossings": found.crossings().enumerate().map(|(k, c)| found.row_json(k, c)).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// What a ray met.
+struct Found<'a> {
+    unit: &'static str,
+    compiled: &'a Compiled,
+    ray: Ray,
+    answer: Collected,
+}
+
+impl Found<'_> {
+    fn crossings(&self) -> impl Iterator<Item = &Crossing> {
+        self.answer.of(0).iter()
+    }
+
+    fn face(&self, face: Face) -> &str {
+        let program = &self.compiled.program;
+        &program.facets()[program.face_number(face.leaf, face.facet) as usize].name
+    }
+
+    /// The face of the region that is left and that of the one that is entered, where they are not the world.
+    fn sides(&self, crossing: &Crossing) -> [Option<&str>; 2] {
+        let of = |region, face| self.compiled.region_name(region).map(|_| self.face(face));
+        [of(crossing.before, crossing.left), of(crossing.after, crossing.entered)]
+    }
+
+    fn table(&self) -> String {
+        let header = ["#", "t", "point", "normal", "surface", "region", "medium"];
+        let rows: Vec<Vec<String>> =
+            self.crossings().enumerate().map(|(k, crossing)| self.row(k, crossing)).collect();
+        let is_number = [true, true, false, false, false, false, false];
+        terminal::table(&header, &rows, &is_number)
+    }
+
+    fn row(&self, number: usize, crossing: &Crossing) -> Vec<String> {
+        let normal = dress::normal(&self.compiled.program, &self.ray, crossing);
+        let surface = match self.sides(crossing) {
+            [Some(left), Some(entered)] if left != entered => format!("{left} | {entered}"),
+            _ => self.face(crossing.face).to_owned(),
+        };
+        let name = |region| self.compiled.region_name(region);
+        let region = match (name(crossing.before), name(crossing.after)) {
+            (None, Some(after)) => format!("enters {after}"),
+            (Some(before), None) => format!("leaves {before}"),
+            (before, after) => format!("{} > {}", before.unwrap_or(""), after.unwrap_or("")),
+        };
+        let medium = |region| self.compiled.medium_name(region);
+        vec![
+            number.to_string(),
+            short(crossing.t),
+            short_point(dress::point(&self.ray, crossing).to_array()),
+            short_point(normal.to_array()),
+            surface,
+            region,
+            format!("{} > {}", medium(crossing.before), medium(crossing.after)),
+        ]
+    }
+
+    fn row_json(&self, number: usize, crossing: &Crossing) -> Value {
+        let [left, entered] = self.sides(crossing);
+        let name = |region| self.compiled.region_name(region);
+        let medium = |region| self.compiled.medium_name(region);
+        json!({
+            "crossing": number,
+            "t": crossing.t,
+            "point": dress::point(&self.ray, crossing).to_array(),
+            "normal": dress::normal(&self.compiled.program, &self.ray, crossing).to_array(),
+            "enters": crossing.enters(),
+            "surface": self.face(crossing.face),
+            "surface_left": left,
+            "surface_entered": entered,
+            "solid": name(if crossing.enters() { crossing.after } else { crossing.before }),
+            "region_before": name(crossing.before),
+            "region_after": name(crossing.after),
+            "medium_before": medium(crossing.before),
+            "medium_after": medium(crossing.after),
+        })
+    }
+}

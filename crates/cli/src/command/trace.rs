@@ -1,0 +1,108 @@
+//! `rayweave trace`: a file of rays in, a table of crossings out.
+
+use crate::arguments::{Cli, ModelArguments, SubjectArguments, time};
+use crate::failure::Failure;
+use crate::interrupt::{self, Interruptible};
+use crate::terminal::{self, Unit};
+use clap::Args;
+use rayweave::files::{TraceOptions, trace_rays};
+use rayweave::model::Limit;
+use rayweave::model::drive::Cancel;
+use rayweave::table::{RayReader, TableError};
+use rayweave::{AnyEvaluator, Compiled, Query, Window};
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Trace a file of rays and write the table of their crossings
+///
+/// Rays are CSV with the header ox,oy,oz,dx,dy,dz, or NPY of shape (N, 6). The table has the columns ray, crossing, t, x, y,
+/// z, nx, ny, nz, enters, surface, solid, medium_before, medium_after. Both are streamed: memory does not grow with the
+/// number of rays. The table appears under its name when it is complete.
+#[derive(Args)]
+pub struct Trace {
+    #[command(flatten)]
+    model: ModelArguments,
+
+    #[command(flatten)]
+    subject: SubjectArguments,
+
+    /// The rays, .csv or .npy; - is CSV from standard input
+    #[arg(long, value_name = "RAYS")]
+    rays: PathBuf,
+
+    /// The table, .csv, .npy (with the names beside it) or .parquet if built so; - is CSV to standard output
+    #[arg(short, long, value_name = "HITS")]
+    out: PathBuf,
+
+    /// Only the first crossing of each ray after --t-min, which is then 0 if it is not given
+    #[arg(long)]
+    nearest: bool,
+
+    /// Only crossings after this time, in units of the ray's direction [default: -inf]
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    t_min: Option<f64>,
+
+    /// Only crossings before this time [default: inf]
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    t_max: Option<f64>,
+}
+
+impl Trace {
+    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+        let query = self.query()?;
+        let scene = self.model.load()?;
+        let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
+        let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
+        let cancel = interrupt::token()?;
+        let rays = open(&self.rays, &cancel).map_err(|error| input_failure(error, &cancel))?;
+        let options = TraceOptions { query, threads: cli.threads, cancel: cancel.clone() };
+        let bar = terminal::progress_bar(rays.progress().total, Unit::Bytes, cli.quiet);
+        let traced = trace_rays(&compiled, &evaluator, rays, &self.out, &options, |progress| {
+            bar.set_position(progress.done)
+        });
+        bar.finish_and_clear();
+        let summary = match traced {
+            Err(_) if cancel.is_cancelled() => return Err(Failure::Cancelled),
+            traced => traced?,
+        };
+        if cli.quiet || self.out == Path::new("-") {
+            return Ok(());
+        }
+        let (rays, crossings) = (summary.rays, summary.crossings);
+        let out = self.out.display();
+        terminal::print(&format!("{out}: {crossings} crossings of {rays} rays\n"))
+    }
+
+    fn query(&self) -> Result<Query<'static>, Failure> {
+        let (start, limit) = match self.nearest {
+            true => (0.0, Limit::First),
+            false => (f64::NEG_INFINITY, Limit::All),
+        };
+        let window = Window::new(self.t_min.unwrap_or(start), self.t_max.unwrap_or(f64::INFINITY))?;
+        Ok(Query { window, limit, starts: None })
+    }
+}
+
+/// Opens the rays so that waiting for a pipe can be interrupted.
+fn open(path: &Path, cancel: &Cancel) -> Result<RayReader, TableError> {
+    if path == Path::new("-") {
+        let stdin = Interruptible::new(|| Ok(io::stdin()), cancel.clone());
+        return RayReader::from_csv(stdin, "stdin");
+    }
+    let is_pipe = std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
+    let is_csv = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+    if is_pipe && is_csv {
+        let own = path.to_owned();
+        let pipe = Interruptible::new(move || File::open(own), cancel.clone());
+        return RayReader::from_csv(pipe, path.display().to_string());
+    }
+    RayReader::open(path)
+}
+
+fn input_failure(error: TableError, cancel: &Cancel) -> Failure {
+    match cancel.is_cancelled() {
+        true => Failure::Cancelled,
+        false => rayweave::Error::from(error).into(),
+    }
+}

@@ -1,0 +1,186 @@
+//! The tree of a solid as text.
+
+use rayweave::Solid;
+use rayweave::model::Node;
+
+/// The longest description of a node, in characters; the middle of a longer one is left out.
+const LONGEST: usize = 100;
+
+/// The most names and transforms of one node that are looked at.
+const MOST_WRAPPERS: usize = 8;
+
+/// One line to come: a solid and how deep it stands.
+struct Branch {
+    solid: Solid,
+    /// What stands before the line's own branch.
+    stem: String,
+    depth: usize,
+    is_last: bool,
+}
+
+/// Draws the trees of solids, at most `depth` levels and `lines` lines of them. A named solid is shown in full where it
+/// occurs first. Takes no call stack, whatever the depth.
+pub fn draw(roots: &[Solid], depth: usize, lines: usize) -> String {
+    let mut waiting: Vec<Branch> = roots.iter().rev().map(root).collect();
+    let mut shown: Vec<Solid> = Vec::new();
+    let mut text = String::new();
+    let mut drawn = 0;
+    while let Some(branch) = waiting.pop() {
+        if drawn == lines {
+            text += "... (--lines N shows more)\n";
+            break;
+        }
+        drawn += 1;
+        let head = Head::of(&branch.solid);
+        let is_known = head.is_named && shown.iter().any(|solid| solid.is_same(&branch.solid));
+        let operands = operands(&head.inner);
+        let (own, below) = branch.twigs();
+        text += &format!("{}{own}{}", branch.stem, head.text);
+        match () {
+            () if operands.is_empty() => {}
+            () if is_known => text += " (as above)",
+            () if branch.depth == depth => text += " (--depth N shows more)",
+            () => grow(&mut waiting, operands, &branch, below),
+        }
+        text += "\n";
+        if head.is_named && !is_known {
+            shown.push(branch.solid);
+        }
+    }
+    text
+}
+
+fn root(solid: &Solid) -> Branch {
+    Branch { solid: solid.clone(), stem: String::new(), depth: 0, is_last: true }
+}
+
+/// Puts the operands of a node on the stack, the last one first.
+fn grow(waiting: &mut Vec<Branch>, operands: Vec<Solid>, parent: &Branch, below: &str) {
+    let count = operands.len();
+    for (k, solid) in operands.into_iter().enumerate().rev() {
+        waiting.push(Branch {
+            solid,
+            stem: format!("{}{below}", parent.stem),
+            depth: parent.depth + 1,
+            is_last: k + 1 == count,
+        });
+    }
+}
+
+impl Branch {
+    /// What stands before the branch's own text, and before that of its operands.
+    fn twigs(&self) -> (&'static str, &'static str) {
+        match (self.depth, self.is_last) {
+            (0, _) => ("", ""),
+            (_, true) => ("\u{2514}\u{2500} ", "   "),
+            (_, false) => ("\u{251c}\u{2500} ", "\u{2502}  "),
+        }
+    }
+}
+
+/// A node with the names and transforms around it.
+struct Head {
+    text: String,
+    is_named: bool,
+    inner: Solid,
+}
+
+impl Head {
+    fn of(solid: &Solid) -> Head {
+        let (mut names, mut maps) = (String::new(), Vec::new());
+        let mut inner = solid.clone();
+        for _ in 0..MOST_WRAPPERS {
+            let next = match inner.node() {
+                Node::Named(name, next) => {
+                    names += &format!("{name} = ");
+                    next.clone()
+                }
+                Node::Transformed(map, next) => {
+                    let image = Solid::vacuum().apply(*map).to_string();
+                    maps.push(image.trim_start_matches("vacuum").to_owned());
+                    next.clone()
+                }
+                _ => break,
+            };
+            inner = next;
+        }
+        maps.reverse();
+        let text = format!("{names}{}{}", what(&inner), maps.concat());
+        Head { text: shortened(text), is_named: matches!(solid.node(), Node::Named(..)), inner }
+    }
+}
+
+/// The node itself in a word or two.
+fn what(solid: &Solid) -> String {
+    match solid.node() {
+        Node::Vacuum | Node::Plenum | Node::Primitive(_) => solid.to_string(),
+        Node::Complement(_) => "complement".to_owned(),
+        Node::Union(all) => format!("union of {}", all.len()),
+        Node::Intersection(all) => format!("intersection of {}", all.len()),
+        Node::Difference(..) => "difference".to_owned(),
+        Node::SymmetricDifference(all) => format!("symmetric difference of {}", all.len()),
+        Node::Placed(_, maps) => format!("placed {} times", maps.len()),
+        Node::Transformed(..) | Node::Named(..) => "...".to_owned(),
+    }
+}
+
+fn operands(solid: &Solid) -> Vec<Solid> {
+    solid.node().operand_refs().cloned().collect()
+}
+
+/// Texts of bounded length: a convex polyhedron may have thousands of planes.
+fn shortened(text: String) -> String {
+    let count = text.chars().count();
+    if count <= LONGEST {
+        return text;
+    }
+    let head: String = text.chars().take(LONGEST / 2).collect();
+    let tail: String = text.chars().skip(count - LONGEST / 3).collect();
+    format!("{head} ... {tail}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayweave::shapes::{cylinder, sphere};
+
+    #[test]
+    fn a_tree_is_drawn() {
+        let ball = sphere(2.0).unwrap().named("ball");
+        let hole = cylinder(1.0, f64::INFINITY).unwrap();
+        let solid = ((&ball - &hole) | !&ball.translate([1.0, 0.0, 0.0])).named("thing");
+        let drawn = "\
+thing = union of 2
+\u{251c}\u{2500} difference
+\u{2502}  \u{251c}\u{2500} ball = sphere(radius=2)
+\u{2502}  \u{2514}\u{2500} cylinder(radius=1, height=inf)
+\u{2514}\u{2500} complement
+   \u{2514}\u{2500} ball = sphere(radius=2).translate(1, 0, 0)
+";
+        assert_eq!(draw(&[solid], 12, 200), drawn);
+    }
+
+    #[test]
+    fn named_solids_are_shown_once() {
+        let pair = (sphere(2.0).unwrap() & sphere(1.0).unwrap()).named("pair");
+        let drawn = draw(&[&pair | &pair], 12, 200);
+        assert_eq!(drawn.matches("sphere").count(), 2);
+        assert_eq!(drawn.matches("(as above)").count(), 1);
+    }
+
+    #[test]
+    fn deep_and_wide_trees_are_cut() {
+        let ball = sphere(1.0).unwrap();
+        let deep = (0..100_000).fold(ball.clone(), |solid, _| !solid);
+        assert_eq!(draw(&[deep], 3, 200).lines().count(), 4);
+        let nested = (0..100_000).fold(ball.clone(), |solid, _| solid.rotate_x(1.0));
+        assert!(draw(&[nested], 3, 200).len() < 4000);
+        let wide = Solid::union(vec![ball; 1000]);
+        let drawn = draw(&[wide], 3, 200);
+        assert_eq!(drawn.lines().count(), 201);
+        assert!(drawn.ends_with("... (--lines N shows more)\n"));
+        // a tree of 2^40 occurrences of one leaf
+        let doubled = (0..40).fold(sphere(1.0).unwrap(), |solid, _| &solid | &solid);
+        assert_eq!(draw(&[doubled], 60, 50).lines().count(), 51);
+    }
+}

@@ -1,0 +1,71 @@
+//! How the command ends when it does not end well.
+
+use crate::terminal;
+use rayweave::{Error, ErrorKind};
+use std::io;
+use std::process::ExitCode;
+
+/// Why a run ended early.
+pub enum Failure {
+    /// The library says so.
+    Library(Error),
+    /// The command line asks for something that makes no sense.
+    Usage(String),
+    /// The run failed.
+    Run(String),
+    /// Whoever read our output has gone: nothing to complain about.
+    BrokenPipe,
+    /// Ctrl-C.
+    Cancelled,
+}
+
+impl Failure {
+    /// Tells the user and gives the exit code.
+    pub fn report(&self) -> ExitCode {
+        match self {
+            Failure::Library(error) => match error.diagnostics() {
+                Some(diagnostics) => terminal::diagnose(diagnostics),
+                None => terminal::complain(&error.to_string()),
+            },
+            Failure::Usage(text) | Failure::Run(text) => terminal::complain(text),
+            Failure::BrokenPipe => {}
+            Failure::Cancelled => terminal::complain("cancelled (unfinished files are removed)"),
+        }
+        ExitCode::from(self.code())
+    }
+
+    /// The exit code, as the help text lists them.
+    fn code(&self) -> u8 {
+        match self {
+            Failure::Library(error) => match error.kind() {
+                ErrorKind::ModelFile | ErrorKind::Compile | ErrorKind::Shape | ErrorKind::Input => 3,
+                ErrorKind::Name | ErrorKind::Value | ErrorKind::Format => 2,
+                ErrorKind::Cancelled => 130,
+                _ => 1,
+            },
+            Failure::Usage(_) => 2,
+            Failure::Run(_) => 1,
+            Failure::BrokenPipe => 0,
+            Failure::Cancelled => 130,
+        }
+    }
+}
+
+impl<E: Into<Error>> From<E> for Failure {
+    fn from(error: E) -> Failure {
+        let error = error.into();
+        match () {
+            () if error.is_broken_pipe() => Failure::BrokenPipe,
+            () if error.is_cancelled() => Failure::Cancelled,
+            () => Failure::Library(error),
+        }
+    }
+}
+
+/// A failure to write to standard output.
+pub fn stdout_failure(error: &io::Error) -> Failure {
+    match error.kind() {
+        io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
+        _ => Failure::Run(format!("cannot write to standard output ({error})")),
+    }
+}

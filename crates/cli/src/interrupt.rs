@@ -1,0 +1,129 @@
+//! Ctrl-C: runs are asked to stop, so that they can remove their unfinished files.
+
+use crate::failure::Failure;
+use rayweave::model::drive::Cancel;
+use std::io::{self, Read};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::thread;
+use std::time::Duration;
+
+/// A token that Ctrl-C, or a request to terminate, uses.
+pub fn token() -> Result<Cancel, Failure> {
+    let cancel = Cancel::new();
+    let own = cancel.clone();
+    ctrlc::set_handler(move || own.cancel())
+        .map_err(|error| Failure::Run(format!("cannot listen for Ctrl-C ({error})")))?;
+    Ok(cancel)
+}
+
+/// Bytes of a source that may keep its reader waiting for ever, a pipe for instance, read on a thread of their own, so that
+/// a waiting reader can be cancelled.
+pub struct Interruptible {
+    blocks: Receiver<io::Result<Vec<u8>>>,
+    block: Vec<u8>,
+    used: usize,
+    cancel: Cancel,
+}
+
+/// How often a waiting reader looks at its token.
+const LOOK: Duration = Duration::from_millis(50);
+
+impl Interruptible {
+    /// Opens the source and reads it.
+    pub fn new<R: Read>(
+        open: impl FnOnce() -> io::Result<R> + Send + 'static,
+        cancel: Cancel,
+    ) -> Interruptible {
+        let (sender, blocks) = sync_channel(4);
+        // not joined: it may be waiting for ever
+        thread::spawn(move || {
+            let mut source = match open() {
+                Ok(source) => source,
+                Err(error) => return drop(sender.send(Err(error))),
+            };
+            loop {
+                let mut block = vec![0; 1 << 16];
+                let read = source.read(&mut block);
+                let is_end = matches!(read, Ok(0));
+                let is_over = match read {
+                    Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                    Err(error) => sender.send(Err(error)).is_err(),
+                    Ok(length) => {
+                        block.truncate(length);
+                        sender.send(Ok(block)).is_err()
+                    }
+                };
+                if is_end || is_over {
+                    return;
+                }
+            }
+        });
+        Interruptible { blocks, block: Vec::new(), used: 0, cancel }
+    }
+
+    /// The next block; empty at the end.
+    fn next(&self) -> io::Result<Vec<u8>> {
+        loop {
+            if self.cancel.is_cancelled() {
+                return Err(io::Error::other("cancelled"));
+            }
+            match self.blocks.recv_timeout(LOOK) {
+                Ok(block) => return block,
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Ok(Vec::new()),
+            }
+        }
+    }
+}
+
+impl Read for Interruptible {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.used == self.block.len() {
+            self.block = self.next()?;
+            self.used = 0;
+        }
+        let rest = &self.block[self.used..];
+        let length = rest.len().min(buffer.len());
+        buffer[..length].copy_from_slice(&rest[..length]);
+        self.used += length;
+        Ok(length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_arrive_in_order() {
+        let text: Vec<u8> = (0..1_000_000u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+        let source = text.clone();
+        let mut reader = Interruptible::new(move || Ok(io::Cursor::new(source)), Cancel::new());
+        let mut read = Vec::new();
+        reader.read_to_end(&mut read).unwrap();
+        assert_eq!(read, text);
+    }
+
+    #[test]
+    fn an_error_arrives() {
+        let refuse = || Err::<io::Empty, _>(io::Error::from(io::ErrorKind::PermissionDenied));
+        let error = Interruptible::new(refuse, Cancel::new()).read(&mut [0]).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::PermissionDenied);
+    }
+
+    #[test]
+    fn a_waiting_reader_can_be_cancelled() {
+        struct Never;
+        impl Read for Never {
+            fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+                thread::sleep(Duration::from_secs(3600));
+                Ok(0)
+            }
+        }
+        let cancel = Cancel::new();
+        let mut reader = Interruptible::new(|| Ok(Never), cancel.clone());
+        let waiting = thread::spawn(move || reader.read(&mut [0]).is_err());
+        cancel.cancel();
+        assert!(waiting.join().unwrap());
+    }
+}

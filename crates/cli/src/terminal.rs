@@ -1,0 +1,138 @@
+//! What the user sees: text on standard output, messages and progress on standard error.
+
+use crate::failure::{Failure, stdout_failure};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayweave::scene::Diagnostics;
+use std::io::{self, IsTerminal, Write};
+use std::time::Duration;
+
+const RED: &str = "\x1b[1;31m";
+const BOLD: &str = "\x1b[1m";
+const PLAIN: &str = "\x1b[0m";
+
+/// Writes text to standard output, all of it.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| stdout_failure(&error))
+}
+
+/// Whether messages may have colours: on a terminal, unless `NO_COLOR` is set (no-color.org).
+fn has_colour() -> bool {
+    let forbidden = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    io::stderr().is_terminal() && !forbidden
+}
+
+/// Writes a message to standard error; there is nobody to tell if that fails.
+fn tell(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// An error without a place in a model file.
+pub fn complain(text: &str) {
+    match has_colour() {
+        true => tell(&format!("{RED}error{PLAIN}{BOLD}:{PLAIN} {text}")),
+        false => tell(&format!("error: {text}")),
+    }
+}
+
+/// The problems of a model file, each with its place.
+pub fn diagnose(diagnostics: &Diagnostics) {
+    tell(&diagnostics.render(has_colour()));
+}
+
+/// The warnings about a model file, if there are any.
+pub fn warn(warnings: &Diagnostics) {
+    if !warnings.is_empty() {
+        diagnose(warnings);
+    }
+}
+
+/// A bar on standard error, shown on a terminal only. Without a total it is a counter.
+pub fn progress_bar(total: Option<u64>, unit: Unit, quiet: bool) -> ProgressBar {
+    let target = match quiet {
+        true => ProgressDrawTarget::hidden(),
+        false => ProgressDrawTarget::stderr(),
+    };
+    let bar = ProgressBar::with_draw_target(total, target);
+    let template = match (unit, total) {
+        (Unit::Bytes, Some(_)) => "{bar:40} {bytes}/{total_bytes} {bytes_per_sec} {eta} left",
+        (Unit::Bytes, None) => "{spinner} {bytes} {bytes_per_sec}",
+        (Unit::Percent, _) => "{bar:40} {percent} % {eta} left",
+    };
+    // the templates are ours and right: a default style is shown should they not be
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// What a progress bar counts.
+#[derive(Clone, Copy)]
+pub enum Unit {
+    /// Bytes of a file.
+    Bytes,
+    /// Parts of the work.
+    Percent,
+}
+
+/// A table with aligned columns: numbers to the right, text to the left.
+pub fn table(header: &[&str], rows: &[Vec<String>], is_number: &[bool]) -> String {
+    let width = |k: usize| {
+        let cells = rows.iter().map(|row| row[k].chars().count());
+        cells.chain([header[k].chars().count()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..header.len()).map(width).collect();
+    let line = |cells: &mut dyn Iterator<Item = &str>| {
+        let cells = cells.enumerate().map(|(k, cell)| match is_number[k] {
+            true => format!("{cell:>width$}", width = widths[k]),
+            false => format!("{cell:<width$}", width = widths[k]),
+        });
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+    };
+    let mut text = line(&mut header.iter().copied());
+    for row in rows {
+        text += &line(&mut row.iter().map(String::as_str));
+    }
+    text
+}
+
+/// A number with at most ten significant digits, for people to read; `-0` is `0`.
+pub fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
+    let plain = rounded == 0.0 || (1e-4..1e10).contains(&rounded.abs()) || !rounded.is_finite();
+    match rounded == 0.0 {
+        true => "0".to_owned(),
+        false if plain => rounded.to_string(),
+        false => format!("{rounded:e}"),
+    }
+}
+
+/// A point for people to read.
+pub fn short_point(p: [f64; 3]) -> String {
+    format!("({})", p.map(short).join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(short(0.1 + 0.2), "0.3");
+        assert_eq!(short(-0.0), "0");
+        assert_eq!(short(1.0 / 3.0), "0.3333333333");
+        assert_eq!(short(1e-20), "1e-20");
+        assert_eq!(short(123456789012.0), "1.23456789e11");
+        assert_eq!(short(f64::NEG_INFINITY), "-inf");
+        assert_eq!(short_point([1.0, -2.5, 0.0]), "(1, -2.5, 0)");
+    }
+
+    #[test]
+    fn tables_are_aligned() {
+        let rows =
+            vec![vec!["1".to_owned(), "a".to_owned()], vec!["-20".to_owned(), "\u{e9}t\u{e9}".to_owned()]];
+        let text = table(&["t", "name"], &rows, &[true, false]);
+        assert_eq!(text, "  t  name\n  1  a\n-20  \u{e9}t\u{e9}\n");
+    }
+}

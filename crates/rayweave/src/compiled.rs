@@ -1,0 +1,81 @@
+//! The contents of a model file, ready to be asked.
+
+use crate::Error;
+use rayweave_model::{Program, Region, RegionId};
+use rayweave_scene::Scene;
+use std::sync::Arc;
+
+/// A compiled model with the names of its media.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// The model.
+    pub program: Arc<Program>,
+    /// The names of the media: number 0 is that of the world.
+    pub media: Arc<[String]>,
+}
+
+impl Compiled {
+    /// Compiles the regions of a scene.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::ErrorKind::Compile`], for a singular transform for instance.
+    pub fn new(scene: &Scene) -> Result<Compiled, Error> {
+        Compiled::of(&scene.model_regions(), names(scene))
+    }
+
+    /// Compiles one solid of a scene, as the only region. Its medium is that of the last region made of it; without any it
+    /// is one of its own, called like the solid.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::ErrorKind::Name`] if the scene has no solid of this name, [`crate::ErrorKind::Compile`].
+    pub fn solid(scene: &Scene, name: &str) -> Result<Compiled, Error> {
+        let known = scene.solids.iter().map(|(own, _)| own.as_str());
+        let solid = scene.solid(name).ok_or_else(|| Error::unknown("solid", name, known))?;
+        let mut media = names(scene);
+        let mut regions = scene.regions.iter().rev();
+        let medium = match regions.find(|region| region.solid.is_same(solid)) {
+            Some(region) => region.medium,
+            None => {
+                media.push(name.to_owned());
+                media.len() as u32 - 1
+            }
+        };
+        let region = Region { name: name.to_owned(), solid: solid.clone(), medium };
+        Compiled::of(&[region], media)
+    }
+
+    /// Compiles a solid of a scene, or all of its regions if there is no name.
+    ///
+    /// # Errors
+    ///
+    /// As [`Compiled::new`] and [`Compiled::solid`].
+    pub fn named(scene: &Scene, solid: Option<&str>) -> Result<Compiled, Error> {
+        match solid {
+            Some(name) => Compiled::solid(scene, name),
+            None => Compiled::new(scene),
+        }
+    }
+
+    fn of(regions: &[Region], media: Vec<String>) -> Result<Compiled, Error> {
+        Ok(Compiled { program: Arc::new(Program::compile_regions(regions)?), media: media.into() })
+    }
+
+    /// The name of a region; `None` for the world.
+    pub fn region_name(&self, region: RegionId) -> Option<&str> {
+        let index = region.index().checked_sub(1)?;
+        Some(&self.program.regions().get(index)?.name)
+    }
+
+    /// The name of the medium of a region, that of the world for region 0.
+    pub fn medium_name(&self, region: RegionId) -> &str {
+        let medium = self.program.medium_of(region) as usize;
+        self.media.get(medium).map_or("", String::as_str)
+    }
+}
+
+fn names(scene: &Scene) -> Vec<String> {
+    let names = scene.medium_names().into_iter();
+    names.map(str::to_owned).collect()
+}

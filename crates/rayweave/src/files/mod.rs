@@ -1,0 +1,137 @@
+//! Files of rays in, tables of hits out, with memory that does not grow with the number of rays.
+
+mod hits;
+
+pub use hits::HitTable;
+
+use crate::{Compiled, Error};
+use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::{Evaluator, Query, Rays};
+use rayweave_table::{Chunk, Progress, RayChunk, RayReader, TableWriter};
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+/// Rays that a thread takes at a time. The results of a few chunks per thread wait in memory, so that this bounds it:
+/// 2,048 rays with ten crossings each are 3 MiB.
+const RAYS_PER_TASK: usize = 1 << 11;
+
+/// How a file of rays is traced.
+#[derive(Clone, Debug, Default)]
+pub struct TraceOptions {
+    /// What is asked of every ray.
+    pub query: Query<'static>,
+    /// The number of threads; [`thread_count`] if it is not given.
+    pub threads: Option<NonZeroUsize>,
+    /// Stops the run; what was written is then removed.
+    pub cancel: Cancel,
+}
+
+/// What a run did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TraceSummary {
+    /// The number of rays.
+    pub rays: u64,
+    /// The number of crossings.
+    pub crossings: u64,
+}
+
+/// Traces all rays of a reader and writes the table of their crossings.
+///
+/// The columns are those of [`HitTable`]; the extension of `hits` says the format, `.csv`, `.npy` or (with the feature
+/// `parquet`) `.parquet`, and `-` is CSV on standard output. The file appears when it is complete; after an error, or when
+/// the run is cancelled, there is none. Rows are in the order of the rays, whatever the number of threads, and every run
+/// gives the same bytes. `progress` is told after each chunk how far the reader has come.
+///
+/// # Errors
+///
+/// [`crate::ErrorKind::Input`] for a file of rays that is wrong or cannot be read, [`crate::ErrorKind::Output`] for a table
+/// that cannot be written, [`crate::ErrorKind::Cancelled`].
+pub fn trace_rays<E: Evaluator>(
+    compiled: &Compiled,
+    evaluator: &E,
+    rays: RayReader,
+    hits: &Path,
+    options: &TraceOptions,
+    mut progress: impl FnMut(Progress),
+) -> Result<TraceSummary, Error> {
+    let table = HitTable::new(compiled)?;
+    let mut writer = TableWriter::create(hits, table.schema()).map_err(Error::output)?;
+    let mut traced = 0;
+    drive(
+        thread_count(options.threads),
+        &options.cancel,
+        Tasks::new(rays),
+        || evaluator.scratch(),
+        |scratch, task| answer(&table, evaluator, &options.query, scratch, task?),
+        |answered: Result<Answered, Error>| {
+            let answered = answered?;
+            writer.write(&answered.rows).map_err(Error::output)?;
+            traced += answered.rays;
+            progress(answered.progress);
+            Ok(())
+        },
+    )
+    .map_err(|stopped| match stopped {
+        Stopped::Cancelled => Error::cancelled(),
+        Stopped::Failed(error) => error,
+    })?;
+    let crossings = writer.finish().map_err(Error::output)?;
+    Ok(TraceSummary { rays: traced, crossings })
+}
+
+/// Some rays to trace, and how far the reader was after them.
+struct Task {
+    rays: RayChunk,
+    progress: Progress,
+}
+
+/// The rows of a task.
+struct Answered {
+    rows: Chunk,
+    rays: u64,
+    progress: Progress,
+}
+
+fn answer<E: Evaluator>(
+    table: &HitTable,
+    evaluator: &E,
+    query: &Query<'_>,
+    scratch: &mut E::Scratch,
+    task: Task,
+) -> Result<Answered, Error> {
+    let rays = Rays {
+        origins: task.rays.origin.each_ref().map(Vec::as_slice),
+        directions: task.rays.direction.each_ref().map(Vec::as_slice),
+    };
+    let mut rows = table.rows(evaluator.program(), rays, task.rays.first);
+    evaluator.crossings(rays, query, scratch, &mut rows);
+    Ok(Answered { rows: rows.finish()?, rays: rays.len() as u64, progress: task.progress })
+}
+
+/// The rays of a file, task by task. After an error there are no more.
+struct Tasks {
+    reader: Option<RayReader>,
+}
+
+impl Tasks {
+    fn new(reader: RayReader) -> Tasks {
+        Tasks { reader: Some(reader) }
+    }
+}
+
+impl Iterator for Tasks {
+    type Item = Result<Task, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let reader = self.reader.as_mut()?;
+        let mut rays = RayChunk::default();
+        match reader.read(&mut rays, RAYS_PER_TASK) {
+            Ok(0) => None,
+            Ok(_) => Some(Ok(Task { rays, progress: reader.progress() })),
+            Err(error) => {
+                self.reader = None;
+                Some(Err(Error::input(error)))
+            }
+        }
+    }
+}
