@@ -26,10 +26,7 @@ impl AffineTorus {
             centre: torus.centre,
             local_from_world: Mat3::IDENTITY,
             world_from_local: Mat3::IDENTITY,
-            torus: Torus {
-                centre: Vec3::ZERO,
-                ..*torus
-            },
+            torus: Torus { centre: Vec3::ZERO, ..*torus },
         }
     }
 
@@ -54,10 +51,7 @@ impl AffineTorus {
     }
 
     fn local(&self, ray: &Ray) -> Ray {
-        Ray::new(
-            self.local_from_world * (ray.origin - self.centre),
-            self.local_from_world * ray.direction,
-        )
+        Ray::new(self.local_from_world * (ray.origin - self.centre), self.local_from_world * ray.direction)
     }
 
     /// g in the torus's own frame, and its gradient outside it.
@@ -86,9 +80,7 @@ impl AffineTorus {
         let world_from_local = to.world_from_local.linear * self.world_from_local;
         let map = Affine::from_linear(world_from_local);
         if let Some(scale) = map.similarity() {
-            let Torus {
-                axis, major, minor, ..
-            } = self.torus;
+            let Torus { axis, major, minor, .. } = self.torus;
             let axis = map.vector(axis);
             return Surface::Torus(Torus::new(centre, axis, scale * major, scale * minor));
         }

@@ -22,11 +22,7 @@ pub fn recentred(ray: &Ray, centre: Vec3) -> (f64, Vec3) {
 
 /// Crossings of a surface of degree 2 from its coefficients about any point: `at(q, d)` is given a point of
 /// the ray relative to the centre, and the direction.
-pub fn quadratic_crossings(
-    ray: &Ray,
-    centre: Vec3,
-    at: impl Fn(Vec3, Vec3) -> Coefficients,
-) -> Crossings<2> {
+pub fn quadratic_crossings(ray: &Ray, centre: Vec3, at: impl Fn(Vec3, Vec3) -> Coefficients) -> Crossings<2> {
     let (shift, q) = recentred(ray, centre);
     let [a, b, c] = at(q, ray.direction);
     let again = -b / a;

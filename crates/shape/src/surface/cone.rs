@@ -21,11 +21,7 @@ pub struct Cone {
 impl Cone {
     /// The cone with this apex, axis (of any length) and slope.
     pub fn new(apex: Vec3, axis: Vec3, slope: f64) -> Cone {
-        Cone {
-            apex,
-            axis: unit(axis),
-            slope,
-        }
+        Cone { apex, axis: unit(axis), slope }
     }
 
     /// Roots of `|perp|^2 - slope^2 h^2`; at most two, and none through the apex, where the ray changes from
@@ -57,21 +53,14 @@ impl Cone {
         let height = self.axis.dot(q);
         let offset = perpendicular(q, self.axis);
         let radius = self.slope * height;
-        (
-            offset.length_squared() - radius * radius,
-            2.0 * (offset - (self.slope * radius) * self.axis),
-        )
+        (offset.length_squared() - radius * radius, 2.0 * (offset - (self.slope * radius) * self.axis))
     }
 
     /// The image: a cone again under a similarity, else an elliptic one.
     pub fn transformed(&self, to: &Transform) -> Surface {
         let map = &to.world_from_local;
         if map.similarity().is_some() {
-            return Surface::Cone(Cone::new(
-                map.point(self.apex),
-                map.vector(self.axis),
-                self.slope,
-            ));
+            return Surface::Cone(Cone::new(map.point(self.apex), map.vector(self.axis), self.slope));
         }
         let side = any_perpendicular(self.axis);
         let rows = [side, self.axis.cross(side), self.slope * self.axis];

@@ -21,11 +21,7 @@ impl Cylinder {
     /// About the line through `point` along `axis`, which need not be of unit length.
     pub fn new(point: Vec3, axis: Vec3, radius: f64) -> Cylinder {
         let axis = unit(axis);
-        Cylinder {
-            point: perpendicular(point, axis),
-            axis,
-            radius,
-        }
+        Cylinder { point: perpendicular(point, axis), axis, radius }
     }
 
     /// Roots about the point of closest approach to the axis. A ray along the axis has none.
@@ -56,10 +52,7 @@ impl Cylinder {
     /// `|perp|^2 - radius^2` and its gradient.
     pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
         let offset = perpendicular(point - self.point, self.axis);
-        (
-            offset.length_squared() - self.radius * self.radius,
-            2.0 * offset,
-        )
+        (offset.length_squared() - self.radius * self.radius, 2.0 * offset)
     }
 
     /// Distance of the axis from the origin plus the radius.
@@ -69,9 +62,7 @@ impl Cylinder {
 
     /// Finite across a coordinate axis that is perpendicular to the cylinder's.
     pub fn inside_bounds(&self) -> Bounds {
-        let half = self
-            .axis
-            .map(|u| if u == 0.0 { self.radius } else { f64::INFINITY });
+        let half = self.axis.map(|u| if u == 0.0 { self.radius } else { f64::INFINITY });
         Bounds::centred(self.point, half)
     }
 
@@ -87,19 +78,11 @@ impl Cylinder {
         }
         let side = any_perpendicular(self.axis);
         let rows = [side, self.axis.cross(side), self.axis];
-        let here = Quadric::from_squares(
-            self.point,
-            rows,
-            [1.0, 1.0, 0.0],
-            Vec3::ZERO,
-            -self.radius * self.radius,
-        );
+        let here =
+            Quadric::from_squares(self.point, rows, [1.0, 1.0, 0.0], Vec3::ZERO, -self.radius * self.radius);
         let there = here.transformed(to);
         let axis = unit(map.vector(self.axis));
-        Surface::Quadric(Box::new(Quadric {
-            centre: perpendicular(there.centre, axis),
-            ..there
-        }))
+        Surface::Quadric(Box::new(Quadric { centre: perpendicular(there.centre, axis), ..there }))
     }
 }
 

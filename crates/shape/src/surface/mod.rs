@@ -140,10 +140,7 @@ impl Surface {
         let along_w = || side_along_gradient(self.value_and_gradient(ray.origin).1);
         match ray.rescaled() {
             None => self.departure(ray).crossings(inside_after, along_w),
-            Some((ray, rate)) => self
-                .departure(&ray)
-                .crossings(inside_after, along_w)
-                .scaled(rate),
+            Some((ray, rate)) => self.departure(&ray).crossings(inside_after, along_w).scaled(rate),
         }
     }
 
@@ -251,9 +248,7 @@ impl Surface {
         match self {
             Surface::Plane(s) => s.normal.is_finite() && s.offset.is_finite(),
             Surface::Sphere(s) => s.centre.is_finite() && s.radius.is_finite(),
-            Surface::Cylinder(s) => {
-                s.point.is_finite() && s.axis.is_finite() && s.radius.is_finite()
-            }
+            Surface::Cylinder(s) => s.point.is_finite() && s.axis.is_finite() && s.radius.is_finite(),
             Surface::Cone(s) => s.apex.is_finite() && s.axis.is_finite() && s.slope.is_finite(),
             Surface::Quadric(s) => s.is_finite(),
             Surface::Torus(s) => s.is_finite(),

@@ -21,10 +21,7 @@ impl Plane {
         let largest = normal.abs().max_element();
         let scaled = normal / largest;
         let length = scaled.length();
-        Plane {
-            normal: scaled / length,
-            offset: offset / largest / length,
-        }
+        Plane { normal: scaled / length, offset: offset / largest / length }
     }
 
     /// One root at `(c - n.o) / (n.d)`, in this order of operations for every solid that owns a plane.
@@ -33,11 +30,7 @@ impl Plane {
         let height = self.offset - self.normal.dot(ray.origin);
         let speed = self.normal.dot(ray.direction);
         let t = height / speed;
-        if t.is_finite() {
-            Crossings::new(speed > 0.0, &[t])
-        } else {
-            Crossings::constant(height > 0.0)
-        }
+        if t.is_finite() { Crossings::new(speed > 0.0, &[t]) } else { Crossings::constant(height > 0.0) }
     }
 
     /// `n . p - c` and the normal.
@@ -76,9 +69,6 @@ impl Plane {
     /// The image of the plane. With p = L q + T, `n . q = c` becomes `(L^-T n) . p = c + (L^-T n) . T`.
     pub fn transformed(&self, to: &Transform) -> Plane {
         let normal = to.local_from_world.linear.transpose() * self.normal;
-        Plane::new(
-            normal,
-            self.offset + normal.dot(to.world_from_local.translation),
-        )
+        Plane::new(normal, self.offset + normal.dot(to.world_from_local.translation))
     }
 }

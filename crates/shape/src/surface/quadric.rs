@@ -38,19 +38,8 @@ impl Quadric {
     /// symmetric and not zero.
     pub fn about(centre: Vec3, matrix: &Mat3, linear: Vec3, constant: f64) -> Quadric {
         let eigen = symmetric_eigen(matrix);
-        let weights = if eigen.exact {
-            eigen.values
-        } else {
-            without_noise(&eigen)
-        };
-        Quadric {
-            centre,
-            axes: eigen.vectors,
-            weights,
-            linear,
-            constant,
-        }
-        .normalised()
+        let weights = if eigen.exact { eigen.values } else { without_noise(&eigen) };
+        Quadric { centre, axes: eigen.vectors, weights, linear, constant }.normalised()
     }
 
     /// `f = sum signs_k (rows_k . q)^2 + linear . q + constant`; the rows need not be perpendicular, signs are
@@ -65,14 +54,8 @@ impl Quadric {
         make_perpendicular(&mut rows, &signs);
         let weights: [f64; 3] = std::array::from_fn(|k| signs[k] * rows[k].length_squared());
         complete_frame(&mut rows, &signs);
-        Quadric {
-            centre,
-            axes: rows.map(unit),
-            weights: Vec3::from_array(weights),
-            linear,
-            constant,
-        }
-        .normalised()
+        Quadric { centre, axes: rows.map(unit), weights: Vec3::from_array(weights), linear, constant }
+            .normalised()
     }
 
     fn normalised(self) -> Quadric {
@@ -111,11 +94,7 @@ impl Quadric {
     fn coefficients(&self, q: Vec3, d: Vec3) -> Coefficients {
         let (x, v) = (self.coordinates(q), self.coordinates(d));
         let (wx, wv) = (self.weights * x, self.weights * v);
-        [
-            wv.dot(v),
-            wx.dot(v) + 0.5 * self.linear.dot(d),
-            wx.dot(x) + (self.linear.dot(q) + self.constant),
-        ]
+        [wv.dot(v), wx.dot(v) + 0.5 * self.linear.dot(d), wx.dot(x) + (self.linear.dot(q) + self.constant)]
     }
 
     /// The ray that starts on the quadric.
@@ -129,10 +108,7 @@ impl Quadric {
         let q = point - self.centre;
         let x = self.coordinates(q);
         let wx = self.weights * x;
-        (
-            wx.dot(x) + (self.linear.dot(q) + self.constant),
-            2.0 * self.along_axes(wx) + self.linear,
-        )
+        (wx.dot(x) + (self.linear.dot(q) + self.constant), 2.0 * self.along_axes(wx) + self.linear)
     }
 
     /// True unless all weights have the same sign (an ellipsoid, a point or nothing).
@@ -194,9 +170,7 @@ impl Quadric {
 
 fn without_noise(eigen: &Eigen) -> Vec3 {
     let largest = eigen.values.abs().max_element();
-    eigen
-        .values
-        .map(|v| if v.abs() <= NOISE * largest { 0.0 } else { v })
+    eigen.values.map(|v| if v.abs() <= NOISE * largest { 0.0 } else { v })
 }
 
 /// A row of weight 0 still has a direction.
@@ -237,23 +211,16 @@ impl Bowl {
 
     /// The supremum of n . x over f < 0.
     fn farthest(&self, n: Vec3) -> f64 {
-        let flat = Vec3::from_array(std::array::from_fn(|k| {
-            if self.weights[k] == 0.0 { n[k] } else { 0.0 }
-        }));
+        let flat = Vec3::from_array(std::array::from_fn(|k| if self.weights[k] == 0.0 { n[k] } else { 0.0 }));
         // of the directions in which f has no square only the one up the slope is bounded
-        let multiplier = if self.slope == Vec3::ZERO {
-            0.0
-        } else {
-            flat.dot(self.slope) / self.slope.length_squared()
-        };
+        let multiplier =
+            if self.slope == Vec3::ZERO { 0.0 } else { flat.dot(self.slope) / self.slope.length_squared() };
         let beside = flat - multiplier * self.slope;
         if beside.abs().max_element() > NOISE || multiplier * self.slope.length() < -NOISE {
             return f64::INFINITY;
         }
-        let spread: f64 = (0..3)
-            .filter(|&k| self.weights[k] != 0.0)
-            .map(|k| n[k] * n[k] / self.weights[k])
-            .sum();
+        let spread: f64 =
+            (0..3).filter(|&k| self.weights[k] != 0.0).map(|k| n[k] * n[k] / self.weights[k]).sum();
         if multiplier * self.slope.length() > NOISE {
             // maximise over x: n.x - multiplier * (w x^2 + level)
             return spread / (4.0 * multiplier) - multiplier * self.level;
@@ -279,12 +246,7 @@ fn make_perpendicular(rows: &mut [Vec3; 3], signs: &[f64; 3]) {
             if sign == 0.0 || dot.abs() <= 4.0 * UNIT_ROUNDOFF * lengths {
                 continue;
             }
-            let (c, s) = jacobi_pair(
-                rows[i].length_squared(),
-                rows[j].length_squared(),
-                dot,
-                sign,
-            );
+            let (c, s) = jacobi_pair(rows[i].length_squared(), rows[j].length_squared(), dot, sign);
             (rows[i], rows[j]) = (c * rows[i] - sign * s * rows[j], s * rows[i] + c * rows[j]);
             done = false;
         }
@@ -350,20 +312,14 @@ fn at_centre(quadric: Quadric) -> Quadric {
     let (w, b) = (quadric.weights, quadric.coordinates(quadric.linear));
     let small = NOISE * b.length();
     let has_square = |k: usize| w[k] != 0.0;
-    let shift = Vec3::from_array(std::array::from_fn(|k| {
-        if has_square(k) {
-            -0.5 * b[k] / w[k]
-        } else {
-            0.0
-        }
-    }));
-    let rest = Vec3::from_array(std::array::from_fn(|k| {
-        if has_square(k) || b[k].abs() <= small {
-            0.0
-        } else {
-            b[k]
-        }
-    }));
+    let shift =
+        Vec3::from_array(std::array::from_fn(|k| if has_square(k) { -0.5 * b[k] / w[k] } else { 0.0 }));
+    let rest =
+        Vec3::from_array(std::array::from_fn(
+            |k| {
+                if has_square(k) || b[k].abs() <= small { 0.0 } else { b[k] }
+            },
+        ));
     let level = quadric.constant - (w * shift).dot(shift);
     if rest == Vec3::ZERO {
         return Quadric {

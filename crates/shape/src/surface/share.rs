@@ -58,9 +58,7 @@ pub fn share(surfaces: &[(Surface, f64)]) -> Result<Shared, WideClass> {
     let entries = entries(surfaces);
     let mut classes = Classes::new(surfaces.len());
     for kind in Kind::ALL {
-        let of_kind = entries
-            .iter()
-            .filter(|e| Kind::of(&surfaces[e.index()].0) == kind);
+        let of_kind = entries.iter().filter(|e| Kind::of(&surfaces[e.index()].0) == kind);
         let part: Vec<Entry> = of_kind.copied().collect();
         sweep(surfaces, kind, part, &mut classes);
     }
@@ -89,10 +87,7 @@ fn entries(surfaces: &[(Surface, f64)]) -> Vec<Entry> {
         for reversed in [false, true] {
             let along = if reversed { -along } else { along };
             if along > -1e-12 {
-                entries.push(Entry {
-                    index: index as u32,
-                    reversed,
-                });
+                entries.push(Entry { index: index as u32, reversed });
             }
         }
     }
@@ -220,12 +215,7 @@ struct Part {
 /// Cuts the entries of one kind until nothing cuts them, and joins what is left.
 fn sweep(surfaces: &[(Surface, f64)], kind: Kind, mut entries: Vec<Entry>, classes: &mut Classes) {
     let numbers = kind.numbers();
-    let whole = Part {
-        first: 0,
-        last: entries.len(),
-        next: 0,
-        uncut: 0,
-    };
+    let whole = Part { first: 0, last: entries.len(), next: 0, uncut: 0 };
     let mut parts = vec![whole];
     let mut keyed = Vec::new();
     while let Some(part) = parts.pop() {
@@ -241,37 +231,18 @@ fn sweep(surfaces: &[(Surface, f64)], kind: Kind, mut entries: Vec<Entry>, class
         let next = (part.next + 1) % numbers;
         let mut first = part.first;
         for cut in cuts(&keyed).map(|k| part.first + k) {
-            parts.push(Part {
-                first,
-                last: cut,
-                next,
-                uncut: 1,
-            });
+            parts.push(Part { first, last: cut, next, uncut: 1 });
             first = cut;
         }
-        let uncut = if first == part.first {
-            part.uncut + 1
-        } else {
-            1
-        };
-        parts.push(Part {
-            first,
-            last: part.last,
-            next,
-            uncut,
-        });
+        let uncut = if first == part.first { part.uncut + 1 } else { 1 };
+        parts.push(Part { first, last: part.last, next, uncut });
     }
 }
 
 /// An entry with one of its numbers and its tolerance.
 type Keyed = (f64, f64, Entry);
 
-fn sort_by_number(
-    surfaces: &[(Surface, f64)],
-    entries: &mut [Entry],
-    k: usize,
-    keyed: &mut Vec<Keyed>,
-) {
+fn sort_by_number(surfaces: &[(Surface, f64)], entries: &mut [Entry], k: usize, keyed: &mut Vec<Keyed>) {
     keyed.clear();
     keyed.extend(entries.iter().map(|e| {
         let (surface, reach) = &surfaces[e.index()];
@@ -287,14 +258,11 @@ fn sort_by_number(
 /// Where the sorted numbers, each widened by its tolerance, leave a gap: no entry before equals one after.
 fn cuts(keyed: &[Keyed]) -> impl Iterator<Item = usize> {
     let mut end = f64::NEG_INFINITY;
-    keyed
-        .iter()
-        .enumerate()
-        .filter_map(move |(k, &(value, tolerance, _))| {
-            let gap = k > 0 && value - tolerance > end;
-            end = end.max(value + tolerance);
-            gap.then_some(k)
-        })
+    keyed.iter().enumerate().filter_map(move |(k, &(value, tolerance, _))| {
+        let gap = k > 0 && value - tolerance > end;
+        end = end.max(value + tolerance);
+        gap.then_some(k)
+    })
 }
 
 /// Joins the entries of an uncut part: all of them if it is narrow, else those pairs that are equal.
@@ -346,21 +314,13 @@ impl Width {
     /// The range in units of the tolerance.
     fn tolerances(&self) -> f64 {
         let range = self.hi.0 - self.lo.0;
-        if range == 0.0 {
-            0.0
-        } else {
-            range / self.tolerance
-        }
+        if range == 0.0 { 0.0 } else { range / self.tolerance }
     }
 }
 
 fn width(surfaces: &[(Surface, f64)], entries: &[Entry], k: usize) -> Width {
-    let mut width = Width {
-        number: k,
-        lo: (f64::INFINITY, 0),
-        hi: (f64::NEG_INFINITY, 0),
-        tolerance: f64::INFINITY,
-    };
+    let mut width =
+        Width { number: k, lo: (f64::INFINITY, 0), hi: (f64::NEG_INFINITY, 0), tolerance: f64::INFINITY };
     for entry in entries {
         let (surface, reach) = &surfaces[entry.index()];
         let (value, tolerance) = number(surface, *reach, entry.reversed, k);
@@ -382,9 +342,7 @@ struct Classes {
 
 impl Classes {
     fn new(count: usize) -> Classes {
-        Classes {
-            parent: (0..count as u32).collect(),
-        }
+        Classes { parent: (0..count as u32).collect() }
     }
 
     fn root(&mut self, mut k: u32) -> u32 {
@@ -405,14 +363,9 @@ impl Classes {
         let count = surfaces.len() as u32;
         let mut members: Vec<(u32, u32)> = (0..count).map(|k| (self.root(k), k)).collect();
         members.sort_unstable();
-        let mut shared = Shared {
-            representative: (0..count).collect(),
-            flipped: vec![false; surfaces.len()],
-        };
-        for class in members
-            .chunk_by(|a, b| a.0 == b.0)
-            .filter(|class| class.len() > 1)
-        {
+        let mut shared =
+            Shared { representative: (0..count).collect(), flipped: vec![false; surfaces.len()] };
+        for class in members.chunk_by(|a, b| a.0 == b.0).filter(|class| class.len() > 1) {
             add_class(surfaces, class, &mut shared)?;
         }
         Ok(shared)
@@ -428,39 +381,24 @@ fn add_class(
     let chosen = class
         .iter()
         .map(|&(_, k)| k)
-        .reduce(|a, b| {
-            if by_bits(surface(b), surface(a)).is_lt() {
-                b
-            } else {
-                a
-            }
-        })
+        .reduce(|a, b| if by_bits(surface(b), surface(a)).is_lt() { b } else { a })
         .unwrap_or(0);
     let against = sense(surface(chosen));
     let turned = |k: u32| match (sense(surface(k)), against) {
         (Some(v), Some(w)) => v.dot(w) < 0.0,
         _ => false,
     };
-    let entries: Vec<Entry> = class
-        .iter()
-        .map(|&(_, index)| Entry {
-            index,
-            reversed: turned(index),
-        })
-        .collect();
+    let entries: Vec<Entry> =
+        class.iter().map(|&(_, index)| Entry { index, reversed: turned(index) }).collect();
     for k in 0..Kind::of(surface(chosen)).numbers() {
         let width = width(surfaces, &entries, k);
         if width.tolerances() > 4.0 {
-            return Err(WideClass {
-                first: width.lo.1,
-                second: width.hi.1,
-            });
+            return Err(WideClass { first: width.lo.1, second: width.hi.1 });
         }
     }
     for entry in entries {
         shared.representative[entry.index()] = chosen;
-        shared.flipped[entry.index()] =
-            entry.reversed && matches!(surface(chosen), Surface::Plane(_));
+        shared.flipped[entry.index()] = entry.reversed && matches!(surface(chosen), Surface::Plane(_));
     }
     Ok(())
 }
@@ -468,11 +406,7 @@ fn add_class(
 /// The total order of the bits of two surfaces of one kind.
 fn by_bits(a: &Surface, b: &Surface) -> Ordering {
     (0..Kind::of(a).numbers())
-        .map(|k| {
-            number(a, 0.0, false, k)
-                .0
-                .total_cmp(&number(b, 0.0, false, k).0)
-        })
+        .map(|k| number(a, 0.0, false, k).0.total_cmp(&number(b, 0.0, false, k).0))
         .find(|order| order.is_ne())
         .unwrap_or(Ordering::Equal)
 }

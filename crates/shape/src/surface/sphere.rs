@@ -31,10 +31,7 @@ impl Sphere {
     /// `|p - centre|^2 - radius^2` and its gradient.
     pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
         let offset = point - self.centre;
-        (
-            offset.length_squared() - self.radius * self.radius,
-            2.0 * offset,
-        )
+        (offset.length_squared() - self.radius * self.radius, 2.0 * offset)
     }
 
     /// Distance of the centre from the origin plus the radius.

@@ -45,11 +45,7 @@ impl Chord {
     /// The piece of the ray between two times.
     pub fn new(ray: &Ray, ends: (f64, f64)) -> Chord {
         let middle = 0.5 * (ends.0 + ends.1);
-        Chord {
-            ends,
-            middle: ray.at(middle),
-            delta: delta(0.0, ray, middle),
-        }
+        Chord { ends, middle: ray.at(middle), delta: delta(0.0, ray, middle) }
     }
 
     /// The side of a ray that lies in the surface all along the chord: `Some(inside)`, or `None` if it does
@@ -79,14 +75,7 @@ pub fn lies_in(surface: &Surface, reach: f64, ray: &Ray, ends: (f64, f64)) -> Op
 /// True (inside) if moving along [`LIE_DIRECTION`] makes f negative.
 pub fn side_along_gradient(gradient: Vec3) -> bool {
     let slope = LIE_DIRECTION.dot(gradient);
-    let sign = if slope != 0.0 {
-        slope
-    } else {
-        gradient
-            .to_array()
-            .into_iter()
-            .find(|&g| g != 0.0)
-            .unwrap_or(0.0)
-    };
+    let sign =
+        if slope != 0.0 { slope } else { gradient.to_array().into_iter().find(|&g| g != 0.0).unwrap_or(0.0) };
     sign < 0.0
 }

@@ -29,12 +29,7 @@ pub struct Torus {
 impl Torus {
     /// About `centre`, the axis along `axis`, which need not be of unit length.
     pub fn new(centre: Vec3, axis: Vec3, major: f64, minor: f64) -> Torus {
-        Torus {
-            centre,
-            axis: unit(axis),
-            major,
-            minor,
-        }
+        Torus { centre, axis: unit(axis), major, minor }
     }
 
     /// At most four roots, found about the point of closest approach to the centre.
@@ -66,10 +61,7 @@ impl Torus {
         }
         // far away the ray is outside, so the parity of the remaining roots is the side just after the start
         let inside = times.found().len() % 2 == 1;
-        Departure {
-            negative_after: Some(inside),
-            times: Crossings::new(inside, times.found()),
-        }
+        Departure { negative_after: Some(inside), times: Crossings::new(inside, times.found()) }
     }
 
     /// `(rho - major)^2 + z^2 - minor^2` and its gradient.
@@ -81,17 +73,11 @@ impl Torus {
         let ring = rho - self.major;
         // on the axis g has a ridge: the gradient of the two sides cancels across it
         let outwards = if rho > 0.0 { across / rho } else { Vec3::ZERO };
-        (
-            ring * ring + z * z - self.minor * self.minor,
-            2.0 * (ring * outwards + z * self.axis),
-        )
+        (ring * ring + z * z - self.minor * self.minor, 2.0 * (ring * outwards + z * self.axis))
     }
 
     pub(super) fn is_finite(&self) -> bool {
-        self.centre.is_finite()
-            && self.axis.is_finite()
-            && self.major.is_finite()
-            && self.minor.is_finite()
+        self.centre.is_finite() && self.axis.is_finite() && self.major.is_finite() && self.minor.is_finite()
     }
 
     /// Distance of the centre from the origin plus the outer radius.

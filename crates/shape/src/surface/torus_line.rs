@@ -41,7 +41,7 @@ impl Times {
     }
 }
 
-/// g, half its slope and half its second derivative at a point of the line.
+/// g, half its slope (NaN on the axis) and half its second derivative at a point of the line.
 #[derive(Clone, Copy, Debug)]
 struct Jet {
     value: f64,
@@ -73,6 +73,9 @@ pub struct TorusLine {
     /// If the line starts on the torus: `rho` there; then g is taken relative to its value there.
     start: Option<f64>,
 }
+
+/// A distance from the axis at which the rounding of a point is not small any more.
+const AXIS: f64 = 128.0 * UNIT_ROUNDOFF;
 
 /// Room around a region outside of which g > 0 for certain, against the rounding of its border.
 const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
@@ -119,10 +122,7 @@ impl TorusLine {
     /// g = s k(s), and k has no root that belongs to s = 0. On the first piece k is monotonic, because g is
     /// convex or concave there and 0 at its beginning: k has a root there if its signs at the ends differ.
     pub fn sign_changes_from_start(&self) -> Times {
-        let line = TorusLine {
-            start: Some(self.across.length()),
-            ..*self
-        };
+        let line = TorusLine { start: Some(self.across.length()), ..*self };
         let mut times = Times::default();
         let k = line.chord_slope(0.0);
         // beyond it s^2 + 2 s (q . d) exceeds 2 major (rho(s) - rho(0)) <= 2 major s
@@ -146,11 +146,7 @@ impl TorusLine {
     fn chord_slope(&self, s: f64) -> f64 {
         let rho = (self.across + s * self.along).length();
         let sum = rho + self.start.unwrap_or(0.0);
-        let drift = if sum > 0.0 {
-            (self.alpha * s + 2.0 * self.beta) / sum
-        } else {
-            self.alpha.sqrt()
-        };
+        let drift = if sum > 0.0 { (self.alpha * s + 2.0 * self.beta) / sum } else { self.alpha.sqrt() };
         s + 2.0 * ((self.beta + self.z * self.rise) - self.major * drift)
     }
 
@@ -163,9 +159,11 @@ impl TorusLine {
             None => ring * ring + (z * z - self.minor * self.minor),
             Some(_) => s * self.chord_slope(s),
         };
+        // so near the axis the direction of p is noise, and g has a kink anyway
+        let outwards = if rho > AXIS { p.dot(self.along) / rho } else { f64::NAN };
         Jet {
             value,
-            slope: ring * (p.dot(self.along) / rho) + z * self.rise,
+            slope: ring * outwards + z * self.rise,
             curvature: 1.0 - self.major * self.twist_squared / (rho * rho * rho),
         }
     }
@@ -220,31 +218,13 @@ impl TorusLine {
     fn search(&self, piece: &Piece, from: Jet, to: Jet, times: &mut Times) {
         let (first, last) = (from.value < 0.0, to.value < 0.0);
         if first != last {
-            let near = if from.value.abs() < to.value.abs() {
-                piece.from
-            } else {
-                piece.to
-            };
+            let near = if from.value.abs() < to.value.abs() { piece.from } else { piece.to };
             times.push(self.root(piece, first, near));
         } else if first != piece.convex
             && let Some(between) = self.other_side(piece, from, to)
         {
-            times.push(self.root(
-                &Piece {
-                    to: between,
-                    ..*piece
-                },
-                first,
-                between,
-            ));
-            times.push(self.root(
-                &Piece {
-                    from: between,
-                    ..*piece
-                },
-                !first,
-                between,
-            ));
+            times.push(self.root(&Piece { to: between, ..*piece }, first, between));
+            times.push(self.root(&Piece { from: between, ..*piece }, !first, between));
         }
     }
 
@@ -252,26 +232,23 @@ impl TorusLine {
     /// as one is found, or as soon as the tangent shows that there is none.
     fn other_side(&self, piece: &Piece, from: Jet, to: Jet) -> Option<f64> {
         let up = if piece.convex { 1.0 } else { -1.0 };
-        // slopes are NaN at the kink of a line through the axis, and say nothing there
+        // a slope of NaN says nothing
         if up * from.slope >= 0.0 || up * to.slope <= 0.0 {
             return None;
         }
         let (mut lo, mut hi) = (piece.from, piece.to);
-        let mut s = within(
-            lo,
-            hi,
-            lo - from.slope * (hi - lo) / (to.slope - from.slope),
-        );
+        let mut s = within(lo, hi, lo - from.slope * (hi - lo) / (to.slope - from.slope));
         for _ in 0..80 {
             let jet = self.jet(s);
             if (jet.value < 0.0) == piece.convex {
                 return Some(s);
             }
-            let rising = up * jet.slope > 0.0;
+            // only the ends of a piece are on the axis
+            let rising = up * jet.slope > 0.0 || (jet.slope.is_nan() && hi - s < s - lo);
             if rising {
-                hi = s
+                hi = s;
             } else {
-                lo = s
+                lo = s;
             }
             let room = if rising { s - lo } else { hi - s };
             let out_of_reach = up * jet.value > 2.0 * jet.slope.abs() * room;
@@ -311,11 +288,7 @@ impl TorusLine {
 
 /// `s` if it lies strictly between, else the middle.
 fn within(lo: f64, hi: f64, s: f64) -> f64 {
-    if lo < s && s < hi {
-        s
-    } else {
-        0.5 * lo + 0.5 * hi
-    }
+    if lo < s && s < hi { s } else { 0.5 * lo + 0.5 * hi }
 }
 
 /// The root of `value + 2 slope x + curvature x^2` nearest 0; NaN if there is none.
