@@ -29,9 +29,9 @@ pub struct Weave {
 #[derive(Clone, Debug, Default)]
 pub struct WeaveScratch {
     /// The network state of each group, made when it is first needed; always at rest between rays.
-    states: Vec<Option<NetworkState>>,
+    states: Vec<Option<Box<NetworkState>>>,
     /// Buffers for each level of nesting.
-    levels: Vec<Level>,
+    levels: Vec<Option<Box<Level>>>,
     crossings: Vec<Crossing>,
 }
 
@@ -62,7 +62,7 @@ impl Weave {
         depth: usize,
         scratch: &mut WeaveScratch,
         state: &mut NetworkState,
-    ) -> Level {
+    ) -> Box<Level> {
         let mut level = scratch.take_level(depth);
         level.events.clear();
         level.touched.clear();
@@ -148,9 +148,9 @@ impl Weave {
         starts_inside
     }
 
-    fn take_state(&self, group: PrototypeId, scratch: &mut WeaveScratch) -> NetworkState {
+    fn take_state(&self, group: PrototypeId, scratch: &mut WeaveScratch) -> Box<NetworkState> {
         scratch.states.resize_with(self.program.prototypes().len(), || None);
-        scratch.states[group.index()].take().unwrap_or_else(|| self.program.prototype(group).network.start())
+        scratch.states[group.index()].take().unwrap_or_else(|| Box::new(self.program.prototype(group).network.start()))
     }
 
     fn one_ray(&self, ray: Ray, query: &Query<'_>, starts: &[Start], scratch: &mut WeaveScratch) -> RegionId {
@@ -214,7 +214,7 @@ impl Weave {
         depth: usize,
         scratch: &mut WeaveScratch,
         state: &mut NetworkState,
-    ) -> Level {
+    ) -> Box<Level> {
         let mut level = scratch.take_level(depth);
         level.touched.clear();
         let prototype = self.program.prototype(group);
@@ -289,23 +289,23 @@ impl Evaluator for Weave {
             let level = self.flip_containing(group, point, 0, scratch, &mut state);
             *region = RegionId(state.winner());
             level.touched.iter().for_each(|&leaf| network.flip(&mut state, leaf));
-            scratch.levels[0] = level;
+            scratch.levels[0] = Some(level);
         }
         scratch.states[group.index()] = Some(state);
     }
 }
 
 impl WeaveScratch {
-    fn take_level(&mut self, depth: usize) -> Level {
+    fn take_level(&mut self, depth: usize) -> Box<Level> {
         if self.levels.len() <= depth {
-            self.levels.resize_with(depth + 1, Level::default);
+            self.levels.resize_with(depth + 1, || None);
         }
-        std::mem::take(&mut self.levels[depth])
+        self.levels[depth].take().unwrap_or_default()
     }
 
-    fn give_back(&mut self, group: PrototypeId, state: NetworkState, depth: usize, level: Level) {
+    fn give_back(&mut self, group: PrototypeId, state: Box<NetworkState>, depth: usize, level: Box<Level>) {
         self.states[group.index()] = Some(state);
-        self.levels[depth] = level;
+        self.levels[depth] = Some(level);
     }
 }
 
