@@ -155,9 +155,11 @@ impl TorusLine {
         let z = self.z + s * self.rise;
         let rho = p.length();
         let ring = rho - self.major;
-        let value = match self.start {
-            None => ring * ring + (z * z - self.minor * self.minor),
-            Some(_) => s * self.chord_slope(s),
+        // k is the better conditioned near the start, g farther away, where its rounding is below that of s k
+        let value = if self.start.is_some() && s <= self.minor {
+            s * self.chord_slope(s)
+        } else {
+            ring * ring + (z * z - self.minor * self.minor)
         };
         // so near the axis the direction of p is noise, and g has a kink anyway
         let outwards = if rho > AXIS { p.dot(self.along) / rho } else { f64::NAN };
@@ -265,10 +267,6 @@ impl TorusLine {
     /// order, and as fast at a nearly double root), or to the middle where that leaves the bracket.
     fn root(&self, piece: &Piece, starts_negative: bool, near: f64) -> f64 {
         let (mut lo, mut hi, mut s) = (piece.from, piece.to, near);
-        let noise = match self.start {
-            None => UNIT_ROUNDOFF * self.minor,
-            Some(_) => 0.0,
-        };
         for _ in 0..120 {
             let jet = self.jet(s);
             if (jet.value < 0.0) == starts_negative {
@@ -277,8 +275,12 @@ impl TorusLine {
                 hi = s
             }
             let near = s + parabola_step(&jet);
+            let noise = match self.start {
+                None => UNIT_ROUNDOFF * self.minor,
+                Some(_) => UNIT_ROUNDOFF * self.minor.min(s),
+            };
             if jet.value.abs() <= noise || (near - s).abs() <= UNIT_ROUNDOFF * s.abs() {
-                return if near.is_nan() { s } else { near.clamp(lo, hi) };
+                return if lo < near && near < hi { near } else { s };
             }
             s = within(lo, hi, near);
         }

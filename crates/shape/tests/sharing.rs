@@ -1,0 +1,174 @@
+//! Equal surfaces are found, and only they.
+
+mod oracle;
+
+use oracle::*;
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+use rayweave_math::{Affine, Mat3, Transform, Vec3};
+use rayweave_shape::surface::{Surface, WideClass, share};
+use std::time::Instant;
+
+const U: f64 = f64::EPSILON / 2.0;
+
+fn with_reach(surfaces: &[Surface]) -> Vec<(Surface, f64)> {
+    surfaces.iter().map(|s| (s.clone(), s.reach() + 1.0)).collect()
+}
+
+fn kinds(place: Vec3, axis: Vec3) -> Vec<Surface> {
+    let form = Mat3::from_diagonal(Vec3::new(1.0, 0.5, -0.25));
+    vec![
+        Surface::plane(axis, axis.dot(place)),
+        Surface::sphere(place, 1.0),
+        Surface::cylinder(place, axis, 1.0),
+        Surface::cone(place, axis, 0.5),
+        Surface::quadric_about(place, form, Vec3::ZERO, -1.0),
+        Surface::torus(place, axis, 1.0, 0.25),
+    ]
+}
+
+/// The same surface reached by two ways round: the copies differ by rounding, and are one.
+#[test]
+fn copies_that_differ_by_rounding_are_one() {
+    let mut rng = rng(51);
+    for _ in 0..200 {
+        let (place, axis) = (unit_vector(&mut rng), unit_vector(&mut rng));
+        let mut surfaces = Vec::new();
+        for surface in kinds(place, axis) {
+            let whole = rng.random_range(-180.0..180.0);
+            let (turn_axis, by) = (unit_vector(&mut rng), 3.0 * unit_vector(&mut rng));
+            let once = Affine::rotation(turn_axis, whole).then(&Affine::translate(by));
+            let halves = Affine::rotation(turn_axis, 0.25 * whole)
+                .then(&Affine::rotation(turn_axis, 0.75 * whole))
+                .then(&Affine::translate(0.3 * by))
+                .then(&Affine::translate(0.7 * by));
+            surfaces.push(surface.transformed(&Transform::from_affine(once).unwrap()));
+            surfaces.push(surface.transformed(&Transform::from_affine(halves).unwrap()));
+        }
+        let shared = share(&with_reach(&surfaces)).unwrap();
+        for pair in shared.representative.chunks(2) {
+            assert_eq!(pair[0], pair[1], "{surfaces:?}");
+        }
+        let mut distinct = shared.representative;
+        distinct.sort_unstable();
+        distinct.dedup();
+        assert_eq!(distinct.len(), 6);
+    }
+}
+
+#[test]
+fn planes_and_axes_of_either_sense_are_one() {
+    let mut rng = rng(52);
+    for _ in 0..300 {
+        // also perpendicular to the direction by which senses are told apart, and along coordinate axes
+        let axis = match rng.random_range(0..3) {
+            0 => Vec3::AXES[rng.random_range(0..3)],
+            1 => Vec3::new(0.617_340_218_6, 0.531_871_409_3, 0.579_913_306_7)
+                .cross(unit_vector(&mut rng))
+                .normalize(),
+            _ => unit_vector(&mut rng),
+        };
+        let noise = |rng: &mut ChaCha8Rng| 8.0 * U * Vec3::ZERO.map(|_| rng.random_range(-1.0..1.0));
+        let there = kinds(Vec3::X, axis);
+        let back = kinds(Vec3::X, -axis + noise(&mut rng));
+        let both: Vec<Surface> = there.into_iter().chain(back).collect();
+        let shared = share(&with_reach(&both)).unwrap();
+        for k in 0..6 {
+            assert_eq!(shared.representative[k], shared.representative[k + 6], "{both:?}");
+        }
+        assert!(shared.flipped[0] ^ shared.flipped[6]);
+        assert_eq!(shared.flipped.iter().filter(|&&f| f).count(), 1);
+    }
+}
+
+#[test]
+fn what_differs_by_more_than_the_tolerance_stays_apart() {
+    let base = kinds(Vec3::X, Vec3::new(0.6, 0.0, 0.8));
+    let moved = kinds(Vec3::X + Vec3::new(0.0, 0.0, 1e-12), Vec3::new(0.6, 0.0, 0.8));
+    let turned = kinds(Vec3::X, Vec3::new(0.6, 1e-12, 0.8));
+    let all: Vec<Surface> = base.into_iter().chain(moved).chain(turned).collect();
+    let shared = share(&with_reach(&all)).unwrap();
+    for (k, &representative) in shared.representative.iter().enumerate() {
+        // the sphere and the quadric have no axis to turn
+        let (kind, copy) = (k % 6, k / 6);
+        let same_as_first = copy == 2 && (kind == 1 || kind == 4);
+        assert_eq!(representative as usize == k, !same_as_first || representative as usize == k);
+        assert_eq!(shared.representative[kind] == representative, copy == 0 || same_as_first);
+    }
+    assert_eq!(share(&[]).unwrap().representative.len(), 0);
+}
+
+#[test]
+fn the_answer_does_not_depend_on_the_order() {
+    let mut rng = rng(53);
+    let mut surfaces = Vec::new();
+    for k in 0..60 {
+        let offset = f64::from(k / 6) + 4.0 * U * rng.random_range(-1.0..1.0);
+        surfaces.push(Surface::plane(Vec3::new(0.6, 0.0, 0.8), offset));
+    }
+    let chosen = |surfaces: &[Surface]| {
+        let shared = share(&with_reach(surfaces)).unwrap();
+        let mut pairs: Vec<(String, String)> = shared
+            .representative
+            .iter()
+            .enumerate()
+            .map(|(k, &r)| (format!("{:?}", surfaces[k]), format!("{:?}", surfaces[r as usize])))
+            .collect();
+        pairs.sort();
+        pairs
+    };
+    let want = chosen(&surfaces);
+    for _ in 0..10 {
+        for k in (1..surfaces.len()).rev() {
+            surfaces.swap(k, rng.random_range(0..=k));
+        }
+        assert_eq!(chosen(&surfaces), want);
+    }
+}
+
+#[test]
+fn a_chain_wider_than_four_tolerances_is_refused() {
+    let step = 50.0 * U;
+    let chain = |count: usize| -> Vec<(Surface, f64)> {
+        (0..count).map(|k| (Surface::plane(Vec3::Z, 1.0 + step * k as f64), 1.0)).collect()
+    };
+    assert!(share(&chain(5)).unwrap().representative.iter().all(|&r| r == 0));
+    let refused = share(&chain(8)).unwrap_err();
+    assert_eq!(refused, WideClass { first: 0, second: 7 });
+    assert!(refused.to_string().starts_with("surfaces 0 and 7 are too far apart"));
+    // near in each number alone, but not chained: two of them differ in both
+    let sphere = |x: f64, y: f64| (Surface::sphere(Vec3::new(1.0 + x * U, y * U, 0.0), 1.0), 1.0);
+    let corners = [sphere(0.0, 0.0), sphere(60.0, 100.0), sphere(120.0, 0.0), sphere(0.0, 200.0)];
+    let shared = share(&corners).unwrap();
+    assert_eq!(shared.representative, [0, 1, 2, 3]);
+}
+
+/// 100 x 100 touching tiles, each with its own six planes: 202 planes remain.
+#[test]
+fn a_field_of_tiles_shares_its_faces_quickly() {
+    let mut surfaces = Vec::new();
+    let turn = Affine::rotation(Vec3::new(1.0, 2.0, 3.0), 20.0);
+    for tile in 0..10_000 {
+        let by = Vec3::new(f64::from(tile % 100), f64::from(tile / 100), 0.0);
+        let to = Transform::from_affine(Affine::translate(by).then(&turn)).unwrap();
+        for k in 0..3 {
+            surfaces.push(Surface::plane(Vec3::AXES[k], 0.5).transformed(&to));
+            surfaces.push(Surface::plane(-Vec3::AXES[k], 0.5).transformed(&to));
+        }
+    }
+    let entries: Vec<(Surface, f64)> = surfaces.into_iter().map(|s| (s, 200.0)).collect();
+    let start = Instant::now();
+    let shared = share(&entries).unwrap();
+    let seconds = start.elapsed().as_secs_f64();
+    let mut distinct = shared.representative.clone();
+    distinct.sort_unstable();
+    distinct.dedup();
+    assert_eq!(distinct.len(), 101 + 101 + 2);
+    assert!(seconds < 5.0, "{seconds} s for 60,000 planes");
+    for (k, &r) in shared.representative.iter().enumerate() {
+        let (Surface::Plane(a), Surface::Plane(b)) = (&entries[k].0, &entries[r as usize].0) else {
+            panic!("planes");
+        };
+        assert_eq!(shared.flipped[k], a.normal.dot(b.normal) < 0.0);
+    }
+}
