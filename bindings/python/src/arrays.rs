@@ -3,7 +3,7 @@
 use numpy::{
     Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::error::{bad_type, bad_value};
@@ -26,14 +26,9 @@ pub fn real_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<RealA
     }
     let array = as_array(object, name)?;
     match array.dtype().kind() {
-        b'f' if array.dtype().itemsize() == size_of::<f32>() => {
-            converted(&array).map(RealArray::Single)
-        }
+        b'f' if array.dtype().itemsize() == size_of::<f32>() => converted(&array).map(RealArray::Single),
         b'f' | b'i' | b'u' => converted(&array).map(RealArray::Double),
-        _ => Err(bad_type(format!(
-            "{name} has dtype {} (real numbers are needed)",
-            array.dtype()
-        ))),
+        _ => Err(bad_type(format!("{name} has dtype {} (real numbers are needed)", array.dtype()))),
     }
 }
 
@@ -48,10 +43,7 @@ impl<'py> RealArray<'py> {
 }
 
 /// As [`real_array`], but always float64.
-pub fn double_array<'py>(
-    object: &Bound<'py, PyAny>,
-    name: &str,
-) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+pub fn double_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     real_array(object, name)?.into_double()
 }
 
@@ -60,9 +52,7 @@ pub fn list(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     let array = double_array(object, name)?;
     if array.ndim() != 1 {
         let shape = shape_text(array.shape());
-        return Err(bad_value(format!(
-            "{name} has shape {shape} (a list of numbers is needed)"
-        )));
+        return Err(bad_value(format!("{name} has shape {shape} (a list of numbers is needed)")));
     }
     let array = array.try_readonly().map_err(bad_value)?;
     Ok(array.as_array().iter().copied().collect())
@@ -80,9 +70,7 @@ pub fn shape_text(shape: &[usize]) -> String {
 }
 
 /// Row after row without gaps: the array itself, or a copy if it is laid out in any other way.
-pub fn contiguous<'py, T: Element>(
-    array: Bound<'py, PyArrayDyn<T>>,
-) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+pub fn contiguous<'py, T: Element>(array: Bound<'py, PyArrayDyn<T>>) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     if array.is_c_contiguous() {
         return Ok(array);
     }
@@ -96,18 +84,15 @@ fn as_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, 
     let module = numpy::get_array_module(py)?;
     match module.call_method1("asarray", (object,)) {
         Ok(array) => Ok(array.cast_into()?),
-        Err(error) if error.is_instance_of::<PyValueError>(py) => Err(bad_value(format!(
-            "{name} is no array of numbers ({})",
-            error.value(py)
-        ))),
+        Err(error) if error.is_instance_of::<PyValueError>(py) => {
+            Err(bad_value(format!("{name} is no array of numbers ({})", error.value(py))))
+        }
         Err(error) => Err(error),
     }
 }
 
 /// The array with elements of type `T` in a plain layout, copied only if it is not so already.
-fn converted<'py, T: Element>(
-    array: &Bound<'py, PyUntypedArray>,
-) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+fn converted<'py, T: Element>(array: &Bound<'py, PyUntypedArray>) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     if let Ok(array) = array.cast::<PyArrayDyn<T>>()
         && is_plain(array)
     {
@@ -121,4 +106,15 @@ fn converted<'py, T: Element>(
 fn is_plain<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
     let whole = |stride: &isize| stride % size_of::<T>() as isize == 0;
     array.is_aligned() && array.strides().iter().all(whole) && array.len() > 0
+}
+
+/// An empty list with room for `len` entries, or a `MemoryError`.
+pub fn room<T>(len: usize) -> PyResult<Vec<T>> {
+    let mut list = Vec::new();
+    match list.try_reserve_exact(len) {
+        Ok(()) => Ok(list),
+        Err(_) => {
+            Err(PyMemoryError::new_err(format!("no memory for {len} entries of {} bytes", size_of::<T>())))
+        }
+    }
 }

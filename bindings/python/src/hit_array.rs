@@ -4,9 +4,7 @@ use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
-use rayweave_rootray::hit_array::{
-    self, CsgOptions, HitArray, HitArrayError, Operation, Real, Regularize,
-};
+use rayweave_rootray::hit_array::{self, CsgOptions, HitArray, HitArrayError, Operation, Real, Regularize};
 
 use crate::arrays::{RealArray, contiguous, real_array, shape_text};
 use crate::error::{bad_type, bad_value};
@@ -33,11 +31,7 @@ impl<'py, T: Real + Element> Pair<'py, T> {
         }
         let shape = [&[shape1[0] + shape2[0]], &shape1[1..]].concat();
         let borrow = |array: Array<'py, T>| contiguous(array)?.try_readonly().map_err(bad_value);
-        Ok(Pair {
-            array1: borrow(array1)?,
-            array2: borrow(array2)?,
-            shape,
-        })
+        Ok(Pair { array1: borrow(array1)?, array2: borrow(array2)?, shape })
     }
 
     /// Both arrays as the algebra reads them.
@@ -58,12 +52,7 @@ fn hit_shape<T: Element>(array: &Array<'_, T>, name: &str) -> PyResult<Vec<usize
 
 fn view<'a, T: Real + Element>(array: &'a PyReadonlyArrayDyn<'_, T>) -> PyResult<HitArray<'a, T>> {
     let columns = array.shape().get(1).copied().unwrap_or(1);
-    HitArray::new(
-        array.as_slice().map_err(bad_value)?,
-        array.shape()[0],
-        columns,
-    )
-    .map_err(bad_value)
+    HitArray::new(array.as_slice().map_err(bad_value)?, array.shape()[0], columns).map_err(bad_value)
 }
 
 /// What is asked of two arrays, before the type of their numbers is known.
@@ -85,10 +74,7 @@ impl<'py> Request<'_, 'py> {
             Regularize::Exact => Regularize::Exact,
             Regularize::Weld(min_sep) => Regularize::Weld(narrow(min_sep)),
         };
-        let options = CsgOptions {
-            sort_output: self.sort_output,
-            regularize,
-        };
+        let options = CsgOptions { sort_output: self.sort_output, regularize };
         match self.out {
             None => self.fresh(pair, options).map(Bound::into_any),
             Some(out) => self.write(pair, options, out),
@@ -133,10 +119,7 @@ impl<'py> Request<'_, 'py> {
 }
 
 /// `out` as an array of the result's type and shape.
-fn output<'a, 'py, T: Element>(
-    out: &'a Bound<'py, PyAny>,
-    shape: &[usize],
-) -> PyResult<&'a Array<'py, T>> {
+fn output<'a, 'py, T: Element>(out: &'a Bound<'py, PyAny>, shape: &[usize]) -> PyResult<&'a Array<'py, T>> {
     let Ok(array) = out.cast::<PyArrayDyn<T>>() else {
         let found = match out.cast::<numpy::PyUntypedArray>() {
             Ok(array) => format!("an array of dtype {}", array.dtype()),
@@ -155,18 +138,12 @@ fn output<'a, 'py, T: Element>(
         )));
     }
     if !array.getattr("flags")?.getattr("writeable")?.is_truthy()? {
-        return Err(bad_value(
-            "out is read-only (the result is written into it)",
-        ));
+        return Err(bad_value("out is read-only (the result is written into it)"));
     }
     Ok(array)
 }
 
-fn to_array<'py, T: Element>(
-    py: Python<'py>,
-    data: Vec<T>,
-    shape: &[usize],
-) -> PyResult<Array<'py, T>> {
+fn to_array<'py, T: Element>(py: Python<'py>, data: Vec<T>, shape: &[usize]) -> PyResult<Array<'py, T>> {
     let array = ArrayD::from_shape_vec(IxDyn(shape), data).map_err(bad_value)?;
     Ok(PyArrayDyn::from_owned_array(py, array))
 }
@@ -184,11 +161,7 @@ fn operation_from(number: u8) -> PyResult<Operation> {
 fn regularize_from(object: &Bound<'_, PyAny>) -> PyResult<Regularize<f64>> {
     let is_bool = object.is_instance_of::<PyBool>() || object.get_type().name()? == "bool";
     if is_bool {
-        return Ok(if object.is_truthy()? {
-            Regularize::Exact
-        } else {
-            Regularize::No
-        });
+        return Ok(if object.is_truthy()? { Regularize::Exact } else { Regularize::No });
     }
     match object.extract::<f64>() {
         Ok(min_sep) => Ok(Regularize::Weld(min_sep)),
@@ -220,9 +193,7 @@ pub fn array_csg<'py>(
         (RealArray::Single(a), RealArray::Single(b)) => {
             request.run(Pair::new(a, b)?, |min_sep| min_sep as f32)
         }
-        (a, b) => request.run(Pair::new(a.into_double()?, b.into_double()?)?, |min_sep| {
-            min_sep
-        }),
+        (a, b) => request.run(Pair::new(a.into_double()?, b.into_double()?)?, |min_sep| min_sep),
     }
 }
 
@@ -253,8 +224,5 @@ fn count<'py, T: Real + Element>(
         Ok((counted.times, counts))
     });
     let (times, counts) = counted.map_err(bad_value)?;
-    Ok((
-        to_array(py, times, &pair.shape)?.into_any(),
-        to_array(py, counts, &pair.shape)?,
-    ))
+    Ok((to_array(py, times, &pair.shape)?.into_any(), to_array(py, counts, &pair.shape)?))
 }

@@ -3,9 +3,18 @@
 //! This is the compiled half, `rayweave._core`; the half in Python beside it holds what needs no speed.
 
 mod arrays;
+mod crossings;
+mod engine;
 mod error;
 mod hit_array;
+mod hits;
+mod pickle;
+mod points;
+mod rays;
 mod rootray;
+mod shapes;
+mod solid;
+mod vectors;
 
 use pyo3::prelude::*;
 
@@ -18,4 +27,8 @@ mod _core {
     use crate::hit_array::{array_csg, count_array};
     #[pymodule_export]
     use crate::rootray::{PyRootRay, count_surfaces, least_separation, root_problems};
+    #[pymodule_export]
+    use crate::shapes::{manuals, shape};
+    #[pymodule_export]
+    use crate::solid::{PySolid, intersection, place, plenum, solid_from_bytes, union, vacuum};
 }

@@ -86,12 +86,10 @@ impl PyRootRay {
     fn weld(&self, min_sep: Option<f64>) -> PyResult<Self> {
         match min_sep {
             None => Ok(PyRootRay(self.0.weld(rayweave_rootray::min_sep))),
-            Some(length) if length >= 0.0 && length.is_finite() => {
-                Ok(PyRootRay(self.0.weld(|_, _| length)))
+            Some(length) if length >= 0.0 && length.is_finite() => Ok(PyRootRay(self.0.weld(|_, _| length))),
+            Some(length) => {
+                Err(bad_value(format!("min_sep is {length} (it must be finite and not negative)")))
             }
-            Some(length) => Err(bad_value(format!(
-                "min_sep is {length} (it must be finite and not negative)"
-            ))),
         }
     }
 
@@ -143,25 +141,13 @@ impl PyRootRay {
 
     fn __repr__(&self) -> String {
         const SHOWN: usize = 6;
-        let roots: Vec<String> = self
-            .0
-            .times()
-            .take(SHOWN)
-            .map(|t| format!("{t:?}"))
-            .collect();
+        let roots: Vec<String> = self.0.times().take(SHOWN).map(|t| format!("{t:?}")).collect();
         let rest = self.0.roots().len() - roots.len();
-        let more = if rest > 0 {
-            format!(", ... {rest} more")
-        } else {
-            String::new()
-        };
+        let more = if rest > 0 { format!(", ... {rest} more") } else { String::new() };
         format!("RootRay({:+}, [{}{more}])", self.start(), roots.join(", "))
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         Ok((py.get_type::<Self>().into_any(), self.pair(py)?))
     }
 }
@@ -179,23 +165,18 @@ fn side(start: &Bound<'_, PyAny>) -> PyResult<Side> {
         return match word.to_str()? {
             "outside" => Ok(Side::Outside),
             "inside" => Ok(Side::Inside),
-            other => Err(bad_value(format!(
-                "start is '{other}' (it must be 'outside' or 'inside', +1 or -1)"
-            ))),
+            other => {
+                Err(bad_value(format!("start is '{other}' (it must be 'outside' or 'inside', +1 or -1)")))
+            }
         };
     }
     if !start.is_instance_of::<PyBool>()
         && let Ok(sign) = start.extract::<i64>()
     {
         let ray = seed::from_pair(sign, &[]);
-        return ray
-            .map(|ray| ray.start())
-            .map_err(|error| bad_value(format!("start: {error}")));
+        return ray.map(|ray| ray.start()).map_err(|error| bad_value(format!("start: {error}")));
     }
-    Err(bad_type(format!(
-        "start is {} (+1 or 'outside', -1 or 'inside' is needed)",
-        start.get_type()
-    )))
+    Err(bad_type(format!("start is {} (+1 or 'outside', -1 or 'inside' is needed)", start.get_type())))
 }
 
 /// The least separation of two root times: see `rayweave.rootray.min_sep`.
@@ -215,10 +196,7 @@ pub fn least_separation(t1: f64, t2: f64) -> PyResult<f64> {
 #[pyo3(signature = (roots))]
 pub fn root_problems(roots: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let roots = list(roots, "roots")?;
-    Ok(validate_times(roots)
-        .iter()
-        .map(ToString::to_string)
-        .collect())
+    Ok(validate_times(roots).iter().map(ToString::to_string).collect())
 }
 
 /// The number of root-rays that are inside: see `rayweave.rootray.surface_count`.

@@ -1,0 +1,57 @@
+"""The functions that make shapes, from the one list of manual pages that the engine holds."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable
+from math import inf
+from typing import Any
+
+from rayweave import _core
+
+_TYPES = {
+    "a number": "float",
+    "a whole number": "int",
+    "a list of 3 numbers": "ArrayLike",
+    "a number or a list of 3 numbers": "float | ArrayLike",
+    "1 row or more of 4 numbers": "ArrayLike",
+    "4 rows of 4 numbers": "ArrayLike",
+}
+
+
+def _describe(parameter: dict[str, Any]) -> str:
+    unit = "" if parameter["unit"] in ("none", "count") else f", {parameter['unit']}"
+    text = f"{parameter['summary']}; {parameter['kind']}{unit}, {parameter['range']}"
+    return f"{parameter['name']} : {_TYPES[parameter['kind']]}\n{textwrap.indent(textwrap.fill(text, 110), '    ')}\n"
+
+
+def _docstring(page: dict[str, Any]) -> str:
+    """The manual page with its table of parameters as NumPy's documentation writes it."""
+    summary, _, rest = page["text"].partition("\n")
+    rest = "\n".join(line for line in rest.splitlines() if not line.startswith("|"))
+    parameters = "".join(map(_describe, page["parameters"]))
+    return f"{summary}\n\nParameters\n----------\n{parameters}\n{rest.strip()}\n"
+
+
+def _signature(parameter: dict[str, Any]) -> str:
+    default = parameter["default"]
+    return parameter["name"] if default is None else f"{parameter['name']}={default!r}"
+
+
+def _function(page: dict[str, Any]) -> Callable[..., _core.Solid]:
+    """The function that makes a shape: written as text, so that its signature and its errors are those of any other."""
+    names = [parameter["name"] for parameter in page["parameters"]]
+    source = (
+        f"def {page['name']}({', '.join(map(_signature, page['parameters']))}):\n"
+        f"    return _shape({page['name']!r}, [{', '.join(names)}])"
+    )
+    scope: dict[str, Any] = {"_shape": _core.shape, "inf": inf, "__name__": __name__}
+    exec(source, scope)
+    function: Callable[..., _core.Solid] = scope[page["name"]]
+    function.__doc__ = _docstring(page)
+    return function
+
+
+_FUNCTIONS = {page["name"]: _function(page) for page in _core.manuals()}
+globals().update(_FUNCTIONS)
+__all__ = list(_FUNCTIONS)

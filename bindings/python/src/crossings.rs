@@ -1,0 +1,187 @@
+//! Crossings: where, when and how rays pass from one medium into another, in columns.
+
+use std::ops::Range;
+
+use numpy::{Element, PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyType};
+use rayweave_math::Vec3;
+use rayweave_model::{Crossing, Evaluator, Limit, Program, Query, RayAnswer, RegionId, Window, dress};
+use rayweave_shape::Ray;
+
+use crate::arrays::room;
+use crate::engine::{Engine, How, Question, inside, surface};
+use crate::rays::{Columns, RayRows, Vectors};
+
+/// All crossings of every ray, or the first of each.
+pub struct CrossingsQuestion<'a> {
+    rays: RayRows<'a>,
+    window: Window,
+    first: bool,
+}
+
+/// Crossings in columns.
+#[derive(Default)]
+pub struct Table {
+    counts: Vec<usize>,
+    start_inside: Vec<bool>,
+    start_region: Vec<i32>,
+    t: Vec<f64>,
+    point: Vec<f64>,
+    normal: Vec<f64>,
+    enters: Vec<bool>,
+    surface: Vec<i32>,
+    leaf: Vec<i32>,
+    placement: Vec<i32>,
+    before: Vec<i32>,
+    after: Vec<i32>,
+}
+
+impl Table {
+    fn push(&mut self, program: &Program, ray: &Ray, answer: &RayAnswer<'_>, first: bool) {
+        let count = if first { answer.crossings.len().min(1) } else { answer.crossings.len() };
+        self.counts.push(if first { 1 } else { count });
+        self.start_inside.push(inside(program, answer.start));
+        self.start_region.push(answer.start.0 as i32);
+        for crossing in &answer.crossings[..count] {
+            self.crossing(program, ray, crossing);
+        }
+        if first && count == 0 {
+            self.miss(answer.start);
+        }
+    }
+
+    fn crossing(&mut self, program: &Program, ray: &Ray, crossing: &Crossing) {
+        let enters = inside(program, crossing.after);
+        // `normal` looks at regions: out of a region of the world's medium is not out of the solid
+        let normal = dress::normal(program, ray, crossing);
+        let normal = if enters == crossing.enters() { normal } else { -normal };
+        self.t.push(crossing.t);
+        self.point.extend(dress::point(ray, crossing).to_array());
+        self.normal.extend(normal.to_array());
+        self.enters.push(enters);
+        self.surface.push(surface(program, crossing));
+        self.leaf.push(crossing.face.leaf.0 as i32);
+        self.placement.push(crossing.face.placement.0 as i32);
+        self.before.push(crossing.before.0 as i32);
+        self.after.push(crossing.after.0 as i32);
+    }
+
+    /// The row of a ray that crosses nothing.
+    fn miss(&mut self, region: RegionId) {
+        self.t.push(f64::INFINITY);
+        self.point.extend(Vec3::NAN.to_array());
+        self.normal.extend(Vec3::NAN.to_array());
+        self.enters.push(false);
+        self.surface.push(-1);
+        self.leaf.push(-1);
+        self.placement.push(-1);
+        self.before.push(region.0 as i32);
+        self.after.push(region.0 as i32);
+    }
+
+    fn append(&mut self, mut other: Table) {
+        self.counts.append(&mut other.counts);
+        self.start_inside.append(&mut other.start_inside);
+        self.start_region.append(&mut other.start_region);
+        self.t.append(&mut other.t);
+        self.point.append(&mut other.point);
+        self.normal.append(&mut other.normal);
+        self.enters.append(&mut other.enters);
+        self.surface.append(&mut other.surface);
+        self.leaf.append(&mut other.leaf);
+        self.placement.append(&mut other.placement);
+        self.before.append(&mut other.before);
+        self.after.append(&mut other.after);
+    }
+}
+
+impl Question for CrossingsQuestion<'_> {
+    type Answer = Table;
+    type Scratch = Columns;
+
+    fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    fn answer<E: Evaluator>(
+        &self,
+        evaluator: &E,
+        chunk: Range<usize>,
+        memory: &mut E::Scratch,
+        columns: &mut Columns,
+    ) -> Table {
+        let limit = if self.first { Limit::First } else { Limit::All };
+        let query = Query { window: self.window, limit, starts: None };
+        let rays = columns.rays(self.rays, chunk);
+        let mut table = Table::default();
+        let mut sink = |answer: RayAnswer<'_>| {
+            table.push(evaluator.program(), &rays.get(answer.ray), &answer, self.first);
+        };
+        evaluator.crossings(rays, &query, memory, &mut sink);
+        table
+    }
+}
+
+/// Asks for all crossings of every ray, or for the first of each.
+pub fn ask<'py>(
+    engine: &Engine,
+    [origins, directions]: [&Bound<'py, PyAny>; 2],
+    how: &How,
+    first: bool,
+) -> PyResult<Table> {
+    let py = origins.py();
+    let (origins, directions) =
+        (Vectors::new(origins, "origins")?, Vectors::directions(directions, "directions")?);
+    let question =
+        CrossingsQuestion { rays: RayRows::new(&origins, &directions)?, window: how.window, first };
+    let mut table = Table { counts: room(question.len())?, ..Table::default() };
+    engine.ask(py, how, &question, |chunk| table.append(chunk))?;
+    Ok(table)
+}
+
+impl Table {
+    /// Where each ray's rows begin, and their total at the end.
+    fn offsets(&self) -> PyResult<Vec<i64>> {
+        let mut offsets = room(self.counts.len() + 1)?;
+        let mut end = 0;
+        offsets.push(end);
+        for &count in &self.counts {
+            end += count as i64;
+            offsets.push(end);
+        }
+        Ok(offsets)
+    }
+
+    /// The number of each row's ray.
+    fn rays(&self) -> PyResult<Vec<i64>> {
+        let mut rays = room(self.t.len())?;
+        for (ray, &count) in self.counts.iter().enumerate() {
+            rays.resize(rays.len() + count, ray as i64);
+        }
+        Ok(rays)
+    }
+
+    /// The columns as the object that Python sees.
+    pub fn into_python<'py>(self, py: Python<'py>, engine: &Engine) -> PyResult<Bound<'py, PyAny>> {
+        let fields = PyDict::new(py);
+        fields.set_item("ray", column(py, self.rays()?))?;
+        fields.set_item("offsets", column(py, self.offsets()?))?;
+        fields.set_item("t", column(py, self.t))?;
+        fields.set_item("point", column(py, self.point).reshape([self.leaf.len(), 3])?)?;
+        fields.set_item("normal", column(py, self.normal).reshape([self.leaf.len(), 3])?)?;
+        fields.set_item("enters", column(py, self.enters))?;
+        fields.set_item("surface", column(py, self.surface))?;
+        fields.set_item("leaf", column(py, self.leaf))?;
+        fields.set_item("placement", column(py, self.placement))?;
+        fields.set_item("start_inside", column(py, self.start_inside))?;
+        fields.set_item("surface_names", engine.surface_names(py)?)?;
+        static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+        CLASS.import(py, "rayweave._answers", "Crossings")?.call((), Some(&fields))
+    }
+}
+
+fn column<T: Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
+    PyArray1::from_vec(py, values)
+}

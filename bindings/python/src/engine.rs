@@ -1,0 +1,169 @@
+//! A compiled solid or model, and the way from its questions to its answers: threads, signals, evaluators.
+
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyTuple;
+use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::{Crossing, Evaluator, Program, RegionId, Window};
+use rayweave_trace::{Reference, Weave};
+
+use crate::error::{bad_type, bad_value};
+
+/// Rays or points that a thread takes at a time: enough to make the bookkeeping cheap, few enough for the cache.
+const CHUNK: usize = 1024;
+
+/// How long Ctrl-C may go unnoticed.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Something compiled, with what every question about it needs.
+pub struct Engine {
+    /// The program.
+    pub program: Arc<Program>,
+    weave: Weave,
+    surface_names: PyOnceLock<Py<PyTuple>>,
+}
+
+impl Engine {
+    /// What answers questions about a program.
+    pub fn new(program: Program) -> Self {
+        let program = Arc::new(program);
+        Engine { weave: Weave::new(program.clone()), program, surface_names: PyOnceLock::new() }
+    }
+
+    /// The names of all faces, by their numbers.
+    pub fn surface_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let names = || {
+            Ok::<_, PyErr>(PyTuple::new(py, self.program.facets().iter().map(|facet| &*facet.name))?.unbind())
+        };
+        Ok(self.surface_names.get_or_try_init(py, names)?.bind(py).clone())
+    }
+}
+
+/// How a question is to be answered, whatever it is.
+pub struct How {
+    /// The part of the rays that is asked about.
+    pub window: Window,
+    reference: bool,
+    threads: Option<NonZeroUsize>,
+}
+
+impl How {
+    /// From the arguments that all questions share.
+    pub fn new(
+        t_min: f64,
+        t_max: f64,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let window = Window::new(t_min, t_max)
+            .map_err(|error| bad_value(format!("t_min = {t_min}, t_max = {t_max}: {error}")))?;
+        let reference = match evaluator {
+            None | Some("weave") => false,
+            Some("reference") => true,
+            Some(other) => {
+                return Err(bad_value(format!("evaluator is '{other}' (it must be 'weave' or 'reference')")));
+            }
+        };
+        Ok(How { window, reference, threads: threads.map(count).transpose()? })
+    }
+}
+
+fn count(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
+    let number: i64 = threads
+        .extract()
+        .map_err(|_| bad_type(format!("threads is {} (a whole number is needed)", threads.get_type())))?;
+    usize::try_from(number)
+        .ok()
+        .and_then(NonZeroUsize::new)
+        .ok_or_else(|| bad_value(format!("threads is {number} (it must be at least 1)")))
+}
+
+/// A question that is asked chunk by chunk, of any evaluator.
+pub trait Question: Sync {
+    /// The answer to one chunk.
+    type Answer: Send;
+    /// What a thread keeps between chunks, beside the evaluator's own memory.
+    type Scratch: Default;
+
+    /// The number of rays or points.
+    fn len(&self) -> usize;
+
+    /// The answer for a part of them.
+    fn answer<E: Evaluator>(
+        &self,
+        evaluator: &E,
+        chunk: Range<usize>,
+        memory: &mut E::Scratch,
+        scratch: &mut Self::Scratch,
+    ) -> Self::Answer;
+}
+
+impl Engine {
+    /// Asks a question with the interpreter released; `merge` takes the answers in order.
+    pub fn ask<Q: Question>(
+        &self,
+        py: Python<'_>,
+        how: &How,
+        question: &Q,
+        merge: impl FnMut(Q::Answer) + Send,
+    ) -> PyResult<()> {
+        py.detach(|| {
+            if how.reference {
+                ask(&Reference::new(self.program.clone()), how, question, merge)
+            } else {
+                ask(&self.weave, how, question, merge)
+            }
+        })
+    }
+}
+
+fn ask<Q: Question, E: Evaluator>(
+    evaluator: &E,
+    how: &How,
+    question: &Q,
+    mut merge: impl FnMut(Q::Answer),
+) -> PyResult<()> {
+    let len = question.len();
+    let chunks = (0..len).step_by(CHUNK).map(|start| start..len.min(start + CHUNK));
+    // looking up the number of cores takes longer than many a question
+    let threads = match NonZeroUsize::new(len.div_ceil(CHUNK)) {
+        Some(many) if many.get() > 1 => thread_count(how.threads).min(many),
+        _ => NonZeroUsize::MIN,
+    };
+    let mut looked = Instant::now();
+    let result = drive(
+        threads,
+        &Cancel::new(),
+        chunks,
+        || (evaluator.scratch(), Q::Scratch::default()),
+        |(memory, scratch), chunk| question.answer(evaluator, chunk, memory, scratch),
+        |answer| {
+            merge(answer);
+            if looked.elapsed() < PATIENCE {
+                return Ok(());
+            }
+            looked = Instant::now();
+            Python::attach(|py| py.check_signals())
+        },
+    );
+    match result {
+        Ok(()) => Ok(()),
+        Err(Stopped::Failed(error)) => Err(error),
+        Err(Stopped::Cancelled) => Err(pyo3::exceptions::PyKeyboardInterrupt::new_err("cancelled")),
+    }
+}
+
+/// Whether a region is made of anything but the medium of the world.
+pub fn inside(program: &Program, region: RegionId) -> bool {
+    program.medium_of(region) != 0
+}
+
+/// The number of the face that a crossing belongs to.
+pub fn surface(program: &Program, crossing: &Crossing) -> i32 {
+    program.face_number(crossing.face.leaf, crossing.face.facet) as i32
+}

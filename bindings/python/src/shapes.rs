@@ -1,0 +1,87 @@
+//! The shapes: their manual pages, and solids made from their names and parameters.
+
+use numpy::{PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict};
+use rayweave_shape::primitive::{MANUALS, Manual, Parameter, ParameterKind, Value, build, manual};
+
+use crate::arrays::{double_array, shape_text};
+use crate::error::{bad_type, bad_value};
+use crate::solid::PySolid;
+
+/// The manual pages of all shapes: dicts with the fields `name`, `parameters`, `equation`, `faces` and `text`.
+#[pyfunction]
+pub fn manuals(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    MANUALS.iter().map(|manual| page(py, manual)).collect()
+}
+
+fn page<'py>(py: Python<'py>, manual: &Manual) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let parameters: PyResult<Vec<_>> = manual.parameters.iter().map(|p| parameter(py, p)).collect();
+    dict.set_item("name", manual.name)?;
+    dict.set_item("parameters", parameters?)?;
+    dict.set_item("equation", manual.equation)?;
+    dict.set_item("faces", manual.faces)?;
+    dict.set_item("text", manual.text)?;
+    Ok(dict)
+}
+
+fn parameter<'py>(py: Python<'py>, parameter: &Parameter) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("name", parameter.name)?;
+    dict.set_item("kind", parameter.kind.to_string())?;
+    dict.set_item("unit", parameter.unit.to_string())?;
+    dict.set_item("range", parameter.range.to_string())?;
+    dict.set_item("default", parameter.default)?;
+    dict.set_item("summary", parameter.summary)?;
+    Ok(dict)
+}
+
+/// The shape of this name; the values are those of all its parameters, in the manual's order.
+#[pyfunction]
+#[pyo3(signature = (name, values))]
+pub fn shape(name: &str, values: Vec<Bound<'_, PyAny>>) -> PyResult<PySolid> {
+    let parameters = manual(name).map_or(&[][..], |manual| manual.parameters);
+    let arguments: PyResult<Vec<(&str, Value)>> = (parameters.iter().zip(&values))
+        .map(|(parameter, object)| Ok((parameter.name, value(name, parameter, object)?)))
+        .collect();
+    let primitive = build(name, &arguments?).map_err(bad_value)?;
+    Ok(PySolid::from_solid(primitive.into()))
+}
+
+/// A value as its parameter needs it.
+fn value(shape: &str, parameter: &Parameter, object: &Bound<'_, PyAny>) -> PyResult<Value> {
+    let wrong = || {
+        let (name, kind) = (parameter.name, parameter.kind);
+        bad_type(format!("{shape}: {name} is {} ({kind} is needed)", object.get_type()))
+    };
+    if object.is_instance_of::<PyBool>() {
+        return Err(wrong());
+    }
+    match parameter.kind {
+        ParameterKind::Number | ParameterKind::Count => {
+            object.extract().map(Value::Number).map_err(|_| wrong())
+        }
+        _ => {
+            if let Ok(number) = object.extract() {
+                return Ok(Value::Number(number));
+            }
+            numbers(object, &format!("{shape}: {}", parameter.name))
+        }
+    }
+}
+
+/// A list of numbers or of rows.
+fn numbers(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Value> {
+    let array = double_array(object, name)?;
+    let entries: Vec<f64> = array.try_readonly().map_err(bad_value)?.as_array().iter().copied().collect();
+    match *array.shape() {
+        [_] => Ok(Value::Vector(entries)),
+        [rows, 0] => Ok(Value::Rows(vec![Vec::new(); rows])),
+        [_, columns] => Ok(Value::Rows(entries.chunks_exact(columns).map(<[f64]>::to_vec).collect())),
+        ref other => Err(bad_value(format!(
+            "{name} has shape {} (a list of numbers or of rows is needed)",
+            shape_text(other)
+        ))),
+    }
+}

@@ -1,0 +1,331 @@
+//! The solid as a Python class.
+
+use std::fmt::Write;
+use std::sync::OnceLock;
+
+use numpy::ndarray::arr2;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyIterator};
+use rayweave_math::{Affine, Bounds, Vec3};
+use rayweave_model::{Program, Solid};
+
+use crate::engine::{Engine, How};
+use crate::error::{bad_type, bad_value};
+use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
+use crate::{crossings, hits, pickle, points};
+
+/// A solid: a boolean combination of shapes under affine maps. It never changes.
+///
+/// Make solids with the functions `sphere`, `box`, ... and join them with `|` (union), `&` (intersection), `-` (difference),
+/// `^` (symmetric difference) and `~` (complement). Transforms are about the origin and return a new solid; matrices are
+/// world_from_local and act on columns.
+///
+/// Questions take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` counts in units of the
+/// direction, which need not be of unit length. `t_min` and `t_max` cut a window out of every ray, strictly between them.
+/// `evaluator` is "weave" (the default) or "reference" (slow, obvious, the same answers to the bit). `threads` is by default the
+/// variable RAYWEAVE_THREADS, else the number of cores; answers do not depend on it.
+#[pyclass(frozen, module = "rayweave", name = "Solid")]
+pub struct PySolid {
+    solid: Solid,
+    /// Compiled at the first question.
+    engine: OnceLock<Engine>,
+}
+
+impl PySolid {
+    /// The solid with nothing compiled yet.
+    pub fn from_solid(solid: Solid) -> Self {
+        PySolid { solid, engine: OnceLock::new() }
+    }
+
+    /// The solid.
+    pub fn solid(&self) -> &Solid {
+        &self.solid
+    }
+
+    /// The compiled solid.
+    pub fn engine(&self, py: Python<'_>) -> PyResult<&Engine> {
+        if self.engine.get().is_none() {
+            let program = py.detach(|| Program::compile(&self.solid)).map_err(bad_value)?;
+            // another thread may have been faster
+            let _ = self.engine.set(Engine::new(program));
+        }
+        self.engine.get().ok_or_else(|| bad_value("the solid was not compiled"))
+    }
+
+    fn apply(&self, map: Affine) -> Self {
+        Self::from_solid(self.solid.apply(map))
+    }
+}
+
+#[pymethods]
+impl PySolid {
+    /// The solid moved by a vector.
+    #[pyo3(signature = (v))]
+    fn translate(&self, v: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(self.apply(Affine::translate(vector(v, "v")?)))
+    }
+
+    /// The solid turned about an axis through the origin, right-handed, by an angle in degrees. The axis need not be of unit
+    /// length.
+    #[pyo3(signature = (axis, degrees))]
+    fn rotate(&self, axis: &Bound<'_, PyAny>, degrees: f64) -> PyResult<Self> {
+        let (axis, degrees) = (direction(axis, "axis")?, finite(degrees, "degrees")?);
+        Ok(self.apply(Affine::rotation(axis, degrees)))
+    }
+
+    /// The solid turned about the x axis, +y towards +z, by an angle in degrees.
+    #[pyo3(signature = (degrees))]
+    fn rotate_x(&self, degrees: f64) -> PyResult<Self> {
+        Ok(self.apply(Affine::rotation(Vec3::X, finite(degrees, "degrees")?)))
+    }
+
+    /// The solid turned about the y axis, +z towards +x, by an angle in degrees.
+    #[pyo3(signature = (degrees))]
+    fn rotate_y(&self, degrees: f64) -> PyResult<Self> {
+        Ok(self.apply(Affine::rotation(Vec3::Y, finite(degrees, "degrees")?)))
+    }
+
+    /// The solid turned about the z axis, +x towards +y, by an angle in degrees.
+    #[pyo3(signature = (degrees))]
+    fn rotate_z(&self, degrees: f64) -> PyResult<Self> {
+        Ok(self.apply(Affine::rotation(Vec3::Z, finite(degrees, "degrees")?)))
+    }
+
+    /// The solid scaled about the origin by a number, or by one number per axis; negative numbers mirror.
+    #[pyo3(signature = (s))]
+    fn scale(&self, s: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let factors = match s.extract::<f64>() {
+            Ok(factor) => Vec3::splat(finite(factor, "s")?),
+            Err(_) => vector(s, "s")?,
+        };
+        Ok(self.apply(invertible(Affine::scale(factors), "s")?))
+    }
+
+    /// The solid mirrored in the plane through the origin with this normal, which need not be of unit length.
+    #[pyo3(signature = (normal))]
+    fn mirror(&self, normal: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(self.apply(Affine::mirror(direction(normal, "normal")?)))
+    }
+
+    /// The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns, with the last row 0, 0, 0, 1.
+    #[pyo3(name = "transform", signature = (matrix))]
+    fn transformed(&self, #[pyo3(from_py_with = matrix_argument)] matrix: Affine) -> Self {
+        self.apply(matrix)
+    }
+
+    /// The same solid under a name, by which its faces are called in answers.
+    #[pyo3(signature = (name))]
+    fn named(&self, name: &str) -> PyResult<Self> {
+        if name.is_empty() {
+            return Err(bad_value("name is empty (faces are called by it)"));
+        }
+        Ok(Self::from_solid(self.solid.named(name)))
+    }
+
+    fn __or__(&self, other: PyRef<'_, Self>) -> Self {
+        Self::from_solid(&self.solid | &other.solid)
+    }
+
+    fn __and__(&self, other: PyRef<'_, Self>) -> Self {
+        Self::from_solid(&self.solid & &other.solid)
+    }
+
+    fn __sub__(&self, other: PyRef<'_, Self>) -> Self {
+        Self::from_solid(&self.solid - &other.solid)
+    }
+
+    fn __xor__(&self, other: PyRef<'_, Self>) -> Self {
+        Self::from_solid(&self.solid ^ &other.solid)
+    }
+
+    fn __invert__(&self) -> Self {
+        Self::from_solid(!&self.solid)
+    }
+
+    /// When rays enter and leave the solid: a float64 array (H, N), or the pair of it and the surfaces.
+    ///
+    /// Column = ray, row = k-th entry, each column in order and padded with +inf; H is the least even number, at least 2, that
+    /// holds all columns. A ray that is inside just after t_min has -inf first; one that is inside just before t_max has
+    /// nothing for that end. With `return_surfaces`, an int32 array (H, N) tells which face is crossed (`surface_names` of
+    /// `crossings` has their names), -1 where none is. `out` is a float64 array of at least H rows, which is written and
+    /// returned in place of a new one.
+    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, return_surfaces = false, out = None, evaluator = None, threads = None))]
+    #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
+    fn hits<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: f64,
+        t_max: f64,
+        return_surfaces: bool,
+        out: Option<&Bound<'py, PyAny>>,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let how = How::new(t_min, t_max, evaluator, threads)?;
+        hits::hits(self.engine(origins.py())?, [origins, directions], &how, return_surfaces, out)
+    }
+
+    /// All crossings of the surface, sorted by ray, then t: see `Crossings`.
+    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    fn crossings<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: f64,
+        t_max: f64,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
+        crossings::ask(engine, [origins, directions], &how, false)?.into_python(origins.py(), engine)
+    }
+
+    /// The first crossing of each ray after t_min: see `Crossings`. A ray that crosses nothing has t = inf, surface = -1, and NaN
+    /// for point and normal.
+    #[pyo3(signature = (origins, directions, t_min = 0.0, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    fn nearest<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: f64,
+        t_max: f64,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
+        crossings::ask(engine, [origins, directions], &how, true)?.into_python(origins.py(), engine)
+    }
+
+    /// Whether points (N, 3) or (3,) are inside: bool (N,). Of a point on the surface, the side of a ray that lies in it.
+    #[pyo3(signature = (points, *, evaluator = None, threads = None))]
+    fn contains<'py>(
+        &self,
+        points: &Bound<'py, PyAny>,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let how = How::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
+        points::contains(self.engine(points.py())?, points, &how)
+    }
+
+    /// A box that holds the solid: float64 (2, 3), the least and the greatest coordinates. Of the empty solid, (+inf, -inf). It may
+    /// be larger than need be.
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        Ok(bounds_array(py, &self.engine(py)?.program.bounds()))
+    }
+
+    /// Equal if built in the same way from equal parts (not: if they fill the same space).
+    fn __eq__(&self, other: PyRef<'_, Self>) -> bool {
+        self.solid == other.solid
+    }
+
+    fn __hash__(&self) -> u64 {
+        pickle::hash(&self.solid)
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyDict>) -> Py<Self> {
+        slf
+    }
+
+    fn __repr__(&self) -> String {
+        short_text(&self.solid)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let decode = py.import("rayweave._core")?.getattr("solid_from_bytes")?;
+        Ok((decode, (PyBytes::new(py, &py.detach(|| pickle::encode(&self.solid))),)))
+    }
+}
+
+fn matrix_argument(object: &Bound<'_, PyAny>) -> PyResult<Affine> {
+    matrix(object, "matrix")
+}
+
+/// The box as rows of least and greatest coordinates.
+pub fn bounds_array<'py>(py: Python<'py>, bounds: &Bounds) -> Bound<'py, PyArray2<f64>> {
+    let bounds = if bounds.is_empty() { Bounds::EMPTY } else { *bounds };
+    PyArray2::from_owned_array(py, arr2(&[bounds.lo.to_array(), bounds.hi.to_array()]))
+}
+
+/// A solid as text, cut where it gets long.
+pub fn short_text(solid: &Solid) -> String {
+    let mut text = Cut(String::new());
+    match write!(text, "{solid}") {
+        Ok(()) => format!("Solid({})", text.0),
+        Err(_) => format!("Solid({}...)", text.0),
+    }
+}
+
+/// Takes so many characters and no more, so that writing a deep tree into it ends soon.
+struct Cut(String);
+
+impl Write for Cut {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        const LONG: usize = 100;
+        let room = LONG - self.0.chars().count();
+        self.0.extend(text.chars().take(room));
+        if text.chars().nth(room).is_some() { Err(std::fmt::Error) } else { Ok(()) }
+    }
+}
+
+/// A solid from what pickling wrote.
+#[pyfunction]
+#[pyo3(signature = (data))]
+pub fn solid_from_bytes(data: &[u8]) -> PyResult<PySolid> {
+    pickle::decode(data).map(PySolid::from_solid).map_err(bad_value)
+}
+
+/// Nothing: the neutral element of union.
+#[pyfunction]
+pub fn vacuum() -> PySolid {
+    PySolid::from_solid(Solid::vacuum())
+}
+
+/// All of space: the neutral element of intersection.
+#[pyfunction]
+pub fn plenum() -> PySolid {
+    PySolid::from_solid(Solid::plenum())
+}
+
+/// Inside any of the solids; of none, `vacuum()`.
+#[pyfunction]
+#[pyo3(signature = (solids))]
+pub fn union(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
+    Ok(PySolid::from_solid(Solid::union(operands(solids)?)))
+}
+
+/// Inside all of the solids; of none, `plenum()`.
+#[pyfunction]
+#[pyo3(signature = (solids))]
+pub fn intersection(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
+    Ok(PySolid::from_solid(Solid::intersection(operands(solids)?)))
+}
+
+/// The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The solid is
+/// compiled once, however many they are.
+#[pyfunction]
+#[pyo3(signature = (solid, transforms))]
+pub fn place(solid: PyRef<'_, PySolid>, transforms: &Bound<'_, PyAny>) -> PyResult<PySolid> {
+    let maps = maps(transforms, "transforms")?;
+    Ok(PySolid::from_solid(solid.solid.place(maps)))
+}
+
+fn operands(solids: &Bound<'_, PyAny>) -> PyResult<Vec<Solid>> {
+    let wrong = || bad_type(format!("solids is {} (an iterable of solids is needed)", solids.get_type()));
+    let solids: PyResult<Bound<'_, PyIterator>> = solids.try_iter().map_err(|_| wrong());
+    solids?
+        .enumerate()
+        .map(|(k, item)| match item?.cast_into::<PySolid>() {
+            Ok(solid) => Ok(solid.get().solid.clone()),
+            Err(error) => {
+                Err(bad_type(format!("solids[{k}] is {} (a Solid is needed)", error.into_inner().get_type())))
+            }
+        })
+        .collect()
+}
