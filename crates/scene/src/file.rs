@@ -63,12 +63,13 @@ fn read_source(path: &Path) -> Result<Source, Diagnostics> {
     match String::from_utf8(bytes) {
         Ok(text) => Ok(source(text)),
         Err(error) => {
+            // the text before it is kept as it is, so that the place is the same in the text that is shown
             let at = error.utf8_error().valid_up_to();
             let source = Arc::new(source(String::from_utf8_lossy(error.as_bytes()).into_owned()));
             let problem = Diagnostic::error("the file is not a text in UTF-8");
             let reason = format!("byte {at} is part of no character");
             let suggestion = Some("was it saved in another encoding?".to_owned());
-            Err(problem.why(reason).suggest(suggestion).at(&source, Span::new(at, at + 1)).into())
+            Err(problem.why(reason).suggest(suggestion).at(&source, Span::new(at, at + char::REPLACEMENT_CHARACTER.len_utf8())).into())
         }
     }
 }
