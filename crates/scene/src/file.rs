@@ -69,7 +69,11 @@ fn read_source(path: &Path) -> Result<Source, Diagnostics> {
             let problem = Diagnostic::error("the file is not a text in UTF-8");
             let reason = format!("byte {at} is part of no character");
             let suggestion = Some("was it saved in another encoding?".to_owned());
-            Err(problem.why(reason).suggest(suggestion).at(&source, Span::new(at, at + char::REPLACEMENT_CHARACTER.len_utf8())).into())
+            Err(problem
+                .why(reason)
+                .suggest(suggestion)
+                .at(&source, Span::new(at, at + char::REPLACEMENT_CHARACTER.len_utf8()))
+                .into())
         }
     }
 }
