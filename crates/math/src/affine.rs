@@ -40,33 +40,21 @@ impl std::error::Error for SingularError {}
 
 impl Affine {
     /// The map that changes nothing.
-    pub const IDENTITY: Affine = Affine {
-        linear: Mat3::IDENTITY,
-        translation: Vec3::ZERO,
-    };
+    pub const IDENTITY: Affine = Affine { linear: Mat3::IDENTITY, translation: Vec3::ZERO };
 
     /// A pure translation.
     pub fn translate(by: Vec3) -> Affine {
-        Affine {
-            linear: Mat3::IDENTITY,
-            translation: by,
-        }
+        Affine { linear: Mat3::IDENTITY, translation: by }
     }
 
     /// Scaling about the origin by one factor per axis; negative factors mirror.
     pub fn scale(factors: Vec3) -> Affine {
-        Affine {
-            linear: Mat3::from_diagonal(factors),
-            translation: Vec3::ZERO,
-        }
+        Affine { linear: Mat3::from_diagonal(factors), translation: Vec3::ZERO }
     }
 
     /// A linear map.
     pub fn from_linear(linear: Mat3) -> Affine {
-        Affine {
-            linear,
-            translation: Vec3::ZERO,
-        }
+        Affine { linear, translation: Vec3::ZERO }
     }
 
     /// Right-handed rotation about an axis through the origin, which need not be of unit length, by an
@@ -77,17 +65,9 @@ impl Affine {
         let u = unit(axis);
         // exact for coordinate axes, where c + u^2 (1 - c) would not always round to 1
         let on = |a: f64| {
-            if a * a == 1.0 {
-                1.0
-            } else {
-                cos + a * a * (1.0 - cos)
-            }
+            if a * a == 1.0 { 1.0 } else { cos + a * a * (1.0 - cos) }
         };
-        let (xy, yz, zx) = (
-            u.x * u.y * (1.0 - cos),
-            u.y * u.z * (1.0 - cos),
-            u.z * u.x * (1.0 - cos),
-        );
+        let (xy, yz, zx) = (u.x * u.y * (1.0 - cos), u.y * u.z * (1.0 - cos), u.z * u.x * (1.0 - cos));
         Affine::from_linear(Mat3::from_cols(
             Vec3::new(on(u.x), xy + u.z * sin, zx - u.y * sin),
             Vec3::new(xy - u.z * sin, on(u.y), yz + u.x * sin),
@@ -112,26 +92,13 @@ impl Affine {
             return None;
         }
         let column = |k: usize| Vec3::new(rows[0][k], rows[1][k], rows[2][k]);
-        Some(Affine {
-            linear: Mat3::from_cols(column(0), column(1), column(2)),
-            translation: column(3),
-        })
+        Some(Affine { linear: Mat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
     }
 
     /// The rows of the 4 x 4 matrix that acts on columns.
     pub fn to_rows(&self) -> [[f64; 4]; 4] {
-        let (x, y, z, t) = (
-            self.linear.x_axis,
-            self.linear.y_axis,
-            self.linear.z_axis,
-            self.translation,
-        );
-        [
-            [x.x, y.x, z.x, t.x],
-            [x.y, y.y, z.y, t.y],
-            [x.z, y.z, z.z, t.z],
-            [0.0, 0.0, 0.0, 1.0],
-        ]
+        let (x, y, z, t) = (self.linear.x_axis, self.linear.y_axis, self.linear.z_axis, self.translation);
+        [[x.x, y.x, z.x, t.x], [x.y, y.y, z.y, t.y], [x.z, y.z, z.z, t.z], [0.0, 0.0, 0.0, 1.0]]
     }
 
     /// The image of a point.
@@ -146,10 +113,7 @@ impl Affine {
 
     /// This map first, `outer` second: the map `p -> outer(self(p))`.
     pub fn then(&self, outer: &Affine) -> Affine {
-        Affine {
-            linear: outer.linear * self.linear,
-            translation: outer.point(self.translation),
-        }
+        Affine { linear: outer.linear * self.linear, translation: outer.point(self.translation) }
     }
 
     /// The inverse map, or why there is none.
@@ -170,10 +134,7 @@ impl Affine {
         if !inverse.is_finite() || size * frobenius(&inverse) > 2f64.powi(40) {
             return Err(SingularError::Singular);
         }
-        Ok(Affine {
-            linear: inverse,
-            translation: -(inverse * self.translation),
-        })
+        Ok(Affine { linear: inverse, translation: -(inverse * self.translation) })
     }
 
     /// True if no entry is NaN or infinite.
@@ -188,17 +149,10 @@ impl Affine {
         let gram = self.linear.transpose() * self.linear;
         let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
         let off = gram - Mat3::from_diagonal(Vec3::splat(square));
-        let worst = off
-            .to_cols_array()
-            .iter()
-            .fold(0.0f64, |w, e| w.max(e.abs()));
+        let worst = off.to_cols_array().iter().fold(0.0f64, |w, e| w.max(e.abs()));
         (square > 0.0 && worst <= 64.0 * UNIT_ROUNDOFF * square).then(|| {
             // exact where the map itself is: a rotation by quarter turns keeps every radius to the bit
-            if (square - 1.0).abs() <= 16.0 * UNIT_ROUNDOFF {
-                1.0
-            } else {
-                square.sqrt()
-            }
+            if (square - 1.0).abs() <= 16.0 * UNIT_ROUNDOFF { 1.0 } else { square.sqrt() }
         })
     }
 
@@ -221,9 +175,8 @@ fn frobenius(m: &Mat3) -> f64 {
         return largest;
     }
     let scaled = *m * (1.0 / largest);
-    let squares = scaled.x_axis.length_squared()
-        + scaled.y_axis.length_squared()
-        + scaled.z_axis.length_squared();
+    let squares =
+        scaled.x_axis.length_squared() + scaled.y_axis.length_squared() + scaled.z_axis.length_squared();
     largest * squares.sqrt()
 }
 
@@ -243,12 +196,8 @@ mod tests {
 
     #[test]
     fn mirror_and_rows() {
-        assert_eq!(
-            Affine::mirror(Vec3::new(0.0, 0.0, 2.0)).point(Vec3::ONE),
-            Vec3::new(1.0, 1.0, -1.0)
-        );
-        let map =
-            Affine::rotation(Vec3::new(1.0, 2.0, 3.0), 77.0).then(&Affine::translate(Vec3::ONE));
+        assert_eq!(Affine::mirror(Vec3::new(0.0, 0.0, 2.0)).point(Vec3::ONE), Vec3::new(1.0, 1.0, -1.0));
+        let map = Affine::rotation(Vec3::new(1.0, 2.0, 3.0), 77.0).then(&Affine::translate(Vec3::ONE));
         assert_eq!(Affine::from_rows(&map.to_rows()), Some(map));
         assert_eq!(Affine::from_rows(&[[0.0; 4]; 4]), None);
     }
@@ -263,22 +212,10 @@ mod tests {
             let p = Vec3::new(0.3, -0.7, 1.1);
             assert!((there.point(map.point(p)) - p).length() < 1e-14);
         }
-        assert_eq!(
-            Affine::scale(Vec3::new(1.0, 0.0, 1.0)).inverse(),
-            Err(SingularError::Singular)
-        );
-        assert_eq!(
-            Affine::scale(Vec3::new(1.0, f64::NAN, 1.0)).inverse(),
-            Err(SingularError::NotFinite)
-        );
-        assert_eq!(
-            Affine::scale(Vec3::ZERO).inverse(),
-            Err(SingularError::Singular)
-        );
-        assert_eq!(
-            Affine::rotation(Vec3::ZERO, 10.0).inverse(),
-            Err(SingularError::NotFinite)
-        );
+        assert_eq!(Affine::scale(Vec3::new(1.0, 0.0, 1.0)).inverse(), Err(SingularError::Singular));
+        assert_eq!(Affine::scale(Vec3::new(1.0, f64::NAN, 1.0)).inverse(), Err(SingularError::NotFinite));
+        assert_eq!(Affine::scale(Vec3::ZERO).inverse(), Err(SingularError::Singular));
+        assert_eq!(Affine::rotation(Vec3::ZERO, 10.0).inverse(), Err(SingularError::NotFinite));
     }
 
     #[test]
@@ -286,15 +223,8 @@ mod tests {
         let turn = Affine::rotation(Vec3::new(1.0, -2.0, 0.5), 12.3);
         assert_eq!(turn.similarity(), Some(1.0));
         assert_eq!(Affine::scale(Vec3::splat(-2.0)).similarity(), Some(2.0));
-        assert_eq!(
-            Affine::scale(Vec3::new(1.0, 1.0, 1.0 + 1e-12)).similarity(),
-            None
-        );
-        let shear = Affine::from_linear(Mat3::from_cols(
-            Vec3::X,
-            Vec3::new(1e-12, 1.0, 0.0),
-            Vec3::Z,
-        ));
+        assert_eq!(Affine::scale(Vec3::new(1.0, 1.0, 1.0 + 1e-12)).similarity(), None);
+        let shear = Affine::from_linear(Mat3::from_cols(Vec3::X, Vec3::new(1e-12, 1.0, 0.0), Vec3::Z));
         assert_eq!(shear.similarity(), None);
     }
 }

@@ -13,15 +13,9 @@ pub struct Bounds {
 
 impl Bounds {
     /// Nothing: the neutral element of `union`.
-    pub const EMPTY: Bounds = Bounds {
-        lo: Vec3::INFINITY,
-        hi: Vec3::NEG_INFINITY,
-    };
+    pub const EMPTY: Bounds = Bounds { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
     /// All of space: the neutral element of `intersection`.
-    pub const ALL: Bounds = Bounds {
-        lo: Vec3::NEG_INFINITY,
-        hi: Vec3::INFINITY,
-    };
+    pub const ALL: Bounds = Bounds { lo: Vec3::NEG_INFINITY, hi: Vec3::INFINITY };
 
     /// The box between two corners; `lo` must not exceed `hi` in any coordinate (else it is empty).
     pub fn new(lo: Vec3, hi: Vec3) -> Bounds {
@@ -34,11 +28,7 @@ impl Bounds {
     }
 
     fn normalised(self) -> Bounds {
-        if self.lo.cmple(self.hi).all() {
-            self
-        } else {
-            Bounds::EMPTY
-        }
+        if self.lo.cmple(self.hi).all() { self } else { Bounds::EMPTY }
     }
 
     /// True if no point is inside.
@@ -53,19 +43,12 @@ impl Bounds {
 
     /// The smallest box that holds both.
     pub fn union(&self, other: &Bounds) -> Bounds {
-        Bounds {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.max(other.hi),
-        }
+        Bounds { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
     /// The points in both.
     pub fn intersection(&self, other: &Bounds) -> Bounds {
-        Bounds {
-            lo: self.lo.max(other.lo),
-            hi: self.hi.min(other.hi),
-        }
-        .normalised()
+        Bounds { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi) }.normalised()
     }
 
     /// The middle of a finite box.
@@ -83,10 +66,7 @@ impl Bounds {
         if self.is_empty() {
             return *self;
         }
-        Bounds {
-            lo: self.lo - Vec3::splat(margin),
-            hi: self.hi + Vec3::splat(margin),
-        }
+        Bounds { lo: self.lo - Vec3::splat(margin), hi: self.hi + Vec3::splat(margin) }
     }
 
     /// True if `point` is in the box, its faces included.
@@ -112,15 +92,9 @@ impl Bounds {
         if self.is_empty() {
             return Bounds::EMPTY;
         }
-        let mut image = Bounds {
-            lo: map.translation,
-            hi: map.translation,
-        };
-        for (column, (lo, hi)) in map
-            .linear
-            .to_cols_array_2d()
-            .iter()
-            .zip(self.lo.to_array().into_iter().zip(self.hi.to_array()))
+        let mut image = Bounds { lo: map.translation, hi: map.translation };
+        for (column, (lo, hi)) in
+            map.linear.to_cols_array_2d().iter().zip(self.lo.to_array().into_iter().zip(self.hi.to_array()))
         {
             for row in 0..3 {
                 let (a, b) = (product(column[row], lo), product(column[row], hi));
@@ -157,10 +131,8 @@ mod tests {
         let unit = Bounds::new(Vec3::new(-1.0, -2.0, 0.0), Vec3::new(1.0, 0.5, 3.0));
         let image = unit.transformed(&map).grown(1e-14);
         assert!(unit.corners().iter().all(|&c| image.contains(map.point(c))));
-        let pillar = Bounds::new(
-            Vec3::new(-1.0, -1.0, f64::NEG_INFINITY),
-            Vec3::new(1.0, 1.0, f64::INFINITY),
-        );
+        let pillar =
+            Bounds::new(Vec3::new(-1.0, -1.0, f64::NEG_INFINITY), Vec3::new(1.0, 1.0, f64::INFINITY));
         let turned = pillar.transformed(&Affine::rotation(Vec3::Z, 90.0));
         assert_eq!(turned, pillar);
     }

@@ -64,11 +64,7 @@ fn rotate(a: &mut Mat3, vectors: &mut Mat3, p: usize, q: usize) {
 /// The cosine and sine of the smaller rotation that makes the matrix (app, apq; apq, aqq) diagonal.
 fn jacobi_angle(app: f64, aqq: f64, apq: f64) -> (f64, f64) {
     let cot = (aqq - app) / (2.0 * apq);
-    let tan = if cot.is_finite() {
-        1f64.copysign(cot) / (cot.abs() + (1.0 + cot * cot).sqrt())
-    } else {
-        0.0
-    };
+    let tan = if cot.is_finite() { 1f64.copysign(cot) / (cot.abs() + (1.0 + cot * cot).sqrt()) } else { 0.0 };
     let c = 1.0 / (1.0 + tan * tan).sqrt();
     (c, tan * c)
 }
@@ -103,11 +99,7 @@ mod tests {
     #[test]
     fn turned_matrices_give_back_their_values_and_axes() {
         let turn = Affine::rotation(Vec3::new(1.0, -2.0, 0.3), 50.0).linear;
-        for values in [
-            Vec3::new(1.0, 2.0, 3.0),
-            Vec3::new(1.0, 1.0, -1.0),
-            Vec3::new(1e-9, 1.0, 0.0),
-        ] {
+        for values in [Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 1.0, -1.0), Vec3::new(1e-9, 1.0, 0.0)] {
             let matrix = turn * Mat3::from_diagonal(values) * turn.transpose();
             let eigen = symmetric_eigen(&matrix);
             for (k, e) in eigen.vectors.into_iter().enumerate() {

@@ -16,19 +16,12 @@ pub struct Transform {
 
 impl Transform {
     /// The transform that changes nothing.
-    pub const IDENTITY: Transform = Transform {
-        world_from_local: Affine::IDENTITY,
-        local_from_world: Affine::IDENTITY,
-        path: 0.0,
-    };
+    pub const IDENTITY: Transform =
+        Transform { world_from_local: Affine::IDENTITY, local_from_world: Affine::IDENTITY, path: 0.0 };
 
     /// From a composed map and the length of the translations in it.
     pub fn new(world_from_local: Affine, path: f64) -> Result<Transform, SingularError> {
-        Ok(Transform {
-            world_from_local,
-            local_from_world: world_from_local.inverse()?,
-            path,
-        })
+        Ok(Transform { world_from_local, local_from_world: world_from_local.inverse()?, path })
     }
 
     /// From one map, whose own translation is the whole way.

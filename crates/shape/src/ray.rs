@@ -2,7 +2,8 @@
 
 use rayweave_math::{Affine, Vec3};
 
-/// `r(t) = origin + t * direction`; the direction need not be of unit length, and `t` is counted in units of it.
+/// `r(t) = origin + t * direction`; the direction need not be of unit length, and `t` is counted in units of
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// The point at t = 0.
@@ -42,10 +43,7 @@ impl Ray {
         let half = libm::ldexp(1.0, -libm::ilogb(largest) / 2);
         let direction = self.direction * half * half;
         let again = libm::ldexp(1.0, -libm::ilogb(direction.abs().max_element()));
-        Some((
-            Ray::new(self.origin, direction * again),
-            half * half * again,
-        ))
+        Some((Ray::new(self.origin, direction * again), half * half * again))
     }
 
     /// The time at which the ray is closest to a point.

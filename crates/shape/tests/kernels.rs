@@ -91,8 +91,8 @@ fn scenes(maker: Make, count: usize, seed: u64, mut check: impl FnMut(&Surface, 
 
 /// The bound: a crossing lies within `C u (|o| + |t| |d| + reach)` of the surface. `delta` has C = 64.
 ///
-/// C is derived as 16: about 3 for the point relative to the centre, 3 sqrt(3) for its coordinates in the frame of
-/// the surface, 8 for coefficients and root. Observed: below 3.
+/// C is derived as 16: about 3 for the point relative to the centre, 3 sqrt(3) for its coordinates in the
+/// frame of the surface, 8 for coefficients and root. Observed: below 3.
 const C: f64 = 16.0;
 
 #[test]

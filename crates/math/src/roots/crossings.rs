@@ -14,15 +14,11 @@ impl<const N: usize> Crossings<N> {
     /// A function that never changes sign.
     #[inline]
     pub fn constant(negative: bool) -> Self {
-        Crossings {
-            starts_negative: negative,
-            count: 0,
-            times: [0.0; N],
-        }
+        Crossings { starts_negative: negative, count: 0, times: [0.0; N] }
     }
 
-    /// From the sign at -inf and the times of the sign changes in increasing order, of which at most `N`
-    /// are looked at. Equal times cancel in pairs, -inf changes the sign at the start, +inf and NaN end the list.
+    /// From the sign at -inf and the times of the sign changes in increasing order, of which at most `N` are
+    /// looked at. Equal times cancel in pairs, -inf changes the sign at the start, +inf and NaN end the list.
     #[inline]
     pub fn new(starts_negative: bool, times: &[f64]) -> Self {
         let mut answer = Self::constant(starts_negative);
@@ -94,11 +90,7 @@ impl<const N: usize> Crossings<N> {
         const { assert!(M >= N) };
         let mut times = [0.0; M];
         times[..N].copy_from_slice(&self.times);
-        Crossings {
-            starts_negative: self.starts_negative,
-            count: self.count,
-            times,
-        }
+        Crossings { starts_negative: self.starts_negative, count: self.count, times }
     }
 }
 

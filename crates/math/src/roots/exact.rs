@@ -84,10 +84,7 @@ mod tests {
             let truth = exact(a) * exact(b) - exact(c) * exact(d);
             let got = difference_of_products(a, b, c, d);
             let error = (exact(got) - truth.clone()).to_f64().value().abs();
-            assert!(
-                error <= truth.to_f64().value().abs() * 4.5e-16,
-                "{a} {b} {c} {d}"
-            );
+            assert!(error <= truth.to_f64().value().abs() * 4.5e-16, "{a} {b} {c} {d}");
             assert_eq!(got == 0.0, truth == RBig::ZERO);
         }
     }

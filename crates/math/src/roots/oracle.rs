@@ -27,10 +27,7 @@ pub fn wide(decades: f64, rng: &mut ChaCha8Rng) -> f64 {
 
 /// The polynomial with coefficients `c[0] + c[1] t + ...` at t.
 pub fn value(coefficients: &[f64], t: &RBig) -> RBig {
-    coefficients
-        .iter()
-        .rev()
-        .fold(RBig::ZERO, |sum, &c| sum * t + exact(c))
+    coefficients.iter().rev().fold(RBig::ZERO, |sum, &c| sum * t + exact(c))
 }
 
 /// -1, 0 or 1.
@@ -43,13 +40,7 @@ pub fn sign(x: &RBig) -> i32 {
 }
 
 /// Asserts that the exact polynomial has its sign changes within `ulps` of the times.
-pub fn sign_changes_within(
-    c: &[f64],
-    starts_negative: bool,
-    times: &[f64],
-    ulps: i64,
-    label: &str,
-) {
+pub fn sign_changes_within(c: &[f64], starts_negative: bool, times: &[f64], ulps: i64, label: &str) {
     let mut negative = starts_negative;
     for (k, &t) in times.iter().enumerate() {
         if t.abs() < 1e-290 {
@@ -60,13 +51,60 @@ pub fn sign_changes_within(
         let before = sign(&value(c, &exact(lo)));
         let after = sign(&value(c, &exact(hi)));
         let alone = (k == 0 || times[k - 1] < lo) && times.get(k + 1).is_none_or(|&next| next > hi);
-        assert!(
-            !alone || before != after || before == 0,
-            "{label}: no sign change at {t:e}"
-        );
+        assert!(!alone || before != after || before == 0, "{label}: no sign change at {t:e}");
         if alone && before != 0 {
             assert_eq!(before < 0, negative, "{label}: wrong sign before {t:e}");
         }
         negative = !negative;
     }
+}
+
+/// The number of distinct real roots, by Sturm's theorem.
+pub fn count_real_roots(c: &[f64]) -> usize {
+    let first = trimmed(c.iter().map(|&c| exact(c)).collect());
+    let derivative = (1..first.len()).map(|k| exact(k as f64) * &first[k]).collect();
+    let mut chain = vec![first, trimmed(derivative)];
+    while chain[chain.len() - 1].len() > 1 {
+        let rest = negated_remainder(&chain[chain.len() - 2], &chain[chain.len() - 1]);
+        if rest.is_empty() {
+            break;
+        }
+        chain.push(rest);
+    }
+    let changes = |left: bool| {
+        let turn = |p: &Vec<RBig>| if left && p.len().is_multiple_of(2) { -1 } else { 1 };
+        let signs = chain.iter().filter(|p| !p.is_empty());
+        let signs: Vec<i32> = signs.map(|p| turn(p) * sign(&p[p.len() - 1])).collect();
+        signs.windows(2).filter(|w| w[0] != w[1]).count()
+    };
+    changes(true) - changes(false)
+}
+
+fn trimmed(mut p: Vec<RBig>) -> Vec<RBig> {
+    while p.last().is_some_and(|c| c == &RBig::ZERO) {
+        p.pop();
+    }
+    p
+}
+
+fn negated_remainder(a: &[RBig], b: &[RBig]) -> Vec<RBig> {
+    let mut rest = a.to_vec();
+    while rest.len() >= b.len() {
+        let factor = &rest[rest.len() - 1] / &b[b.len() - 1];
+        let shift = rest.len() - b.len();
+        for (k, c) in b.iter().enumerate() {
+            rest[shift + k] = &rest[shift + k] - &factor * c;
+        }
+        rest.pop();
+        rest = trimmed(rest);
+    }
+    rest.into_iter().map(|c| -c).collect()
+}
+
+/// Asserts that the sign at the start and the number of sign changes are exact and each is within 4 ulp.
+pub fn check_polynomial(c: &[f64], starts_negative: bool, times: &[f64]) {
+    let label = format!("{c:?}: {starts_negative} {times:?}");
+    assert_eq!(starts_negative, (c[c.len() - 1] < 0.0) ^ c.len().is_multiple_of(2), "{label}");
+    assert_eq!(times.len(), count_real_roots(c), "{label}");
+    sign_changes_within(c, starts_negative, times, 4, &label);
 }

@@ -65,22 +65,14 @@ fn quadratic_scaled(a: f64, half_b: f64, c: f64) -> Crossings<2> {
     let b = libm::ldexp(b, eb - e);
     let discriminant = difference_of_products(b, b, a, libm::ldexp(c, ea + ec - 2 * e));
     match far_part(b, discriminant) {
-        Some(q) => ordered(
-            a < 0.0,
-            libm::ldexp(q / a, e - ea),
-            libm::ldexp(c / q, ec - e),
-        ),
+        Some(q) => ordered(a < 0.0, libm::ldexp(q / a, e - ea), libm::ldexp(c / q, ec - e)),
         None => Crossings::constant(a < 0.0),
     }
 }
 
 /// Mantissa in [0.5, 1) and exponent; the exponent of 0 is below all others.
 fn parts(x: f64) -> (f64, i32) {
-    if x == 0.0 {
-        (0.0, -10_000)
-    } else {
-        libm::frexp(x)
-    }
+    if x == 0.0 { (0.0, -10_000) } else { libm::frexp(x) }
 }
 
 #[cfg(test)]
@@ -159,16 +151,8 @@ mod tests {
             for scale in [480, -480, 37] {
                 let by = |x: f64| libm::ldexp(x, scale);
                 assert_eq!(quadratic(by(a), by(b), by(c)), got);
-                let slower = quadratic(
-                    libm::ldexp(a, -2 * (scale / 2)),
-                    libm::ldexp(b, -(scale / 2)),
-                    c,
-                );
-                let times: Vec<f64> = got
-                    .times()
-                    .iter()
-                    .map(|&t| libm::ldexp(t, scale / 2))
-                    .collect();
+                let slower = quadratic(libm::ldexp(a, -2 * (scale / 2)), libm::ldexp(b, -(scale / 2)), c);
+                let times: Vec<f64> = got.times().iter().map(|&t| libm::ldexp(t, scale / 2)).collect();
                 assert_eq!(slower.times(), times);
             }
         }

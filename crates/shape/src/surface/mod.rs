@@ -7,7 +7,8 @@
 //!
 //! - *Pure*: crossings are a function of (surface, origin, direction) and nothing else; only +, -, *, / and
 //!   square roots in a fixed order, `libm` for a cube root, nothing fused. Equal input gives equal bits.
-//! - *Backward stable*: a computed point r(t) lies within `64 u (|o| + |t| |d| + reach)` of the surface, and a
+//! - *Backward stable*: a computed point r(t) lies within `64 u (|o| + |t| |d| + reach)` of the surface, and
+//!   a
 //!   pair of crossings exists or not as it should if the ray clears tangency by more than that: see [`delta`].
 //! - *Scales*: lengths times a power of two give times times that power, to the bit.
 //! - *Range*: lengths between 1e-70 and 1e70 (squares of squares are formed), directions of any length.
@@ -132,9 +133,9 @@ impl Surface {
     /// list of a ray.
     ///
     /// One root at 0 is divided out of f(r(t)). The side at the start of the answer is `inside_after`, as
-    /// listed; each time flips it. If the direction leads to the other side, the surface is crossed at the very
-    /// start: the first time is exactly 0 (and no other one is). Where the direction is tangent, the side into
-    /// which it leads is that of the next derivative; for a ray in the surface it is that of
+    /// listed; each time flips it. If the direction leads to the other side, the surface is crossed at the
+    /// very start: the first time is exactly 0 (and no other one is). Where the direction is tangent, the
+    /// side into which it leads is that of the next derivative; for a ray in the surface it is that of
     /// [`LIE_DIRECTION`].
     pub fn crossings_from(&self, ray: &Ray, inside_after: bool) -> SurfaceCrossings {
         let along_w = || side_along_gradient(self.value_and_gradient(ray.origin).1);

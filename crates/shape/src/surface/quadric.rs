@@ -2,9 +2,9 @@
 //! with q = p - centre, orthonormal e_k and the largest |w_k| = 1.
 //!
 //! The matrix `sum w_k e_k e_k^T` itself is not kept: in a thin ellipsoid with half axes 1 and h its entries,
-//! rounded to u, would move the far ends by u / h^2. A rounding of e_k . q, at most 3 u |q|, moves the surface
-//! by no more than `sum |w_k (e_k . q)| 3 u |q| / |sum w_k (e_k . q) e_k|`, which is below `3 sqrt(3) u |q|`
-//! because the axes are perpendicular, whatever the weights are.
+//! rounded to u, would move the far ends by u / h^2. A rounding of e_k . q, at most 3 u |q|, moves the
+//! surface by no more than `sum |w_k (e_k . q)| 3 u |q| / |sum w_k (e_k . q) e_k|`, which is below `3 sqrt(3)
+//! u |q|` because the axes are perpendicular, whatever the weights are.
 
 use super::Surface;
 use super::along::{Coefficients, Departure, quadratic_crossings};
@@ -42,8 +42,8 @@ impl Quadric {
         Quadric { centre, axes: eigen.vectors, weights, linear, constant }.normalised()
     }
 
-    /// `f = sum signs_k (rows_k . q)^2 + linear . q + constant`; the rows need not be perpendicular, signs are
-    /// 1, -1 or 0 (then the row only completes the frame). At least one sign is not 0.
+    /// `f = sum signs_k (rows_k . q)^2 + linear . q + constant`; the rows need not be perpendicular, signs
+    /// are 1, -1 or 0 (then the row only completes the frame). At least one sign is not 0.
     pub fn from_squares(
         centre: Vec3,
         mut rows: [Vec3; 3],
@@ -116,12 +116,12 @@ impl Quadric {
         !(self.weights.cmpgt(Vec3::ZERO).all() || self.weights.cmplt(Vec3::ZERO).all())
     }
 
-    /// Distance of the centre from the origin plus the size: the *shortest* half axis `sqrt(|constant|)` and the
-    /// length `|linear|` over the largest weight.
+    /// Distance of the centre from the origin plus the size: the *shortest* half axis `sqrt(|constant|)` and
+    /// the length `|linear|` over the largest weight.
     ///
     /// Longer half axes need not count: an error of u in the constant moves the surface by `u |constant| /
-    /// |grad f|`, and where the linear part is 0 the surface has `q . grad f = -2 constant`, so that this is at
-    /// most `u |q| / 2`; and |q| is counted with the point of the ray. (It would be wrong to count them: a
+    /// |grad f|`, and where the linear part is 0 the surface has `q . grad f = -2 constant`, so that this is
+    /// at most `u |q| / 2`; and |q| is counted with the point of the ray. (It would be wrong to count them: a
     /// frustum that is nearly a cylinder has its apex at any distance, and would be welded away.)
     pub fn reach(&self) -> f64 {
         self.centre.length() + self.constant.abs().sqrt() + self.linear.length()
@@ -234,8 +234,8 @@ impl Bowl {
 
 /// One-sided Jacobi rotations, ordinary between rows of equal sign and hyperbolic between rows of opposite
 /// sign, until rows that count are perpendicular; they change no value of f (J. Demmel, K. Veselic, "Jacobi's
-/// method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992), and the hyperbolic form of K. Veselic, "A Jacobi
-/// eigenreduction algorithm for definite matrix pairs", Numer. Math. 64 (1993)).
+/// method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992), and the hyperbolic form of K.
+/// Veselic, "A Jacobi eigenreduction algorithm for definite matrix pairs", Numer. Math. 64 (1993)).
 fn make_perpendicular(rows: &mut [Vec3; 3], signs: &[f64; 3]) {
     for _ in 0..40 {
         let mut done = true;

@@ -2,18 +2,19 @@
 //!
 //! Solids that touch bring each its own copy of the common face, and the copies differ by the rounding of the
 //! maps that placed them. Equal surfaces are found once, when a model is compiled, and replaced by one
-//! representative, so that their roots are equal to the bit. What is not found here is still welded along each
-//! ray: sharing strengthens, it decides nothing.
+//! representative, so that their roots are equal to the bit. What is not found here is still welded along
+//! each ray: sharing strengthens, it decides nothing.
 //!
-//! Two surfaces of one kind are equal if all their numbers are: components of unit vectors within 64 u, lengths
-//! within 64 u times the larger reach of the two, factors within 64 u relative; axes and planes of either sense.
+//! Two surfaces of one kind are equal if all their numbers are: components of unit vectors within 64 u,
+//! lengths within 64 u times the larger reach of the two, factors within 64 u relative; axes and planes of
+//! either sense.
 //!
 //! *Method*: a sorted sweep. The surfaces of one kind are sorted by one of their numbers and cut wherever
 //! neighbours differ by more than the tolerance; each part is treated the same by the next number, until no
 //! number cuts it. (Hashing of rounded numbers would tear pairs apart that lie on both sides of a border.)
 //! Parts are usually of one bit pattern, or narrower than the tolerance in every number and then one class;
-//! in others pairs are compared and joined (union-find). O(n log n) for n surfaces unless many of them form a chain that is wider
-//! than the tolerance.
+//! in others pairs are compared and joined (union-find). O(n log n) for n surfaces unless many of them form a
+//! chain that is wider than the tolerance.
 
 use super::{Plane, Surface};
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
@@ -24,7 +25,8 @@ use std::cmp::Ordering;
 pub struct Shared {
     /// The number of the surface that stands for the class: the smallest by the total order of its bits.
     pub representative: Vec<u32>,
-    /// True if f of the surface has the opposite sign of the representative's: a plane that faces the other way.
+    /// True if f of the surface has the opposite sign of the representative's: a plane that faces the other
+    /// way.
     pub flipped: Vec<bool>,
 }
 
@@ -42,7 +44,8 @@ impl std::fmt::Display for WideClass {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "surfaces {} and {} are too far apart to be one and joined by others that are not (a chain of nearly equal faces) round their coordinates to fewer digits?",
+            "surfaces {} and {} are too far apart to be one and too well joined by others to be two (a chain of \
+             nearly equal faces) round their coordinates to fewer digits?",
             self.first, self.second
         )
     }

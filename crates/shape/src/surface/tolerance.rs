@@ -17,9 +17,11 @@ pub fn delta(reach: f64, ray: &Ray, t: f64) -> f64 {
     64.0 * UNIT_ROUNDOFF * (ray.origin.length() + t.abs() * ray.direction.length() + reach)
 }
 
-/// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: `|f| <= delta |grad f|`
-/// at both ends, the middle and, for degree 4, the quarter points. (The middle alone would weld the two
-/// crossings of a ray through two tangent spheres.)
+/// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: `|f| <= delta |grad
+/// f|` at both ends, the middle, the time closest to 0 and, for degree 4, the quarter points. (The middle
+/// alone would weld the two crossings of a ray through two tangent spheres. `delta` is smallest at the time
+/// closest to 0: without it, faces apart by much that the ray would meet at 1e16, nearly parallel to both,
+/// are welded.)
 pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
     let near = |t: f64| {
         let (value, gradient) = surface.value_and_gradient(ray.at(t));
@@ -29,6 +31,7 @@ pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
     near(middle)
         && near(a)
         && near(b)
+        && near(0.0f64.clamp(a, b))
         && (surface.degree() < 4 || (near(0.5 * (a + middle)) && near(0.5 * (middle + b))))
 }
 
@@ -51,8 +54,8 @@ impl Chord {
     /// The side of a ray that lies in the surface all along the chord: `Some(inside)`, or `None` if it does
     /// not lie in it.
     ///
-    /// Such a ray is answered as if moved infinitesimally along [`LIE_DIRECTION`]: by the sign of
-    /// `w . grad f` in the middle of the chord or, where that is 0, of the first component of grad f that is not.
+    /// Such a ray is answered as if moved infinitesimally along [`LIE_DIRECTION`]: by the sign of `w . grad
+    /// f` in the middle of the chord or, where that is 0, of the first component of grad f that is not.
     pub fn lies_in(&self, surface: &Surface, reach: f64, ray: &Ray) -> Option<bool> {
         if !surface.is_ruled() {
             return None;

@@ -1,12 +1,12 @@
 //! A straight line through a torus: where `g(s) = (rho - major)^2 + z^2 - minor^2` changes sign.
 //!
-//! With a unit direction `g = s^2 + linear - 2 major rho(s)`, and rho, the distance from the axis, is convex with
-//! `rho'' = twist^2 / rho^3`, twist being the moment of the line about the axis. So g is convex where
+//! With a unit direction `g = s^2 + linear - 2 major rho(s)`, and rho, the distance from the axis, is convex
+//! with `rho'' = twist^2 / rho^3`, twist being the moment of the line about the axis. So g is convex where
 //! `rho^3 > major twist^2`, that is before and after one interval about the point closest to the axis, and
 //! concave within it. On each of these at most three pieces the signs at the two ends, and at the extremum
 //! between them where the ends have the sign of the curvature, tell the number of sign changes; each is then
-//! found by guarded steps in its bracket. Nothing is decided by the size of a residual, so the list always has
-//! the right parity and order, and a crossing is lost or invented only if the sign of g at an extremum is
+//! found by guarded steps in its bracket. Nothing is decided by the size of a residual, so the list always
+//! has the right parity and order, and a crossing is lost or invented only if the sign of g at an extremum is
 //! within its rounding, a few u (major + minor) in distance.
 //!
 //! Lengths are scaled by a power of two such that major + minor is about 1: scaling a scene by a power of two
@@ -81,7 +81,8 @@ const AXIS: f64 = 128.0 * UNIT_ROUNDOFF;
 const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
 
 impl TorusLine {
-    /// The line through the point q relative to the torus's centre along d, and the factor from times along d to its arc length.
+    /// The line through the point q relative to the torus's centre along d, and the factor from times along d
+    /// to its arc length.
     pub fn new(torus: &Torus, q: Vec3, d: Vec3) -> (TorusLine, f64) {
         let scale = libm::ldexp(1.0, -libm::ilogb(torus.major + torus.minor));
         let length = d.length();
@@ -230,8 +231,8 @@ impl TorusLine {
         }
     }
 
-    /// A point of the piece where g has not the sign of the ends: a search for the extremum that stops as soon
-    /// as one is found, or as soon as the tangent shows that there is none.
+    /// A point of the piece where g has not the sign of the ends: a search for the extremum that stops as
+    /// soon as one is found, or as soon as the tangent shows that there is none.
     fn other_side(&self, piece: &Piece, from: Jet, to: Jet) -> Option<f64> {
         let up = if piece.convex { 1.0 } else { -1.0 };
         // a slope of NaN says nothing
