@@ -1,0 +1,139 @@
+//! The second look: a grid of samples for each pixel that is drawn anew.
+
+use crate::Size;
+use crate::colour::{Premultiplied, over};
+use crate::contrast::{Contrast, Step};
+use crate::pen::Pen;
+use crate::sample::Sample;
+use crate::survey::{Survey, centre};
+
+/// Samples of the pixels that are drawn anew, beside those of the others.
+pub(crate) struct Closer<'a> {
+    survey: &'a Survey,
+    /// The numbers of the pixels that are drawn anew, increasing.
+    pub places: &'a [usize],
+    /// For each pixel of the picture where its samples begin, or [`NOWHERE`].
+    first_of: Vec<u32>,
+    grid: Grid,
+    samples: Vec<Sample>,
+    colours: Vec<Premultiplied>,
+}
+
+const NOWHERE: u32 = 0;
+
+/// The places of samples in pixels: n x n each, row by row.
+#[derive(Clone, Copy)]
+pub(crate) struct Grid {
+    size: Size,
+    n: usize,
+}
+
+impl Grid {
+    /// The places of the samples of a pixel.
+    pub fn places(self, pixel: usize) -> impl Iterator<Item = [f64; 2]> {
+        (0..self.n * self.n).map(move |k| self.place(pixel, k))
+    }
+
+    fn place(self, pixel: usize, k: usize) -> [f64; 2] {
+        let at = |whole: usize, part: usize| whole as f64 + (part as f64 + 0.5) / self.n as f64;
+        let width = self.size.width();
+        [at(pixel % width, k % self.n), at(pixel / width, k / self.n)]
+    }
+}
+
+/// Pixels, and where what is seen there goes.
+type Piece<'p> = (&'p [usize], &'p mut [Sample], &'p mut [Premultiplied]);
+
+impl<'a> Closer<'a> {
+    /// Room for n x n samples for each of the places.
+    pub fn new(survey: &'a Survey, places: &'a [usize], n: usize) -> Closer<'a> {
+        let mut first_of = vec![NOWHERE; survey.size.count()];
+        for (k, &place) in places.iter().enumerate() {
+            // from 1, so that the array is made of zeros, which costs nothing until it is touched
+            first_of[place] = k as u32 + 1;
+        }
+        let count = places.len() * n * n;
+        Closer {
+            survey,
+            places,
+            first_of,
+            grid: Grid { size: survey.size, n },
+            samples: vec![Sample::MISS; count],
+            colours: vec![[0.0; 4]; count],
+        }
+    }
+
+    /// The room, in pieces of so many pixels.
+    pub fn pieces(&mut self, pixels: usize) -> (Grid, impl ExactSizeIterator<Item = Piece<'_>> + Send) {
+        let length = pixels * self.grid.n * self.grid.n;
+        let samples = self.samples.chunks_mut(length);
+        let room = samples.zip(self.colours.chunks_mut(length));
+        let pieces = self.places.chunks(pixels).zip(room);
+        (self.grid, pieces.map(|(places, (samples, colours))| (places, samples, colours)))
+    }
+
+    /// The mean colour of a pixel that is drawn anew, over a background and under lines.
+    pub fn mean(
+        &self,
+        place: usize,
+        behind: Premultiplied,
+        contrast: &Contrast,
+        pen: Option<&Pen>,
+    ) -> Premultiplied {
+        let (n, width) = (self.grid.n, self.survey.size.width());
+        let corner = [place % width * n, place / width * n];
+        let first = self.first(place).unwrap_or(0);
+        let mut sum = [0.0; 4];
+        for k in 0..n * n {
+            let mut colour = over(self.colours[first + k], behind);
+            if let Some(pen) = pen {
+                let at = [corner[0] + k % n, corner[1] + k / n];
+                if self.is_on_line(at, &self.samples[first + k], self.grid.place(place, k), contrast, pen) {
+                    colour = over(pen.colour, colour);
+                }
+            }
+            sum = std::array::from_fn(|c| sum[c] + colour[c]);
+        }
+        sum.map(|channel| channel / (n * n) as f32)
+    }
+
+    /// Where the samples of a pixel begin, if it is drawn anew.
+    fn first(&self, pixel: usize) -> Option<usize> {
+        let number = self.first_of[pixel].checked_sub(1)?;
+        Some(number as usize * self.grid.n * self.grid.n)
+    }
+
+    fn is_on_line(
+        &self,
+        at: [usize; 2],
+        sample: &Sample,
+        place: [f64; 2],
+        contrast: &Contrast,
+        pen: &Pen,
+    ) -> bool {
+        pen.touches(|[x, y]| {
+            let other = [at[0].wrapping_add_signed(x), at[1].wrapping_add_signed(y)];
+            match self.sample(other) {
+                Some((other, other_place)) => contrast.step(sample, place, other, other_place),
+                None => Step::None,
+            }
+        })
+    }
+
+    /// A sample of the fine grid; in a pixel that is not drawn anew, the one of its centre. None beside the picture.
+    fn sample(&self, [x, y]: [usize; 2]) -> Option<(&Sample, [f64; 2])> {
+        let (n, size) = (self.grid.n, self.survey.size);
+        let (column, row) = (x / n, y / n);
+        if column >= size.width() || row >= size.height() {
+            return None;
+        }
+        let pixel = row * size.width() + column;
+        Some(match self.first(pixel) {
+            None => (self.survey.at(column, row), centre(column, row)),
+            Some(first) => {
+                let k = y % n * n + x % n;
+                (&self.samples[first + k], self.grid.place(pixel, k))
+            }
+        })
+    }
+}

@@ -1,0 +1,89 @@
+//! Where neighbouring places of a picture show different things.
+
+use crate::sample::Sample;
+use crate::{Camera, Lines, Size};
+use rayweave_math::Vec3;
+
+/// What separates two samples; see [`Lines`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Step {
+    None,
+    Crease,
+    Outline,
+}
+
+/// The sine of 20 degrees: a point that lies farther from a tangent plane, as seen from its point, is on another surface.
+/// On a sphere that fills r pixels neighbours differ most at the limb, by about half of 0.32 / sqrt(r / 10) radians: the
+/// limit of 0.35 is not reached by anything larger than a few pixels.
+const STEEP: f64 = 0.342;
+
+/// A step in depth of at most this many sides of a pixel is not tested: what is so nearly frontal is one surface.
+const SHALLOW: f64 = 2.0;
+
+/// Between different faces, a step of more than this many sides of a pixel is an outline even where planes through both
+/// points would meet between them: the limb of a curved face in front of another.
+const DEEP: f64 = 6.0;
+
+/// Compares samples of one picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contrast {
+    camera: Camera,
+    size: Size,
+    crease_cosine: f32,
+}
+
+impl Contrast {
+    pub fn new(camera: &Camera, size: Size, lines: Option<&Lines>) -> Contrast {
+        let degrees = lines.map_or(Lines::default().crease_degrees, |l| l.crease_degrees);
+        Contrast { camera: *camera, size, crease_cosine: libm::cos(degrees.to_radians()) as f32 }
+    }
+
+    /// What separates two samples at places given in pixels.
+    pub fn step(&self, a: &Sample, a_at: [f64; 2], b: &Sample, b_at: [f64; 2]) -> Step {
+        if a.region != b.region {
+            return Step::Outline;
+        }
+        if a.region == 0 {
+            return Step::None;
+        }
+        let same_face = a.face == b.face && a.placement == b.placement;
+        let apart = (a_at[0] - b_at[0]).abs().max((a_at[1] - b_at[1]).abs());
+        let pixels = (a.t - b.t).abs() / (apart * self.camera.footprint(self.size, a.t.min(b.t)));
+        match same_face {
+            true if pixels > SHALLOW && self.is_steep(a, a_at, b, b_at, false) => Step::Outline,
+            true => Step::None,
+            false if pixels > DEEP || self.is_steep(a, a_at, b, b_at, true) => Step::Outline,
+            false if self.is_crease(a, b) => Step::Crease,
+            false => Step::None,
+        }
+    }
+
+    /// True if shading differs although the surface is the same: at the edge of a shadow.
+    pub fn differs(&self, a: &Sample, a_at: [f64; 2], b: &Sample, b_at: [f64; 2]) -> bool {
+        a.lit != b.lit || self.step(a, a_at, b, b_at) > Step::None
+    }
+
+    fn is_crease(&self, a: &Sample, b: &Sample) -> bool {
+        let cosine: f32 = (0..3).map(|k| a.normal[k] * b.normal[k]).sum();
+        cosine < self.crease_cosine
+    }
+
+    /// True if no surface leads from one point to the other. `hinged` allows for two planes that meet between them: then
+    /// each point is before the other's plane (a valley), or each is behind it (a ridge).
+    fn is_steep(&self, a: &Sample, a_at: [f64; 2], b: &Sample, b_at: [f64; 2], hinged: bool) -> bool {
+        let between = self.point(b, b_at) - self.point(a, a_at);
+        let before_a = between.dot(normal(a));
+        let before_b = -between.dot(normal(b));
+        let steepest = before_a.abs().max(before_b.abs());
+        let one_occludes = !hinged || before_a * before_b <= 0.0;
+        one_occludes && steepest > STEEP * between.length()
+    }
+
+    fn point(&self, sample: &Sample, at: [f64; 2]) -> Vec3 {
+        self.camera.ray(self.size, at[0], at[1]).at(sample.t)
+    }
+}
+
+fn normal(sample: &Sample) -> Vec3 {
+    Vec3::from_array(sample.normal.map(f64::from))
+}

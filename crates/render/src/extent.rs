@@ -1,0 +1,125 @@
+//! Where in a picture a model can be seen at all.
+
+use crate::{Camera, Size};
+use rayweave_math::Bounds;
+use std::ops::Range;
+
+/// For each row of pixels the columns in which something may be seen.
+///
+/// The picture of a box is the convex hull of the pictures of its corners (a projection keeps lines straight, and all corners
+/// lie before the camera). Its columns in a row are those of the segments between corners, cut by the row: no part of a hull
+/// reaches farther. Rows and columns are grown by a pixel.
+pub(crate) struct Extent {
+    rows: Vec<Range<usize>>,
+}
+
+/// A pixel must be at least this part of all coordinates, else rounding might move the corners by a part of a pixel.
+const FINE: f64 = 1e-9;
+
+impl Extent {
+    pub fn new(camera: &Camera, size: Size, bounds: &Bounds) -> Extent {
+        let whole = 0..size.width();
+        let rows = match corners(camera, size, bounds) {
+            None => vec![whole; size.height()],
+            Some(corners) => (0..size.height()).map(|y| columns(&corners, y, size)).collect(),
+        };
+        Extent { rows }
+    }
+
+    /// The columns of a row in which something may be seen.
+    pub fn columns(&self, row: usize) -> Range<usize> {
+        self.rows[row].clone()
+    }
+}
+
+/// The pictures of the corners of a box; `None` if they do not bound the picture of the box.
+fn corners(camera: &Camera, size: Size, bounds: &Bounds) -> Option<Vec<(f64, f64)>> {
+    if bounds.is_empty() {
+        return Some(Vec::new());
+    }
+    if !bounds.is_finite() {
+        return None;
+    }
+    let corners = bounds.corners();
+    let depth = |corner| camera.forward().dot(corner - camera.position());
+    let nearest = corners.into_iter().map(depth).fold(f64::INFINITY, f64::min);
+    let largest =
+        (corners.into_iter().chain([camera.position()])).map(|point| point.length()).fold(0.0, f64::max);
+    let is_fine = camera.footprint(size, nearest) > FINE * largest;
+    let places = corners.into_iter().map(|corner| camera.place_of(size, corner));
+    if nearest > 0.0 && is_fine { places.collect() } else { None }
+}
+
+fn columns(corners: &[(f64, f64)], row: usize, size: Size) -> Range<usize> {
+    let (top, bottom) = (row as f64 - 1.0, row as f64 + 2.0);
+    let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (k, &a) in corners.iter().enumerate() {
+        for &b in &corners[k..] {
+            let (a, b) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+            if b.1 < top || a.1 > bottom {
+                continue;
+            }
+            for y in [a.1.max(top), b.1.min(bottom)] {
+                let part = if b.1 > a.1 { (y - a.1) / (b.1 - a.1) } else { 0.0 };
+                let x = a.0 + part * (b.0 - a.0);
+                left = left.min(x);
+                right = right.max(x);
+            }
+            if a.1 == b.1 {
+                left = left.min(b.0);
+                right = right.max(b.0);
+            }
+        }
+    }
+    // casts of numbers beyond the picture stop at 0 and are cut at the width
+    let start = ((left - 1.0) as usize).min(size.width());
+    let end = ((right + 2.0).max(0.0) as usize).min(size.width());
+    start..end.max(start)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Projection, View};
+    use rayweave_math::Vec3;
+
+    fn size() -> Size {
+        Size::new(60, 40).unwrap()
+    }
+
+    #[test]
+    fn all_points_of_a_box_are_within() {
+        let bounds = Bounds::new(Vec3::new(-1.0, -2.0, 0.5), Vec3::new(3.0, 1.0, 1.0));
+        let perspective = Projection::Perspective { field_of_view: 50.0 };
+        let (eye, target) = (Vec3::new(5.0, -6.0, 4.0), Vec3::new(2.0, 1.0, 0.0));
+        let cameras = [
+            View::Iso.of_bounds(&bounds, size()),
+            View::Front.of_bounds(&bounds, size()),
+            Camera::new(eye, target, Vec3::Z, perspective).unwrap(),
+        ];
+        for camera in cameras {
+            let extent = Extent::new(&camera, size(), &bounds);
+            let mut seen = 0;
+            for k in 0..9261 {
+                let part = Vec3::new((k % 21) as f64, (k / 21 % 21) as f64, (k / 441) as f64) / 20.0;
+                let (x, y) = camera.place_of(size(), bounds.lo + part * bounds.size()).unwrap();
+                if (0.0..60.0).contains(&x) && (0.0..40.0).contains(&y) {
+                    assert!(extent.columns(y as usize).contains(&(x as usize)), "{x} {y}");
+                    seen += 1;
+                }
+            }
+            assert!(seen > 4000, "{seen}");
+            let pixels: usize = (0..40).map(|row| extent.columns(row).len()).sum();
+            assert!(pixels < 60 * 40, "nothing is left out");
+        }
+    }
+
+    #[test]
+    fn without_corners_before_the_camera_all_pixels_count() {
+        let around = Bounds::centred(Vec3::ZERO, Vec3::splat(10.0));
+        let camera = Camera::perspective(Vec3::ZERO, Vec3::Y, Vec3::Z, 40.0).unwrap();
+        assert_eq!(Extent::new(&camera, size(), &around).columns(7), 0..60);
+        assert_eq!(Extent::new(&camera, size(), &Bounds::ALL).columns(7), 0..60);
+        assert!(Extent::new(&camera, size(), &Bounds::EMPTY).columns(7).is_empty());
+    }
+}

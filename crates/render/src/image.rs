@@ -1,0 +1,107 @@
+//! Rectangles of pixels.
+
+use crate::RenderError;
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    width: u32,
+    height: u32,
+}
+
+impl Size {
+    /// The most pixels on a side.
+    pub const LARGEST: u32 = 32_768;
+
+    /// A size.
+    ///
+    /// # Errors
+    /// [`RenderError::Size`] if a side is 0 or greater than [`Size::LARGEST`].
+    pub fn new(width: u32, height: u32) -> Result<Size, RenderError> {
+        let legal = 1..=Size::LARGEST;
+        if legal.contains(&width) && legal.contains(&height) {
+            Ok(Size { width, height })
+        } else {
+            Err(RenderError::Size { width, height })
+        }
+    }
+
+    /// The number of columns.
+    pub fn width(self) -> usize {
+        self.width as usize
+    }
+
+    /// The number of rows.
+    pub fn height(self) -> usize {
+        self.height as usize
+    }
+
+    /// The number of pixels.
+    pub fn count(self) -> usize {
+        self.width() * self.height()
+    }
+}
+
+/// A value per pixel, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane<T> {
+    size: Size,
+    values: Vec<T>,
+}
+
+/// A picture: red, green, blue, opacity; sRGB, 8 bits each, colours not multiplied by the opacity.
+pub type Image = Plane<[u8; 4]>;
+
+impl<T: Clone> Plane<T> {
+    /// A plane with the same value everywhere.
+    pub fn filled(size: Size, value: T) -> Plane<T> {
+        Plane { size, values: vec![value; size.count()] }
+    }
+}
+
+impl<T> Plane<T> {
+    /// A plane of given values, row by row from the top; `None` if their number is not that of the pixels.
+    pub fn from_values(size: Size, values: Vec<T>) -> Option<Plane<T>> {
+        (values.len() == size.count()).then_some(Plane { size, values })
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> Size {
+        self.size
+    }
+
+    /// The number of columns.
+    pub fn width(&self) -> usize {
+        self.size.width()
+    }
+
+    /// The number of rows.
+    pub fn height(&self) -> usize {
+        self.size.height()
+    }
+
+    /// The values, row by row from the top.
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+
+    /// The values, to be changed.
+    pub fn values_mut(&mut self) -> &mut [T] {
+        &mut self.values
+    }
+
+    /// The values, moved out.
+    pub fn into_values(self) -> Vec<T> {
+        self.values
+    }
+
+    /// The value in column `x` and row `y`; `None` beside the picture.
+    pub fn get(&self, x: usize, y: usize) -> Option<&T> {
+        (x < self.width() && y < self.height()).then(|| &self.values[y * self.width() + x])
+    }
+
+    /// The rows, from the top.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[T]> {
+        self.values.chunks_exact(self.width())
+    }
+}

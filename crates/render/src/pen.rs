@@ -1,0 +1,73 @@
+//! What draws lines.
+
+use crate::Lines;
+use crate::colour::{Premultiplied, premultiply};
+use crate::contrast::Step;
+
+/// A pen: which neighbours of a sample it looks at for a difference.
+pub(crate) struct Pen {
+    /// Offsets on the grid of samples, nearest first, and whether creases count there.
+    offsets: Vec<([isize; 2], bool)>,
+    pub colour: Premultiplied,
+    /// How many pixels the offsets reach, at least 1.
+    pub reach: usize,
+}
+
+/// The width of creases, where that of outlines is 1.
+const CREASE_WIDTH: f64 = 0.6;
+
+impl Pen {
+    /// A line of width w covers the samples within w / 2 of the difference, which is half-way between two samples. With one
+    /// sample per pixel it would always be two pixels wide, so then only the neighbours on two sides are looked at.
+    pub fn new(lines: &Lines, samples: u32) -> Pen {
+        let within = |width: f64| 0.5 * width * f64::from(samples) + 0.5;
+        let (far, near) = (within(lines.width), within(CREASE_WIDTH * lines.width).max(1.0));
+        let reach = if lines.width > 0.0 { far.max(1.0) as isize } else { 0 };
+        let distance = |[x, y]: [isize; 2]| ((x * x + y * y) as f64).sqrt();
+        let mut offsets: Vec<_> = (-reach..=reach)
+            .flat_map(|y| (-reach..=reach).map(move |x| [x, y]))
+            .filter(|&at| at != [0, 0] && distance(at) <= far.max(1.0))
+            .filter(|&[x, y]| samples > 1 || (x >= 0 && y >= 0))
+            .map(|at| (at, distance(at) <= near))
+            .collect();
+        offsets.sort_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
+        Pen {
+            offsets,
+            colour: premultiply(lines.colour.linear(), lines.colour.opacity()),
+            reach: reach.unsigned_abs().div_ceil(samples as usize).max(1),
+        }
+    }
+
+    /// True if a line covers the sample, given what separates it from the one at an offset.
+    pub fn touches(&self, step: impl Fn([isize; 2]) -> Step) -> bool {
+        self.offsets.iter().any(|&(offset, creases_count)| {
+            let least = if creases_count { Step::Crease } else { Step::Outline };
+            step(offset) >= least
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The samples of a row that a line covers, where the difference is between 0 and -1.
+    fn covered(width: f64, samples: u32, step: Step) -> usize {
+        let lines = Lines { width, ..Lines::default() };
+        let pen = Pen::new(&lines, samples);
+        let differ =
+            |x: isize| pen.touches(|[dx, _]| if (x < 0) != (x + dx < 0) { step } else { Step::None });
+        (-99..99).filter(|&x| differ(x)).count()
+    }
+
+    #[test]
+    fn lines_are_as_wide_as_they_should() {
+        assert_eq!(covered(1.0, 1, Step::Outline), 1);
+        assert_eq!(covered(1.0, 2, Step::Outline), 2);
+        assert_eq!(covered(1.5, 4, Step::Outline), 6);
+        assert_eq!(covered(8.0, 16, Step::Outline), 128);
+        assert_eq!(covered(2.5, 4, Step::Crease), 6);
+        assert_eq!(covered(0.0, 4, Step::Outline), 0);
+        assert_eq!(covered(4.0, 4, Step::None), 0);
+    }
+}

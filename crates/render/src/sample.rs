@@ -1,0 +1,143 @@
+//! What rays see: surfaces, and what is kept of them for a place of the picture.
+
+use crate::colour::{Premultiplied, over, premultiply};
+use crate::shade::Shader;
+use crate::shadow::Shadows;
+use rayweave_math::Vec3;
+use rayweave_model::{Crossing, Evaluator, Face, Limit, Query, RayBatch, RegionId, dress};
+use rayweave_shape::Ray;
+
+/// A surface on the way of a ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layer {
+    /// The number of the ray in its batch.
+    pub ray: usize,
+    pub t: f64,
+    /// The unit normal on the side of the eye.
+    pub normal: Vec3,
+    pub face: Face,
+    /// The region whose surface is seen.
+    pub region: RegionId,
+    /// The lights that shine on it, a bit each.
+    pub lit: u32,
+}
+
+/// What is seen at a place of the picture: the first layer, as far as neighbours are compared by it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sample {
+    pub t: f64,
+    pub normal: [f32; 3],
+    pub face: u32,
+    pub placement: u32,
+    pub region: u32,
+    pub lit: u32,
+}
+
+impl Sample {
+    /// Nothing is seen.
+    pub const MISS: Sample =
+        Sample { t: f64::INFINITY, normal: [0.0; 3], face: u32::MAX, placement: 0, region: 0, lit: 0 };
+}
+
+/// The region whose surface a crossing shows: the one behind it, or, where that is the world, the one that is left.
+pub(crate) fn seen(crossing: &Crossing) -> RegionId {
+    if crossing.enters() { crossing.after } else { crossing.before }
+}
+
+/// The side of a surface's normal that faces the eye.
+pub(crate) fn towards_eye(normal: Vec3, ray: &Ray) -> Vec3 {
+    if normal.dot(ray.direction) > 0.0 { -normal } else { normal }
+}
+
+/// The buffers of a thread that looks along rays.
+pub(crate) struct Eye<'a, E: Evaluator> {
+    evaluator: &'a E,
+    shader: &'a Shader,
+    scratch: E::Scratch,
+    rays: RayBatch,
+    layers: Vec<Layer>,
+    shadows: Shadows,
+}
+
+impl<'a, E: Evaluator> Eye<'a, E> {
+    pub fn new(evaluator: &'a E, shader: &'a Shader) -> Self {
+        Eye {
+            evaluator,
+            shader,
+            scratch: evaluator.scratch(),
+            rays: RayBatch::default(),
+            layers: Vec::new(),
+            shadows: Shadows::default(),
+        }
+    }
+
+    /// Looks along rays and fills in what is seen, one entry per ray.
+    pub fn look(
+        &mut self,
+        rays: impl Iterator<Item = Ray>,
+        samples: &mut [Sample],
+        colours: &mut [Premultiplied],
+    ) {
+        self.rays.clear();
+        rays.take(samples.len()).for_each(|ray| self.rays.push(ray));
+        self.find_layers();
+        if self.shader.casts_shadows() {
+            self.shadows.cast(
+                self.evaluator,
+                self.shader,
+                self.rays.rays(),
+                &mut self.layers,
+                &mut self.scratch,
+            );
+        }
+        samples.fill(Sample::MISS);
+        colours.fill([0.0; 4]);
+        for layer in self.layers.iter().rev() {
+            self.lay(layer, &mut samples[layer.ray], &mut colours[layer.ray]);
+        }
+    }
+
+    fn find_layers(&mut self) {
+        self.layers.clear();
+        let (layers, rays, shader) = (&mut self.layers, self.rays.rays(), self.shader);
+        let program = self.evaluator.program();
+        let query = Query {
+            limit: if shader.is_translucent() { Limit::All } else { Limit::First },
+            ..Query::nearest()
+        };
+        let mut take = |answer: rayweave_model::RayAnswer<'_>| {
+            let ray = rays.get(answer.ray);
+            for crossing in answer.crossings {
+                let region = seen(crossing);
+                layers.push(Layer {
+                    ray: answer.ray,
+                    t: crossing.t,
+                    normal: towards_eye(dress::normal(program, &ray, crossing), &ray),
+                    face: crossing.face,
+                    region,
+                    lit: u32::MAX,
+                });
+                if shader.is_opaque(region) {
+                    break;
+                }
+            }
+        };
+        self.evaluator.crossings(rays, &query, &mut self.scratch, &mut take);
+    }
+
+    /// Lays a surface over what is behind it.
+    fn lay(&self, layer: &Layer, sample: &mut Sample, colour: &mut Premultiplied) {
+        let program = self.evaluator.program();
+        let ray = self.rays.rays().get(layer.ray);
+        let (light, opacity) = self.shader.shade(layer, &ray);
+        *colour = over(premultiply(light, opacity), *colour);
+        *sample = Sample {
+            t: layer.t,
+            normal: layer.normal.as_vec3().to_array(),
+            face: program.face_number(layer.face.leaf, layer.face.facet),
+            placement: layer.face.placement.0,
+            region: layer.region.0,
+            lit: layer.lit,
+        };
+    }
+}

@@ -1,0 +1,174 @@
+//! The colour of a surface in the light.
+
+use crate::colour::Linear;
+use crate::sample::Layer;
+use crate::{Camera, Light, Settings, Style, region_colour};
+use rayweave_math::Vec3;
+use rayweave_model::{Program, RegionId};
+use rayweave_shape::Ray;
+
+/// What shading needs to know, computed once per picture.
+pub(crate) struct Shader {
+    style: Style,
+    /// Colour and opacity of each region; the first stands for the world and is never seen.
+    regions: Vec<(Linear, f32)>,
+    translucent: bool,
+    lamps: Vec<Lamp>,
+    shadows: bool,
+}
+
+/// A light, or what stands in where the scene has none.
+struct Lamp {
+    source: Source,
+    strength: Linear,
+}
+
+enum Source {
+    Scene(Light),
+    Eye,
+}
+
+/// The part of a surface's colour that it has in no light at all.
+const AMBIENT: f32 = 0.18;
+
+/// A tint that is added, and the part of the region's colour in it: the cool and the warm end of tones.
+///
+/// Those are k_blue with alpha and k_yellow with beta of Gooch et al. 1998, here for linear light, and chosen by eye so that
+/// the region's own colour stays easy to recognise.
+struct Tone {
+    tint: Linear,
+    part: f32,
+}
+
+const COOL: Tone = Tone { tint: [0.004, 0.012, 0.055], part: 0.22 };
+const WARM: Tone = Tone { tint: [0.08, 0.06, 0.01], part: 0.98 };
+
+/// What is left of the tone of a light in its shadow.
+const SHADOWED: f32 = 0.3;
+
+/// The strength of the brightest point of a highlight, and the power of the cosine by which it falls off (Phong:
+/// "Illumination for Computer Generated Pictures", 1975).
+const HIGHLIGHT: f32 = 0.35;
+const HIGHLIGHT_SQUARINGS: u32 = 5;
+
+impl Shader {
+    pub fn new(program: &Program, camera: &Camera, settings: &Settings) -> Shader {
+        let region = |k: usize| {
+            let colour = region_colour(&settings.colours, RegionId::from(k));
+            (colour.linear(), colour.opacity())
+        };
+        let regions: Vec<_> = (0..=program.regions().len()).map(region).collect();
+        Shader {
+            style: settings.style,
+            translucent: regions[1..].iter().any(|&(_, opacity)| opacity < 1.0),
+            regions,
+            lamps: lamps(camera, settings),
+            shadows: settings.shadows && settings.style != Style::Flat && !settings.lights.is_empty(),
+        }
+    }
+
+    /// True if some region shows what is behind it.
+    pub fn is_translucent(&self) -> bool {
+        self.translucent
+    }
+
+    /// True if a region hides what is behind it.
+    pub fn is_opaque(&self, region: RegionId) -> bool {
+        self.regions[region.index()].1 >= 1.0
+    }
+
+    /// True if it must be known which lights shine on a surface.
+    pub fn casts_shadows(&self) -> bool {
+        self.shadows
+    }
+
+    /// The lights of the scene, in order.
+    pub fn lights(&self) -> impl Iterator<Item = &Light> {
+        self.lamps.iter().filter_map(|lamp| match &lamp.source {
+            Source::Scene(light) => Some(light),
+            Source::Eye => None,
+        })
+    }
+
+    /// Light and opacity of a surface, seen along a ray.
+    pub fn shade(&self, layer: &Layer, ray: &Ray) -> (Linear, f32) {
+        let (colour, opacity) = self.regions[layer.region.index()];
+        let light = match self.style {
+            Style::Flat => colour,
+            Style::Headlight => self.lambert(colour, layer, ray),
+            Style::Gooch => self.gooch(colour, layer, ray),
+        };
+        (light, opacity)
+    }
+
+    fn lambert(&self, colour: Linear, layer: &Layer, ray: &Ray) -> Linear {
+        let mut arriving = [AMBIENT; 3];
+        for (k, lamp) in self.lamps.iter().enumerate() {
+            let cosine = layer.normal.dot(lamp.direction(layer, ray)) as f32;
+            if cosine > 0.0 && layer.lit >> k & 1 == 1 {
+                let part = (1.0 - AMBIENT) * cosine;
+                arriving = std::array::from_fn(|c| arriving[c] + part * lamp.strength[c]);
+            }
+        }
+        std::array::from_fn(|c| colour[c] * arriving[c])
+    }
+
+    /// The tone is the mean of the lights' tones, weighted by their strengths, so that several lights do not wash it out.
+    fn gooch(&self, colour: Linear, layer: &Layer, ray: &Ray) -> Linear {
+        let (mut tone, mut total, mut shine) = (0.0, 0.0, 0.0_f32);
+        for (k, lamp) in self.lamps.iter().enumerate() {
+            let towards = lamp.direction(layer, ray);
+            let cosine = layer.normal.dot(towards) as f32;
+            let weight: f32 = lamp.strength.iter().sum();
+            let part = 0.5 * (1.0 + cosine);
+            total += weight;
+            if layer.lit >> k & 1 == 1 {
+                tone += weight * part;
+                shine = shine.max(highlight(layer.normal, towards, ray.direction));
+            } else {
+                tone += weight * SHADOWED * part;
+            }
+        }
+        let warmth = if total > 0.0 { tone / total } else { 0.0 };
+        std::array::from_fn(|c| {
+            let end = |tone: &Tone| tone.tint[c] + tone.part * colour[c];
+            let base = (1.0 - warmth) * end(&COOL) + warmth * end(&WARM);
+            base + HIGHLIGHT * shine * (1.0 - base).max(0.0)
+        })
+    }
+}
+
+impl Lamp {
+    /// The unit vector from a surface to the light; zero at the light itself.
+    fn direction(&self, layer: &Layer, ray: &Ray) -> Vec3 {
+        match &self.source {
+            Source::Scene(light) => light.towards(ray.at(layer.t)).normalize_or_zero(),
+            Source::Eye => -ray.direction,
+        }
+    }
+}
+
+/// The lights of the scene; where it has none, what the style calls for.
+fn lamps(camera: &Camera, settings: &Settings) -> Vec<Lamp> {
+    if settings.lights.is_empty() {
+        let source = match settings.style {
+            // over the left shoulder of who looks, as in technical illustrations
+            Style::Gooch => {
+                Source::Scene(Light::along(camera.forward() + 0.6 * camera.right() - 0.9 * camera.up()))
+            }
+            Style::Headlight | Style::Flat => Source::Eye,
+        };
+        let strength = [1.0; 3];
+        return vec![Lamp { source, strength }];
+    }
+    let lamp = |light: &Light| Lamp { source: Source::Scene(*light), strength: light.strength() };
+    settings.lights.iter().map(lamp).collect()
+}
+
+/// The cosine between the mirrored line of sight and the light, to the power 2^[`HIGHLIGHT_SQUARINGS`]: by squaring, which has
+/// the same bits everywhere.
+fn highlight(normal: Vec3, towards: Vec3, sight: Vec3) -> f32 {
+    let mirrored = sight - 2.0 * sight.dot(normal) * normal;
+    let cosine = mirrored.dot(towards).max(0.0) as f32;
+    (0..HIGHLIGHT_SQUARINGS).fold(cosine, |power, _| power * power)
+}

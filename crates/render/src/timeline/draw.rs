@@ -1,0 +1,300 @@
+//! The layout of time lines.
+
+use super::axis::{Axis, number};
+use super::svg::{Anchor, Pixels, Svg};
+use super::{Bands, Row, Timeline, Wave};
+use crate::{PALETTE, Rgba};
+use rayweave_rootray::{Side, SurfaceCount};
+use std::fmt::Write;
+
+const WIDTH: f64 = 960.0;
+const MARGIN: f64 = 20.0;
+const TITLE: f64 = 34.0;
+/// A wave: room for its numbers, its height, and what is free below it.
+const NUMBERS: f64 = 15.0;
+const WAVE: f64 = 24.0;
+const GAP: f64 = 13.0;
+const AXIS: f64 = 44.0;
+/// The free part between what is given and what follows from it.
+const BREAK: f64 = 10.0;
+/// From how many times on plain guides would be a grey mist.
+const MOST_GUIDES: usize = 100;
+/// The most letters of a name.
+const NAME: usize = 26;
+/// The width of a letter of names and of numbers, roughly.
+const LETTER: f64 = 7.4;
+const DIGIT: f64 = 6.1;
+/// The height of one step of the count, at most, and of all of them.
+const STEP: f64 = 13.0;
+const STEPS: f64 = 78.0;
+
+const STYLE: &str = "\
+text { font-family: 'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif; fill: #1d2733 }
+.paper { fill: #ffffff }
+.title { font-size: 15px; font-weight: 600 }
+.name { font-size: 13px }
+.result { font-size: 13px; font-weight: 700 }
+.number { font-size: 10.5px; fill: #46525f; stroke: #ffffff; stroke-width: 3; paint-order: stroke }
+.band { font-size: 11.5px }
+.tick { font-size: 11px; fill: #6b7683 }
+.axis { stroke: #8d97a3; stroke-width: 1; fill: none }
+.guide { stroke: #e3e7ec; stroke-width: 1; fill: none }
+.tied { stroke: #d55e00; stroke-width: 1; stroke-dasharray: 3 3; fill: none }
+.base { stroke: #cbd2da; stroke-width: 1; fill: none }
+.wave { fill: none; stroke-width: 2; stroke-linejoin: round }
+.area { stroke: none; fill-opacity: 0.22 }
+.solid { stroke: none; fill-opacity: 0.5 }
+.arrow { stroke: none }
+";
+
+/// The colour of counts and of results.
+const INK: Rgba = Rgba::opaque(29, 39, 51);
+const RESULT: Rgba = Rgba::opaque(213, 94, 0);
+
+pub fn drawing(timeline: &Timeline) -> String {
+    let count = timeline.count();
+    let times = timeline.times();
+    let mut pen = Drawing::new(timeline, &times);
+    pen.guides(&times, heights(timeline, count.as_ref()));
+    for (k, wave) in timeline.operands.iter().enumerate() {
+        pen.wave("name", "area", wave, operand_colour(k));
+    }
+    if let Some(count) = &count {
+        pen.y += BREAK;
+        pen.count(count);
+    }
+    pen.y += if timeline.results.is_empty() || timeline.operands.is_empty() { 0.0 } else { BREAK };
+    for row in &timeline.results {
+        match row {
+            Row::Wave(wave) => pen.wave("result", "solid", wave, RESULT),
+            Row::Bands(bands) => pen.bands(bands),
+        }
+    }
+    pen.axis();
+    let title = if timeline.title.is_empty() { "time line" } else { &timeline.title };
+    let height = pen.y + AXIS;
+    pen.svg.finish(WIDTH, height, title, STYLE)
+}
+
+/// The height of all rows.
+fn heights(timeline: &Timeline, count: Option<&SurfaceCount>) -> f64 {
+    let rows = timeline.operands.len() + timeline.results.len();
+    let both = !timeline.results.is_empty() && !timeline.operands.is_empty();
+    let breaks = f64::from(u8::from(both) + u8::from(count.is_some()));
+    let of_count = count.map_or(0.0, |count| NUMBERS + steps(count).1 + GAP);
+    rows as f64 * (NUMBERS + WAVE + GAP) + of_count + breaks * BREAK
+}
+
+/// The greatest count, at least 1, and the height of its row.
+fn steps(count: &SurfaceCount) -> (usize, f64) {
+    let most = count.steps.iter().map(|step| step.1).fold(count.start, usize::max).max(1);
+    (most, (most as f64 * STEP).clamp(WAVE, STEPS))
+}
+
+/// The colours of waves: dark enough for thin lines on white, so the palette without its yellow.
+fn operand_colour(k: usize) -> Rgba {
+    let colours = [PALETTE[5], PALETTE[2], PALETTE[3], PALETTE[1], PALETTE[0]];
+    colours[k % colours.len()]
+}
+
+fn paint(colour: Rgba) -> String {
+    format!("#{:02x}{:02x}{:02x}", colour.red, colour.green, colour.blue)
+}
+
+/// A name that fits, and as it is.
+fn short(name: &str) -> String {
+    if name.chars().count() <= NAME {
+        name.to_owned()
+    } else {
+        name.chars().take(NAME - 1).chain(['\u{2026}']).collect()
+    }
+}
+
+struct Drawing {
+    svg: Svg,
+    axis: Axis,
+    /// Where the next row begins.
+    y: f64,
+}
+
+impl Drawing {
+    fn new(timeline: &Timeline, times: &[(f64, usize)]) -> Drawing {
+        let of_bands = timeline.results.iter().filter_map(|row| match row {
+            Row::Bands(bands) => Some(bands.name.as_str()),
+            Row::Wave(_) => None,
+        });
+        let names = timeline.waves().map(|wave| wave.name.as_str()).chain(of_bands).chain(["count"]);
+        let letters = names.map(|name| name.chars().count().min(NAME)).max().unwrap_or(0);
+        let left = MARGIN + LETTER * letters as f64 + 26.0;
+        let right = WIDTH - MARGIN - 14.0;
+        let ends: Vec<f64> = times.iter().map(|time| time.0).collect();
+        let axis = match timeline.window {
+            Some((t_min, t_max)) => Axis { t_min, t_max, left, right },
+            None => Axis::around(&ends, left, right),
+        };
+        let mut svg = Svg::default();
+        let mut y = MARGIN;
+        if !timeline.title.is_empty() {
+            svg.text("title", [MARGIN, MARGIN + 12.0], Anchor::Start, &timeline.title, &timeline.title);
+            y = MARGIN + TITLE - 8.0;
+        }
+        Drawing { svg, axis, y }
+    }
+
+    /// Upright lines at all times of change; marked where several operands change.
+    fn guides(&mut self, times: &[(f64, usize)], height: f64) {
+        let shown: Vec<_> = times.iter().filter(|time| self.axis.shows(time.0)).collect();
+        let is_crowded = shown.len() > MOST_GUIDES;
+        let (mut plain, mut tied) = (String::new(), String::new());
+        for &(t, operands) in shown.into_iter().filter(|time| !is_crowded || time.1 > 1) {
+            let out = if operands > 1 { &mut tied } else { &mut plain };
+            let (x, top, bottom) = (Pixels(self.axis.place(t)), Pixels(self.y), Pixels(self.y + height));
+            let _ = write!(out, "M{x} {top}V{bottom}");
+        }
+        for (class, path) in [("guide", plain), ("tied", tied)] {
+            if !path.is_empty() {
+                self.svg.path(class, path, "");
+            }
+        }
+    }
+
+    /// The name of a row whose wave lies between two heights.
+    fn name(&mut self, class: &str, name: &str, top: f64, bottom: f64) {
+        let at = [self.axis.left - 18.0, 0.5 * (top + bottom) + 4.5];
+        self.svg.text(class, at, Anchor::End, &short(name), name);
+    }
+
+    fn wave(&mut self, class: &str, area: &str, wave: &Wave, colour: Rgba) {
+        let (top, bottom) = (self.y + NUMBERS, self.y + NUMBERS + WAVE);
+        self.name(class, &wave.name, top, bottom);
+        self.base(bottom);
+        let fill = format!(r#" fill="{}""#, paint(colour));
+        for (start, end) in wave.stretches(Side::Inside) {
+            let (left, right) = (self.place(start, self.axis.left), self.place(end, self.axis.right));
+            if left < right {
+                self.svg.rectangle(area, [left, top, right - left, WAVE], &fill);
+            }
+        }
+        let levels = [bottom, top];
+        let first = usize::from(wave.ray.start().is_inside());
+        let steps: Vec<(f64, f64)> = (wave.ray.crossings())
+            .map(|(root, side)| (root.t, levels[usize::from(side.is_inside())]))
+            .collect();
+        self.staircase(levels[first], &steps, colour);
+        self.arrows(wave, top, &fill);
+        let times: Vec<f64> = wave.ray.times().collect();
+        self.numbers(&times, top - 4.0);
+        self.y = bottom + GAP;
+    }
+
+    /// A thin line that says where a row is.
+    fn base(&mut self, y: f64) {
+        let (left, right, y) = (Pixels(self.axis.left), Pixels(self.axis.right), Pixels(y));
+        self.svg.path("base", format_args!("M{left} {y}H{right}"), "");
+    }
+
+    /// Where an end is drawn, within the drawing; `missing` where there is none.
+    fn place(&self, end: Option<f64>, missing: f64) -> f64 {
+        let place = end.map_or(missing, |t| self.axis.place(t));
+        place.clamp(self.axis.left, self.axis.right)
+    }
+
+    /// A line that goes from level to level at some times.
+    fn staircase(&mut self, first: f64, steps: &[(f64, f64)], colour: Rgba) {
+        let before = steps.iter().take_while(|step| step.0 <= self.axis.t_min).last();
+        let mut path = format!("M{} {}", Pixels(self.axis.left), Pixels(before.map_or(first, |step| step.1)));
+        for &(t, level) in steps.iter().filter(|step| self.axis.shows(step.0)) {
+            let _ = write!(path, "H{}V{}", Pixels(self.axis.place(t)), Pixels(level));
+        }
+        let _ = write!(path, "H{}", Pixels(self.axis.right));
+        self.svg.path("wave", path, &format!(r#" stroke="{}""#, paint(colour)));
+    }
+
+    /// Arrows at the ends of a wave that is inside for ever.
+    fn arrows(&mut self, wave: &Wave, y: f64, fill: &str) {
+        let ends = [(wave.ray.start(), self.axis.left, -1.0), (wave.ray.end(), self.axis.right, 1.0)];
+        for (_, x, way) in ends.into_iter().filter(|(side, ..)| side.is_inside()) {
+            let (tip, back) = (Pixels(x + 10.0 * way), Pixels(x - 1.0 * way));
+            let (above, y, below) = (Pixels(y - 5.0), Pixels(y), Pixels(y + 5.0));
+            self.svg.path("arrow", format_args!("M{tip} {y}L{back} {above}V{below}Z"), fill);
+        }
+    }
+
+    /// Times above a wave; those that would run into the one before are left out.
+    fn numbers(&mut self, times: &[f64], y: f64) {
+        let mut free = f64::NEG_INFINITY;
+        for &t in times.iter().filter(|&&t| self.axis.shows(t)) {
+            let text = number(t, self.axis.resolution());
+            let half = 0.5 * DIGIT * text.chars().count() as f64;
+            let x = self.axis.place(t);
+            if x - half >= free {
+                self.svg.text("number", [x, y], Anchor::Middle, &text, &format!("{t}"));
+                free = x + half + 5.0;
+            }
+        }
+    }
+
+    fn count(&mut self, count: &SurfaceCount) {
+        let (most, height) = steps(count);
+        let (top, bottom) = (self.y + NUMBERS, self.y + NUMBERS + height);
+        let level = |n: usize| bottom - height * n as f64 / most as f64;
+        self.name("name", "count", top, bottom);
+        let every = most.div_ceil((height / STEP) as usize).max(1);
+        for n in (0..=most).step_by(every) {
+            self.base(level(n));
+            let at = [self.axis.left - 5.0, level(n) + 3.5];
+            self.svg.text("tick", at, Anchor::End, &n.to_string(), &n.to_string());
+        }
+        let steps: Vec<(f64, f64)> = count.steps.iter().map(|&(t, n)| (t, level(n))).collect();
+        self.staircase(level(count.start), &steps, INK);
+        self.y = bottom + GAP;
+    }
+
+    fn bands(&mut self, bands: &Bands) {
+        let (top, bottom) = (self.y + NUMBERS, self.y + NUMBERS + WAVE);
+        self.name("result", &bands.name, top, bottom);
+        self.base(bottom);
+        let starts = std::iter::once((None, &bands.first))
+            .chain(bands.changes.iter().map(|(t, name)| (Some(*t), name)));
+        let ends = bands.changes.iter().map(|change| Some(change.0)).chain([None]);
+        let mut names: Vec<&String> = Vec::new();
+        for ((start, name), end) in starts.zip(ends).filter(|((_, name), _)| !name.is_empty()) {
+            let kind = names.iter().position(|known| *known == name).unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            });
+            let (left, right) = (self.place(start, self.axis.left), self.place(end, self.axis.right));
+            self.band(name, [left, top, right - left, WAVE], PALETTE[kind % PALETTE.len()]);
+        }
+        let times: Vec<f64> = bands.changes.iter().map(|change| change.0).collect();
+        self.numbers(&times, top - 4.0);
+        self.y = bottom + GAP;
+    }
+
+    fn band(&mut self, name: &str, place: [f64; 4], colour: Rgba) {
+        let [left, top, width, height] = place;
+        if width <= 0.0 {
+            return;
+        }
+        self.svg.rectangle("solid", place, &format!(r#" fill="{}""#, paint(colour)));
+        let fits = (width - 6.0) / LETTER;
+        let text = short(name);
+        if text.chars().count() as f64 <= fits {
+            let at = [left + 0.5 * width, top + 0.5 * height + 4.0];
+            self.svg.text("band", at, Anchor::Middle, &text, name);
+        }
+    }
+
+    fn axis(&mut self) {
+        let (left, right, y) = (self.axis.left, self.axis.right, self.y + 6.0);
+        let mut path = format!("M{} {}H{}", Pixels(left), Pixels(y), Pixels(right));
+        let room = (right - left) / 90.0;
+        for (t, text) in self.axis.ticks(room) {
+            let x = self.axis.place(t);
+            let _ = write!(path, "M{} {}V{}", Pixels(x), Pixels(y), Pixels(y + 5.0));
+            self.svg.text("tick", [x, y + 17.0], Anchor::Middle, &text, &text);
+        }
+        self.svg.path("axis", path, "");
+        self.svg.text("tick", [left - 18.0, y + 4.0], Anchor::End, "t", "t");
+    }
+}
