@@ -1,6 +1,6 @@
 //! The command line: its sub-commands and what they share.
 
-use crate::command::{Completions, Info, Man, Probe, Shapes, Trace};
+use crate::command::{Completions, Info, Man, Probe, Render, Shapes, Trace};
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
 use rayweave::scene::{Scene, load};
@@ -45,6 +45,7 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 pub enum Command {
+    Render(Render),
     Probe(Probe),
     Trace(Trace),
     Info(Info),

@@ -1,6 +1,7 @@
 //! The one error of the library.
 
 use rayweave_model::{CompileError, WindowError};
+use rayweave_render::{CameraError, RenderError};
 use rayweave_rootray::RootRayError;
 use rayweave_scene::Diagnostics;
 use rayweave_shape::primitive::ShapeError;
@@ -29,7 +30,7 @@ pub enum ErrorKind {
     Output,
     /// The name of a file tells no format that is known, or one that this build cannot write.
     Format,
-    /// A value is out of range: an empty window of time, a root that is NaN.
+    /// A value is out of range: an empty window of time, a root that is NaN, a picture without pixels.
     Value,
     /// A name that nothing has.
     Name,
@@ -45,6 +46,8 @@ enum Cause {
     Output(TableError),
     Window(WindowError),
     RootRay(RootRayError),
+    Camera(CameraError),
+    Render(RenderError),
     Name(String),
     Cancelled,
 }
@@ -61,9 +64,9 @@ impl Error {
             }
             Cause::Input(_) => ErrorKind::Input,
             Cause::Output(_) => ErrorKind::Output,
-            Cause::Window(_) | Cause::RootRay(_) => ErrorKind::Value,
+            Cause::Render(RenderError::Cancelled) | Cause::Cancelled => ErrorKind::Cancelled,
+            Cause::Window(_) | Cause::RootRay(_) | Cause::Camera(_) | Cause::Render(_) => ErrorKind::Value,
             Cause::Name(_) => ErrorKind::Name,
-            Cause::Cancelled => ErrorKind::Cancelled,
         }
     }
 
@@ -175,6 +178,8 @@ impl fmt::Display for Error {
             Cause::Input(error) | Cause::Output(error) => error.fmt(f),
             Cause::Window(error) => error.fmt(f),
             Cause::RootRay(error) => error.fmt(f),
+            Cause::Camera(error) => error.fmt(f),
+            Cause::Render(error) => error.fmt(f),
             Cause::Name(text) => f.write_str(text),
             Cause::Cancelled => f.write_str("cancelled"),
         }
@@ -214,6 +219,8 @@ from! {
     Diagnostics => ModelFile,
     WindowError => Window,
     RootRayError => RootRay,
+    CameraError => Camera,
+    RenderError => Render,
 }
 
 /// Problems with files of rays are those of an input, all others those of an output.

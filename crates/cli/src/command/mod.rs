@@ -4,6 +4,7 @@ mod completions;
 mod info;
 mod man;
 mod probe;
+mod render;
 mod shapes;
 mod trace;
 mod tree;
@@ -12,6 +13,7 @@ pub use completions::Completions;
 pub use info::Info;
 pub use man::Man;
 pub use probe::Probe;
+pub use render::Render;
 pub use shapes::Shapes;
 pub use trace::Trace;
 
@@ -21,6 +23,7 @@ use crate::failure::Failure;
 /// Runs the sub-command.
 pub fn run(cli: &Cli) -> Result<(), Failure> {
     match &cli.command {
+        Command::Render(render) => render.run(cli),
         Command::Probe(probe) => probe.run(),
         Command::Trace(trace) => trace.run(cli),
         Command::Info(info) => info.run(),

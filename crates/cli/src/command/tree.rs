@@ -6,8 +6,8 @@ use rayweave::model::Node;
 /// The longest description of a node, in characters; the middle of a longer one is left out.
 const LONGEST: usize = 100;
 
-/// The most names and transforms of one node that are looked at.
-const MOST_WRAPPERS: usize = 8;
+/// The most transforms that are written on one line.
+const MOST_TRANSFORMS: usize = 8;
 
 /// One line to come: a solid and how deep it stands.
 struct Branch {
@@ -78,7 +78,7 @@ impl Branch {
     }
 }
 
-/// A node with the names and transforms around it.
+/// A node with the name and the transforms around it.
 struct Head {
     text: String,
     is_named: bool,
@@ -86,28 +86,31 @@ struct Head {
 }
 
 impl Head {
+    /// The name, if the solid has one, and what it is called by it: up to the next name.
     fn of(solid: &Solid) -> Head {
-        let (mut names, mut maps) = (String::new(), Vec::new());
-        let mut inner = solid.clone();
-        for _ in 0..MOST_WRAPPERS {
-            let next = match inner.node() {
-                Node::Named(name, next) => {
-                    names += &format!("{name} = ");
-                    next.clone()
-                }
-                Node::Transformed(map, next) => {
-                    let image = Solid::vacuum().apply(*map).to_string();
-                    maps.push(image.trim_start_matches("vacuum").to_owned());
-                    next.clone()
-                }
-                _ => break,
-            };
-            inner = next;
+        let (mut inner, name) = match solid.node() {
+            Node::Named(name, inner) => (inner.clone(), format!("{name} = ")),
+            _ => (solid.clone(), String::new()),
+        };
+        let mut maps = Vec::new();
+        while let (Node::Transformed(map, next), true) = (inner.node(), maps.len() < MOST_TRANSFORMS) {
+            let image = Solid::vacuum().apply(*map).to_string();
+            maps.push(image.trim_start_matches("vacuum").to_owned());
+            inner = next.clone();
         }
         maps.reverse();
-        let text = format!("{names}{}{}", what(&inner), maps.concat());
-        Head { text: shortened(text), is_named: matches!(solid.node(), Node::Named(..)), inner }
+        let own = match (is_word(inner.node()), maps.is_empty()) {
+            (false, false) => format!("({})", what(&inner)),
+            _ => what(&inner),
+        };
+        let text = shortened(format!("{name}{own}{}", maps.concat()));
+        Head { text, is_named: !name.is_empty(), inner }
     }
+}
+
+/// Whether a transform may be written right behind what the node is.
+fn is_word(node: &Node) -> bool {
+    matches!(node, Node::Vacuum | Node::Plenum | Node::Primitive(_) | Node::Named(..) | Node::Transformed(..))
 }
 
 /// The node itself in a word or two.
@@ -120,12 +123,17 @@ fn what(solid: &Solid) -> String {
         Node::Difference(..) => "difference".to_owned(),
         Node::SymmetricDifference(all) => format!("symmetric difference of {}", all.len()),
         Node::Placed(_, maps) => format!("placed {} times", maps.len()),
-        Node::Transformed(..) | Node::Named(..) => "...".to_owned(),
+        Node::Named(name, _) => name.to_string(),
+        Node::Transformed(..) => "...".to_owned(),
     }
 }
 
+/// What is drawn below a node.
 fn operands(solid: &Solid) -> Vec<Solid> {
-    solid.node().operand_refs().cloned().collect()
+    match solid.node() {
+        Node::Named(..) => vec![solid.clone()],
+        node => node.operand_refs().cloned().collect(),
+    }
 }
 
 /// Texts of bounded length: a convex polyhedron may have thousands of planes.
@@ -155,7 +163,8 @@ thing = union of 2
 \u{2502}  \u{251c}\u{2500} ball = sphere(radius=2)
 \u{2502}  \u{2514}\u{2500} cylinder(radius=1, height=inf)
 \u{2514}\u{2500} complement
-   \u{2514}\u{2500} ball = sphere(radius=2).translate(1, 0, 0)
+   \u{2514}\u{2500} ball.translate(1, 0, 0)
+      \u{2514}\u{2500} ball = sphere(radius=2)
 ";
         assert_eq!(draw(&[solid], 12, 200), drawn);
     }

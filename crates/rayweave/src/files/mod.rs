@@ -6,14 +6,23 @@ pub use hits::HitTable;
 
 use crate::{Compiled, Error};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{Evaluator, Query, Rays};
+use rayweave_model::{Evaluator, Program, Query, Rays};
 use rayweave_table::{Chunk, Progress, RayChunk, RayReader, TableWriter};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-/// Rays that a thread takes at a time. The results of a few chunks per thread wait in memory, so that this bounds it:
-/// 2,048 rays with ten crossings each are 3 MiB.
-const RAYS_PER_TASK: usize = 1 << 11;
+/// The most rays that a thread takes at a time. The results of a few tasks per thread wait in memory, so that this bounds
+/// it: the rows of 2,048 rays with ten crossings each are 3 MiB.
+const MOST_RAYS_PER_TASK: usize = 1 << 11;
+
+/// The most pairs of a ray and a leaf in a task: a ray can cross every leaf of a large model.
+const MOST_PAIRS_PER_TASK: usize = 1 << 20;
+
+fn rays_per_task(program: &Program) -> usize {
+    let placements = program.prototypes().first().map_or(1, |group| group.placements);
+    let leaves = program.leaves().len().max(placements as usize).max(1);
+    (MOST_PAIRS_PER_TASK / leaves).clamp(1, MOST_RAYS_PER_TASK)
+}
 
 /// How a file of rays is traced.
 #[derive(Clone, Debug, Default)]
@@ -60,7 +69,7 @@ pub fn trace_rays<E: Evaluator>(
     drive(
         thread_count(options.threads),
         &options.cancel,
-        Tasks::new(rays),
+        Tasks { reader: Some(rays), size: rays_per_task(evaluator.program()) },
         || evaluator.scratch(),
         |scratch, task| answer(&table, evaluator, &options.query, scratch, task?),
         |answered: Result<Answered, Error>| {
@@ -111,12 +120,7 @@ fn answer<E: Evaluator>(
 /// The rays of a file, task by task. After an error there are no more.
 struct Tasks {
     reader: Option<RayReader>,
-}
-
-impl Tasks {
-    fn new(reader: RayReader) -> Tasks {
-        Tasks { reader: Some(reader) }
-    }
+    size: usize,
 }
 
 impl Iterator for Tasks {
@@ -125,7 +129,7 @@ impl Iterator for Tasks {
     fn next(&mut self) -> Option<Self::Item> {
         let reader = self.reader.as_mut()?;
         let mut rays = RayChunk::default();
-        match reader.read(&mut rays, RAYS_PER_TASK) {
+        match reader.read(&mut rays, self.size) {
             Ok(0) => None,
             Ok(_) => Some(Ok(Task { rays, progress: reader.progress() })),
             Err(error) => {

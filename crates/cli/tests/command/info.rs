@@ -1,0 +1,86 @@
+//! `info`: what a model holds.
+
+use crate::bench::Bench;
+use serde_json::json;
+
+#[test]
+fn a_model_in_numbers() {
+    let bench = Bench::new();
+    let facts = bench.json(&["info", "cemented.toml", "--json"]);
+    assert_eq!(facts["unit"], "cm");
+    assert_eq!(facts["bounds"], json!([[-10.0, -10.0, -10.0], [10.0, 10.0, 10.0]]));
+    let statistics = &facts["statistics"];
+    // one sphere and two boxes, of which four sides lie in common planes and one is shared between them
+    assert_eq!(statistics["leaves"], 3);
+    assert_eq!(statistics["faces"], 13);
+    assert_eq!(statistics["surfaces"], 8);
+    assert_eq!(statistics["shared surfaces"], 5);
+    assert_eq!(statistics["placements"], 0);
+    let media: Vec<_> = facts["media"].as_array().unwrap().iter().map(|m| m["name"].clone()).collect();
+    assert_eq!(media, ["world", "water", "crown", "flint"]);
+    assert_eq!(
+        facts["regions"][1],
+        json!({
+            "name": "left", "medium": "crown",
+            "solid": "left = box_from_corners(lo=[-2.0, -1.0, -1.0], hi=[0.0, 1.0, 1.0])",
+        })
+    );
+    assert_eq!(facts["leaves"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn parameters_change_the_bounds() {
+    let bench = Bench::new();
+    let facts = bench.json(&["info", "ball.toml", "--json", "-D", "R=2.5"]);
+    assert_eq!(facts["bounds"], json!([[-2.5, -2.5, -2.5], [2.5, 2.5, 2.5]]));
+    assert_eq!(facts["parameters"], json!({ "R": 2.5 }));
+}
+
+#[test]
+fn the_tree_for_people() {
+    let bench = Bench::new();
+    bench.write(
+        "tree.toml",
+        r#"
+rayweave = 1
+[solid.slab]
+box = { size = [4, 4, 1] }
+[solid.hole]
+cylinder = { radius = 0.5 }
+[solid.post]
+expr = "hole & slab"
+transform = [{ translate = [0, 0, 5] }]
+[solid.plate]
+expr = "slab - hole | post"
+"#,
+    );
+    let text = bench.says(&["info", "tree.toml"]);
+    let tree = "\
+plate = union of 2
+\u{251c}\u{2500} difference
+\u{2502}  \u{251c}\u{2500} slab = box(size=[4.0, 4.0, 1.0])
+\u{2502}  \u{2514}\u{2500} hole = cylinder(radius=0.5, height=inf)
+\u{2514}\u{2500} post = (intersection of 2).translate(0, 0, 5)
+   \u{251c}\u{2500} hole = cylinder(radius=0.5, height=inf)
+   \u{2514}\u{2500} slab = box(size=[4.0, 4.0, 1.0])
+";
+    assert!(text.contains(tree), "{text}");
+    assert!(text.starts_with("tree.toml: 1 region, 4 solids, 1 medium, lengths in mm\n"), "{text}");
+    assert!(text.contains("\nbounds           (-2, -2, -0.5) to (2, 2, 5.5)\n"), "{text}");
+    let cut = bench.says(&["info", "tree.toml", "--depth", "1"]);
+    assert!(cut.contains("difference (--depth N shows more)"), "{cut}");
+    let short = bench.says(&["info", "tree.toml", "--lines", "2"]);
+    assert!(short.contains("... (--lines N shows more)"), "{short}");
+}
+
+#[test]
+fn solids_without_bounds_and_without_anything() {
+    let bench = Bench::new();
+    bench.write("half.toml", "rayweave = 1\n[solid.half]\nhalf_space = { normal = [0, 0, 1], offset = 2 }\n");
+    assert!(bench.says(&["info", "half.toml"]).contains("(-inf, -inf, -inf) to (inf, inf, 2)"));
+    let facts = bench.json(&["info", "half.toml", "--json"]);
+    assert_eq!(facts["bounds"], json!([[null, null, null], [null, null, 2.0]]));
+    bench.write("none.toml", "rayweave = 1\n");
+    let none = bench.says(&["info", "none.toml"]);
+    assert!(none.contains("0 regions, 0 solids, 0 media") && none.contains("nothing"), "{none}");
+}

@@ -1,0 +1,80 @@
+//! Ctrl-C in the middle of a run.
+#![cfg(unix)]
+
+use crate::bench::{Bench, Done, RAYS, done, holds};
+use std::io::Write;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+fn interrupt(child: &Child) {
+    let id = child.id().to_string();
+    let status = Command::new("kill").args(["-INT", &id]).status().unwrap();
+    assert!(status.success());
+}
+
+/// Waits until `ready`, at most half a minute.
+fn wait_until(ready: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !ready() {
+        assert!(start.elapsed() < Duration::from_secs(30), "nothing happens");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn assert_cancelled(bench: &Bench, done: Done) {
+    assert_eq!((done.code, done.err.as_str()), (130, "error: cancelled (unfinished files are removed)\n"));
+    assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
+}
+
+fn trace(bench: &Bench) -> Child {
+    let arguments = ["trace", "ball.toml", "--rays", "-", "-o", "hits.csv"];
+    let mut command = bench.command(&arguments);
+    command.stdin(Stdio::piped()).spawn().unwrap()
+}
+
+#[test]
+fn a_busy_trace_leaves_nothing() {
+    let bench = Bench::new();
+    let mut child = trace(&bench);
+    let mut stdin = child.stdin.take().unwrap();
+    // rays without end, until the command closes its input
+    let feeder = std::thread::spawn(move || {
+        let block = "-5,0.5,0,1,0,0\n".repeat(1000);
+        let _ = stdin.write_all(RAYS.as_bytes());
+        while stdin.write_all(block.as_bytes()).is_ok() {}
+    });
+    let folder = bench.path("");
+    wait_until(|| holds(&folder, ".hits.csv."));
+    // let it write for a while
+    std::thread::sleep(Duration::from_millis(300));
+    interrupt(&child);
+    assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
+    feeder.join().unwrap();
+}
+
+#[test]
+fn a_trace_that_waits_for_rays_leaves_nothing() {
+    let bench = Bench::new();
+    let mut child = trace(&bench);
+    let mut stdin = child.stdin.take().unwrap();
+    stdin.write_all(RAYS.as_bytes()).unwrap();
+    stdin.write_all(b"-5,0,0,1,0,0\n").unwrap();
+    stdin.flush().unwrap();
+    let folder = bench.path("");
+    wait_until(|| holds(&folder, ".hits.csv."));
+    interrupt(&child);
+    assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
+    drop(stdin);
+}
+
+#[test]
+fn a_trace_that_waits_for_its_header_can_be_interrupted() {
+    let bench = Bench::new();
+    let mut child = trace(&bench);
+    let stdin = child.stdin.take();
+    // there is nothing to see from outside: the handler is in place long before
+    std::thread::sleep(Duration::from_millis(500));
+    interrupt(&child);
+    assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
+    drop(stdin);
+}

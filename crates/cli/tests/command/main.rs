@@ -1,0 +1,12 @@
+//! The command as people use it: its own process, real files, exit codes, messages.
+
+mod bench;
+
+mod info;
+mod interrupt;
+mod memory;
+mod pages;
+mod probe;
+mod render;
+mod trace;
+mod usage;

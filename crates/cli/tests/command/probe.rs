@@ -1,0 +1,149 @@
+//! `probe`: closed forms along single rays.
+
+use crate::bench::Bench;
+use serde_json::{Value, json};
+
+const HEAD_ON: [&str; 4] = ["--from", "-5,0,0", "--to", "-4,0,0"];
+
+fn crossings(answer: &Value) -> Vec<Value> {
+    answer["crossings"].as_array().unwrap().clone()
+}
+
+fn times(answer: &Value) -> Vec<f64> {
+    let all = crossings(answer);
+    all.iter().map(|c| c["t"].as_f64().unwrap()).collect()
+}
+
+#[test]
+fn a_ball_is_entered_and_left() {
+    let bench = Bench::new();
+    let answer = bench.json(&[&["probe", "ball.toml", "--json"], &HEAD_ON[..]].concat());
+    let all = crossings(&answer);
+    assert_eq!(times(&answer), [4.0, 6.0]);
+    assert_eq!(answer["unit"], "mm");
+    assert_eq!(answer["direction"], json!([1.0, 0.0, 0.0]));
+    assert_eq!(answer["window"], json!([null, null]));
+    assert_eq!(answer["start"], json!({ "region": null, "medium": "world" }));
+    let first = json!({
+        "crossing": 0, "t": 4.0, "point": [-1.0, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0],
+        "enters": true, "surface": "ball.side", "surface_left": null, "surface_entered": "ball.side",
+        "solid": "ball", "region_before": null, "region_after": "ball",
+        "medium_before": "world", "medium_after": "glass",
+    });
+    assert_eq!(all[0], first);
+    assert_eq!(all[1]["normal"], json!([1.0, 0.0, 0.0]));
+    assert_eq!(all[1]["enters"], false);
+    assert_eq!(all[1]["solid"], "ball");
+    assert_eq!(all[1]["medium_after"], "world");
+}
+
+#[test]
+fn the_line_reaches_both_ways_and_the_segment_does_not() {
+    let bench = Bench::new();
+    let from_behind = ["probe", "ball.toml", "--json", "--from", "5,0,0", "--to", "7,0,0"];
+    assert_eq!(times(&bench.json(&from_behind)), [-3.0, -2.0]);
+    let inside = ["probe", "ball.toml", "--json", "--segment", "--from", "0,0,0", "--to", "0,4,0"];
+    let answer = bench.json(&inside);
+    assert_eq!(times(&answer), [0.25]);
+    assert_eq!(answer["window"], json!([0.0, 1.0]));
+    assert_eq!(answer["start"], json!({ "region": "ball", "medium": "glass" }));
+}
+
+#[test]
+fn parameters_can_be_set() {
+    let bench = Bench::new();
+    let with = |value: &str| {
+        let definition = format!("R={value}");
+        let arguments = [&["probe", "ball.toml", "--json", "-D", &definition], &HEAD_ON[..]];
+        times(&bench.json(&arguments.concat()))
+    };
+    assert_eq!(with("2"), [3.0, 7.0]);
+    assert_eq!(with("2 * (1 + 0.5)"), [2.0, 8.0]);
+}
+
+#[test]
+fn cemented_parts_share_one_crossing() {
+    let bench = Bench::new();
+    let line = ["--from", "-20,0.25,0.125", "--to", "-19,0.25,0.125"];
+    for evaluator in ["weave", "reference"] {
+        let arguments = [&["probe", "cemented.toml", "--json", "--evaluator", evaluator], &line[..]];
+        let answer = bench.json(&arguments.concat());
+        let found = times(&answer);
+        let bath = (100.0 - 0.25f64 * 0.25 - 0.125 * 0.125).sqrt();
+        let expected = [20.0 - bath, 18.0, 20.0, 23.0, 20.0 + bath];
+        assert_eq!(found.len(), 5);
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-13, "{found} for {expected}");
+        }
+        let middle = &crossings(&answer)[2];
+        assert_eq!(middle["surface_left"], "left.x+");
+        assert_eq!(middle["surface_entered"], "right.x-");
+        assert_eq!([&middle["medium_before"], &middle["medium_after"]], ["crown", "flint"]);
+    }
+}
+
+#[test]
+fn one_solid_alone() {
+    let bench = Bench::new();
+    let line = ["--from", "-20,0.25,0.125", "--to", "-19,0.25,0.125"];
+    let arguments = [&["probe", "cemented.toml", "--json", "--solid", "right"], &line[..]];
+    let answer = bench.json(&arguments.concat());
+    assert_eq!(times(&answer), [20.0, 23.0]);
+    assert_eq!(crossings(&answer)[0]["medium_after"], "flint");
+    assert_eq!(answer["solid"], "right");
+}
+
+#[test]
+fn the_table_for_people() {
+    let bench = Bench::new();
+    let text = bench.says(&[&["probe", "ball.toml"], &HEAD_ON[..]].concat());
+    let expected = "\
+ball.toml: line from (-5, 0, 0) to (-4, 0, 0)
+t = 1 is 1 mm; the ray starts in world
+
+#  t  point       normal      surface    region       medium
+0  4  (-1, 0, 0)  (-1, 0, 0)  ball.side  enters ball  world > glass
+1  6  (1, 0, 0)   (1, 0, 0)   ball.side  leaves ball  glass > world
+";
+    assert_eq!(text, expected);
+    let miss = bench.says(&["probe", "ball.toml", "--from", "0,0,9", "--to", "1,0,9"]);
+    assert!(miss.ends_with("\nno crossings\n"), "{miss}");
+    let line = ["--from", "-1,0.25,0.125", "--to", "1,0.25,0.125", "--segment"];
+    let middle = bench.says(&[&["probe", "cemented.toml"], &line[..]].concat());
+    assert!(middle.contains("left.x+ | right.x-  left > right  crown > flint"), "{middle}");
+    assert!(middle.contains("segment from (-1, 0.25, 0.125)"), "{middle}");
+    assert!(middle.contains("t = 1 is 2 cm; the ray starts in crown"), "{middle}");
+}
+
+#[test]
+fn a_ray_needs_a_direction() {
+    let bench = Bench::new();
+    let same = ["probe", "ball.toml", "--from", "1,2,3", "--to", "1,2,3"];
+    assert_eq!(
+        bench.fails(2, &same),
+        "error: --from and --to are the same point (the direction of the ray is from one to the other)\n"
+    );
+    let far = ["probe", "ball.toml", "--from", "-1e308,0,0", "--to", "1e308,0,0"];
+    assert!(bench.fails(2, &far).contains("too far apart"));
+}
+
+#[test]
+fn points_are_three_finite_numbers() {
+    let bench = Bench::new();
+    let message = |from: &str| bench.fails(2, &["probe", "ball.toml", "--from", from, "--to", "0,0,0"]);
+    assert!(message("1,2").contains("invalid value '1,2' for '--from <X,Y,Z>'"));
+    assert!(message("1,2").contains("here are 2"));
+    assert!(message("1,2,nan").contains("`nan` is not finite"));
+    assert!(message("1,2,x").contains("`x` is not a number"));
+    assert!(bench.fails(2, &["probe", "ball.toml", "--to", "0,0,0"]).contains("--from"));
+}
+
+#[test]
+fn a_misspelt_solid_gets_a_suggestion() {
+    let bench = Bench::new();
+    let message = bench.fails(2, &[&["probe", "cemented.toml", "--solid", "lefd"], &HEAD_ON[..]].concat());
+    assert_eq!(
+        message,
+        "error: no solid is called `lefd` (there is left, right, bath) did you mean `left`?\n"
+    );
+}

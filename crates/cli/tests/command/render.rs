@@ -1,0 +1,105 @@
+//! `render`: pictures.
+
+use crate::bench::Bench;
+
+const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// Width and height from the header of a PNG file (PNG specification, section 11.2.2).
+fn size(png: &[u8]) -> [u32; 2] {
+    assert!(png.starts_with(SIGNATURE));
+    let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+    [number(16), number(20)]
+}
+
+/// Bit depth and colour type.
+fn format(png: &[u8]) -> [u8; 2] {
+    [png[24], png[25]]
+}
+
+fn picture(bench: &Bench, options: &[&str]) -> rayweave::render::Image {
+    let files = ["render", "ball.toml", "-o", "out.png", "--size", "60x40"];
+    let said = bench.says(&[&files, options].concat());
+    assert_eq!(said, "out.png: 60 x 40 pixels\n");
+    rayweave::render::png::decode(&bench.bytes("out.png")).unwrap()
+}
+
+#[test]
+fn the_picture_is_named_like_the_model() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("sub")).unwrap();
+    bench.write("sub/part.v2.toml", crate::bench::BALL);
+    let said = bench.says(&["render", "sub/part.v2.toml", "--size", "32x24"]);
+    assert_eq!(said, "part.v2.png: 32 x 24 pixels\n");
+    assert_eq!(size(&bench.bytes("part.v2.png")), [32, 24]);
+}
+
+#[test]
+fn a_ball_fills_the_middle_of_its_picture() {
+    let bench = Bench::new();
+    let image = picture(&bench, &["--view", "front", "--no-edges", "--shading", "flat"]);
+    let [middle, corner] = [(30, 20), (0, 0)].map(|(x, y)| *image.get(x, y).unwrap());
+    assert_eq!(corner, [255; 4]);
+    assert_ne!(middle, corner);
+    // all of the ball in one colour: its disc has the margin of the view, 4 % of the height, around it
+    let inside = image.values().iter().filter(|&&pixel| pixel != corner).count() as f64;
+    let radius = 0.5 * (1.0 - 2.0 * 0.04) * 40.0;
+    let disc = std::f64::consts::PI * radius * radius;
+    assert!((inside - disc).abs() < 0.1 * disc, "{inside} for {disc}");
+}
+
+#[test]
+fn options_change_the_picture() {
+    let bench = Bench::new();
+    let plain = picture(&bench, &[]);
+    assert_eq!(plain, picture(&bench, &["--edges", "--shading", "gooch", "--threads", "3"]));
+    for options in [
+        &["--no-edges"][..],
+        &["--shading", "headlight"],
+        &["--view", "top"],
+        &["--fov", "90"],
+        &["--samples", "1"],
+        &["--shadows"],
+        &["-D", "R=1e-3", "--solid", "ball", "--shading", "flat"],
+    ] {
+        assert_ne!(plain, picture(&bench, options), "{options:?}");
+    }
+    assert_eq!(plain, picture(&bench, &["--evaluator", "reference"]));
+    assert_eq!(plain, picture(&bench, &["--shadows", "--no-shadows", "--no-edges", "--edges"]));
+}
+
+#[test]
+fn kinds_of_pictures() {
+    let bench = Bench::new();
+    let kind = |name: &str| {
+        bench.says(&["render", "ball.toml", "-o", "out.png", "--size", "16x12", "--kind", name]);
+        format(&bench.bytes("out.png"))
+    };
+    // grey is colour type 0, RGB 2, RGBA 6
+    assert_eq!(kind("colour"), [8, 6]);
+    assert_eq!(kind("depth"), [16, 0]);
+    assert_eq!(kind("normal"), [16, 2]);
+    assert_eq!(kind("id"), [8, 6]);
+}
+
+#[test]
+fn a_picture_goes_through_a_pipe() {
+    let bench = Bench::new();
+    let output = bench.command(&["render", "ball.toml", "--size", "8x8", "-o", "-"]).output().unwrap();
+    assert_eq!(size(&output.stdout), [8, 8]);
+    assert!(output.status.success() && output.stderr.is_empty());
+}
+
+#[test]
+fn wrong_wishes() {
+    let bench = Bench::new();
+    let fails = |code, options: &[&str]| bench.fails(code, &[&["render", "ball.toml"], options].concat());
+    assert!(fails(2, &["--size", "0x0"]).contains("0 x 0 pixels"));
+    assert!(fails(2, &["--size", "big"]).contains("as in 640x480"));
+    assert!(fails(2, &["--view", "above"]).contains("front, back, left, right, top, bottom, iso"));
+    assert!(fails(2, &["--samples", "0"]).contains("1..=16"));
+    assert!(fails(2, &["--fov", "180"]).contains("the field of view is 180 degrees"));
+    assert!(fails(2, &["--solid", "bell"]).contains("did you mean `ball`?"));
+    assert!(fails(2, &["-o", "out.gif"]).contains("pictures are written as .png"));
+    assert!(fails(1, &["-o", "nowhere/out.png"]).contains("the folder nowhere does not exist"));
+    assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
+}

@@ -1,0 +1,76 @@
+//! Wrong command lines and wrong models.
+
+use crate::bench::{Bench, done};
+
+#[test]
+fn wrong_command_lines() {
+    let bench = Bench::new();
+    assert!(bench.fails(2, &[]).contains("Usage: rayweave"));
+    assert!(bench.fails(2, &["rendre", "ball.toml"]).contains("'render'"));
+    assert!(bench.fails(2, &["info"]).contains("<MODEL>"));
+    assert!(bench.fails(2, &["info", "ball.toml", "--jsn"]).contains("'--json'"));
+    assert!(bench.fails(2, &["info", "ball.toml", "-D", "R"]).contains("as in R=60"));
+    assert!(bench.fails(2, &["info", "ball.toml", "--threads", "0"]).contains("--threads"));
+}
+
+#[test]
+fn models_that_cannot_be_read() {
+    let bench = Bench::new();
+    let missing = bench.fails(3, &["info", "no-such-model.toml"]);
+    assert!(
+        missing.starts_with("error: the model file cannot be read (there is no such file)\n"),
+        "{missing}"
+    );
+    assert!(missing.contains("no-such-model.toml"), "{missing}");
+    std::fs::create_dir(bench.path("folder.toml")).unwrap();
+    assert!(bench.fails(3, &["info", "folder.toml"]).contains("it is a folder"));
+    bench.write("binary.toml", b"\xff\xfe\x00");
+    assert!(bench.fails(3, &["info", "binary.toml"]).contains("UTF-8"));
+}
+
+#[test]
+fn all_problems_of_a_model_with_their_places() {
+    let bench = Bench::new();
+    bench.write(
+        "wrong.toml",
+        "rayweave = 1\n[solid.a]\nspere = { radius = 1 }\n[solid.b]\nsphere = { radius = -1 }\n[solid.c]\nexpr = \"a & d\"\n",
+    );
+    let message = bench.fails(3, &["probe", "wrong.toml", "--from", "0,0,0", "--to", "1,0,0"]);
+    for part in ["wrong.toml:3:", "`sphere`", "wrong.toml:5:", "wrong.toml:7:"] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    assert!(!message.contains('\x1b'), "colours without a terminal: {message}");
+}
+
+#[test]
+fn an_unknown_parameter() {
+    let bench = Bench::new();
+    let message = bench.fails(3, &["info", "ball.toml", "-D", "r=2"]);
+    assert!(message.contains("unknown parameter `r`"), "{message}");
+    let message = bench.fails(3, &["info", "ball.toml", "-D", "R=-2"]);
+    assert!(message.contains("radius"), "{message}");
+}
+
+#[test]
+fn a_singular_transform() {
+    let bench = Bench::new();
+    bench.write(
+        "flat.toml",
+        "rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\ntransform = [{ scale = [1, 1, 0] }]\n",
+    );
+    for arguments in [&["info", "flat.toml"][..], &["render", "flat.toml", "--size", "8x8"]] {
+        let message = bench.fails(3, arguments);
+        assert!(message.contains("singular") && message.contains("scale"), "{message}");
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let bench = Bench::new();
+    for arguments in [&["schema"][..], &["shapes"], &["info", "ball.toml"]] {
+        let mut child = bench.command(arguments).spawn().unwrap();
+        drop(child.stdout.take());
+        let done = done(child.wait_with_output().unwrap());
+        assert_eq!((done.code, done.err.as_str()), (0, ""), "{arguments:?}");
+    }
+}
