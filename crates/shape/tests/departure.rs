@@ -45,7 +45,7 @@ fn start(surface: &Surface, scale: f64, rng: &mut ChaCha8Rng) -> Option<(Vec3, V
 
 fn departures(seed: u64, mut check: impl FnMut(&Surface, Ray, Vec3, &mut ChaCha8Rng)) {
     let mut rng = rng(seed);
-    for _ in 0..300 {
+    for _ in 0..300 * effort() {
         let scale = size(&mut rng, 1e-8, 1e8);
         for surface in surfaces(scale, &mut rng) {
             if let Some((point, normal)) = start(&surface, scale, &mut rng) {

@@ -53,7 +53,7 @@ fn scaled(surface: &Surface, by: f64) -> Surface {
 
 fn random_rays(count: usize, seed: u64, mut check: impl FnMut(&Surface, Ray, &mut ChaCha8Rng)) {
     let mut rng = rng(seed);
-    for _ in 0..count {
+    for _ in 0..count * effort() {
         for surface in surfaces(&mut rng) {
             let target = surface.anchor() + rng.random_range(0.0..1.2) * unit_vector(&mut rng);
             let ray = ray_through(target, 1.0, &mut rng);

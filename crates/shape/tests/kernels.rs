@@ -73,7 +73,7 @@ fn some_point_on(surface: &Surface, around: Vec3, size: f64, rng: &mut ChaCha8Rn
 
 fn scenes(maker: Make, count: usize, seed: u64, mut check: impl FnMut(&Surface, Ray, &mut ChaCha8Rng)) {
     let mut rng = rng(seed);
-    for _ in 0..count {
+    for _ in 0..count * effort() {
         let scale = size(&mut rng, 1e-8, 1e8);
         let away = scale * size(&mut rng, 1e-1, 1e2);
         let place = if rng.random() { away * unit_vector(&mut rng) } else { Vec3::ZERO };

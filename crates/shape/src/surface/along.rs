@@ -20,14 +20,16 @@ pub fn recentred(ray: &Ray, centre: Vec3) -> (f64, Vec3) {
     (shift, (ray.origin - centre) + shift * ray.direction)
 }
 
-/// Crossings of a surface of degree 2 from its coefficients about any point: `at(q, d)` is given a point of
-/// the ray relative to the centre, and the direction.
-pub fn quadratic_crossings(ray: &Ray, centre: Vec3, at: impl Fn(Vec3, Vec3) -> Coefficients) -> Crossings<2> {
-    let (shift, q) = recentred(ray, centre);
-    let [a, b, c] = at(q, ray.direction);
+/// Crossings of a surface of degree 2 from its coefficients about the time `shift + s`: `at(s)`.
+///
+/// `at` moves along the ray in the surface's own coordinates, each by itself: across the axis of a cylinder a
+/// ray that is parallel to it but for rounding moves by 1 in a time of 1e16, and the place of the extremum
+/// would be lost in the rounding of the other coordinate.
+pub fn quadratic_crossings(shift: f64, at: impl Fn(f64) -> Coefficients) -> Crossings<2> {
+    let [a, b, c] = at(0.0);
     let again = -b / a;
     if cancels(a, b, c) && again.is_finite() {
-        let [a, b, c] = at(q + again * ray.direction, ray.direction);
+        let [a, b, c] = at(again);
         return quadratic(a, b, c).shifted(shift + again);
     }
     quadratic(a, b, c).shifted(shift)

@@ -1,6 +1,6 @@
 //! The double cone `|perp(p - apex)| = slope |h|` with h the height above the apex, inside both nappes.
 
-use super::along::{Coefficients, Departure, quadratic_crossings};
+use super::along::{Coefficients, Departure, quadratic_crossings, recentred};
 use super::cylinder::perpendicular;
 use super::{Quadric, Surface};
 use crate::Ray;
@@ -27,13 +27,21 @@ impl Cone {
     /// Roots of `|perp|^2 - slope^2 h^2`; at most two, and none through the apex, where the ray changes from
     /// one nappe into the other.
     pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
-        quadratic_crossings(ray, self.apex, |q, d| self.coefficients(q, d))
+        let (shift, q) = recentred(ray, self.apex);
+        let (height, from) = self.split(q);
+        let (rise, along) = self.split(ray.direction);
+        quadratic_crossings(shift, |s| {
+            Self::coefficients((height + s * rise, from + s * along), (rise, along))
+        })
     }
 
-    fn coefficients(&self, q: Vec3, d: Vec3) -> Coefficients {
-        let (height, rise) = (self.axis.dot(q), self.axis.dot(d));
-        let (from, along) = (q - height * self.axis, d - rise * self.axis);
-        let (height, rise) = (self.slope * height, self.slope * rise);
+    /// The slope times the part along the axis, and the part across it.
+    fn split(&self, v: Vec3) -> (f64, Vec3) {
+        let height = self.axis.dot(v);
+        (self.slope * height, v - height * self.axis)
+    }
+
+    fn coefficients((height, from): (f64, Vec3), (rise, along): (f64, Vec3)) -> Coefficients {
         [
             along.length_squared() - rise * rise,
             from.dot(along) - height * rise,
@@ -43,7 +51,7 @@ impl Cone {
 
     /// The ray that starts on the cone.
     pub(super) fn departure(&self, ray: &Ray) -> Departure {
-        let [a, b, _] = self.coefficients(ray.origin - self.apex, ray.direction);
+        let [a, b, _] = Self::coefficients(self.split(ray.origin - self.apex), self.split(ray.direction));
         Departure::quadratic(a, b)
     }
 

@@ -8,8 +8,7 @@
 //! - *Pure*: crossings are a function of (surface, origin, direction) and nothing else; only +, -, *, / and
 //!   square roots in a fixed order, `libm` for a cube root, nothing fused. Equal input gives equal bits.
 //! - *Backward stable*: a computed point r(t) lies within `64 u (|o| + |t| |d| + reach)` of the surface, and
-//!   a
-//!   pair of crossings exists or not as it should if the ray clears tangency by more than that: see [`delta`].
+//!   a pair of crossings exists or not as it should if the ray clears tangency by more: see [`delta`].
 //! - *Scales*: lengths times a power of two give times times that power, to the bit.
 //! - *Range*: lengths between 1e-70 and 1e70 (squares of squares are formed), directions of any length.
 

@@ -7,7 +7,7 @@
 //! u |q|` because the axes are perpendicular, whatever the weights are.
 
 use super::Surface;
-use super::along::{Coefficients, Departure, quadratic_crossings};
+use super::along::{Coefficients, Departure, quadratic_crossings, recentred};
 use crate::Ray;
 use rayweave_math::roots::Crossings;
 use rayweave_math::{
@@ -88,18 +88,22 @@ impl Quadric {
 
     /// At most two roots.
     pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
-        quadratic_crossings(ray, self.centre, |q, d| self.coefficients(q, d))
+        let (shift, q) = recentred(ray, self.centre);
+        let (x, v) = (self.coordinates(q), self.coordinates(ray.direction));
+        let (level, rise) = (self.linear.dot(q) + self.constant, self.linear.dot(ray.direction));
+        quadratic_crossings(shift, |s| self.coefficients((x + s * v, v), (level + s * rise, rise)))
     }
 
-    fn coefficients(&self, q: Vec3, d: Vec3) -> Coefficients {
-        let (x, v) = (self.coordinates(q), self.coordinates(d));
+    /// From point and direction in principal axes, and the part of f that is not square with its rate.
+    fn coefficients(&self, (x, v): (Vec3, Vec3), (level, rise): (f64, f64)) -> Coefficients {
         let (wx, wv) = (self.weights * x, self.weights * v);
-        [wv.dot(v), wx.dot(v) + 0.5 * self.linear.dot(d), wx.dot(x) + (self.linear.dot(q) + self.constant)]
+        [wv.dot(v), wx.dot(v) + 0.5 * rise, wx.dot(x) + level]
     }
 
     /// The ray that starts on the quadric.
     pub(super) fn departure(&self, ray: &Ray) -> Departure {
-        let [a, b, _] = self.coefficients(ray.origin - self.centre, ray.direction);
+        let at = (self.coordinates(ray.origin - self.centre), self.coordinates(ray.direction));
+        let [a, b, _] = self.coefficients(at, (0.0, self.linear.dot(ray.direction)));
         Departure::quadratic(a, b)
     }
 

@@ -17,21 +17,28 @@ pub fn delta(reach: f64, ray: &Ray, t: f64) -> f64 {
     64.0 * UNIT_ROUNDOFF * (ray.origin.length() + t.abs() * ray.direction.length() + reach)
 }
 
-/// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: `|f| <= delta |grad
-/// f|` at both ends, the middle, the time closest to 0 and, for degree 4, the quarter points. (The middle
-/// alone would weld the two crossings of a ray through two tangent spheres. `delta` is smallest at the time
-/// closest to 0: without it, faces apart by much that the ray would meet at 1e16, nearly parallel to both,
-/// are welded.)
+/// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: `|f| <= delta |grad f|`
+/// at both ends, the middle and, for degree 4, the quarter points. (The middle alone would weld the two
+/// crossings of a ray through two tangent spheres.)
+///
+/// `delta` grows with |t|, so a piece much longer than the lengths at the ray's start is also looked at where
+/// it is smallest: at the time `c` closest to 0, and one such length before and after it. Without that, faces
+/// far apart are welded if the ray, parallel to them but for rounding, would meet them at times of 1e16.
 pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
     let near = |t: f64| {
         let (value, gradient) = surface.value_and_gradient(ray.at(t));
         value.abs() <= delta(reach, ray, t) * gradient.length()
     };
     let middle = 0.5 * (a + b);
+    let near_the_start = || {
+        let length = (ray.origin.length() + reach) / ray.direction.length();
+        let c = 0.0f64.clamp(a, b);
+        b - a <= length || (near(c) && near((c - length).max(a)) && near((c + length).min(b)))
+    };
     near(middle)
         && near(a)
         && near(b)
-        && near(0.0f64.clamp(a, b))
+        && near_the_start()
         && (surface.degree() < 4 || (near(0.5 * (a + middle)) && near(0.5 * (middle + b))))
 }
 

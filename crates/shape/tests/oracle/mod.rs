@@ -1,5 +1,5 @@
-//! Surfaces in exact rational arithmetic, for the tests of the kernels: written from the definitions, about the
-//! world origin, with no rounding anywhere.
+//! Surfaces in exact rational arithmetic, for the tests of the kernels: written from the definitions, with no
+//! rounding anywhere.
 #![allow(dead_code)] // each test uses its part
 
 use dashu::base::Sign;
@@ -10,6 +10,11 @@ use rayweave_shape::Ray;
 use rayweave_shape::surface::Surface;
 
 pub type Point = [RBig; 3];
+
+/// How many times as many cases as usual, by the variable `RAYWEAVE_EFFORT`.
+pub fn effort() -> usize {
+    std::env::var("RAYWEAVE_EFFORT").ok().and_then(|s| s.parse().ok()).unwrap_or(1)
+}
 
 pub fn rng(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
@@ -101,8 +106,8 @@ fn torus(q: &Point, u: &Point, major: f64, minor: RBig) -> RBig {
     square(all + &major - square(minor)) - exact(4.0) * major * rho
 }
 
-/// `|F| / |grad F|` at the exact point of the ray: the distance from the surface, to first order. The gradient
-/// is an exact difference quotient.
+/// `|F| / |grad F|` at the exact point of the ray: the distance from the surface, to first order. The
+/// gradient is an exact difference quotient.
 pub fn distance(surface: &Surface, ray: &Ray, t: f64) -> f64 {
     let p = at(ray, &exact(t));
     // exact for degree 2; for a torus, small against the tube

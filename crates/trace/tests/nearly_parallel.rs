@@ -1,0 +1,77 @@
+//! Rays that are parallel to a surface but for rounding, so that they would meet it at times of 1e16: what they
+//! meet close by must not suffer.
+
+use rayweave_math::{Affine, Mat3, Vec3};
+use rayweave_model::{Evaluator, Program, Query, RegionId, Solid};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::{Value, build};
+use rayweave_trace::{Reference, Weave};
+use std::sync::Arc;
+
+/// A rotation without a round number in it.
+fn turn() -> Affine {
+    let columns = [
+        [0.9198678251134597, -0.29241932082280053, -0.2614079668460134],
+        [-0.251575838561128, 0.07145065224197675, -0.9651965611969728],
+        [0.300919892618118, 0.9536171900210946, -0.00784047976670625],
+    ];
+    let [x, y, z] = columns.map(Vec3::from_array);
+    Affine {
+        linear: Mat3::from_cols(x, y, z),
+        translation: Vec3::new(0.41304945128100856, 2.7895525294933172, 0.892537635104067),
+    }
+}
+
+fn made(name: &str, arguments: &[(&str, Value)]) -> Solid {
+    Solid::from(build(name, arguments).unwrap())
+}
+
+/// The crossings within 1000 of the origin along the ray, and whether the origin of the ray is inside.
+fn near(solid: &Solid, origin: Vec3, direction: Vec3) -> (bool, usize) {
+    let program = Arc::new(Program::compile(&solid.apply(turn())).unwrap());
+    let ray = Ray::new(origin, direction).transformed(&turn());
+    let found = Weave::new(program.clone()).one(ray, &Query::default());
+    assert_eq!(found, Reference::new(program).one(ray, &Query::default()));
+    let before = found.crossings.iter().rfind(|c| c.t < 0.0);
+    let region = before.map_or(found.starts[0], |c| c.after);
+    (region != RegionId(0), found.crossings.iter().filter(|c| c.t.abs() < 1e3).count())
+}
+
+#[test]
+fn planes_met_very_far_away_are_not_welded() {
+    let half = made("half_space", &[("normal", Vec3::Y.into()), ("offset", 2.0.into())]);
+    let slab = made("slab", &[("normal", Vec3::Z.into()), ("lo", (-1.0).into()), ("hi", 1.0.into())]);
+    for z in [-3.0, -0.5, 0.0, 0.5, 3.0] {
+        for y in [-2.0, 1.5, 2.5] {
+            let (inside, crossings) = near(&(&half - &slab), Vec3::new(-2.25, y, z), Vec3::X);
+            assert_eq!((inside, crossings), (y < 2.0 && z.abs() > 1.0, 0), "y = {y}, z = {z}");
+        }
+    }
+}
+
+#[test]
+fn an_elliptic_cylinder_is_not_met_beside_it() {
+    let rod = made("cylinder", &[("radius", 1.0.into()), ("height", 1.0.into())]).scale([1.0, 2.0, 1.0]);
+    for x in [0.25, 0.75, 1.25, 2.25] {
+        for y in [-2.25, -1.75, 0.25, 1.75] {
+            let inside = x * x + y * y / 4.0 < 1.0;
+            let found = near(&rod, Vec3::new(x, y, 0.25), 2.0 * Vec3::Z);
+            assert_eq!(found, (inside, if inside { 2 } else { 0 }), "x = {x}, y = {y}");
+        }
+    }
+}
+
+/// Far out the ray is within the tolerance of the surface, so far is the tolerance: near by it is not.
+#[test]
+fn an_asymptotic_ray_meets_a_hyperboloid_once() {
+    let rows: [[f64; 4]; 4] =
+        [[3.0, 0.0, -0.03, -0.2], [0.0, 0.9, 0.0, 0.0], [-0.03, 0.0, 0.0, 0.0], [-0.2, 0.0, 0.0, -0.2]];
+    let solid = made("quadric", &[("matrix", rows.as_slice().into())]);
+    for x in [1.0, 2.0, -2.0] {
+        // 3 x^2 + 0.9 y^2 - 0.06 x z - 0.4 x - 0.2 = 0 has one solution z
+        let z = (3.0 * x * x + 0.9 - 0.4 * x - 0.2) / (0.06 * x);
+        let start = Vec3::new(x, 1.0, z + 5.0);
+        assert_eq!(near(&solid, start, Vec3::Z), (x > 0.0, 1), "x = {x}");
+        assert_eq!(near(&solid, start, -Vec3::Z), (x > 0.0, 1), "x = {x}");
+    }
+}
