@@ -65,7 +65,9 @@ impl<'py> Vectors<'py> {
     /// The first vector of which something is true.
     fn position(&self, is_bad: impl Fn([f64; 3]) -> bool) -> Option<usize> {
         let rows = self.view();
-        (0..rows.nrows()).position(|i| is_bad([rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]]))
+        // one vector broadcast by NumPy: all rows are the same memory
+        let count = if rows.strides()[0] == 0 { rows.nrows().min(1) } else { rows.nrows() };
+        (0..count).position(|i| is_bad([rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]]))
     }
 
     fn place(&self, name: &str, i: usize) -> String {

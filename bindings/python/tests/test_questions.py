@@ -1,0 +1,329 @@
+"""Questions along rays, compared with closed forms and with sampling."""
+
+import math
+import threading
+
+import numpy as np
+import pytest
+
+import rayweave
+from rayweave import Crossings, RayweaveError, box, half_space, slab, sphere
+
+INF = math.inf
+
+
+def random_rays(rng, count, spread=4.0):
+    return rng.uniform(-spread, spread, (count, 3)), rng.normal(size=(count, 3)) * rng.uniform(0.1, 10, (count, 1))
+
+
+def sphere_times(origins, directions, radius):
+    """Both roots of |o + t d| = r, NaN where there are none."""
+    a = np.sum(directions**2, axis=1)
+    b = np.sum(origins * directions, axis=1)
+    closest = -b / a
+    miss = np.sum((origins + closest[:, None] * directions) ** 2, axis=1)
+    with np.errstate(invalid="ignore"):
+        half = np.sqrt((radius**2 - miss) / a)
+    return closest - half, closest + half
+
+
+def box_times(origins, directions, half):
+    """Entry and exit of the slabs |x| < half, NaN where the ray misses."""
+    ends = np.stack([(-half - origins) / directions, (half - origins) / directions])
+    enter, leave = ends.min(axis=0).max(axis=1), ends.max(axis=0).min(axis=1)
+    return np.where(enter < leave, enter, np.nan), np.where(enter < leave, leave, np.nan)
+
+
+@pytest.mark.parametrize(
+    ("solid", "times"),
+    [
+        (sphere(2), lambda o, d: sphere_times(o, d, 2.0)),
+        (box([2, 4, 6]), lambda o, d: box_times(o, d, np.array([1.0, 2.0, 3.0]))),
+    ],
+)
+def test_hits_are_the_closed_form(rng, solid, times):
+    origins, directions = random_rays(rng, 5000)
+    enter, leave = times(origins, directions)
+    hits = solid.hits(origins, directions)
+    assert hits.shape == (2, 5000) and hits.dtype == np.float64 and hits.flags.c_contiguous
+    found = ~np.isnan(enter)
+    assert 0.1 < found.mean() < 0.9
+    np.testing.assert_allclose(hits[0, found], enter[found], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(hits[1, found], leave[found], rtol=1e-9, atol=1e-9)
+    assert (hits[:, ~found] == INF).all()
+
+
+def lumps(rng):
+    """A union of overlapping balls with a hole."""
+    balls = [sphere(float(rng.uniform(0.3, 1.5))).translate(rng.uniform(-3, 3, 3)) for _ in range(12)]
+    return rayweave.union(balls) - box([1, 1, 20])
+
+
+def test_hits_agree_with_contains_between_them(rng):
+    solid = lumps(rng)
+    origins, directions = random_rays(rng, 2000)
+    hits = solid.hits(origins, directions)
+    assert hits.shape[0] > 4
+    inside = np.zeros(hits.shape[1], bool)
+    for row in range(hits.shape[0] - 1):
+        finite = np.isfinite(hits[row + 1])
+        middle = 0.5 * (hits[row] + hits[row + 1])[finite]
+        points = origins[finite] + middle[:, None] * directions[finite]
+        inside = row % 2 == 0
+        assert (solid.contains(points) == inside).all()
+
+
+def test_unbounded_solids_show_infinities():
+    below = half_space([0, 0, 2], 6)
+    assert below.hits([0, 0, 0], [0, 0, 1]).tolist() == [[-INF], [3]]
+    assert below.hits([0, 0, 0], [0, 0, -1]).tolist() == [[-3], [INF]]
+    assert (~sphere(1)).hits([0, 0, -3], [0, 0, 1]).tolist() == [[-INF], [2], [4], [INF]]
+    assert slab([0, 0, 1], -1, 1).hits([0, 0, 0], [1, 0, 0]).tolist() == [[-INF], [INF]]
+
+
+def test_rows_are_even_and_just_enough():
+    rays = [[0, 0, -9], [5, 0, -9]], [0, 0, 1]
+    two = sphere(1) | sphere(1).translate([0, 0, 3])
+    assert two.hits(*rays).tolist() == [[8, INF], [10, INF], [11, INF], [13, INF]]
+    assert sphere(1).hits([[5, 0, 0]], [0, 0, 1]).shape == (2, 1)
+    assert sphere(1).hits(np.zeros((0, 3)), [0, 0, 1]).shape == (2, 0)
+
+
+def test_windows():
+    solid = sphere(1) | sphere(1).translate([0, 0, 3])
+    ray = [0, 0, -2], [0, 0, 1]
+    assert solid.hits(*ray)[:, 0].tolist() == [1, 3, 4, 6]
+    # inside at both ends: from -inf, to +inf
+    assert solid.hits(*ray, 2, 5)[:, 0].tolist() == [-INF, 3, 4, INF]
+    # a root at t_min or t_max is not in the window
+    assert solid.hits(*ray, t_min=1, t_max=4)[:, 0].tolist() == [-INF, 3]
+    assert solid.nearest(*ray, t_min=1).t.tolist() == [3]
+    assert solid.nearest(*ray, t_min=3).t.tolist() == [4]
+    assert solid.nearest(*ray, t_min=-INF).t.tolist() == [1]
+    assert solid.nearest(*ray, t_max=0.5).t.tolist() == [INF]
+    assert solid.nearest([0, 0, 0], [0, 0, 1]).t.tolist() == [1]
+    for window in [(1, 1), (2, 1), (math.nan, 1), (0, math.nan)]:
+        with pytest.raises(RayweaveError, match="t_min = .*t_max = "):
+            solid.hits(*ray, *window)
+
+
+def test_crossings_are_dressed(rng):
+    solid = sphere(2).named("ball") - box(2).named("hole")
+    origins, directions = random_rays(rng, 3000)
+    answer = solid.crossings(origins, directions)
+    assert type(answer) is Crossings and len(answer) == len(answer.t) > 1000
+    rows = {"ray": np.int64, "t": np.float64, "enters": np.bool_, "surface": np.int32, "leaf": np.int32}
+    for name, dtype in rows.items():
+        assert getattr(answer, name).dtype == dtype and getattr(answer, name).shape == (len(answer),)
+    assert answer.offsets.dtype == np.int64 and answer.offsets.shape == (3001,)
+    assert answer.start_inside.dtype == np.bool_ and answer.start_inside.shape == (3000,)
+    assert answer.point.shape == answer.normal.shape == (len(answer), 3)
+    # sorted by ray, then t
+    assert (np.diff(answer.ray) >= 0).all()
+    assert (np.diff(answer.t)[np.diff(answer.ray) == 0] > 0).all()
+    np.testing.assert_array_equal(answer.offsets, np.searchsorted(answer.ray, np.arange(3001)))
+    # points on the ray, unit normals against it where it enters
+    o, d = origins[answer.ray], directions[answer.ray]
+    np.testing.assert_allclose(answer.point, o + answer.t[:, None] * d, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(answer.normal, axis=1), 1, atol=1e-15)
+    np.testing.assert_array_equal(np.sum(answer.normal * d, axis=1) < 0, answer.enters)
+    # faces: the ball's normal is radial, those of the hole point into it
+    names = np.array(answer.surface_names)[answer.surface]
+    on_ball = names == "ball.side"
+    assert on_ball.any() and (~on_ball).any()
+    np.testing.assert_allclose(answer.normal[on_ball], answer.point[on_ball] / 2, atol=1e-9)
+    np.testing.assert_allclose(np.abs(answer.point[~on_ball]).max(axis=1), 1, atol=1e-12)
+    axis = np.abs(answer.point[~on_ball]).argmax(axis=1)
+    inward = -np.sign(np.take_along_axis(answer.point[~on_ball], axis[:, None], 1))
+    np.testing.assert_allclose(np.take_along_axis(answer.normal[~on_ball], axis[:, None], 1), inward)
+    assert all(name.startswith("hole.") for name in names[~on_ball])
+    np.testing.assert_array_equal(answer.leaf, np.where(on_ball, 0, 1))
+
+
+def test_crossings_and_hits_and_nearest_agree(rng):
+    solid = ~lumps(rng)
+    origins, directions = random_rays(rng, 3000)
+    answer = solid.crossings(origins, directions)
+    hits, surfaces = solid.hits(origins, directions, return_surfaces=True)
+    assert surfaces.dtype == np.int32 and surfaces.shape == hits.shape
+    finite = np.isfinite(hits)
+    np.testing.assert_array_equal(hits.T[finite.T], answer.t)
+    np.testing.assert_array_equal(surfaces.T[finite.T], answer.surface)
+    assert (surfaces[~finite] == -1).all()
+    np.testing.assert_array_equal(hits[0] == -INF, answer.start_inside)
+    enters = (np.cumsum(np.ones_like(hits), axis=0) % 2 == 1).T[finite.T]
+    np.testing.assert_array_equal(answer.enters, enters)
+    # the first crossing after t = 0
+    ahead = np.where(hits > 0, hits, INF).min(axis=0)
+    nearest = solid.nearest(origins, directions)
+    np.testing.assert_array_equal(nearest.t, ahead)
+    np.testing.assert_array_equal(nearest.ray, np.arange(3000))
+    np.testing.assert_array_equal(nearest.offsets, np.arange(3001))
+    np.testing.assert_array_equal(nearest.start_inside, solid.contains(origins))
+    found = nearest.t < INF
+    assert found.any() and (~found).any()
+    for name in ("point", "normal"):
+        value = getattr(nearest, name)
+        assert np.isnan(value[~found]).all() and np.isfinite(value[found]).all()
+    assert (nearest.surface[~found] == -1).all() and (nearest.leaf[~found] == -1).all()
+    assert not nearest.enters[~found].any()
+
+
+def test_evaluators_and_threads_agree_to_the_bit(rng):
+    solid = lumps(rng) | rayweave.torus(2, 0.5).rotate_x(40)
+    origins, directions = random_rays(rng, 4000)
+    expected = solid.hits(origins, directions, return_surfaces=True)
+    for options in [{"evaluator": "reference"}, {"evaluator": "weave", "threads": 1}, {"threads": 7}]:
+        for a, b in zip(expected, solid.hits(origins, directions, return_surfaces=True, **options), strict=True):
+            np.testing.assert_array_equal(a, b)
+        a, b = solid.nearest(origins, directions), solid.nearest(origins, directions, **options)
+        for name in ("t", "point", "normal", "surface", "leaf", "enters"):
+            np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
+        np.testing.assert_array_equal(solid.contains(origins), solid.contains(origins, **options))
+
+
+def test_variable_for_threads(rng, monkeypatch):
+    origins, directions = random_rays(rng, 5000)
+    expected = sphere(2).hits(origins, directions)
+    for value in ("1", "3", "nonsense"):
+        monkeypatch.setenv("RAYWEAVE_THREADS", value)
+        np.testing.assert_array_equal(sphere(2).hits(origins, directions), expected)
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        lambda x: x.tolist(),
+        lambda x: x.astype(np.float32),
+        lambda x: x.astype(">f8"),
+        np.asfortranarray,
+        lambda x: np.flip(np.flip(x, 0).copy(), 0),
+        lambda x: np.concatenate((x, x), axis=1)[:, :3],
+        lambda x: np.repeat(x, 3, axis=0)[::3],
+        lambda x: x[:, ::-1].copy()[:, ::-1],
+        lambda x: np.lib.stride_tricks.as_strided(x, x.shape, x.strides, writeable=False),
+    ],
+)
+def test_any_layout(rng, layout):
+    origins, directions = (np.round(x, 2).astype(np.float32).astype(float) for x in random_rays(rng, 300))
+    expected = sphere(2).hits(origins, directions)
+    np.testing.assert_array_equal(sphere(2).hits(layout(origins), directions), expected)
+    np.testing.assert_array_equal(sphere(2).hits(origins, layout(directions)), expected)
+    np.testing.assert_array_equal(sphere(2).contains(layout(origins)), sphere(2).contains(origins))
+
+
+def test_rays_from_record_arrays():
+    rays = np.zeros(5, dtype=[("flag", "i1"), ("o", "f8", 3), ("d", "f8", 3)])
+    rays["o"][:, 2] = -5
+    rays["d"][:, 2] = 1
+    assert (sphere(1).hits(rays["o"], rays["d"])[0] == 4).all()
+
+
+def test_broadcasting():
+    down = [0, 0, -1]
+    origins = np.array([[0, 0, 5], [0.5, 0, 5], [9, 0, 5]])
+    expected = sphere(1).hits(origins, np.tile(down, (3, 1)))
+    np.testing.assert_array_equal(sphere(1).hits(origins, down), expected)
+    np.testing.assert_array_equal(sphere(1).hits(origins, [down]), expected)
+    one_origin = sphere(1).hits([0, 0, 5], [down, [0, 0, 1]])
+    assert one_origin.tolist() == [[4, -6], [6, -4]]
+    assert sphere(1).hits([0, 0, 5], down).shape == (2, 1)
+    assert sphere(1).nearest([0, 0, 5], down).t.shape == (1,)
+    assert sphere(1).contains([0, 0, 0]).tolist() == [True]
+    assert sphere(1).hits(np.zeros((0, 3)), down).shape == (2, 0)
+    assert len(sphere(1).crossings(np.zeros((0, 3)), np.zeros((0, 3)))) == 0
+    assert sphere(1).contains(np.zeros((0, 3))).shape == (0,)
+
+
+def test_out():
+    origins, down = np.array([[0, 0, 5.0], [9, 0, 5]]), [0, 0, -1]
+    out = np.full((4, 2), 7.0)
+    assert sphere(1).hits(origins, down, out=out) is out
+    assert out.tolist() == [[4, INF], [6, INF], [INF, INF], [INF, INF]]
+    view = np.zeros((2, 6), order="F")[:, ::-3]
+    hits, surfaces = sphere(1).hits(origins, down, out=view, return_surfaces=True)
+    assert hits is view and view.tolist() == [[4, INF], [6, INF]] and surfaces.tolist() == [[0, -1], [0, -1]]
+    for bad in (np.zeros((3, 2)), np.zeros((2, 3)), np.zeros((0, 2))):
+        with pytest.raises(RayweaveError, match="out has shape"):
+            sphere(1).hits(origins, down, out=bad)
+    for bad in (np.zeros((2, 2), np.float32), np.zeros(4), [[0, 0], [0, 0]]):
+        with pytest.raises(TypeError, match="out is no float64 array"):
+            sphere(1).hits(origins, down, out=bad)
+    with pytest.raises(RayweaveError, match="out: .*not writeable"):
+        sphere(1).hits(origins, down, out=np.broadcast_to(0.0, (2, 2)))
+
+
+@pytest.mark.parametrize(
+    ("origins", "directions", "message"),
+    [
+        (np.zeros((4, 2)), [0, 0, 1], r"origins has shape \(4, 2\) \(\(N, 3\) or \(3,\) is needed\)"),
+        ([0, 0, 0], np.zeros((2, 2, 3)), r"directions has shape \(2, 2, 3\)"),
+        (np.zeros(()), [0, 0, 1], r"origins has shape \(\)"),
+        ([0, 0, 0], [0, 0, 0], "directions: zero length"),
+        (np.zeros((4, 3)), [[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 0]], r"directions\[3\]: zero length"),
+        ([[0, 0, 0], [0, math.nan, 0]], [0, 0, 1], r"origins\[1\]: \(0, NaN, 0\) \(every component must be finite\)"),
+        ([0, 0, 0], [0, 0, INF], r"directions: \(0, 0, inf\)"),
+        (np.zeros((2, 3)), np.ones((3, 3)), "there are 2 origins and 3 directions"),
+        ([[0, 0], [0]], [0, 0, 1], "origins is no array of numbers"),
+    ],
+)
+def test_bad_rays_are_named(origins, directions, message):
+    for question in (sphere(1).hits, sphere(1).crossings, sphere(1).nearest):
+        with pytest.raises(RayweaveError, match=message):
+            question(origins, directions)
+
+
+def test_wrong_types_are_type_errors():
+    ball = sphere(1)
+    for bad in ("up", [True, False, True], [1j, 0, 0], None, [None, 1, 2]):
+        with pytest.raises(TypeError, match="directions has dtype"):
+            ball.hits([0, 0, 0], bad)
+        with pytest.raises(TypeError, match="points has dtype"):
+            ball.contains(bad)
+    with pytest.raises(TypeError, match="threads is <class 'str'>"):
+        ball.hits([0, 0, 0], [0, 0, 1], threads="all")
+    with pytest.raises(TypeError):
+        ball.hits([0, 0, 0], [0, 0, 1], 0, 1, True)
+
+
+def test_bad_options():
+    for threads in (0, -1):
+        with pytest.raises(RayweaveError, match=f"threads is {threads}"):
+            sphere(1).hits([0, 0, 0], [0, 0, 1], threads=threads)
+    with pytest.raises(RayweaveError, match="evaluator is 'weaver'"):
+        sphere(1).contains([0, 0, 0], evaluator="weaver")
+
+
+def test_more_rays_than_memory_are_refused():
+    origins = np.broadcast_to(np.zeros(3), (10**17, 3))
+    for question in (sphere(1).hits, sphere(1).crossings, sphere(1).nearest):
+        with pytest.raises(MemoryError):
+            question([0, 0, 0], np.broadcast_to(np.ones(3), (10**17, 3)))
+    with pytest.raises(MemoryError):
+        sphere(1).contains(origins)
+
+
+def test_a_solid_that_cannot_be_compiled():
+    huge = sphere(1e60).scale(1e300)
+    with pytest.raises(RayweaveError, match="sphere"):
+        huge.hits([0, 0, 0], [0, 0, 1])
+
+
+def test_other_threads_run_meanwhile(rng):
+    """The interpreter is not blocked while rays are traced, and one solid serves many threads."""
+    solid = lumps(rng)
+    origins, directions = random_rays(rng, 100_000)
+    expected = solid.nearest(origins, directions).t
+    turns, done, results = 0, threading.Event(), []
+
+    def work():
+        results.extend(solid.nearest(origins, directions, threads=1).t for _ in range(3))
+        done.set()
+
+    worker = threading.Thread(target=work)
+    worker.start()
+    while not done.is_set():
+        turns += 1
+    worker.join()
+    assert turns > 1000
+    assert all((result == expected).all() for result in results)
