@@ -3,7 +3,9 @@
 use crate::failure::{Failure, stdout_failure};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayweave::scene::Diagnostics;
+use rayweave::table::AtomicFile;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::time::Duration;
 
 const RED: &str = "\x1b[1;31m";
@@ -20,6 +22,18 @@ pub fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
     written.map_err(|error| stdout_failure(&error))
+}
+
+/// Writes a file, which appears when it is complete; `-` is standard output.
+pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    if path == Path::new("-") {
+        return print_bytes(bytes);
+    }
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(bytes)
+        .map_err(|error| Failure::Run(format!("cannot write {} ({error})", path.display())))?;
+    file.finish()?;
+    Ok(())
 }
 
 /// Whether messages may have colours: on a terminal, unless `NO_COLOR` is set (no-color.org).

@@ -1,7 +1,7 @@
 //! The contents of a model file, ready to be asked.
 
 use crate::Error;
-use rayweave_model::{Program, Region, RegionId};
+use rayweave_model::{Program, Region, RegionId, Solid};
 use rayweave_scene::Scene;
 use std::sync::Arc;
 
@@ -31,8 +31,7 @@ impl Compiled {
     ///
     /// [`crate::ErrorKind::Name`] if the scene has no solid of this name, [`crate::ErrorKind::Compile`].
     pub fn solid(scene: &Scene, name: &str) -> Result<Compiled, Error> {
-        let known = scene.solids.iter().map(|(own, _)| own.as_str());
-        let solid = scene.solid(name).ok_or_else(|| Error::unknown("solid", name, known))?;
+        let solid = Compiled::find(scene, name)?;
         let mut media = names(scene);
         let mut regions = scene.regions.iter().rev();
         let medium = match regions.find(|region| region.solid.is_same(solid)) {
@@ -56,6 +55,12 @@ impl Compiled {
             Some(name) => Compiled::solid(scene, name),
             None => Compiled::new(scene),
         }
+    }
+
+    /// A solid of a scene by its name.
+    pub(crate) fn find<'s>(scene: &'s Scene, name: &str) -> Result<&'s Solid, Error> {
+        let known = scene.solids.iter().map(|(own, _)| own.as_str());
+        scene.solid(name).ok_or_else(|| Error::unknown("solid", name, known))
     }
 
     fn of(regions: &[Region], media: Vec<String>) -> Result<Compiled, Error> {

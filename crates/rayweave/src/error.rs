@@ -1,7 +1,7 @@
 //! The one error of the library.
 
 use rayweave_model::{CompileError, WindowError};
-use rayweave_render::{CameraError, RenderError};
+use rayweave_render::{CameraError, RenderError, TimelineError};
 use rayweave_rootray::RootRayError;
 use rayweave_scene::Diagnostics;
 use rayweave_shape::primitive::ShapeError;
@@ -48,6 +48,7 @@ enum Cause {
     RootRay(RootRayError),
     Camera(CameraError),
     Render(RenderError),
+    Timeline(TimelineError),
     Name(String),
     Cancelled,
 }
@@ -65,7 +66,11 @@ impl Error {
             Cause::Input(_) => ErrorKind::Input,
             Cause::Output(_) => ErrorKind::Output,
             Cause::Render(RenderError::Cancelled) | Cause::Cancelled => ErrorKind::Cancelled,
-            Cause::Window(_) | Cause::RootRay(_) | Cause::Camera(_) | Cause::Render(_) => ErrorKind::Value,
+            Cause::Window(_)
+            | Cause::RootRay(_)
+            | Cause::Camera(_)
+            | Cause::Render(_)
+            | Cause::Timeline(_) => ErrorKind::Value,
             Cause::Name(_) => ErrorKind::Name,
         }
     }
@@ -180,6 +185,7 @@ impl fmt::Display for Error {
             Cause::RootRay(error) => error.fmt(f),
             Cause::Camera(error) => error.fmt(f),
             Cause::Render(error) => error.fmt(f),
+            Cause::Timeline(error) => error.fmt(f),
             Cause::Name(text) => f.write_str(text),
             Cause::Cancelled => f.write_str("cancelled"),
         }
@@ -221,6 +227,7 @@ from! {
     RootRayError => RootRay,
     CameraError => Camera,
     RenderError => Render,
+    TimelineError => Timeline,
 }
 
 /// Problems with files of rays are those of an input, all others those of an output.

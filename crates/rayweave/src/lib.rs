@@ -133,6 +133,8 @@
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
+//! [`timeline`] draws what happens along one ray.
+//!
 //! # Files of rays
 //!
 //! [`files::trace_rays`] streams rays from CSV or NPY into a table of hits, on all cores and in constant memory.
@@ -159,6 +161,7 @@
 mod compiled;
 mod error;
 mod evaluator;
+mod timeline;
 
 pub mod files;
 pub mod picture;
@@ -180,3 +183,4 @@ pub use rayweave_math::{Affine, Bounds, Vec3};
 pub use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Window};
 pub use rayweave_shape::Ray;
 pub use rayweave_trace::{Reference, Weave};
+pub use timeline::timeline;

@@ -54,6 +54,15 @@ impl Probe {
         let query = Query { window, ..Query::default() };
         let found =
             Found { unit: scene.unit.symbol(), compiled: &compiled, ray, answer: evaluator.one(ray, &query) };
+        if let Some(path) = &self.timeline {
+            let solid = self.subject.solid.as_deref();
+            let mut drawing = rayweave::timeline(&scene, solid, &compiled, ray)?;
+            drawing.title(&self.heading());
+            if self.segment {
+                drawing.window(0.0, 1.0).map_err(rayweave::Error::from)?;
+            }
+            terminal::save(path, drawing.to_svg().as_bytes())?;
+        }
         terminal::print(&match self.json {
             true => format!("{:#}\n", self.as_json(&found)),
             false => self.as_text(&found),
@@ -75,7 +84,7 @@ impl Probe {
         }
     }
 
-    fn as_text(&self, found: &Found<'_>) -> String {
+    fn heading(&self) -> String {
         let what = match (&self.subject.solid, self.segment) {
             (None, false) => "line".to_owned(),
             (None, true) => "segment".to_owned(),
@@ -83,9 +92,13 @@ impl Probe {
             (Some(name), true) => format!("{name} on the segment"),
         };
         let (from, to) = (short_point(self.from), short_point(self.to));
+        format!("{}: {what} from {from} to {to}", self.model.name())
+    }
+
+    fn as_text(&self, found: &Found<'_>) -> String {
         let (length, unit) = (short(found.ray.direction.length()), found.unit);
         let start = found.compiled.medium_name(found.answer.starts[0]);
-        let mut text = format!("{}: {what} from {from} to {to}\n", self.model.name());
+        let mut text = self.heading() + "\n";
         text += &format!("t = 1 is {length} {unit}; the ray starts in {start}\n\n");
         match found.answer.crossings.is_empty() {
             true => text += "no crossings\n",

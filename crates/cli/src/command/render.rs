@@ -8,9 +8,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rayweave::picture::{Picture, PictureKind, Wishes, arrange};
 use rayweave::render::{Run, Settings, Size, Style, View};
-use rayweave::table::AtomicFile;
 use rayweave::{AnyEvaluator, Compiled};
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Draw a picture of a model
@@ -86,7 +84,7 @@ impl Render {
             Run { threads: cli.threads, cancel: interrupt::token()?, progress: Some(&mut progress) };
         let drawn = Picture::draw(kind, &evaluator, &camera, &settings, &mut run);
         bar.finish_and_clear();
-        write(&out, &drawn?.to_png())?;
+        terminal::save(&out, &drawn?.to_png())?;
         if cli.quiet || out == Path::new("-") {
             return Ok(());
         }
@@ -123,17 +121,6 @@ impl Render {
             samples: self.samples,
         }
     }
-}
-
-fn write(out: &Path, png: &[u8]) -> Result<(), Failure> {
-    if out == Path::new("-") {
-        return terminal::print_bytes(png);
-    }
-    let mut file = AtomicFile::create(out)?;
-    file.write_all(png)
-        .map_err(|error: io::Error| Failure::Run(format!("cannot write {} ({error})", out.display())))?;
-    file.finish()?;
-    Ok(())
 }
 
 /// `640x480`.

@@ -147,3 +147,21 @@ fn a_misspelt_solid_gets_a_suggestion() {
         "error: no solid is called `lefd` (there is left, right, bath) did you mean `left`?\n"
     );
 }
+
+#[test]
+fn time_lines() {
+    let bench = Bench::new();
+    let line = ["--from", "-20,0.25,0.125", "--to", "-19,0.25,0.125", "--timeline", "time.svg"];
+    let text = bench.says(&[&["probe", "cemented.toml"], &line[..]].concat());
+    assert!(text.contains("crown > flint"), "{text}");
+    let svg = bench.read("time.svg");
+    assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"), "{svg}");
+    for word in ["bath", "left", "right", "water", "crown", "flint", "cemented.toml: line from"] {
+        assert!(svg.contains(word), "{word}");
+    }
+    let segment = [&["probe", "ball.toml", "--segment", "--timeline", "time.svg"], &HEAD_ON[..]].concat();
+    assert!(bench.says(&segment).contains("no crossings"));
+    assert_ne!(bench.read("time.svg"), svg);
+    let nowhere = [&["probe", "ball.toml", "--timeline", "nowhere/time.svg"], &HEAD_ON[..]].concat();
+    assert!(bench.fails(1, &nowhere).contains("the folder nowhere does not exist"));
+}
