@@ -129,8 +129,10 @@ impl Affine {
         if size == 0.0 {
             return Err(SingularError::Singular);
         }
-        // scaled first, so that the determinant of a tiny or huge map neither under- nor overflows
-        let inverse = (self.linear * (1.0 / size)).inverse() * (1.0 / size);
+        // scaled first, so that the determinant of a tiny or huge map neither under- nor overflows; by a power
+        // of two, so that a scale by one changes no digit
+        let scale = libm::ldexp(1.0, (-libm::ilogb(size)).min(1000));
+        let inverse = (self.linear * scale).inverse() * scale;
         if !inverse.is_finite() || size * frobenius(&inverse) > 2f64.powi(40) {
             return Err(SingularError::Singular);
         }
@@ -151,8 +153,11 @@ impl Affine {
         let off = gram - Mat3::from_diagonal(Vec3::splat(square));
         let worst = off.to_cols_array().iter().fold(0.0f64, |w, e| w.max(e.abs()));
         (square > 0.0 && worst <= 64.0 * UNIT_ROUNDOFF * square).then(|| {
-            // exact where the map itself is: a rotation by quarter turns keeps every radius to the bit
-            if (square - 1.0).abs() <= 16.0 * UNIT_ROUNDOFF { 1.0 } else { square.sqrt() }
+            // exact where the map itself is: a rotation keeps every radius to the bit, and with a scale by a
+            // power of two every digit of it
+            let root = square.sqrt();
+            let power = libm::ldexp(1.0, libm::ilogb(root * std::f64::consts::SQRT_2));
+            if (root - power).abs() <= 8.0 * UNIT_ROUNDOFF * power { power } else { root }
         })
     }
 
@@ -216,6 +221,19 @@ mod tests {
         assert_eq!(Affine::scale(Vec3::new(1.0, f64::NAN, 1.0)).inverse(), Err(SingularError::NotFinite));
         assert_eq!(Affine::scale(Vec3::ZERO).inverse(), Err(SingularError::Singular));
         assert_eq!(Affine::rotation(Vec3::ZERO, 10.0).inverse(), Err(SingularError::NotFinite));
+    }
+
+    #[test]
+    fn scales_by_powers_of_two_are_exact() {
+        let turn = Affine::rotation(Vec3::new(1.0, -2.0, 0.5), 12.3);
+        for factor in [2f64.powi(-900), 2f64.powi(-30), 0.5, 1.0, 1024.0, 2f64.powi(400)] {
+            let map = turn.then(&Affine::scale(Vec3::splat(factor)));
+            let inverse = turn.inverse().unwrap().linear * (1.0 / factor);
+            assert_eq!(map.inverse().unwrap().linear, inverse);
+            if factor > 1e-150 {
+                assert_eq!(map.similarity(), Some(factor));
+            }
+        }
     }
 
     #[test]
