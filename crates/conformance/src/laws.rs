@@ -1,0 +1,284 @@
+//! Laws that hold whatever the model: of booleans, of motions, of the ray.
+
+use crate::models::{Model, motion, solid};
+use crate::rays::{batch, rays};
+use crate::{Effort, Random, Style, Tally, list};
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::{Collected, Crossing, Evaluator, Program, Query, Region, RegionId, Solid};
+use rayweave_shape::Ray;
+use std::sync::Arc;
+
+/// Solids that are the same set: pairs by the name of the law.
+type Law = (&'static str, fn(&[Solid; 3]) -> (Solid, Solid));
+
+const BOOLEAN: &[Law] = &[
+    ("A | B = B | A", |[a, b, _]| (a | b, b | a)),
+    ("A & B = B & A", |[a, b, _]| (a & b, b & a)),
+    ("A ^ B = B ^ A", |[a, b, _]| (a ^ b, b ^ a)),
+    ("(A | B) | C = A | (B | C)", |[a, b, c]| ((a | b) | c, a | (b | c))),
+    ("(A & B) & C = A & (B & C)", |[a, b, c]| ((a & b) & c, a & (b & c))),
+    ("(A ^ B) ^ C = A ^ (B ^ C)", |[a, b, c]| ((a ^ b) ^ c, a ^ (b ^ c))),
+    ("union(C, A, B) = A | B | C", |[a, b, c]| (Solid::union([c, a, b].map(Solid::clone)), (a | b) | c)),
+    ("odd(C, A, B) = A ^ B ^ C", |[a, b, c]| {
+        (Solid::symmetric_difference([c, a, b].map(Solid::clone)), (a ^ b) ^ c)
+    }),
+    ("all(C, A, B) = A & B & C", |[a, b, c]| (Solid::intersection([c, a, b].map(Solid::clone)), (a & b) & c)),
+    ("~(A | B) = ~A & ~B", |[a, b, _]| (!(a | b), !a & !b)),
+    ("~(A & B) = ~A | ~B", |[a, b, _]| (!(a & b), !a | !b)),
+    ("A - B = A & ~B", |[a, b, _]| (a - b, a & !b)),
+    ("A ^ B = (A - B) | (B - A)", |[a, b, _]| (a ^ b, (a - b) | (b - a))),
+    ("A ^ B = (A | B) - (A & B)", |[a, b, _]| (a ^ b, (a | b) - (a & b))),
+    ("~(A ^ B) = ~A ^ B", |[a, b, _]| (!(a ^ b), !a ^ b)),
+    ("A | (A & B) = A", |[a, b, _]| (a | (a & b), a.clone())),
+    ("A & (A | B) = A", |[a, b, _]| (a & (a | b), a.clone())),
+    ("A | ~A = plenum", |[a, ..]| (a | !a, Solid::plenum())),
+    ("A & ~A = vacuum", |[a, ..]| (a & !a, Solid::vacuum())),
+    ("A ^ A = vacuum", |[a, ..]| (a ^ a, Solid::vacuum())),
+    ("A ^ ~A = plenum", |[a, ..]| (a ^ !a, Solid::plenum())),
+    ("~~A = A", |[a, ..]| (!!a, a.clone())),
+    ("A & (B | C) = (A & B) | (A & C)", |[a, b, c]| (a & (b | c), (a & b) | (a & c))),
+    ("A | (B & C) = (A | B) & (A | C)", |[a, b, c]| (a | (b & c), (a | b) & (a | c))),
+    ("A & (B ^ C) = (A & B) ^ (A & C)", |[a, b, c]| (a & (b ^ c), (a & b) ^ (a & c))),
+    ("A - (B | C) = (A - B) - C", |[a, b, c]| (a - (b | c), (a - b) - c)),
+    ("A - (B - C) = (A - B) | (A & C)", |[a, b, c]| (a - (b - c), (a - b) | (a & c))),
+];
+
+/// Boolean identities: the same crossings, bit for bit, whatever the tree and the order of its operands; also
+/// for rays that lie in faces.
+pub fn of_booleans<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
+    let mut tally = Tally::new("crossings unchanged by boolean identities");
+    let rounds = 60 * effort.times();
+    for seed in 0..rounds {
+        let mut rng = Random::new(2_000_000 + seed);
+        let style = [Style::Generic, Style::Grid, Style::Planes][seed as usize % 3];
+        let frame = if rng.chance(0.5) { Affine::IDENTITY } else { motion(&mut rng) };
+        let parts: [Solid; 3] = std::array::from_fn(|_| {
+            let depth = rng.below(4);
+            solid(&mut rng, style, depth)
+        });
+        let rays = rays(&mut rng, style, &frame, 30);
+        // every side of every law has the same leaves, so that ball and shared surfaces are the same
+        let nothing = Solid::union(parts.iter().map(|s| s - s));
+        let ask = |solid: Solid| {
+            let program = Program::compile(&(solid | nothing.clone()).apply(frame)).ok()?;
+            Some(make(Arc::new(program)).collect(batch(&rays).rays(), &Query::default()))
+        };
+        for (name, law) in BOOLEAN {
+            let (left, right) = law(&parts);
+            let (Some(l), Some(r)) = (ask(left), ask(right)) else { continue };
+            for (i, ray) in rays.iter().enumerate() {
+                let same = l.starts[i] == r.starts[i] && bits(l.of(i)) == bits(r.of(i));
+                tally.check(same, || {
+                    let [a, b, c] = parts.each_ref().map(short);
+                    let (left, right) = (list(l.of(i)), list(r.of(i)));
+                    format!("{name}, seed {seed}, {ray:?}\nA = {a}\nB = {b}\nC = {c}\n{left}\nagainst{right}")
+                });
+            }
+        }
+    }
+    tally.finish(rounds * 600);
+}
+
+fn short(solid: &Solid) -> String {
+    solid.to_string().chars().take(400).collect()
+}
+
+/// All of a list that does not depend on the order in which leaves were declared.
+fn bits(crossings: &[Crossing]) -> Vec<(u64, RegionId, RegionId)> {
+    crossings.iter().map(|c| (c.t.to_bits(), c.before, c.after)).collect()
+}
+
+/// A scale by a power of two changes times by that power, to the bit; with the direction scaled, too, not at
+/// all.
+pub fn of_scale<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
+    let mut tally = Tally::new("crossings exactly scaled by powers of two");
+    for_models(effort, 3_000_000, |rng, style, model| {
+        let factor = rng.pick(&[0.125, 0.5, 2.0, 1024.0, 2f64.powi(40), 2f64.powi(-30)]);
+        let map = Affine::scale(Vec3::splat(factor));
+        let rays = rays(rng, style, &model.frame, 60);
+        let (plain, scaled) = (ask(&make, model, &rays)?, {
+            let rays: Vec<Ray> = rays.iter().map(|r| Ray::new(r.origin * factor, r.direction)).collect();
+            ask(&make, &moved(model, &map), &rays)?
+        });
+        for i in 0..rays.len() {
+            let expected: Vec<_> =
+                plain.of(i).iter().map(|c| ((c.t * factor).to_bits(), c.before, c.after)).collect();
+            let same = plain.starts[i] == scaled.starts[i] && expected == bits(scaled.of(i));
+            tally.check(same, || {
+                let (l, r) = (list(plain.of(i)), list(scaled.of(i)));
+                format!("scaled by {factor}: {:?}\n{model}{l}\nagainst{r}", rays[i])
+            });
+        }
+        Some(())
+    });
+    tally.finish(5_000 * effort.times());
+}
+
+/// Motions and mirrors of model and ray together: the same crossings but for rounding.
+pub fn of_motion<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
+    let mut tally = Tally::new("crossings unchanged by motions and mirrors");
+    for_models(effort, 4_000_000, |rng, _, _| {
+        // rays in faces are exempt, so nothing may lie on a grid
+        let model = Model::random(rng, Style::Generic);
+        let map = if rng.chance(0.3) { Affine::mirror(rng.direction()) } else { motion(rng) };
+        let rays = plain_rays(rng);
+        let there: Vec<Ray> = rays.iter().map(|r| r.transformed(&map)).collect();
+        let (plain, moved) = (ask(&make, &model, &rays)?, ask(&make, &moved(&model, &map), &there)?);
+        for i in 0..rays.len() {
+            let same = plain.starts[i] == moved.starts[i] && alike(plain.of(i), moved.of(i), 1e-5);
+            tally.check(same, || {
+                let (l, r) = (list(plain.of(i)), list(moved.of(i)));
+                format!("moved by {map:?}: {:?}\n{model}{l}\nagainst{r}", rays[i])
+            });
+        }
+        Some(())
+    });
+    tally.finish(3_000 * effort.times());
+}
+
+fn plain_rays(rng: &mut Random) -> Vec<Ray> {
+    (0..60).map(|_| Ray::new(rng.point(4.0), rng.direction())).collect()
+}
+
+fn alike(a: &[Crossing], b: &[Crossing], tolerance: f64) -> bool {
+    let pair = |(a, b): (&Crossing, &Crossing)| {
+        let near = (a.t - b.t).abs() <= tolerance * (1.0 + a.t.abs());
+        near && (a.before, a.after) == (b.before, b.after)
+    };
+    a.len() == b.len() && a.iter().zip(b).all(pair)
+}
+
+/// The reversed ray gives the reversed list: number and sides always, surfaces and times where nothing was
+/// welded.
+pub fn of_reversal<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
+    let mut tally = Tally::new("crossings mirrored by reversing the ray");
+    for_models(effort, 5_000_000, |rng, style, model| {
+        let rays = if style == Style::Generic { plain_rays(rng) } else { rays(rng, style, &model.frame, 60) };
+        let back: Vec<Ray> = rays.iter().map(|r| Ray::new(r.origin, -r.direction)).collect();
+        let (there, back) = (ask(&make, model, &rays)?, ask(&make, model, &back)?);
+        for i in 0..rays.len() {
+            let reversed: Vec<Crossing> = back.of(i).iter().rev().map(reverse).collect();
+            // a change of region without a change of medium is not reported, so the ends are told by media
+            let medium = |region: RegionId| match region.index() {
+                0 => 0,
+                k => model.regions[k - 1].medium,
+            };
+            let end = |answer: &Collected| answer.of(i).last().map_or(answer.starts[i], |c| c.after);
+            let sides = |c: &Crossing| (medium(c.before), medium(c.after));
+            let pairs = || there.of(i).iter().zip(&reversed);
+            let mut same = there.of(i).len() == reversed.len();
+            same &= medium(end(&there)) == medium(back.starts[i]);
+            same &= medium(end(&back)) == medium(there.starts[i]);
+            same &= pairs().all(|(a, b)| sides(a) == sides(b));
+            if style == Style::Generic {
+                same &= pairs().all(|(a, b)| a.face.surface == b.face.surface);
+                same &= pairs().all(|(a, b)| (a.t - b.t).abs() <= 1e-9 * (1.0 + a.t.abs()));
+            }
+            tally.check(same, || {
+                let (l, r) = (list(there.of(i)), list(&reversed));
+                format!("{:?}\n{model}{l}\nreversed{r}", rays[i])
+            });
+        }
+        Some(())
+    });
+    tally.finish(5_000 * effort.times());
+}
+
+fn reverse(c: &Crossing) -> Crossing {
+    Crossing { t: -c.t, before: c.after, after: c.before, left: c.entered, entered: c.left, ..*c }
+}
+
+/// Regions along a ray against the solids that they amount to: region k is its solid without all later ones.
+pub fn of_regions<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
+    let mut tally = Tally::new("regions equal to the solids that they amount to");
+    for_models(effort, 6_000_000, |rng, _, _| {
+        let solids: Vec<Solid> = (0..4).map(|_| solid(rng, Style::Generic, 2)).collect();
+        let rays = plain_rays(rng);
+        let region = |(k, s): (usize, &Solid)| Region {
+            name: format!("r{k}"),
+            solid: s.clone(),
+            medium: k as u32 + 1,
+        };
+        let regions: Vec<Region> = solids.iter().enumerate().map(region).collect();
+        let program = Arc::new(Program::compile_regions(&regions).ok()?);
+        let partition = make(program).collect(batch(&rays).rays(), &Query::default());
+        for k in 0..solids.len() {
+            // all of them, so that the leaves and what they share are the same
+            let earlier = Solid::union(solids[..k].iter().map(|s| s - s));
+            let later = Solid::union(solids[k + 1..].iter().cloned());
+            let alone = Program::compile(&(earlier | (&solids[k] - later))).ok()?;
+            let alone = make(Arc::new(alone)).collect(batch(&rays).rays(), &Query::default());
+            let here = RegionId(k as u32 + 1);
+            for i in 0..rays.len() {
+                let ours: Vec<(u64, bool)> = partition
+                    .of(i)
+                    .iter()
+                    .filter(|c| (c.before == here) != (c.after == here))
+                    .map(|c| (c.t.to_bits(), c.after == here))
+                    .collect();
+                let theirs: Vec<_> = alone.of(i).iter().map(|c| (c.t.to_bits(), c.enters())).collect();
+                let same =
+                    ours == theirs && (partition.starts[i] == here) == (alone.starts[i] != RegionId(0));
+                tally.check(same, || {
+                    let (l, r) = (list(partition.of(i)), list(alone.of(i)));
+                    format!("region {k} of {solids:?}\n{:?}{l}\nagainst{r}", rays[i])
+                });
+            }
+        }
+        Some(())
+    });
+    tally.finish(10_000 * effort.times());
+}
+
+/// Copies made by `place` and copies made one by one: the same crossings but for the tolerance of the weld.
+pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
+    let mut tally = Tally::new("placed copies equal to single ones");
+    for_models(effort, 7_000_000, |rng, style, _| {
+        let part = solid(rng, style, 1);
+        let other = solid(rng, style, 1);
+        let half = |rng: &mut Random| 0.5 * (rng.below(7) as f64 - 3.0);
+        let steps: Vec<Vec3> = (0..3).map(|_| Vec3::new(half(rng), half(rng), half(rng))).collect();
+        let maps: Vec<Affine> = steps.iter().map(|&v| Affine::translate(v)).collect();
+        let placed = part.place(maps);
+        let single = Solid::union(steps.iter().map(|&v| part.translate(v)));
+        let rays = rays(rng, style, &Affine::IDENTITY, 60);
+        let placed = ask(&make, &Model::of(placed - other.clone()), &rays)?;
+        let single = ask(&make, &Model::of(single - other), &rays)?;
+        for i in 0..rays.len() {
+            // far along a nearly parallel ray even the tolerance is large: places, not times
+            let size = 1e-9 / rays[i].direction.length() * (1.0 + rays[i].origin.length());
+            let near = |(a, b): (&Crossing, &Crossing)| {
+                (a.t - b.t).abs() <= size + 1e-3 * a.t.abs() && (a.before, a.after) == (b.before, b.after)
+            };
+            let (l, r) = (placed.of(i), single.of(i));
+            let same =
+                placed.starts[i] == single.starts[i] && l.len() == r.len() && l.iter().zip(r).all(near);
+            tally.check(same, || {
+                format!("{part:?} at {steps:?}, {:?}{}\nagainst{}", rays[i], list(l), list(r))
+            });
+        }
+        Some(())
+    });
+    tally.finish(3_000 * effort.times());
+}
+
+fn moved(model: &Model, map: &Affine) -> Model {
+    let mut there = model.clone();
+    there.regions.iter_mut().for_each(|region| region.solid = region.solid.apply(*map));
+    there
+}
+
+fn ask<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, model: &Model, rays: &[Ray]) -> Option<Collected> {
+    let program = model.compile().ok()?;
+    Some(make(program).collect(batch(rays).rays(), &Query::default()))
+}
+
+/// Random models of all styles; those that cannot be compiled are left out.
+fn for_models(effort: Effort, first: u64, mut test: impl FnMut(&mut Random, Style, &Model) -> Option<()>) {
+    for seed in 0..150 * effort.times() {
+        let mut rng = Random::new(first + seed);
+        let style = [Style::Generic, Style::Grid, Style::Planes][seed as usize % 3];
+        let model = Model::random(&mut rng, style);
+        test(&mut rng, style, &model);
+    }
+}
