@@ -62,6 +62,20 @@ impl Departure {
         }
     }
 
+    /// The remaining root of a quadric after one step of Newton: the start lies on the surface within a
+    /// rounding only, and far away, near the apex of a cone say, that f(0) may weigh more than f itself. A step
+    /// that is not small would confuse the root with the one at the start, and is not taken.
+    pub fn polished(self, step: impl FnOnce(f64) -> f64) -> Departure {
+        let &[t] = self.times.times() else {
+            return self;
+        };
+        let step = step(t);
+        if step.abs() <= 1e-6 * t {
+            return Departure { times: self.times.shifted(-step), ..self };
+        }
+        self
+    }
+
     /// The crossings of a ray that is `inside` just after its start by the start list, where `along_w` is the
     /// side of a ray that lies in the surface. If list and direction disagree, the first time is 0.
     pub fn crossings(&self, inside: bool, along_w: impl FnOnce() -> bool) -> SurfaceCrossings {

@@ -137,11 +137,17 @@ impl Surface {
     /// side into which it leads is that of the next derivative; for a ray in the surface it is that of
     /// [`LIE_DIRECTION`].
     pub fn crossings_from(&self, ray: &Ray, inside_after: bool) -> SurfaceCrossings {
+        let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
         let along_w = || side_along_gradient(self.value_and_gradient(ray.origin).1);
-        match ray.rescaled() {
-            None => self.departure(ray).crossings(inside_after, along_w),
-            Some((ray, rate)) => self.departure(&ray).crossings(inside_after, along_w).scaled(rate),
+        let newton = |t: f64| {
+            let (value, gradient) = self.value_and_gradient(ray.at(t));
+            value / gradient.dot(ray.direction)
+        };
+        let mut departure = self.departure(&ray);
+        if self.degree() == 2 {
+            departure = departure.polished(newton);
         }
+        departure.crossings(inside_after, along_w).scaled(rate)
     }
 
     fn departure(&self, ray: &Ray) -> Departure {
