@@ -13,13 +13,16 @@ use std::sync::Arc;
 /// The most rows of operands that can be read.
 const MOST_OPERANDS: usize = 40;
 
+/// So many rows are shown even if the ray touches none of them.
+const FEW_OPERANDS: usize = 8;
+
 /// The most nodes that are looked at: a solid whose parts are shared can have leaves without end.
 const MOST_NODES: usize = 10_000;
 
 /// Draws what happens along a ray: a wave for each leaf, their count, the regions and media that the ray is in.
 ///
 /// The leaves are those of the solids of the regions, or of the one solid that `compiled` was made of. A solid that is
-/// placed many times counts as one leaf. Where there are more leaves than can be read, the waves are those of the regions'
+/// placed many times counts as one leaf, and of many leaves those are left out that the ray does not touch. Where there are more leaves than can be read, the waves are those of the regions'
 /// whole solids; where those are too many, there are none.
 ///
 /// # Errors
@@ -32,8 +35,13 @@ pub fn timeline(
     ray: Ray,
 ) -> Result<Timeline, Error> {
     let mut timeline = Timeline::new();
-    for (name, operand) in operands(scene, solid)? {
-        timeline.operand(&name, &wave(&operand, ray)?);
+    let operands = operands(scene, solid)?;
+    let shows_all = operands.len() <= FEW_OPERANDS;
+    for (name, operand) in operands {
+        let wave = wave(&operand, ray)?;
+        if shows_all || wave.start() == Side::Inside || !wave.roots().is_empty() {
+            timeline.operand(&name, &wave);
+        }
     }
     let answer = Weave::new(compiled.program.clone()).one(ray, &Query::default());
     let start = answer.starts[0];

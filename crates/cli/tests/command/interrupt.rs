@@ -1,5 +1,5 @@
 //! Ctrl-C in the middle of a run.
-#![cfg(unix)]
+#![cfg(target_os = "linux")]
 
 use crate::bench::{Bench, Done, RAYS, done, holds};
 use std::io::Write;
@@ -10,6 +10,13 @@ fn interrupt(child: &Child) {
     let id = child.id().to_string();
     let status = Command::new("kill").args(["-INT", &id]).status().unwrap();
     assert!(status.success());
+}
+
+/// Whether the process has a handler for SIGINT, signal 2, which is bit 1 of the mask (proc_pid_status(5)).
+fn listens(child: &Child) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+    u64::from_str_radix(mask.trim(), 16).unwrap() & 0b10 != 0
 }
 
 /// Waits until `ready`, at most half a minute.
@@ -72,9 +79,21 @@ fn a_trace_that_waits_for_its_header_can_be_interrupted() {
     let bench = Bench::new();
     let mut child = trace(&bench);
     let stdin = child.stdin.take();
-    // there is nothing to see from outside: the handler is in place long before
-    std::thread::sleep(Duration::from_millis(500));
+    wait_until(|| listens(&child));
     interrupt(&child);
     assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
     drop(stdin);
+}
+
+#[test]
+fn a_picture_leaves_nothing() {
+    let bench = Bench::new();
+    let arguments =
+        ["render", "ball.toml", "--size", "2000x2000", "--samples", "16", "--evaluator", "reference"];
+    let child = bench.command(&arguments).spawn().unwrap();
+    wait_until(|| listens(&child));
+    // let it draw for a while: it needs some seconds
+    std::thread::sleep(Duration::from_millis(100));
+    interrupt(&child);
+    assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
 }
