@@ -12,6 +12,7 @@ mod tally;
 
 pub mod agree;
 pub mod laws;
+pub mod lying;
 pub mod models;
 pub mod oracle;
 pub mod rays;

@@ -1,9 +1,9 @@
 //! Where one leaf changes along a ray: the meaning of a leaf, for every evaluator.
 
-use crate::{Face, LeafFacet, PlacementId, Program, Start};
-use rayweave_math::Vec3;
+use crate::{Face, LeafFacet, PlacementId, Program, Prototype, PrototypeId, Start, chord};
+use rayweave_math::{Affine, Vec3};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::{Chord, SurfaceCrossings, side_along_gradient};
+use rayweave_shape::surface::{Aside, Chord, SurfaceCrossings};
 
 /// A flip of one leaf of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,13 +40,49 @@ pub struct GroupRay<'a> {
     pub starts: &'a [Start],
 }
 
-impl GroupRay<'_> {
+/// A point as a group sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupPoint {
+    /// The point in the frame of the group.
+    pub point: Vec3,
+    /// Decides the side of a point on a surface.
+    pub aside: Aside,
+}
+
+impl GroupPoint {
+    /// A point of the world.
+    pub fn world(point: Vec3) -> GroupPoint {
+        GroupPoint { point, aside: Aside::WORLD }
+    }
+
+    /// The same point as a solid placed in the group sees it.
+    pub fn placed(&self, local_from_world: &Affine) -> GroupPoint {
+        let point = local_from_world.point(self.point);
+        GroupPoint { point, aside: self.aside.transformed(local_from_world) }
+    }
+}
+
+impl<'a> GroupRay<'a> {
+    /// A ray of the world as the model itself sees it.
+    pub fn world(program: &Program, ray: Ray, starts: &'a [Start]) -> GroupRay<'a> {
+        let chord = chord(&program.prototype(PrototypeId(0)).ball, &ray);
+        GroupRay { ray, chord, placement: PlacementId(0), starts }
+    }
+
+    /// The same ray as a solid placed in the group sees it; `placement` is counted from that of the group.
+    pub fn placed(&self, local_from_world: &Affine, inner: &Prototype, placement: u32) -> GroupRay<'a> {
+        let ray = self.ray.transformed(local_from_world);
+        let mut chord = chord(&inner.ball, &ray);
+        chord.aside = self.chord.aside.transformed(local_from_world);
+        GroupRay { ray, chord, placement: PlacementId(self.placement.0 + placement), starts: self.starts }
+    }
+
     /// Where the ray crosses a facet, as "inside the facet" before and after.
     fn crossings(&self, program: &Program, facet: &LeafFacet) -> SurfaceCrossings {
         let entry = program.surface(facet.surface);
         let start = self.starts.iter().find(|s| s.surface == facet.surface && s.placement == self.placement);
         let crossings = match start {
-            Some(start) => entry.surface.crossings_from(&self.ray, start.inside),
+            Some(start) => entry.surface.crossings_from_in(&self.ray, start.inside, &self.chord.aside),
             None => match self.chord.lies_in(&entry.surface, entry.reach, &self.ray) {
                 Some(inside) => SurfaceCrossings::constant(inside),
                 None => entry.surface.crossings(&self.ray),
@@ -126,11 +162,11 @@ fn general_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, event
 }
 
 /// True if a point is inside a conjunction of facets. On a surface, f = 0, the side is that of a ray that
-/// lies in it: where moving along the fixed direction leads.
-pub fn facets_contain(program: &Program, facets: &[LeafFacet], point: Vec3) -> bool {
+/// lies in it: where moving aside leads.
+pub fn facets_contain(program: &Program, facets: &[LeafFacet], point: &GroupPoint) -> bool {
     facets.iter().all(|facet| {
-        let (value, gradient) = program.surface(facet.surface).surface.value_and_gradient(point);
-        let negative = if value == 0.0 { side_along_gradient(gradient) } else { value < 0.0 };
+        let (value, gradient) = program.surface(facet.surface).surface.value_and_gradient(point.point);
+        let negative = if value == 0.0 { point.aside.leads_inside(gradient) } else { value < 0.0 };
         negative == facet.inside
     })
 }

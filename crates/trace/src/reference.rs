@@ -8,9 +8,9 @@
 use rayweave_math::Vec3;
 use rayweave_model::weld::{Change, Flips, Weld, attribute};
 use rayweave_model::{
-    Crossing, Edge, Evaluator, Event, Expression, Gate, GroupRay, LeafEvents, LeafId, LeafKind, Limit,
-    PlacementId, Program, Prototype, PrototypeId, Query, RayAnswer, Rays, RegionId, Rule, Sink, Start, State,
-    chord, facets_contain, leaf_events,
+    Crossing, Edge, Evaluator, Event, Expression, Gate, GroupPoint, GroupRay, LeafEvents, LeafId, LeafKind,
+    Limit, Program, Prototype, PrototypeId, Query, RayAnswer, Rays, RegionId, Rule, Sink, Start, State,
+    facets_contain, leaf_events,
 };
 use rayweave_rootray::{Root, RootRay, Side};
 use rayweave_shape::Ray;
@@ -35,11 +35,10 @@ impl Reference {
     }
 
     /// The changes of one solid of a group along a ray, with all flips of its leaves.
-    fn group(&self, group: PrototypeId, ray: Ray, placement: PlacementId, starts: &[Start]) -> GroupAnswer {
+    fn group(&self, group: PrototypeId, ray: &GroupRay<'_>) -> GroupAnswer {
         let prototype = self.program.prototype(group);
-        let ray = GroupRay { ray, chord: chord(&prototype.ball, &ray), placement, starts };
         let leaves: Vec<(bool, Vec<Event>)> =
-            (0..prototype.leaves.len() as u32).map(|leaf| self.leaf(prototype, leaf, &ray)).collect();
+            (0..prototype.leaves.len() as u32).map(|leaf| self.leaf(prototype, leaf, ray)).collect();
         let outputs = root_rays(&prototype.expression, &prototype.outputs, &leaves);
         let starts_inside = leaves.iter().map(|leaf| leaf.0).collect();
         let mut events: Vec<Event> = leaves.into_iter().flat_map(|leaf| leaf.1).collect();
@@ -68,9 +67,9 @@ impl Reference {
                 (flips.starts_inside, flips.flips.iter().map(event).collect())
             }
             LeafKind::Instance { prototype: inner, placement } => {
-                let local = ray.ray.transformed(&self.program.leaf(id).transform.local_from_world);
-                let placement = PlacementId(ray.placement.0 + placement);
-                let answer = self.group(*inner, local, placement, ray.starts);
+                let down = &self.program.leaf(id).transform.local_from_world;
+                let local = ray.placed(down, self.program.prototype(*inner), *placement);
+                let answer = self.group(*inner, &local);
                 answer.into_leaf(
                     &self.program.prototype(*inner).expression,
                     leaf,
@@ -97,7 +96,7 @@ impl Reference {
     }
 
     fn one_ray(&self, ray: Ray, query: &Query<'_>, starts: &[Start], out: &mut Vec<Crossing>) -> RegionId {
-        let answer = self.group(PrototypeId(0), ray, PlacementId(0), starts);
+        let answer = self.group(PrototypeId(0), &GroupRay::world(&self.program, ray, starts));
         let prototype = self.program.prototype(PrototypeId(0));
         let mut flips =
             PlainFlips::new(&prototype.expression, &prototype.outputs, answer.starts_inside.clone());
@@ -125,7 +124,7 @@ impl Reference {
         start
     }
 
-    fn inside_group(&self, group: PrototypeId, point: Vec3) -> Vec<bool> {
+    fn inside_group(&self, group: PrototypeId, point: &GroupPoint) -> Vec<bool> {
         let prototype = self.program.prototype(group);
         let inside = |leaf: LeafId| {
             let leaf = self.program.leaf(LeafId(prototype.leaves.start + leaf.0));
@@ -135,7 +134,7 @@ impl Reference {
                     facets_contain(&self.program, table, point)
                 }
                 LeafKind::Instance { prototype, .. } => {
-                    self.inside_group(*prototype, leaf.transform.local_from_world.point(point))[0]
+                    self.inside_group(*prototype, &point.placed(&leaf.transform.local_from_world))[0]
                 }
             }
         };
@@ -178,7 +177,8 @@ impl Evaluator for Reference {
     fn regions_at(&self, points: [&[f64]; 3], _: &mut ReferenceScratch, out: &mut [RegionId]) {
         for (i, region) in out.iter_mut().enumerate() {
             let point = Vec3::new(points[0][i], points[1][i], points[2][i]);
-            *region = self.state(self.inside_group(PrototypeId(0), point).into_iter()).region;
+            *region =
+                self.state(self.inside_group(PrototypeId(0), &GroupPoint::world(point)).into_iter()).region;
         }
     }
 }

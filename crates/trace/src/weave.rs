@@ -10,9 +10,8 @@ use rayweave_math::Vec3;
 use rayweave_model::gate::{Network, NetworkState};
 use rayweave_model::weld::{Change, Flips, Weld, attribute};
 use rayweave_model::{
-    Crossing, Evaluator, Event, Face, GroupRay, LeafEvents, LeafId, LeafKind, Limit, PlacementId, Program,
-    PrototypeId, Query, RayAnswer, Rays, RegionId, Sink, Start, State, Window, chord, facets_contain,
-    leaf_events,
+    Crossing, Evaluator, Event, Face, GroupPoint, GroupRay, LeafEvents, LeafId, LeafKind, Limit, Program,
+    PrototypeId, Query, RayAnswer, Rays, RegionId, Sink, Start, State, Window, facets_contain, leaf_events,
 };
 use rayweave_shape::Ray;
 use std::sync::Arc;
@@ -74,18 +73,10 @@ impl Weave {
             let starts_inside = match &self.program.leaf(id).kind {
                 LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, ray, &mut level),
                 LeafKind::Instance { prototype, placement } => {
-                    let local = ray.ray.transformed(&self.program.leaf(id).transform.local_from_world);
-                    let placement = PlacementId(ray.placement.0 + placement);
+                    let down = &self.program.leaf(id).transform.local_from_world;
+                    let local = ray.placed(down, self.program.prototype(*prototype), *placement);
                     level.inner.clear();
-                    let starts = self.instance(
-                        *prototype,
-                        local,
-                        placement,
-                        ray.starts,
-                        depth + 1,
-                        scratch,
-                        &mut level.inner,
-                    );
+                    let starts = self.instance(*prototype, &local, depth + 1, scratch, &mut level.inner);
                     level.events.extend(level.inner.iter().map(|&(t, face)| Event { t, leaf, face }));
                     starts
                 }
@@ -117,21 +108,17 @@ impl Weave {
     }
 
     /// The changes of a placed solid, as flips of one leaf; true if it is inside from the start.
-    #[expect(clippy::too_many_arguments, reason = "one sweep within another: all of it is its state")]
     fn instance(
         &self,
         group: PrototypeId,
-        ray: Ray,
-        placement: PlacementId,
-        starts: &[Start],
+        ray: &GroupRay<'_>,
         depth: usize,
         scratch: &mut WeaveScratch,
         out: &mut Vec<(f64, Face)>,
     ) -> bool {
         let prototype = self.program.prototype(group);
-        let ray = GroupRay { ray, chord: chord(&prototype.ball, &ray), placement, starts };
         let mut state = self.take_state(group, scratch);
-        let level = self.gather(group, &ray, Window::ALL, depth, scratch, &mut state);
+        let level = self.gather(group, ray, Window::ALL, depth, scratch, &mut state);
         let starts_inside = state.output(0);
         let mut sweep = Sweep::new(&prototype.network, &mut state, &level.events, f64::INFINITY);
         let mut inside = starts_inside;
@@ -150,13 +137,15 @@ impl Weave {
 
     fn take_state(&self, group: PrototypeId, scratch: &mut WeaveScratch) -> Box<NetworkState> {
         scratch.states.resize_with(self.program.prototypes().len(), || None);
-        scratch.states[group.index()].take().unwrap_or_else(|| Box::new(self.program.prototype(group).network.start()))
+        scratch.states[group.index()]
+            .take()
+            .unwrap_or_else(|| Box::new(self.program.prototype(group).network.start()))
     }
 
     fn one_ray(&self, ray: Ray, query: &Query<'_>, starts: &[Start], scratch: &mut WeaveScratch) -> RegionId {
         let group = PrototypeId(0);
         let prototype = self.program.prototype(group);
-        let seen = GroupRay { ray, chord: chord(&prototype.ball, &ray), placement: PlacementId(0), starts };
+        let seen = GroupRay::world(&self.program, ray, starts);
         let mut state = self.take_state(group, scratch);
         let level = self.gather(group, &seen, query.window, 0, scratch, &mut state);
         let mut sweep = Sweep::new(&prototype.network, &mut state, &level.events, query.window.t_max());
@@ -210,7 +199,7 @@ impl Weave {
     fn flip_containing(
         &self,
         group: PrototypeId,
-        point: Vec3,
+        point: &GroupPoint,
         depth: usize,
         scratch: &mut WeaveScratch,
         state: &mut NetworkState,
@@ -218,7 +207,7 @@ impl Weave {
         let mut level = scratch.take_level(depth);
         level.touched.clear();
         let prototype = self.program.prototype(group);
-        self.accel[group.index()].around(point, &mut level.touched);
+        self.accel[group.index()].around(point.point, &mut level.touched);
         let holds = |leaf: u32, scratch: &mut WeaveScratch| {
             let leaf = self.program.leaf(LeafId(prototype.leaves.start + leaf));
             match &leaf.kind {
@@ -228,7 +217,7 @@ impl Weave {
                 }
                 LeafKind::Instance { prototype, .. } => self.instance_holds(
                     *prototype,
-                    leaf.transform.local_from_world.point(point),
+                    &point.placed(&leaf.transform.local_from_world),
                     depth + 1,
                     scratch,
                 ),
@@ -242,7 +231,7 @@ impl Weave {
     fn instance_holds(
         &self,
         group: PrototypeId,
-        point: Vec3,
+        point: &GroupPoint,
         depth: usize,
         scratch: &mut WeaveScratch,
     ) -> bool {
@@ -286,7 +275,7 @@ impl Evaluator for Weave {
         let mut state = self.take_state(group, scratch);
         for (i, region) in out.iter_mut().enumerate() {
             let point = Vec3::new(points[0][i], points[1][i], points[2][i]);
-            let level = self.flip_containing(group, point, 0, scratch, &mut state);
+            let level = self.flip_containing(group, &GroupPoint::world(point), 0, scratch, &mut state);
             *region = RegionId(state.winner());
             level.touched.iter().for_each(|&leaf| network.flip(&mut state, leaf));
             scratch.levels[0] = Some(level);

@@ -31,7 +31,7 @@ pub use plane::Plane;
 pub use quadric::Quadric;
 pub use share::{Shared, WideClass, share};
 pub use sphere::Sphere;
-pub use tolerance::{Chord, LIE_DIRECTION, delta, hugs, lies_in, side_along_gradient};
+pub use tolerance::{Aside, Chord, LIE_DIRECTION, delta, hugs, lies_in};
 pub use torus::Torus;
 
 use crate::Ray;
@@ -137,8 +137,13 @@ impl Surface {
     /// side into which it leads is that of the next derivative; for a ray in the surface it is that of
     /// [`LIE_DIRECTION`].
     pub fn crossings_from(&self, ray: &Ray, inside_after: bool) -> SurfaceCrossings {
+        self.crossings_from_in(ray, inside_after, &Aside::WORLD)
+    }
+
+    /// [`Surface::crossings_from`] in a frame that is not the world's.
+    pub fn crossings_from_in(&self, ray: &Ray, inside_after: bool, aside: &Aside) -> SurfaceCrossings {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
-        let along_w = || side_along_gradient(self.value_and_gradient(ray.origin).1);
+        let along_w = || aside.leads_inside(self.value_and_gradient(ray.origin).1);
         let newton = |t: f64| {
             let (value, gradient) = self.value_and_gradient(ray.at(t));
             value / gradient.dot(ray.direction)

@@ -2,11 +2,34 @@
 
 use super::Surface;
 use crate::Ray;
-use rayweave_math::{UNIT_ROUNDOFF, Vec3};
+use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
 
 /// The fixed direction into which a ray that lies in a surface is moved in thought: `w_k = g^(1-k)` with g
 /// the real root > 1 of `g^3 = g + 1`, which no plane of a man-made model is likely to contain.
 pub const LIE_DIRECTION: Vec3 = Vec3::new(1.0, 0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
+
+/// Where a ray that lies in a surface is moved in thought: along [`LIE_DIRECTION`] of the world and, for a surface
+/// that contains it, along x, y or z. A placed solid is asked in its own frame, where these directions are
+/// others: each frame has its own `Aside`, so that two solids that share a face agree on the side of a ray in
+/// it however they are placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aside([Vec3; 4]);
+
+impl Aside {
+    /// In the frame of the world.
+    pub const WORLD: Aside = Aside([LIE_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z]);
+
+    /// The same directions in another frame.
+    pub fn transformed(&self, local_from_world: &Affine) -> Aside {
+        Aside(self.0.map(|v| local_from_world.vector(v)))
+    }
+
+    /// True (inside) if moving aside makes a function with this gradient negative.
+    pub fn leads_inside(&self, gradient: Vec3) -> bool {
+        let mut slopes = self.0.iter().map(|v| v.dot(gradient));
+        slopes.find(|&slope| slope != 0.0).unwrap_or(0.0) < 0.0
+    }
+}
 
 /// The distance within which a computed point at time `t` of a ray cannot be told from a surface.
 ///
@@ -45,6 +68,8 @@ pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
 /// A piece of a ray as long as its model, with what every test against a surface needs of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chord {
+    /// Decides the side of a ray in a surface.
+    pub aside: Aside,
     ends: (f64, f64),
     middle: Vec3,
     /// `delta` in the middle, for a surface without reach.
@@ -52,10 +77,10 @@ pub struct Chord {
 }
 
 impl Chord {
-    /// The piece of the ray between two times.
+    /// The piece of the ray between two times, in the frame of the world.
     pub fn new(ray: &Ray, ends: (f64, f64)) -> Chord {
         let middle = 0.5 * (ends.0 + ends.1);
-        Chord { ends, middle: ray.at(middle), delta: delta(0.0, ray, middle) }
+        Chord { aside: Aside::WORLD, ends, middle: ray.at(middle), delta: delta(0.0, ray, middle) }
     }
 
     /// The side of a ray that lies in the surface all along the chord: `Some(inside)`, or `None` if it does
@@ -73,19 +98,11 @@ impl Chord {
         if value * value > delta * delta * gradient.length_squared() {
             return None;
         }
-        hugs(surface, reach, ray, self.ends.0, self.ends.1).then(|| side_along_gradient(gradient))
+        hugs(surface, reach, ray, self.ends.0, self.ends.1).then(|| self.aside.leads_inside(gradient))
     }
 }
 
 /// [`Chord::lies_in`] for the piece of the ray between two times.
 pub fn lies_in(surface: &Surface, reach: f64, ray: &Ray, ends: (f64, f64)) -> Option<bool> {
     Chord::new(ray, ends).lies_in(surface, reach, ray)
-}
-
-/// True (inside) if moving along [`LIE_DIRECTION`] makes f negative.
-pub fn side_along_gradient(gradient: Vec3) -> bool {
-    let slope = LIE_DIRECTION.dot(gradient);
-    let sign =
-        if slope != 0.0 { slope } else { gradient.to_array().into_iter().find(|&g| g != 0.0).unwrap_or(0.0) };
-    sign < 0.0
 }
