@@ -40,8 +40,8 @@ struct Tone {
     part: f32,
 }
 
-const COOL: Tone = Tone { tint: [0.004, 0.012, 0.055], part: 0.22 };
-const WARM: Tone = Tone { tint: [0.08, 0.06, 0.01], part: 0.98 };
+const COOL: Tone = Tone { tint: [0.0, 0.005, 0.03], part: 0.12 };
+const WARM: Tone = Tone { tint: [0.06, 0.045, 0.005], part: 1.0 };
 
 /// What is left of the tone of a light in its shadow.
 const SHADOWED: f32 = 0.3;
