@@ -1,6 +1,7 @@
 //! Chores of the repository: tests, tidy checks, layers, new primitives.
 
 mod allow;
+mod golden;
 mod layers;
 mod masked;
 mod new_primitive;
@@ -29,6 +30,7 @@ Commands:
   tidy                 check the text of all files of the repository
   layers               compare the crates' dependencies with ARCHITECTURE.md
   new-primitive NAME   write the first version of a primitive's file
+  golden [--accept]    compare the pictures of all models with those accepted, or accept them
   help                 print this text
 
 Options of test:
@@ -66,6 +68,7 @@ fn run() -> Result<ExitCode, String> {
             let name = one_value(arguments, "NAME")?;
             new_primitive::run(&Repository::find()?, &name)?;
         }
+        "golden" => golden::run(&Repository::find()?, arguments)?,
         "tidy" => {
             finish(arguments)?;
             tidy::run(&Repository::find()?)?;

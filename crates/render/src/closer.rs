@@ -5,6 +5,7 @@ use crate::colour::{Premultiplied, over};
 use crate::contrast::{Contrast, Step};
 use crate::pen::Pen;
 use crate::sample::Sample;
+use crate::shade::Shader;
 use crate::survey::{Survey, centre};
 
 /// Samples of the pixels that are drawn anew, beside those of the others.
@@ -41,6 +42,13 @@ impl Grid {
     }
 }
 
+/// What lines are drawn with.
+pub(crate) struct Ink<'a> {
+    pub pen: &'a Pen,
+    pub contrast: &'a Contrast,
+    pub shader: &'a Shader,
+}
+
 /// Pixels, and where what is seen there goes.
 type Piece<'p> = (&'p [usize], &'p mut [Sample], &'p mut [Premultiplied]);
 
@@ -58,7 +66,7 @@ impl<'a> Closer<'a> {
             places,
             first_of,
             grid: Grid { size: survey.size, n },
-            samples: vec![Sample::MISS; count],
+            samples: vec![Sample::MISS; count * survey.levels],
             colours: vec![[0.0; 4]; count],
         }
     }
@@ -66,35 +74,53 @@ impl<'a> Closer<'a> {
     /// The room, in pieces of so many pixels.
     pub fn pieces(&mut self, pixels: usize) -> (Grid, impl ExactSizeIterator<Item = Piece<'_>> + Send) {
         let length = pixels * self.grid.n * self.grid.n;
-        let samples = self.samples.chunks_mut(length);
+        let samples = self.samples.chunks_mut(length * self.survey.levels);
         let room = samples.zip(self.colours.chunks_mut(length));
         let pieces = self.places.chunks(pixels).zip(room);
         (self.grid, pieces.map(|(places, (samples, colours))| (places, samples, colours)))
     }
 
     /// The mean colour of a pixel that is drawn anew, over a background and under lines.
-    pub fn mean(
-        &self,
-        place: usize,
-        behind: Premultiplied,
-        contrast: &Contrast,
-        pen: Option<&Pen>,
-    ) -> Premultiplied {
-        let (n, width) = (self.grid.n, self.survey.size.width());
-        let corner = [place % width * n, place / width * n];
+    pub fn mean(&self, place: usize, behind: Premultiplied, ink: Option<&Ink<'_>>) -> Premultiplied {
+        let per_place = self.grid.n * self.grid.n;
         let first = self.first(place).unwrap_or(0);
         let mut sum = [0.0; 4];
-        for k in 0..n * n {
-            let mut colour = over(self.colours[first + k], behind);
-            if let Some(pen) = pen {
-                let at = [corner[0] + k % n, corner[1] + k / n];
-                if self.is_on_line(at, &self.samples[first + k], self.grid.place(place, k), contrast, pen) {
-                    colour = over(pen.colour, colour);
-                }
-            }
+        for k in 0..per_place {
+            let colour = over(self.colours[first + k], behind);
+            let line = ink.map_or([0.0; 4], |ink| self.line(place, k, ink));
+            let colour = over(line, colour);
             sum = std::array::from_fn(|c| sum[c] + colour[c]);
         }
-        sum.map(|channel| channel / (n * n) as f32)
+        sum.map(|channel| channel / per_place as f32)
+    }
+
+    /// The line that covers a sample: that of the first level that has one, as far as the levels before let it through.
+    fn line(&self, place: usize, k: usize, ink: &Ink<'_>) -> Premultiplied {
+        let first = (self.first(place).unwrap_or(0) + k) * self.survey.levels;
+        let mut transparency = 1.0;
+        for (level, sample) in self.samples[first..first + self.survey.levels].iter().enumerate() {
+            if self.is_on_line(place, k, level, sample, ink) {
+                return ink.pen.colour.map(|channel| channel * transparency);
+            }
+            if *sample == Sample::MISS {
+                break;
+            }
+            transparency *= ink.shader.transparency(sample.region);
+        }
+        [0.0; 4]
+    }
+
+    fn is_on_line(&self, place: usize, k: usize, level: usize, sample: &Sample, ink: &Ink<'_>) -> bool {
+        let (n, width) = (self.grid.n, self.survey.size.width());
+        let at = [place % width * n + k % n, place / width * n + k / n];
+        let here = self.grid.place(place, k);
+        ink.pen.touches(|[x, y]| {
+            let other = [at[0].wrapping_add_signed(x), at[1].wrapping_add_signed(y)];
+            match self.sample(other, level) {
+                Some((other, there)) => ink.contrast.step(sample, here, other, there),
+                None => Step::None,
+            }
+        })
     }
 
     /// Where the samples of a pixel begin, if it is drawn anew.
@@ -103,25 +129,8 @@ impl<'a> Closer<'a> {
         Some(number as usize * self.grid.n * self.grid.n)
     }
 
-    fn is_on_line(
-        &self,
-        at: [usize; 2],
-        sample: &Sample,
-        place: [f64; 2],
-        contrast: &Contrast,
-        pen: &Pen,
-    ) -> bool {
-        pen.touches(|[x, y]| {
-            let other = [at[0].wrapping_add_signed(x), at[1].wrapping_add_signed(y)];
-            match self.sample(other) {
-                Some((other, other_place)) => contrast.step(sample, place, other, other_place),
-                None => Step::None,
-            }
-        })
-    }
-
     /// A sample of the fine grid; in a pixel that is not drawn anew, the one of its centre. None beside the picture.
-    fn sample(&self, [x, y]: [usize; 2]) -> Option<(&Sample, [f64; 2])> {
+    fn sample(&self, [x, y]: [usize; 2], level: usize) -> Option<(&Sample, [f64; 2])> {
         let (n, size) = (self.grid.n, self.survey.size);
         let (column, row) = (x / n, y / n);
         if column >= size.width() || row >= size.height() {
@@ -129,10 +138,10 @@ impl<'a> Closer<'a> {
         }
         let pixel = row * size.width() + column;
         Some(match self.first(pixel) {
-            None => (self.survey.at(column, row), centre(column, row)),
+            None => (self.survey.at(column, row, level), centre(column, row)),
             Some(first) => {
                 let k = y % n * n + x % n;
-                (&self.samples[first + k], self.grid.place(pixel, k))
+                (&self.samples[(first + k) * self.survey.levels + level], self.grid.place(pixel, k))
             }
         })
     }

@@ -12,6 +12,8 @@ use rayweave_shape::Ray;
 pub(crate) struct Layer {
     /// The number of the ray in its batch.
     pub ray: usize,
+    /// How many layers are before it on its ray.
+    pub level: usize,
     pub t: f64,
     /// The unit normal on the side of the eye.
     pub normal: Vec3,
@@ -22,7 +24,7 @@ pub(crate) struct Layer {
     pub lit: u32,
 }
 
-/// What is seen at a place of the picture: the first layer, as far as neighbours are compared by it.
+/// What is seen at a place of the picture: a layer, as far as neighbours are compared by it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sample {
     pub t: f64,
@@ -71,7 +73,8 @@ impl<'a, E: Evaluator> Eye<'a, E> {
         }
     }
 
-    /// Looks along rays and fills in what is seen, one entry per ray.
+    /// Looks along rays and fills in what is seen: a colour per ray, and the samples of as many levels per ray as the shader
+    /// tells apart.
     pub fn look(
         &mut self,
         rays: impl Iterator<Item = Ray>,
@@ -79,7 +82,7 @@ impl<'a, E: Evaluator> Eye<'a, E> {
         colours: &mut [Premultiplied],
     ) {
         self.rays.clear();
-        rays.take(samples.len()).for_each(|ray| self.rays.push(ray));
+        rays.take(colours.len()).for_each(|ray| self.rays.push(ray));
         self.find_layers();
         if self.shader.casts_shadows() {
             self.shadows.cast(
@@ -90,10 +93,14 @@ impl<'a, E: Evaluator> Eye<'a, E> {
                 &mut self.scratch,
             );
         }
+        let levels = self.shader.levels();
         samples.fill(Sample::MISS);
         colours.fill([0.0; 4]);
         for layer in self.layers.iter().rev() {
-            self.lay(layer, &mut samples[layer.ray], &mut colours[layer.ray]);
+            self.lay(layer, &mut colours[layer.ray]);
+            if layer.level < levels {
+                samples[layer.ray * levels + layer.level] = self.sample(layer);
+            }
         }
     }
 
@@ -107,10 +114,11 @@ impl<'a, E: Evaluator> Eye<'a, E> {
         };
         let mut take = |answer: rayweave_model::RayAnswer<'_>| {
             let ray = rays.get(answer.ray);
-            for crossing in answer.crossings {
+            for (level, crossing) in answer.crossings.iter().enumerate() {
                 let region = seen(crossing);
                 layers.push(Layer {
                     ray: answer.ray,
+                    level,
                     t: crossing.t,
                     normal: towards_eye(dress::normal(program, &ray, crossing), &ray),
                     face: crossing.face,
@@ -126,18 +134,20 @@ impl<'a, E: Evaluator> Eye<'a, E> {
     }
 
     /// Lays a surface over what is behind it.
-    fn lay(&self, layer: &Layer, sample: &mut Sample, colour: &mut Premultiplied) {
-        let program = self.evaluator.program();
+    fn lay(&self, layer: &Layer, colour: &mut Premultiplied) {
         let ray = self.rays.rays().get(layer.ray);
         let (light, opacity) = self.shader.shade(layer, &ray);
         *colour = over(premultiply(light, opacity), *colour);
-        *sample = Sample {
+    }
+
+    fn sample(&self, layer: &Layer) -> Sample {
+        Sample {
             t: layer.t,
             normal: layer.normal.as_vec3().to_array(),
-            face: program.face_number(layer.face.leaf, layer.face.facet),
+            face: self.evaluator.program().face_number(layer.face.leaf, layer.face.facet),
             placement: layer.face.placement.0,
             region: layer.region.0,
             lit: layer.lit,
-        };
+        }
     }
 }

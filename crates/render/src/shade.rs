@@ -28,6 +28,9 @@ enum Source {
     Eye,
 }
 
+/// How many surfaces behind one another have lines where some are translucent.
+const LEVELS: usize = 4;
+
 /// The part of a surface's colour that it has in no light at all.
 const AMBIENT: f32 = 0.18;
 
@@ -40,7 +43,7 @@ struct Tone {
     part: f32,
 }
 
-const COOL: Tone = Tone { tint: [0.0, 0.005, 0.03], part: 0.12 };
+const COOL: Tone = Tone { tint: [0.002, 0.008, 0.04], part: 0.15 };
 const WARM: Tone = Tone { tint: [0.06, 0.045, 0.005], part: 1.0 };
 
 /// What is left of the tone of a light in its shadow.
@@ -70,6 +73,16 @@ impl Shader {
     /// True if some region shows what is behind it.
     pub fn is_translucent(&self) -> bool {
         self.translucent
+    }
+
+    /// How many surfaces on a ray, from the first, are compared with those of neighbours.
+    pub fn levels(&self) -> usize {
+        if self.translucent { LEVELS } else { 1 }
+    }
+
+    /// How much of what is behind it a region shows.
+    pub fn transparency(&self, region: u32) -> f32 {
+        1.0 - self.regions[region as usize].1
     }
 
     /// True if a region hides what is behind it.

@@ -5,26 +5,29 @@ use crate::extent::Extent;
 use crate::sample::Sample;
 use std::ops::Range;
 
-/// One sample per pixel, at its centre. Samples are kept only where something may be seen.
+/// What is seen at the centre of each pixel. Samples are kept only where something may be seen, so many levels per pixel.
 pub(crate) struct Survey {
     pub size: Size,
     pub extent: Extent,
+    pub levels: usize,
     pub rows: Vec<Vec<Sample>>,
 }
 
-static MISS: Sample = Sample::MISS;
-
 impl Survey {
     /// A survey with all samples still to be taken.
-    pub fn new(size: Size, extent: Extent) -> Survey {
+    pub fn new(size: Size, extent: Extent, levels: usize) -> Survey {
         let rows = vec![Vec::new(); size.height()];
-        Survey { size, extent, rows }
+        Survey { size, extent, levels, rows }
     }
 
-    /// The sample of a pixel of the picture.
-    pub fn at(&self, x: usize, y: usize) -> &Sample {
+    /// The sample of a pixel of the picture at a level.
+    pub fn at(&self, x: usize, y: usize, level: usize) -> &Sample {
         let columns = self.extent.columns(y);
-        if columns.contains(&x) { &self.rows[y][x - columns.start] } else { &MISS }
+        if columns.contains(&x) {
+            &self.rows[y][(x - columns.start) * self.levels + level]
+        } else {
+            &Sample::MISS
+        }
     }
 
     /// The columns of a row that may differ from their right or lower neighbours.
