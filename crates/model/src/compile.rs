@@ -2,11 +2,11 @@
 
 use crate::gate::Network;
 use crate::lower::{Content, Group, RawLeaf, lower};
-use crate::program::{Leaf, LeafFacet, LeafKind, Program, Prototype, RegionInfo, SurfaceEntry};
+use crate::program::{Leaf, LeafFacet, LeafKind, MARGIN, Program, Prototype, RegionInfo, SurfaceEntry};
 use crate::{
     Ball, CompileError, CompileProblem, Edge, Gate, LeafId, PrototypeId, Region, Rule, Solid, SurfaceId,
 };
-use rayweave_math::{Bounds, Transform};
+use rayweave_math::{Bounds, Transform, Vec3};
 use rayweave_shape::primitive::{Lowered, Primitive};
 use rayweave_shape::surface::share;
 
@@ -108,6 +108,9 @@ struct GroupTables {
 struct Summary {
     bounds: Bounds,
     placements: u32,
+    /// The largest margin of its leaves.
+    margin: f64,
+    condition: f64,
 }
 
 struct Compiler {
@@ -128,18 +131,23 @@ impl Compiler {
             added.map_err(|problem| CompileError { path: group.path(raw), problem })?;
         }
         tables.share(&group)?;
+        let ball = tables.ball();
+        tables.add_margins(&ball);
         let bounds = tables.bound(&group);
         let prototype = Prototype {
             leaves: first_leaf..first_leaf + group.leaves.len() as u32,
             network: Network::new(&group.expression, &group.outputs, group.leaves.len()),
             bounds,
-            ball: tables.ball(),
+            ball,
+            condition: tables.condition,
             placements: tables.placements,
             instances: tables.instances.iter().map(|&(p, leaf)| (p, LeafId(first_leaf + leaf))).collect(),
             expression: group.expression,
             outputs: group.outputs,
         };
-        self.done[id] = Some(Summary { bounds, placements: prototype.placements });
+        let margin = tables.leaves.iter().map(|leaf| leaf.margin).fold(0.0, f64::max);
+        let (placements, condition) = (prototype.placements, prototype.condition);
+        self.done[id] = Some(Summary { bounds, placements, margin, condition });
         Ok(GroupTables { prototype, leaves: tables.leaves, facets: tables.facets, surfaces: tables.surfaces })
     }
 
@@ -169,6 +177,7 @@ struct Tables {
     surfaces: Vec<SurfaceEntry>,
     instances: Vec<(u32, u32)>,
     placements: u32,
+    condition: f64,
 }
 
 impl Default for Tables {
@@ -179,6 +188,7 @@ impl Default for Tables {
             surfaces: Vec::new(),
             instances: Vec::new(),
             placements: 1,
+            condition: 1.0,
         }
     }
 }
@@ -204,7 +214,9 @@ impl Tables {
                 return Err(CompileProblem::NotFinite);
             }
             if facet.inside {
-                bounds = bounds.intersection(&surface.inside_bounds());
+                let both = bounds.intersection(&surface.inside_bounds());
+                // two boxes of something very thin may miss each other by a rounding
+                bounds = if both.is_empty() { bounds } else { both };
             }
             let name = format!("{}.{}", raw.name, facet.name).into();
             let surface_id = SurfaceId::from(self.surfaces.len());
@@ -219,6 +231,7 @@ impl Tables {
                 complement: lowered.complement,
             },
             bounds,
+            margin: 0.0,
             matters: bounds,
             transform,
         });
@@ -238,11 +251,16 @@ impl Tables {
             .checked_add(inner.placements)
             .filter(|&all| all < 1 << 31)
             .ok_or(CompileProblem::TooLarge { what: "placements" })?;
+        let map = &transform.world_from_local;
+        // a Frobenius norm is up to sqrt(3) times the greatest stretch: never too small
+        let condition = map.stretch() * transform.local_from_world.stretch() * inner.condition;
+        self.condition = self.condition.max(condition);
         self.instances.push((placement, self.leaves.len() as u32));
         self.leaves.push(Leaf {
             name: raw.name.clone(),
             kind: LeafKind::Instance { prototype, placement },
-            bounds: inner.bounds.transformed(&transform.world_from_local),
+            bounds: inner.bounds.transformed(map),
+            margin: map.stretch() * inner.margin + MARGIN * condition * transform.path,
             matters: Bounds::ALL,
             transform,
         });
@@ -277,6 +295,17 @@ impl Tables {
         Ok(())
     }
 
+    /// The share of the group in the margins of its leaves: their own sizes and ways, and the tolerance by which
+    /// rays lie in faces, at the far end of a chord.
+    fn add_margins(&mut self, ball: &Ball) {
+        let far = |v: Vec3| if v.is_finite() { v.length() } else { 0.0 };
+        let chord = ball.centre.length() + 2.0 * ball.radius;
+        for leaf in &mut self.leaves {
+            let lengths = far(leaf.bounds.lo) + far(leaf.bounds.hi) + leaf.transform.path + chord;
+            leaf.margin += MARGIN * lengths;
+        }
+    }
+
     /// A box around what is asked of the group, from the boxes of its leaves; and for each leaf the part of
     /// its box where it can matter.
     ///
@@ -290,8 +319,12 @@ impl Tables {
         let exact = self.node_boxes(group, |leaf| leaf.bounds);
         let outputs =
             group.outputs.iter().fold(Bounds::EMPTY, |all, &edge| all.union(&edge_box(&exact, edge)));
-        // grown by more than rounding, so that parts that only touch are not taken for apart
-        let boxes = self.node_boxes(group, |leaf| leaf.bounds.grown(leaf.margin()));
+        // grown by more than rounding, so that parts that only touch are not taken for apart; and only what ends
+        // on all sides, since a ray nearly parallel to a face ends there at a time of 1e16 or so, at no certain
+        // place
+        let sure = |leaf: &Leaf| leaf.bounds.is_finite() || leaf.bounds.is_empty();
+        let boxes = self
+            .node_boxes(group, |leaf| if sure(leaf) { leaf.bounds.grown(leaf.margin) } else { Bounds::ALL });
         let mut matters = vec![Bounds::EMPTY; nodes.len()];
         group.outputs.iter().for_each(|edge| matters[edge.node().index()] = Bounds::ALL);
         for (node, gate) in nodes.iter().enumerate().rev() {

@@ -25,11 +25,11 @@ pub fn normal(program: &Program, ray: &Ray, crossing: &Crossing) -> Vec3 {
 
 /// The gradient of a face's surface at a time of the ray, in world coordinates; of no particular length.
 pub fn world_gradient(program: &Program, ray: &Ray, face: Face, t: f64) -> Vec3 {
-    let local = local_ray(program, ray, face.placement);
+    let (local, _) = local_ray(program, ray, face.placement);
     let (_, gradient) = program.surface(face.surface).surface.value_and_gradient(local.at(t));
     // carried up through every frame: the covector of f composed with the map into the frame
     let steps: Vec<_> = program.descend(face.placement).collect();
-    let up = steps.iter().rev().fold(gradient, |g, local_from_world| local_from_world.linear.transpose() * g);
+    let up = steps.iter().rev().fold(gradient, |g, place| place.local_from_world.linear.transpose() * g);
     let largest = up.abs().max_element();
     if largest > 0.0 { up / largest } else { Vec3::ZERO }
 }

@@ -1,7 +1,7 @@
 //! Where one leaf changes along a ray: the meaning of a leaf, for every evaluator.
 
 use crate::{Face, LeafFacet, PlacementId, Program, Prototype, PrototypeId, Start, chord};
-use rayweave_math::{Affine, Vec3};
+use rayweave_math::{Transform, Vec3};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Aside, Chord, SurfaceCrossings};
 
@@ -34,10 +34,22 @@ pub struct GroupRay<'a> {
     pub ray: Ray,
     /// The chord that says whether it lies in a surface.
     pub chord: Chord,
+    /// What the way from the world's frame into this one adds to the reach of every surface: see [`carried`].
+    pub reach: f64,
     /// The placement of the group.
     pub placement: PlacementId,
     /// Surfaces that the ray starts on.
     pub starts: &'a [Start],
+}
+
+/// A ray in the frame of a placed solid, with what is to be added there to the reach of every surface.
+///
+/// The ray has the same times, but was rounded on the way: by the position of its origin and by the lengths
+/// of the translations, which may be large in the frame outside and cancel in the frame inside. `reach` is
+/// what earlier steps have added in the frame outside.
+pub fn carried(place: &Transform, ray: &Ray, reach: f64) -> (Ray, f64) {
+    let down = &place.local_from_world;
+    (ray.transformed(down), down.stretch() * (ray.origin.length() + place.path + reach))
 }
 
 /// A point as a group sees it.
@@ -47,18 +59,21 @@ pub struct GroupPoint {
     pub point: Vec3,
     /// Decides the side of a point on a surface.
     pub aside: Aside,
+    /// What the way from the world's frame into this one adds to the rounding of the point: see [`carried`].
+    pub reach: f64,
 }
 
 impl GroupPoint {
     /// A point of the world.
     pub fn world(point: Vec3) -> GroupPoint {
-        GroupPoint { point, aside: Aside::WORLD }
+        GroupPoint { point, aside: Aside::WORLD, reach: 0.0 }
     }
 
     /// The same point as a solid placed in the group sees it.
-    pub fn placed(&self, local_from_world: &Affine) -> GroupPoint {
-        let point = local_from_world.point(self.point);
-        GroupPoint { point, aside: self.aside.transformed(local_from_world) }
+    pub fn placed(&self, place: &Transform) -> GroupPoint {
+        let down = &place.local_from_world;
+        let reach = down.stretch() * (self.point.length() + place.path + self.reach);
+        GroupPoint { point: down.point(self.point), aside: self.aside.transformed(down), reach }
     }
 }
 
@@ -66,15 +81,16 @@ impl<'a> GroupRay<'a> {
     /// A ray of the world as the model itself sees it.
     pub fn world(program: &Program, ray: Ray, starts: &'a [Start]) -> GroupRay<'a> {
         let chord = chord(&program.prototype(PrototypeId(0)).ball, &ray);
-        GroupRay { ray, chord, placement: PlacementId(0), starts }
+        GroupRay { ray, chord, reach: 0.0, placement: PlacementId(0), starts }
     }
 
     /// The same ray as a solid placed in the group sees it; `placement` is counted from that of the group.
-    pub fn placed(&self, local_from_world: &Affine, inner: &Prototype, placement: u32) -> GroupRay<'a> {
-        let ray = self.ray.transformed(local_from_world);
+    pub fn placed(&self, place: &Transform, inner: &Prototype, placement: u32) -> GroupRay<'a> {
+        let (ray, reach) = carried(place, &self.ray, self.reach);
         let mut chord = chord(&inner.ball, &ray);
-        chord.aside = self.chord.aside.transformed(local_from_world);
-        GroupRay { ray, chord, placement: PlacementId(self.placement.0 + placement), starts: self.starts }
+        chord.aside = self.chord.aside.transformed(&place.local_from_world);
+        let placement = PlacementId(self.placement.0 + placement);
+        GroupRay { ray, chord, reach, placement, starts: self.starts }
     }
 
     /// Where the ray crosses a facet, as "inside the facet" before and after.
@@ -83,7 +99,7 @@ impl<'a> GroupRay<'a> {
         let start = self.starts.iter().find(|s| s.surface == facet.surface && s.placement == self.placement);
         let crossings = match start {
             Some(start) => entry.surface.crossings_from_in(&self.ray, start.inside, &self.chord.aside),
-            None => match self.chord.lies_in(&entry.surface, entry.reach, &self.ray) {
+            None => match self.chord.lies_in(&entry.surface, entry.reach + self.reach, &self.ray) {
                 Some(inside) => SurfaceCrossings::constant(inside),
                 None => entry.surface.crossings(&self.ray),
             },

@@ -31,8 +31,8 @@ pub use evaluator::{
     Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, RayBatch, Rays, Sink, Start, StartLists,
     State, Window, WindowError,
 };
-pub use events::{Event, GroupPoint, GroupRay, LeafEvents, facets_contain, leaf_events};
+pub use events::{Event, GroupPoint, GroupRay, LeafEvents, carried, facets_contain, leaf_events};
 pub use expression::{Edge, Expression, Gate, Rule};
 pub use ids::{LeafId, NodeId, PlacementId, PrototypeId, RegionId, SurfaceId};
-pub use program::{Leaf, LeafFacet, LeafKind, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
+pub use program::{Leaf, LeafFacet, LeafKind, MARGIN, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
 pub use solid::{Node, Region, Solid};

@@ -2,7 +2,7 @@
 
 use crate::gate::Network;
 use crate::{Ball, Expression, LeafId, PlacementId, PrototypeId, RegionId, SurfaceId};
-use rayweave_math::{Affine, Bounds, Transform, UNIT_ROUNDOFF, Vec3};
+use rayweave_math::{Affine, Bounds, Transform, UNIT_ROUNDOFF};
 use rayweave_shape::primitive::Primitive;
 use rayweave_shape::surface::Surface;
 use std::sync::Arc;
@@ -35,11 +35,17 @@ pub struct Prototype {
     pub bounds: Bounds,
     /// The ball whose chords say whether a ray lies in a surface.
     pub ball: Ball,
+    /// The most by which a rounding in this group's frame can be magnified on the way into a placed solid and
+    /// back, at least 1: the factor for a ray's share in the growth of boxes.
+    pub condition: f64,
     /// The number of placements that one occurrence of the group stands for, itself included.
     pub placements: u32,
     /// The instances among the leaves, as (number of the placement within the group, leaf), in order.
     pub instances: Vec<(u32, LeafId)>,
 }
+
+/// Boxes are grown by this times the lengths involved.
+pub const MARGIN: f64 = 256.0 * UNIT_ROUNDOFF;
 
 /// A surface in the frame of its group.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,20 +65,16 @@ pub struct Leaf {
     pub kind: LeafKind,
     /// A box, in the frame of the group, that holds the conjunction of its facets.
     pub bounds: Bounds,
-    /// The part of that box where the leaf can matter to what is asked of the group.
+    /// How far that box has to be grown to hold everything that may be found of the leaf on a ray that starts
+    /// near the origin; a ray from far away adds its share.
+    ///
+    /// It is [`MARGIN`] of the lengths involved, four times the distance at which a computed root may lie off
+    /// its surface. Among these lengths is the group's ball: whether a ray lies in a face is judged along it.
+    pub margin: f64,
+    /// The part of the box, grown by the margin, where the leaf can matter to what is asked of the group.
     pub matters: Bounds,
     /// Its place in its group.
     pub transform: Transform,
-}
-
-impl Leaf {
-    /// How far its box has to be grown to hold everything that a kernel may find of it: 256 u of the lengths
-    /// involved, four times the distance at which a computed root may lie off its surface. (A ray from far
-    /// away adds its own share.)
-    pub fn margin(&self) -> f64 {
-        let far = |v: Vec3| if v.is_finite() { v.length() } else { 0.0 };
-        256.0 * UNIT_ROUNDOFF * (far(self.bounds.lo) + far(self.bounds.hi) + self.transform.path)
-    }
 }
 
 /// What a leaf is.
@@ -199,8 +201,8 @@ impl Program {
         (map, group)
     }
 
-    /// The maps by which a world ray is carried into a placement's frame, outermost first.
-    pub fn descend(&self, id: PlacementId) -> impl Iterator<Item = &Affine> {
+    /// The steps by which a world ray is carried into a placement's frame, outermost first.
+    pub fn descend(&self, id: PlacementId) -> impl Iterator<Item = &Transform> {
         let (mut rest, mut group) = (id.0, PrototypeId(0));
         std::iter::from_fn(move || {
             if rest == 0 {
@@ -208,7 +210,7 @@ impl Program {
             }
             let (leaf, child, first) = self.instance_before(group, rest)?;
             (rest, group) = (rest - first, child);
-            Some(&leaf.transform.local_from_world)
+            Some(&leaf.transform)
         })
     }
 

@@ -4,7 +4,7 @@
 //! by rounding, so neighbouring crossings are *welded* where the piece of the ray between them keeps within
 //! `delta` of both surfaces all along. This is done here once, on the final list, for every evaluator.
 
-use crate::{Crossing, Event, Face, PlacementId, Program, RegionId, State};
+use crate::{Crossing, Event, Face, PlacementId, Program, RegionId, State, carried};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::hugs;
 use std::ops::Range;
@@ -43,6 +43,10 @@ struct Run {
     face: Face,
 }
 
+/// What a weld knows between two changes: for evaluators that find events as they go.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Paused(Option<Run>);
+
 /// Welds the changes of one ray as they come.
 pub struct Weld<'a> {
     program: &'a Program,
@@ -55,6 +59,16 @@ impl<'a> Weld<'a> {
     /// For one ray with all its events in order of time.
     pub fn new(program: &'a Program, ray: Ray, events: &'a [Event]) -> Self {
         Weld { program, ray, events, pending: None }
+    }
+
+    /// Goes on after a pause; `events` may have got more at its end since.
+    pub fn resume(program: &'a Program, ray: Ray, events: &'a [Event], paused: Paused) -> Self {
+        Weld { program, ray, events, pending: paused.0 }
+    }
+
+    /// Lets go of the events.
+    pub fn pause(self) -> Paused {
+        Paused(self.pending)
     }
 
     /// Takes the next change; answers with the crossing that it shows to be complete, if any. `flips` must be
@@ -88,7 +102,8 @@ impl<'a> Weld<'a> {
 
     fn hugs(&self, face: Face, a: f64, b: f64) -> bool {
         let entry = self.program.surface(face.surface);
-        hugs(&entry.surface, entry.reach, &local_ray(self.program, &self.ray, face.placement), a, b)
+        let (ray, reach) = local_ray(self.program, &self.ray, face.placement);
+        hugs(&entry.surface, entry.reach + reach, &ray, a, b)
     }
 
     /// The crossing that a complete run amounts to: none if the medium is the same before and after.
@@ -103,9 +118,12 @@ impl<'a> Weld<'a> {
             true => run.face,
             false => attribute(self.events, first..end, position, flips, medium_state(self.program)),
         };
+        // a region that goes on beneath the other one, or ended before, is left or entered at the same face
         let mut of_region = |region: RegionId| match alone || region == RegionId(0) {
             true => face,
-            false => attribute(self.events, first..end, position, flips, region_state(region)),
+            false => {
+                responsible(self.events, first..end, position, flips, region_state(region)).unwrap_or(face)
+            }
         };
         let (mut left, mut entered) = (of_region(before.region), of_region(after.region));
         if before.region == RegionId(0) || after.region == RegionId(0) {
@@ -116,9 +134,11 @@ impl<'a> Weld<'a> {
 }
 
 /// The face that the flips `range` of `events` belong to: of those whose flip alone changes the state before
-/// all of them, or whose flip undone changes the state after, the one of the lowest leaf; if there is none,
-/// the lowest of all. `flips` has `position` events flipped, at least those up to the end of the range, and
-/// is left as it was.
+/// all of them, or whose flip undone changes the state after, the one of the lowest leaf; if there is none, of
+/// those that change the state as they come, one after the other. (Some do, as the state is another one in
+/// the end; and leaves that cannot matter here never do, so it is the same whether an evaluator looks at
+/// them or not.) `flips` has `position` events flipped, at least those up to the end of the range, and is left
+/// as it was.
 pub fn attribute<F: Flips>(
     events: &[Event],
     range: Range<usize>,
@@ -126,31 +146,46 @@ pub fn attribute<F: Flips>(
     flips: &mut F,
     state: impl Fn(&mut F) -> u32,
 ) -> Face {
-    let members = &events[range.clone()];
-    if let [only] = members {
-        return only.face;
+    match &events[range.clone()] {
+        [only] => only.face,
+        members => responsible(events, range, position, flips, state).unwrap_or(members[0].face),
     }
+}
+
+/// The same; `None` where the flips together change nothing.
+fn responsible<F: Flips>(
+    events: &[Event],
+    range: Range<usize>,
+    position: usize,
+    flips: &mut F,
+    state: impl Fn(&mut F) -> u32,
+) -> Option<Face> {
+    let members = &events[range.clone()];
     let toggle = |flips: &mut F, range: Range<usize>| {
         events[range].iter().for_each(|event| flips.flip(event.leaf));
     };
     let mut best: Option<&Event> = None;
     toggle(flips, range.end..position);
-    test_each(members, flips, &state, &mut best);
+    let after = test_each(members, flips, &state, &mut best);
     toggle(flips, range.clone());
-    test_each(members, flips, &state, &mut best);
-    toggle(flips, range.start..position);
-    let lowest = || members.iter().rev().min_by_key(|event| event.leaf);
-    best.or_else(lowest).map_or(members[0].face, |event| event.face)
+    let before = test_each(members, flips, &state, &mut best);
+    if best.is_none() {
+        test_all(members, flips, &state, &mut best);
+    } else {
+        toggle(flips, range.clone());
+    }
+    toggle(flips, range.end..position);
+    best.filter(|_| before != after).map(|event| event.face)
 }
 
 /// Flips each member alone and keeps the lowest leaf that makes a difference; of several flips of one leaf
-/// the last.
+/// the last. The state without any flip.
 fn test_each<'e, F: Flips>(
     members: &'e [Event],
     flips: &mut F,
     state: &impl Fn(&mut F) -> u32,
     best: &mut Option<&'e Event>,
-) {
+) -> u32 {
     let now = state(flips);
     for event in members {
         if best.is_some_and(|best| best.leaf < event.leaf) {
@@ -163,6 +198,25 @@ fn test_each<'e, F: Flips>(
             *best = Some(event);
         }
     }
+    now
+}
+
+/// Flips the members one after the other, and leaves them flipped; keeps the lowest leaf that makes a difference.
+fn test_all<'e, F: Flips>(
+    members: &'e [Event],
+    flips: &mut F,
+    state: &impl Fn(&mut F) -> u32,
+    best: &mut Option<&'e Event>,
+) {
+    let mut now = state(flips);
+    for event in members {
+        flips.flip(event.leaf);
+        let next = state(flips);
+        if next != now && best.is_none_or(|best| best.leaf >= event.leaf) {
+            *best = Some(event);
+        }
+        now = next;
+    }
 }
 
 fn medium_state<F: Flips>(program: &Program) -> impl Fn(&mut F) -> u32 {
@@ -173,7 +227,8 @@ fn region_state<F: Flips>(region: RegionId) -> impl Fn(&mut F) -> u32 {
     move |flips: &mut F| u32::from(flips.output(region.0 - 1))
 }
 
-/// A ray of the world in the frame of a placement, by the same steps by which evaluators carried it there.
-pub fn local_ray(program: &Program, ray: &Ray, placement: PlacementId) -> Ray {
-    program.descend(placement).fold(*ray, |ray, local_from_world| ray.transformed(local_from_world))
+/// A ray of the world in the frame of a placement, by the same steps by which evaluators carried it there, and
+/// what they add to the reach of surfaces.
+pub fn local_ray(program: &Program, ray: &Ray, placement: PlacementId) -> (Ray, f64) {
+    program.descend(placement).fold((*ray, 0.0), |(ray, reach), place| carried(place, &ray, reach))
 }

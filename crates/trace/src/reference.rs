@@ -67,8 +67,8 @@ impl Reference {
                 (flips.starts_inside, flips.flips.iter().map(event).collect())
             }
             LeafKind::Instance { prototype: inner, placement } => {
-                let down = &self.program.leaf(id).transform.local_from_world;
-                let local = ray.placed(down, self.program.prototype(*inner), *placement);
+                let place = &self.program.leaf(id).transform;
+                let local = ray.placed(place, self.program.prototype(*inner), *placement);
                 let answer = self.group(*inner, &local);
                 answer.into_leaf(
                     &self.program.prototype(*inner).expression,
@@ -134,7 +134,7 @@ impl Reference {
                     facets_contain(&self.program, table, point)
                 }
                 LeafKind::Instance { prototype, .. } => {
-                    self.inside_group(*prototype, &point.placed(&leaf.transform.local_from_world))[0]
+                    self.inside_group(*prototype, &point.placed(&leaf.transform))[0]
                 }
             }
         };

@@ -65,7 +65,7 @@ impl Weave {
         let mut level = scratch.take_level(depth);
         level.events.clear();
         level.touched.clear();
-        self.accel[group.index()].touched(&ray.ray, window, &mut level.touched);
+        self.accel[group.index()].touched(ray, window, &mut level.touched);
         let prototype = self.program.prototype(group);
         for k in 0..level.touched.len() {
             let leaf = level.touched[k];
@@ -73,8 +73,8 @@ impl Weave {
             let starts_inside = match &self.program.leaf(id).kind {
                 LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, ray, &mut level),
                 LeafKind::Instance { prototype, placement } => {
-                    let down = &self.program.leaf(id).transform.local_from_world;
-                    let local = ray.placed(down, self.program.prototype(*prototype), *placement);
+                    let place = &self.program.leaf(id).transform;
+                    let local = ray.placed(place, self.program.prototype(*prototype), *placement);
                     level.inner.clear();
                     let starts = self.instance(*prototype, &local, depth + 1, scratch, &mut level.inner);
                     level.events.extend(level.inner.iter().map(|&(t, face)| Event { t, leaf, face }));
@@ -207,7 +207,7 @@ impl Weave {
         let mut level = scratch.take_level(depth);
         level.touched.clear();
         let prototype = self.program.prototype(group);
-        self.accel[group.index()].around(point.point, &mut level.touched);
+        self.accel[group.index()].around(point, &mut level.touched);
         let holds = |leaf: u32, scratch: &mut WeaveScratch| {
             let leaf = self.program.leaf(LeafId(prototype.leaves.start + leaf));
             match &leaf.kind {
@@ -215,12 +215,9 @@ impl Weave {
                     let table = &self.program.facets()[facets.start as usize..facets.end as usize];
                     facets_contain(&self.program, table, point)
                 }
-                LeafKind::Instance { prototype, .. } => self.instance_holds(
-                    *prototype,
-                    &point.placed(&leaf.transform.local_from_world),
-                    depth + 1,
-                    scratch,
-                ),
+                LeafKind::Instance { prototype, .. } => {
+                    self.instance_holds(*prototype, &point.placed(&leaf.transform), depth + 1, scratch)
+                }
             }
         };
         level.touched.retain(|&leaf| holds(leaf, scratch));

@@ -6,8 +6,8 @@
 mod hierarchy;
 
 use hierarchy::Hierarchy;
-use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
-use rayweave_model::{Program, Prototype, Window};
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{GroupPoint, GroupRay, MARGIN, Program, Prototype, Window};
 use rayweave_shape::Ray;
 
 /// The leaves of a group by where they are.
@@ -16,37 +16,39 @@ pub(crate) struct Accel {
     /// Leaves that can matter without bound: every ray can touch them.
     unbounded: Vec<u32>,
     hierarchy: Hierarchy,
+    condition: f64,
 }
 
-/// What the position of a ray's origin adds to the growth of every box; see [`rayweave_model::Leaf::margin`] for the
-/// share of the leaf itself.
-const MARGIN: f64 = 256.0 * UNIT_ROUNDOFF;
+/// What the position of a ray's origin adds to the growth of every box, and the way into the frame of the group.
+fn ray_margin(origin: Vec3, reach: f64) -> f64 {
+    MARGIN * (origin.length() + reach)
+}
 
 impl Accel {
     pub fn new(program: &Program, group: &Prototype) -> Accel {
         let leaves = &program.leaves()[group.leaves.start as usize..group.leaves.end as usize];
         let (mut unbounded, mut boxes) = (Vec::new(), Vec::new());
         for (k, leaf) in leaves.iter().enumerate() {
-            if leaf.bounds.is_finite() {
-                let size = leaf.bounds.lo.abs().max(leaf.bounds.hi.abs()).length() + leaf.transform.path;
-                boxes.push((leaf.bounds.grown(MARGIN * size), k as u32));
-            } else if !leaf.bounds.is_empty() {
+            if leaf.matters.is_finite() {
+                boxes.push((leaf.matters, k as u32));
+            } else if !leaf.matters.is_empty() {
                 unbounded.push(k as u32);
             }
         }
-        Accel { unbounded, hierarchy: Hierarchy::new(boxes) }
+        Accel { unbounded, hierarchy: Hierarchy::new(boxes), condition: group.condition }
     }
 
     /// The leaves that the ray can touch within the window.
-    pub fn touched(&self, ray: &Ray, window: Window, out: &mut Vec<u32>) {
+    pub fn touched(&self, ray: &GroupRay<'_>, window: Window, out: &mut Vec<u32>) {
         out.extend_from_slice(&self.unbounded);
-        self.hierarchy.touched(&Probe::new(ray, window), out);
+        let margin = self.condition * ray_margin(ray.ray.origin, ray.reach);
+        self.hierarchy.touched(&Probe::new(&ray.ray, margin, window), out);
     }
 
     /// The leaves whose bounds hold a point.
-    pub fn around(&self, point: Vec3, out: &mut Vec<u32>) {
+    pub fn around(&self, point: &GroupPoint, out: &mut Vec<u32>) {
         out.extend_from_slice(&self.unbounded);
-        self.hierarchy.around(point, MARGIN * point.length(), out);
+        self.hierarchy.around(point.point, self.condition * ray_margin(point.point, point.reach), out);
     }
 }
 
@@ -60,9 +62,9 @@ pub(crate) struct Probe {
 }
 
 impl Probe {
-    fn new(ray: &Ray, window: Window) -> Probe {
+    fn new(ray: &Ray, margin: f64, window: Window) -> Probe {
         let inverse = Vec3::ONE / ray.direction;
-        Probe { origin: ray.origin, inverse, margin: MARGIN * ray.origin.length(), window }
+        Probe { origin: ray.origin, inverse, margin, window }
     }
 
     /// True if the ray passes the grown box within the window (the slab test of Kay & Kajiya, 1986). A time
