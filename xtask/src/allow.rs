@@ -15,10 +15,7 @@ pub struct Exception {
 ///
 /// The error is the number of the first line that is not an exception.
 pub fn read(text: &str) -> Result<Vec<Exception>, usize> {
-    let lines = text
-        .lines()
-        .enumerate()
-        .map(|(index, line)| (index + 1, line.trim()));
+    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
     lines
         .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
         .map(|(number, line)| read_line(number, line).ok_or(number))
@@ -29,11 +26,7 @@ fn read_line(line: usize, text: &str) -> Option<Exception> {
     let (subject, reason) = text.split_once(" -- ")?;
     let (rule, place) = subject.trim().split_once(' ')?;
     let complete = !reason.trim().is_empty() && !place.trim().contains(' ');
-    complete.then(|| Exception {
-        rule: rule.to_owned(),
-        place: place.trim().to_owned(),
-        line,
-    })
+    complete.then(|| Exception { rule: rule.to_owned(), place: place.trim().to_owned(), line })
 }
 
 impl Exception {
@@ -53,10 +46,8 @@ mod tests {
 
     #[test]
     fn exceptions_are_read() {
-        let list = read(
-            "# why\n\nunsafe a/b.rs -- talks to C\nfunction-length c.rs::solve -- one formula\n",
-        )
-        .unwrap();
+        let list = read("# why\n\nunsafe a/b.rs -- talks to C\nfunction-length c.rs::solve -- one formula\n")
+            .unwrap();
         assert_eq!(list.len(), 2);
         assert!(list[0].covers("unsafe", "a/b.rs", "anything"));
         assert!(!list[0].covers("unsafe", "b.rs", ""));

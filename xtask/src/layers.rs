@@ -32,10 +32,7 @@ struct Member {
 
 /// Compares the table with the workspace and prints every difference.
 pub fn run(repository: &Repository) -> Outcome {
-    let text = repository
-        .source(FILE)?
-        .ok_or_else(|| format!("{FILE}: no text"))?
-        .text;
+    let text = repository.source(FILE)?.ok_or_else(|| format!("{FILE}: no text"))?.text;
     let layers = read_table(&text)?;
     let members = read_members(&metadata(repository)?)?;
     let mut problems = table_problems(&layers);
@@ -55,9 +52,7 @@ pub fn run(repository: &Repository) -> Outcome {
 /// What cargo knows about the workspace.
 pub fn metadata(repository: &Repository) -> Result<Value, String> {
     let mut cargo = Command::new("cargo");
-    cargo
-        .current_dir(&repository.root)
-        .args(["metadata", "--format-version", "1", "--no-deps"]);
+    cargo.current_dir(&repository.root).args(["metadata", "--format-version", "1", "--no-deps"]);
     let text = process::output(&mut cargo)?;
     serde_json::from_str(&text).map_err(|error| format!("cargo metadata: {error}"))
 }
@@ -74,38 +69,24 @@ fn read_table(text: &str) -> Result<Vec<Layer>, String> {
     let (open, close) = (marker(OPEN)?, marker(CLOSE)?);
     let rows = (open + 1..close).filter(|&index| !lines[index].trim().is_empty());
     // the first two rows are the heading and the rule below it
-    rows.skip(2)
-        .map(|index| read_row(lines[index], index + 1))
-        .collect()
+    rows.skip(2).map(|index| read_row(lines[index], index + 1)).collect()
 }
 
 /// Reads a row `| storey | crate | may depend on |`.
 fn read_row(row: &str, line: usize) -> Result<Layer, String> {
-    let cells: Vec<&str> = row
-        .trim()
-        .trim_matches('|')
-        .split('|')
-        .map(str::trim)
-        .collect();
+    let cells: Vec<&str> = row.trim().trim_matches('|').split('|').map(str::trim).collect();
     let [storey, name, may_depend_on] = cells[..] else {
         return Err(format!(
             "{FILE}:{line}: {} cells in a row of 3 (storey, crate, may depend on)",
             cells.len()
         ));
     };
-    let storey = storey
-        .parse()
-        .map_err(|_| format!("{FILE}:{line}: storey '{storey}' is no number"))?;
+    let storey = storey.parse().map_err(|_| format!("{FILE}:{line}: storey '{storey}' is no number"))?;
     let may_depend_on = match may_depend_on {
         "none" => Vec::new(),
         names => names.split(',').map(bare).collect(),
     };
-    Ok(Layer {
-        storey,
-        name: bare(name),
-        may_depend_on,
-        line,
-    })
+    Ok(Layer { storey, name: bare(name), may_depend_on, line })
 }
 
 /// A name without its backticks.
@@ -115,9 +96,7 @@ fn bare(name: &str) -> String {
 
 /// Members and their dependencies on each other.
 fn read_members(metadata: &Value) -> Result<Vec<Member>, String> {
-    let packages = metadata["packages"]
-        .as_array()
-        .ok_or("cargo metadata: no packages")?;
+    let packages = metadata["packages"].as_array().ok_or("cargo metadata: no packages")?;
     let name_of = |value: &Value| value["name"].as_str().unwrap_or_default().to_owned();
     let names: Vec<String> = packages.iter().map(name_of).collect();
     let depends_on = |package: &Value| {
@@ -130,10 +109,7 @@ fn read_members(metadata: &Value) -> Result<Vec<Member>, String> {
     };
     Ok(packages
         .iter()
-        .map(|package| Member {
-            name: name_of(package),
-            depends_on: depends_on(package),
-        })
+        .map(|package| Member { name: name_of(package), depends_on: depends_on(package) })
         .collect())
 }
 
@@ -141,28 +117,18 @@ fn read_members(metadata: &Value) -> Result<Vec<Member>, String> {
 fn table_problems(layers: &[Layer]) -> Vec<String> {
     let mut problems = Vec::new();
     for (index, layer) in layers.iter().enumerate() {
-        let Layer {
-            storey, name, line, ..
-        } = layer;
+        let Layer { storey, name, line, .. } = layer;
         let above = &layers[..index];
         if above.iter().any(|other| other.name == *name) {
-            problems.push(format!(
-                "{FILE}:{line}: second row for {name} (each crate has one)"
-            ));
+            problems.push(format!("{FILE}:{line}: second row for {name} (each crate has one)"));
         }
         if above.last().is_some_and(|last| last.storey > *storey) {
-            problems.push(format!(
-                "{FILE}:{line}: storey {storey} below a higher one (the rows rise)"
-            ));
+            problems.push(format!("{FILE}:{line}: storey {storey} below a higher one (the rows rise)"));
         }
-        for wanted in layer
-            .may_depend_on
-            .iter()
-            .filter(|wanted| !above.iter().any(|other| other.name == **wanted))
+        for wanted in
+            layer.may_depend_on.iter().filter(|wanted| !above.iter().any(|other| other.name == **wanted))
         {
-            problems.push(format!(
-                "{FILE}:{line}: {name} may depend on {wanted}, which no row above names"
-            ));
+            problems.push(format!("{FILE}:{line}: {name} may depend on {wanted}, which no row above names"));
         }
     }
     problems
@@ -178,19 +144,14 @@ fn member_problems(layers: &[Layer], members: &[Member]) -> Vec<String> {
             ));
             continue;
         };
-        for other in depends_on
-            .iter()
-            .filter(|other| !layer.may_depend_on.contains(other))
-        {
+        for other in depends_on.iter().filter(|other| !layer.may_depend_on.contains(other)) {
             let line = layer.line;
             problems.push(format!(
                 "{name} depends on {other} (against {FILE}:{line}) move the code, or the wall"
             ));
         }
     }
-    let gone = layers
-        .iter()
-        .filter(|layer| !members.iter().any(|member| member.name == layer.name));
+    let gone = layers.iter().filter(|layer| !members.iter().any(|member| member.name == layer.name));
     problems.extend(gone.map(|layer| format!("{FILE}:{}: no crate {}", layer.line, layer.name)));
     problems
 }
@@ -203,10 +164,7 @@ mod tests {
                          | 0 | `math` | none |\n| 0 | `shape` | `math` |\n| 1 | `top` | `math`, `shape` |\n<!-- /layers -->\n";
 
     fn member(name: &str, depends_on: &[&str]) -> Member {
-        Member {
-            name: name.to_owned(),
-            depends_on: depends_on.iter().map(|&name| name.to_owned()).collect(),
-        }
+        Member { name: name.to_owned(), depends_on: depends_on.iter().map(|&name| name.to_owned()).collect() }
     }
 
     #[test]
@@ -226,34 +184,18 @@ mod tests {
 
     #[test]
     fn bad_tables_are_refused() {
+        assert!(read_table("# A\n").unwrap_err().contains("no line '<!-- layers -->'"));
+        assert!(read_table(&TABLE.replace("| 1 | `top` |", "| 1 |")).unwrap_err().contains(":7: 2 cells"));
         assert!(
-            read_table("# A\n")
-                .unwrap_err()
-                .contains("no line '<!-- layers -->'")
-        );
-        assert!(
-            read_table(&TABLE.replace("| 1 | `top` |", "| 1 |"))
-                .unwrap_err()
-                .contains(":7: 2 cells")
-        );
-        assert!(
-            read_table(&TABLE.replace("| 1 |", "| x |"))
-                .unwrap_err()
-                .contains(":7: storey 'x' is no number")
+            read_table(&TABLE.replace("| 1 |", "| x |")).unwrap_err().contains(":7: storey 'x' is no number")
         );
     }
 
     #[test]
     fn arrows_point_up_the_table() {
         let problems = |table: String| table_problems(&read_table(&table).unwrap()).join("\n");
-        assert!(
-            problems(TABLE.replace("`math` | none", "`math` | `top`"))
-                .contains("no row above names")
-        );
-        assert!(
-            problems(TABLE.replace("`math` | none", "`math` | `math`"))
-                .contains("no row above names")
-        );
+        assert!(problems(TABLE.replace("`math` | none", "`math` | `top`")).contains("no row above names"));
+        assert!(problems(TABLE.replace("`math` | none", "`math` | `math`")).contains("no row above names"));
         assert!(problems(TABLE.replace("`top` |", "`math` |")).contains("second row for math"));
         assert!(problems(TABLE.replace("| 0 | `math`", "| 3 | `math`")).contains("the rows rise"));
     }
@@ -262,22 +204,11 @@ mod tests {
     fn the_workspace_keeps_to_the_table() {
         let layers = read_table(TABLE).unwrap();
         let problems = |members: &[Member]| member_problems(&layers, members);
-        let good = [
-            member("math", &[]),
-            member("shape", &["math"]),
-            member("top", &["shape"]),
-        ];
+        let good = [member("math", &[]), member("shape", &["math"]), member("top", &["shape"])];
         assert_eq!(problems(&good), Vec::<String>::new());
-        let bad = [
-            member("math", &[]),
-            member("shape", &["math", "top"]),
-            member("new", &[]),
-        ];
+        let bad = [member("math", &[]), member("shape", &["math", "top"]), member("new", &[])];
         let found = problems(&bad).join("\n");
-        assert!(
-            found.contains("shape depends on top (against ARCHITECTURE.md:6)"),
-            "{found}"
-        );
+        assert!(found.contains("shape depends on top (against ARCHITECTURE.md:6)"), "{found}");
         assert!(found.contains("no row for new"), "{found}");
         assert!(found.contains("ARCHITECTURE.md:7: no crate top"), "{found}");
     }
@@ -288,9 +219,6 @@ mod tests {
             {"name": "math", "dependencies": [{"name": "shape", "kind": "dev"}, {"name": "libm", "kind": null}]},
             {"name": "shape", "dependencies": [{"name": "math", "kind": null}, {"name": "math", "kind": "build"}]}]}"#;
         let members = read_members(&serde_json::from_str(text).unwrap()).unwrap();
-        assert_eq!(
-            members,
-            [member("math", &[]), member("shape", &["math", "math"])]
-        );
+        assert_eq!(members, [member("math", &[]), member("shape", &["math", "math"])]);
     }
 }

@@ -85,19 +85,14 @@ fn run() -> Result<ExitCode, String> {
 
 /// Takes the one value that is still expected, and nothing after it.
 fn one_value(mut arguments: lexopt::Parser, name: &str) -> Result<String, String> {
-    let value = arguments
-        .value()
-        .map_err(|_| usage(&format!("{name} is missing")))?;
+    let value = arguments.value().map_err(|_| usage(&format!("{name} is missing")))?;
     finish(arguments)?;
     value.string().map_err(|error| error.to_string())
 }
 
 /// Makes sure that no argument is left.
 fn finish(mut arguments: lexopt::Parser) -> Outcome {
-    match arguments
-        .next()
-        .map_err(|error| usage(&error.to_string()))?
-    {
+    match arguments.next().map_err(|error| usage(&error.to_string()))? {
         None => Ok(()),
         Some(argument) => Err(usage(&argument.unexpected().to_string())),
     }

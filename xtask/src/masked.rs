@@ -29,19 +29,13 @@ impl Masked {
         let code = lines_of(&characters, &kinds, Kind::Code);
         let comments = lines_of(&characters, &kinds, Kind::Comment);
         let test = test_lines(&code);
-        Masked {
-            code,
-            comments,
-            test,
-        }
+        Masked { code, comments, test }
     }
 
     /// The numbered lines of code outside tests; the first line is 1.
     pub fn library_code(&self) -> impl Iterator<Item = (usize, &str)> {
         let lines = self.code.iter().zip(&self.test).enumerate();
-        lines
-            .filter(|(_, (_, test))| !**test)
-            .map(|(index, (line, _))| (index + 1, line.as_str()))
+        lines.filter(|(_, (_, test))| !**test).map(|(index, (line, _))| (index + 1, line.as_str()))
     }
 }
 
@@ -50,13 +44,7 @@ fn lines_of(characters: &[char], kinds: &[Kind], wanted: Kind) -> Vec<String> {
     let kept: String = characters
         .iter()
         .zip(kinds)
-        .map(|(&character, &kind)| {
-            if kind == wanted || character == '\n' {
-                character
-            } else {
-                ' '
-            }
-        })
+        .map(|(&character, &kind)| if kind == wanted || character == '\n' { character } else { ' ' })
         .collect();
     kept.lines().map(str::to_owned).collect()
 }
@@ -84,10 +72,7 @@ fn token(text: &[char], at: usize) -> (Kind, usize) {
         '/' if next == Some('*') => (Kind::Comment, end_of_block(text, at)),
         '"' => (Kind::Literal, end_of_string(text, at)),
         'r' if !follows_word(text, at) => raw_string(text, at),
-        '\'' if next == Some('\\') => (
-            Kind::Literal,
-            (find(text, at + 3, '\'') + 1).min(text.len()),
-        ),
+        '\'' if next == Some('\\') => (Kind::Literal, (find(text, at + 3, '\'') + 1).min(text.len())),
         '\'' if text.get(at + 2) == Some(&'\'') => (Kind::Literal, at + 3),
         _ => (Kind::Code, at + 1),
     }
@@ -95,9 +80,7 @@ fn token(text: &[char], at: usize) -> (Kind, usize) {
 
 /// The next place of a character from here on, or the end of the text.
 fn find(text: &[char], from: usize, wanted: char) -> usize {
-    let found = text
-        .get(from..)
-        .and_then(|rest| rest.iter().position(|&character| character == wanted));
+    let found = text.get(from..).and_then(|rest| rest.iter().position(|&character| character == wanted));
     found.map_or(text.len(), |distance| from + distance)
 }
 
@@ -128,10 +111,7 @@ fn end_of_string(text: &[char], start: usize) -> usize {
 
 /// A raw string from its `r`, or the single character `r`.
 fn raw_string(text: &[char], start: usize) -> (Kind, usize) {
-    let hashes = text[start + 1..]
-        .iter()
-        .take_while(|&&character| character == '#')
-        .count();
+    let hashes = text[start + 1..].iter().take_while(|&&character| character == '#').count();
     if text.get(start + 1 + hashes) != Some(&'"') {
         return (Kind::Code, start + 1);
     }
@@ -141,12 +121,7 @@ fn raw_string(text: &[char], start: usize) -> (Kind, usize) {
         if at > text.len() {
             return (Kind::Literal, text.len());
         }
-        if text[at..]
-            .iter()
-            .take_while(|&&character| character == '#')
-            .count()
-            >= hashes
-        {
+        if text[at..].iter().take_while(|&&character| character == '#').count() >= hashes {
             return (Kind::Literal, at + hashes);
         }
     }
@@ -209,22 +184,13 @@ mod tests {
     #[test]
     fn comments_and_code_part() {
         let masked = Masked::new("let a = 1; // why\n/* b /* c */ d */ let e = 2;");
-        assert_eq!(
-            masked.code,
-            ["let a = 1;       ", "                  let e = 2;"]
-        );
-        assert_eq!(
-            masked.comments,
-            ["           // why", "/* b /* c */ d */           "]
-        );
+        assert_eq!(masked.code, ["let a = 1;       ", "                  let e = 2;"]);
+        assert_eq!(masked.comments, ["           // why", "/* b /* c */ d */           "]);
     }
 
     #[test]
     fn literals_are_blank_but_keep_their_quotes() {
-        assert_eq!(
-            code(r#"f("a // b", 'x', '\'', '\u{1F600}')"#),
-            r#"f("      ", ' ', '  ', '         ')"#
-        );
+        assert_eq!(code(r#"f("a // b", 'x', '\'', '\u{1F600}')"#), r#"f("      ", ' ', '  ', '         ')"#);
         assert_eq!(code(r#"f("a\"b\\", c)"#), r#"f("      ", c)"#);
         assert_eq!(code("b\"{\" {"), "b\" \" {");
     }
@@ -238,10 +204,7 @@ mod tests {
 
     #[test]
     fn lifetimes_are_no_characters() {
-        assert_eq!(
-            code("fn f<'a>(x: &'a str) -> &'a str { x }"),
-            "fn f<'a>(x: &'a str) -> &'a str { x }"
-        );
+        assert_eq!(code("fn f<'a>(x: &'a str) -> &'a str { x }"), "fn f<'a>(x: &'a str) -> &'a str { x }");
     }
 
     #[test]
@@ -255,28 +218,15 @@ mod tests {
     #[test]
     fn test_items_are_known() {
         let text = "fn a() {}\n#[cfg(test)]\nmod tests {\n  fn b() { \"}\"; }\n}\nfn c() {}\n#[cfg(test)]\nuse d::e;\nfn f() {}";
-        assert_eq!(
-            Masked::new(text).test,
-            [false, true, true, true, true, false, true, true, false]
-        );
-        let lines: Vec<usize> = Masked::new(text)
-            .library_code()
-            .map(|(line, _)| line)
-            .collect();
+        assert_eq!(Masked::new(text).test, [false, true, true, true, true, false, true, true, false]);
+        let lines: Vec<usize> = Masked::new(text).library_code().map(|(line, _)| line).collect();
         assert_eq!(lines, [1, 6, 9]);
     }
 
     #[test]
     fn a_body_begins_after_the_signature() {
-        let lines: Vec<String> = [
-            "fn a(x: [f64; { 2 }])",
-            "where B: C {",
-            "  if d { e }",
-            "}",
-            "x",
-        ]
-        .map(str::to_owned)
-        .into();
+        let lines: Vec<String> =
+            ["fn a(x: [f64; { 2 }])", "where B: C {", "  if d { e }", "}", "x"].map(str::to_owned).into();
         assert_eq!(item_end(&lines, 0), 3);
     }
 }

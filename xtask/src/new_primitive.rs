@@ -14,11 +14,11 @@ pub const FOLDER: &str = "crates/shape/src/primitive";
 
 /// Words that cannot name a module.
 const KEYWORDS: [&str; 50] = [
-    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
-    "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl",
-    "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref",
-    "return", "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof",
-    "unsafe", "unsized", "use", "virtual", "where", "while",
+    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn",
+    "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop",
+    "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "self", "static",
+    "struct", "super", "trait", "true", "try", "type", "typeof", "unsafe", "unsized", "use", "virtual",
+    "where", "while",
 ];
 
 /// Writes the file of a new primitive and tells how to register it.
@@ -26,9 +26,7 @@ pub fn run(repository: &Repository, name: &str) -> Outcome {
     check_name(name)?;
     let path = format!("{FOLDER}/{name}.rs");
     if repository.root.join(&path).exists() {
-        return Err(format!(
-            "{path}: exists already (nothing is overwritten) choose another name"
-        ));
+        return Err(format!("{path}: exists already (nothing is overwritten) choose another name"));
     }
     let text = derive(&sphere(repository)?, name);
     fs::write(repository.root.join(&path), text)
@@ -37,9 +35,7 @@ pub fn run(repository: &Repository, name: &str) -> Outcome {
     println!("{path} is written: a ball under its new name. Register it in {FOLDER}/mod.rs:");
     println!("    {module}    below the other modules");
     println!("    {entry}    in the list primitives!");
-    println!(
-        "Then say on its first lines what it is, and make parameters, lower() and tests follow."
-    );
+    println!("Then say on its first lines what it is, and make parameters, lower() and tests follow.");
     Ok(())
 }
 
@@ -47,28 +43,19 @@ pub fn run(repository: &Repository, name: &str) -> Outcome {
 fn sphere(repository: &Repository) -> Result<String, String> {
     let path = format!("{FOLDER}/sphere.rs");
     let source = repository.source(&path)?;
-    source
-        .map(|source| source.text)
-        .ok_or_else(|| format!("{path}: no text"))
+    source.map(|source| source.text).ok_or_else(|| format!("{path}: no text"))
 }
 
 /// The two lines that register a primitive: the module, and the entry in the list.
 pub fn registration(name: &str) -> [String; 2] {
-    [
-        format!("pub mod {name};"),
-        format!("{name}::{},", type_name(name)),
-    ]
+    [format!("pub mod {name};"), format!("{name}::{},", type_name(name))]
 }
 
 fn check_name(name: &str) -> Outcome {
     let snake_case = name.starts_with(|first: char| first.is_ascii_lowercase())
-        && name
-            .chars()
-            .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
     if !snake_case {
-        return Err(format!(
-            "'{name}' is no name of a module (snake_case is wanted) such as lens_mount"
-        ));
+        return Err(format!("'{name}' is no name of a module (snake_case is wanted) such as lens_mount"));
     }
     if KEYWORDS.contains(&name) {
         return Err(format!(
@@ -81,10 +68,7 @@ fn check_name(name: &str) -> Outcome {
 /// `lens_mount` becomes `LensMount`.
 fn type_name(name: &str) -> String {
     let capital = |word: &str| word[..1].to_ascii_uppercase() + &word[1..];
-    name.split('_')
-        .filter(|word| !word.is_empty())
-        .map(capital)
-        .collect()
+    name.split('_').filter(|word| !word.is_empty()).map(capital).collect()
 }
 
 /// The sphere's file for another name. Its page keeps the sphere's parameters, but for the first line.
@@ -95,14 +79,8 @@ fn derive(sphere: &str, name: &str) -> String {
         true => line.to_owned(),
         false => replace_word(line, "Sphere", &type_name).replace("\"sphere", &format!("\"{name}")),
     });
-    let first = format!(
-        "//! A {}, for now a ball centred at the origin.",
-        name.replace('_', " ")
-    );
-    std::iter::once(first)
-        .chain(lines)
-        .map(|line| line + "\n")
-        .collect()
+    let first = format!("//! A {}, for now a ball centred at the origin.", name.replace('_', " "));
+    std::iter::once(first).chain(lines).map(|line| line + "\n").collect()
 }
 
 /// Replaces a word where it stands alone.
@@ -126,35 +104,17 @@ mod tests {
     #[test]
     fn names_are_checked() {
         assert_eq!(check_name("lens_mount2"), Ok(()));
-        for name in [
-            "",
-            "Lens",
-            "2lens",
-            "lens-mount",
-            "_lens",
-            "../lens",
-            "länge",
-        ] {
-            assert!(
-                check_name(name).unwrap_err().contains("snake_case"),
-                "{name}"
-            );
+        for name in ["", "Lens", "2lens", "lens-mount", "_lens", "../lens", "länge"] {
+            assert!(check_name(name).unwrap_err().contains("snake_case"), "{name}");
         }
-        assert!(
-            check_name("box")
-                .unwrap_err()
-                .contains("a word of Rust itself")
-        );
+        assert!(check_name("box").unwrap_err().contains("a word of Rust itself"));
     }
 
     #[test]
     fn types_are_in_camel_case() {
         assert_eq!(type_name("lens_mount2"), "LensMount2");
         assert_eq!(type_name("a__b_"), "AB");
-        assert_eq!(
-            registration("lens_mount"),
-            ["pub mod lens_mount;", "lens_mount::LensMount,"]
-        );
+        assert_eq!(registration("lens_mount"), ["pub mod lens_mount;", "lens_mount::LensMount,"]);
     }
 
     #[test]

@@ -10,15 +10,8 @@ use crate::Outcome;
 /// Runs a program to its end, its output going where ours goes; anything but exit code 0 is an error.
 pub fn run(command: &mut Command) -> Outcome {
     announce(command);
-    let status = command
-        .stdin(Stdio::null())
-        .status()
-        .map_err(|error| cannot_start(command, &error))?;
-    if status.success() {
-        Ok(())
-    } else {
-        Err(format!("{} ended with {status}", title(command)))
-    }
+    let status = command.stdin(Stdio::null()).status().map_err(|error| cannot_start(command, &error))?;
+    if status.success() { Ok(()) } else { Err(format!("{} ended with {status}", title(command))) }
 }
 
 /// Runs a program as [`run`] does and also hands each line of its standard output to `each_line`.
@@ -36,54 +29,31 @@ pub fn run_reading(command: &mut Command, mut each_line: impl FnMut(&str)) -> Ou
             each_line(&line);
         }
     }
-    let status = child
-        .wait()
-        .map_err(|error| cannot_start(command, &error))?;
-    if status.success() {
-        Ok(())
-    } else {
-        Err(format!("{} ended with {status}", title(command)))
-    }
+    let status = child.wait().map_err(|error| cannot_start(command, &error))?;
+    if status.success() { Ok(()) } else { Err(format!("{} ended with {status}", title(command))) }
 }
 
 /// Runs a program quietly and returns its standard output.
 pub fn output(command: &mut Command) -> Result<String, String> {
-    let output = command
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| cannot_start(command, &error))?;
+    let output = command.stdin(Stdio::null()).output().map_err(|error| cannot_start(command, &error))?;
     if output.status.success() {
-        return String::from_utf8(output.stdout)
-            .map_err(|error| format!("{}: {error}", title(command)));
+        return String::from_utf8(output.stdout).map_err(|error| format!("{}: {error}", title(command)));
     }
     let complaint = String::from_utf8_lossy(&output.stderr);
-    Err(format!(
-        "{} ended with {}\n{}",
-        title(command),
-        output.status,
-        complaint.trim_end()
-    ))
+    Err(format!("{} ended with {}\n{}", title(command), output.status, complaint.trim_end()))
 }
 
 /// Where a program of this name stands on the PATH.
 pub fn on_path(name: &str) -> Option<PathBuf> {
     let folders = env::var_os("PATH")?;
-    env::split_paths(&folders)
-        .map(|folder| folder.join(name))
-        .find(|file| file.is_file())
+    env::split_paths(&folders).map(|folder| folder.join(name)).find(|file| file.is_file())
 }
 
 /// The command as a person would type it, without the folders of the program.
 fn title(command: &Command) -> String {
-    let program = Path::new(command.get_program())
-        .file_name()
-        .unwrap_or(command.get_program());
+    let program = Path::new(command.get_program()).file_name().unwrap_or(command.get_program());
     let mut words = vec![program.to_string_lossy().into_owned()];
-    words.extend(
-        command
-            .get_args()
-            .map(|word| word.to_string_lossy().into_owned()),
-    );
+    words.extend(command.get_args().map(|word| word.to_string_lossy().into_owned()));
     words.join(" ")
 }
 
@@ -105,19 +75,13 @@ mod tests {
     fn exit_codes_are_judged() {
         assert_eq!(run(&mut Command::new("true")), Ok(()));
         let message = run(&mut Command::new("false")).unwrap_err();
-        assert!(
-            message.starts_with("false ended with exit status: 1"),
-            "{message}"
-        );
+        assert!(message.starts_with("false ended with exit status: 1"), "{message}");
     }
 
     #[test]
     fn a_missing_program_is_named() {
         let message = output(Command::new("no-such-program").arg("now")).unwrap_err();
-        assert!(
-            message.starts_with("no-such-program now: cannot run ("),
-            "{message}"
-        );
+        assert!(message.starts_with("no-such-program now: cannot run ("), "{message}");
     }
 
     #[test]

@@ -11,18 +11,10 @@ use crate::repository::Repository;
 pub const BINDING: &str = "bindings/python";
 
 /// Names under which an interpreter may stand on the PATH, the likeliest first.
-const INTERPRETERS: [&str; 6] = [
-    "python3",
-    "python3.14",
-    "python3.13",
-    "python3.12",
-    "python3.11",
-    "python",
-];
+const INTERPRETERS: [&str; 6] = ["python3", "python3.14", "python3.13", "python3.12", "python3.11", "python"];
 
 /// Says whether an interpreter will do: its version, and whether it can make a virtual environment.
-const PROBE: &str =
-    "import sys\nif sys.version_info < (3, 11): sys.exit('old')\nimport ensurepip, venv\n";
+const PROBE: &str = "import sys\nif sys.version_info < (3, 11): sys.exit('old')\nimport ensurepip, venv\n";
 
 /// A virtual environment that is made at the first use in a run, and anew in the next run.
 pub struct Python {
@@ -49,24 +41,14 @@ impl Python {
         let mut command = Command::new(folder.join("bin").join(name));
         command.current_dir(&self.root).env("VIRTUAL_ENV", &folder);
         // what the caller's own Python is told must not change what is tested
-        command
-            .env_remove("PYTHONPATH")
-            .env_remove("PYTHONHOME")
-            .env_remove("CONDA_PREFIX");
+        command.env_remove("PYTHONPATH").env_remove("PYTHONHOME").env_remove("CONDA_PREFIX");
         Ok(command)
     }
 
     /// Installs packages into the environment.
     pub fn install(&mut self, packages: &[&str]) -> Result<(), String> {
         let mut pip = self.program("python")?;
-        pip.args([
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--disable-pip-version-check",
-        ])
-        .args(packages);
+        pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(packages);
         process::run(&mut pip)
     }
 
@@ -75,9 +57,7 @@ impl Python {
         if self.environment.is_none() {
             self.environment = Some(make_environment(&self.target.join("venv")));
         }
-        self.environment
-            .clone()
-            .unwrap_or_else(|| Err("no environment".to_owned()))
+        self.environment.clone().unwrap_or_else(|| Err("no environment".to_owned()))
     }
 
     /// Builds the wheel and installs it, once in a run.
@@ -92,26 +72,15 @@ impl Python {
     fn build_and_install(&mut self) -> Result<(), String> {
         let project = self.root.join(BINDING).join("pyproject.toml");
         if !project.is_file() {
-            return Err(format!(
-                "{BINDING}/pyproject.toml: no such file (the package is built from it)"
-            ));
+            return Err(format!("{BINDING}/pyproject.toml: no such file (the package is built from it)"));
         }
         self.install(&["maturin>=1.16,<2"])?;
         let wheels = self.target.join("wheels");
         remove_old(&wheels)?;
-        let (target, interpreter) = (
-            self.target.clone(),
-            self.environment()?.join("bin").join("python"),
-        );
+        let (target, interpreter) = (self.target.clone(), self.environment()?.join("bin").join("python"));
         let mut maturin = self.program("maturin")?;
-        maturin
-            .current_dir(self.root.join(BINDING))
-            .env("CARGO_TARGET_DIR", target);
-        maturin
-            .args(["build", "--release", "--interpreter"])
-            .arg(interpreter)
-            .arg("--out")
-            .arg(&wheels);
+        maturin.current_dir(self.root.join(BINDING)).env("CARGO_TARGET_DIR", target);
+        maturin.args(["build", "--release", "--interpreter"]).arg(interpreter).arg("--out").arg(&wheels);
         process::run(&mut maturin)?;
         let wheel = the_wheel(&wheels)?;
         self.install(&[&wheel.to_string_lossy()])
@@ -140,16 +109,13 @@ fn interpreter(
             path.display()
         ),
         None => {
-            "no Python on the PATH (3.11 or newer is needed) apt-get install python3 python3-venv"
-                .to_owned()
+            "no Python on the PATH (3.11 or newer is needed) apt-get install python3 python3-venv".to_owned()
         }
     })
 }
 
 fn make_environment(folder: &Path) -> Result<PathBuf, String> {
-    let candidates = INTERPRETERS
-        .iter()
-        .filter_map(|name| process::on_path(name));
+    let candidates = INTERPRETERS.iter().filter_map(|name| process::on_path(name));
     let probe = |path: &Path| process::output(Command::new(path).args(["-c", PROBE]));
     let interpreter = interpreter(candidates, probe)?;
     remove_old(folder)?;
@@ -160,17 +126,15 @@ fn make_environment(folder: &Path) -> Result<PathBuf, String> {
 /// Removes a folder of an earlier run.
 fn remove_old(folder: &Path) -> Result<(), String> {
     match fs::remove_dir_all(folder) {
-        Err(error) if folder.exists() => {
-            Err(format!("{}: cannot be removed ({error})", folder.display()))
-        }
+        Err(error) if folder.exists() => Err(format!("{}: cannot be removed ({error})", folder.display())),
         _ => Ok(()),
     }
 }
 
 /// The only wheel in the folder.
 fn the_wheel(folder: &Path) -> Result<PathBuf, String> {
-    let entries = fs::read_dir(folder)
-        .map_err(|error| format!("{}: cannot be read ({error})", folder.display()))?;
+    let entries =
+        fs::read_dir(folder).map_err(|error| format!("{}: cannot be read ({error})", folder.display()))?;
     let mut wheels: Vec<PathBuf> = entries
         .filter_map(|entry| entry.ok().map(|entry| entry.path()))
         .filter(|path| path.extension().is_some_and(|extension| extension == "whl"))
@@ -189,11 +153,7 @@ mod tests {
     fn exactly_one_wheel_is_wanted() {
         let folder = std::env::temp_dir().join(format!("xtask-wheels-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        assert!(
-            the_wheel(&folder)
-                .unwrap_err()
-                .ends_with("not exactly one wheel")
-        );
+        assert!(the_wheel(&folder).unwrap_err().ends_with("not exactly one wheel"));
         fs::write(folder.join("a.whl"), "").unwrap();
         fs::write(folder.join("notes.txt"), "").unwrap();
         assert_eq!(the_wheel(&folder).unwrap(), folder.join("a.whl"));
@@ -213,15 +173,7 @@ mod tests {
         };
         let choose = |names: &[&str]| interpreter(names.iter().map(PathBuf::from), probe);
         assert_eq!(choose(&["old", "bare", "good"]).unwrap(), Path::new("good"));
-        assert!(
-            choose(&["old", "bare"])
-                .unwrap_err()
-                .ends_with("apt-get install python3-venv")
-        );
-        assert!(
-            choose(&["old"])
-                .unwrap_err()
-                .ends_with("apt-get install python3 python3-venv")
-        );
+        assert!(choose(&["old", "bare"]).unwrap_err().ends_with("apt-get install python3-venv"));
+        assert!(choose(&["old"]).unwrap_err().ends_with("apt-get install python3 python3-venv"));
     }
 }

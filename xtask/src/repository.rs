@@ -27,9 +27,7 @@ impl Repository {
         let here = env::current_dir().map_err(|error| format!("no current folder ({error})"))?;
         here.ancestors()
             .find(|folder| is_workspace(folder))
-            .map(|folder| Repository {
-                root: folder.to_owned(),
-            })
+            .map(|folder| Repository { root: folder.to_owned() })
             .ok_or_else(|| format!("{}: no Cargo workspace here or above", here.display()))
     }
 
@@ -44,13 +42,7 @@ impl Repository {
     /// All files that git keeps or would keep, sorted: tracked ones, and new ones that are not ignored.
     pub fn files(&self) -> Result<Vec<String>, String> {
         let mut git = Command::new("git");
-        git.current_dir(&self.root).args([
-            "ls-files",
-            "-z",
-            "--cached",
-            "--others",
-            "--exclude-standard",
-        ]);
+        git.current_dir(&self.root).args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"]);
         let listing = process::output(&mut git)?;
         let mut files: Vec<String> = listing
             .split('\0')
@@ -64,22 +56,17 @@ impl Repository {
 
     /// Reads one file of the repository; `None` if it is not UTF-8 text.
     pub fn source(&self, path: &str) -> Result<Option<Source>, String> {
-        let bytes = fs::read(self.root.join(path))
-            .map_err(|error| format!("{path}: cannot be read ({error})"))?;
+        let bytes =
+            fs::read(self.root.join(path)).map_err(|error| format!("{path}: cannot be read ({error})"))?;
         let text = String::from_utf8(bytes).ok();
-        Ok(text.map(|text| Source {
-            path: path.to_owned(),
-            text,
-        }))
+        Ok(text.map(|text| Source { path: path.to_owned(), text }))
     }
 }
 
 impl Source {
     /// Whether the path ends with a dot and this extension.
     pub fn is(&self, extension: &str) -> bool {
-        Path::new(&self.path)
-            .extension()
-            .is_some_and(|found| found == extension)
+        Path::new(&self.path).extension().is_some_and(|found| found == extension)
     }
 }
 
@@ -105,14 +92,7 @@ mod tests {
 
     #[test]
     fn a_missing_file_is_named() {
-        let message = Repository::find()
-            .unwrap()
-            .source("no/such/file.rs")
-            .err()
-            .unwrap();
-        assert!(
-            message.starts_with("no/such/file.rs: cannot be read ("),
-            "{message}"
-        );
+        let message = Repository::find().unwrap().source("no/such/file.rs").err().unwrap();
+        assert!(message.starts_with("no/such/file.rs: cannot be read ("), "{message}");
     }
 }

@@ -34,44 +34,15 @@ pub struct Stage {
 /// All stages: what is cheap comes first, and what builds the same things stands together.
 pub const STAGES: &[Stage] = &[
     stage("fmt", "the code is formatted", cargo::fmt),
-    stage("tidy", "the text of all files", |workshop, _| {
-        tidy::run(workshop.repository)
-    }),
-    stage("layers", "the crates' dependencies", |workshop, _| {
-        layers::run(workshop.repository)
-    }),
-    stage(
-        "deny",
-        "licences and sources of all dependencies",
-        cargo::deny,
-    ),
+    stage("tidy", "the text of all files", |workshop, _| tidy::run(workshop.repository)),
+    stage("layers", "the crates' dependencies", |workshop, _| layers::run(workshop.repository)),
+    stage("deny", "licences and sources of all dependencies", cargo::deny),
     stage("clippy", "the linter has nothing to say", cargo::clippy),
-    stage(
-        "docs",
-        "the documentation builds without warnings",
-        cargo::docs,
-    ),
-    stage(
-        "rust",
-        "unit tests, integration tests and documentation tests of all crates",
-        cargo::tests,
-    ),
-    stage(
-        "primitive",
-        "a new primitive, added as CONTRIBUTING.md says, compiles and works",
-        primitive::run,
-    ),
-    Stage {
-        name: "long",
-        what: "the ignored tests of the long mode",
-        long: true,
-        run: cargo::long_tests,
-    },
-    stage(
-        "command",
-        "the release build of the command, on real models",
-        command::run,
-    ),
+    stage("docs", "the documentation builds without warnings", cargo::docs),
+    stage("rust", "unit tests, integration tests and documentation tests of all crates", cargo::tests),
+    stage("primitive", "a new primitive, added as CONTRIBUTING.md says, compiles and works", primitive::run),
+    Stage { name: "long", what: "the ignored tests of the long mode", long: true, run: cargo::long_tests },
+    stage("command", "the release build of the command, on real models", command::run),
     stage(
         "python",
         "the Python package, built, installed in a fresh environment, tested and typed",
@@ -86,10 +57,5 @@ const fn stage(
     what: &'static str,
     run: fn(&mut Workshop<'_>, &mut Counts) -> Outcome,
 ) -> Stage {
-    Stage {
-        name,
-        what,
-        long: false,
-        run,
-    }
+    Stage { name, what, long: false, run }
 }

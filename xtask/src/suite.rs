@@ -25,10 +25,7 @@ impl Options {
     /// Reads what follows `test` on the command line.
     pub fn parse(mut arguments: lexopt::Parser) -> Result<Options, String> {
         let mut options = Options::default();
-        while let Some(argument) = arguments
-            .next()
-            .map_err(|error| usage(&error.to_string()))?
-        {
+        while let Some(argument) = arguments.next().map_err(|error| usage(&error.to_string()))? {
             match argument {
                 Long("long") => options.long = true,
                 Long("fail-fast") => options.fail_fast = true,
@@ -51,78 +48,41 @@ impl Options {
 
 /// The value of `--only` or `--skip`.
 fn stage_name(arguments: &mut lexopt::Parser) -> Result<String, String> {
-    let value = arguments
-        .value()
-        .map_err(|error| usage(&error.to_string()))?;
+    let value = arguments.value().map_err(|error| usage(&error.to_string()))?;
     let name = value.string().map_err(|error| usage(&error.to_string()))?;
     if stage::STAGES.iter().any(|stage| stage.name == name) {
         return Ok(name);
     }
     let known: Vec<&str> = stage::STAGES.iter().map(|stage| stage.name).collect();
-    Err(format!(
-        "no stage '{name}' (the stages are {})",
-        known.join(", ")
-    ))
+    Err(format!("no stage '{name}' (the stages are {})", known.join(", ")))
 }
 
 /// Runs the stages and prints the table of results; the last line counts all tests.
 pub fn run(repository: &Repository, options: &Options) -> Result<ExitCode, String> {
-    let wanted: Vec<&Stage> = stage::STAGES
-        .iter()
-        .filter(|stage| options.wants(stage))
-        .collect();
+    let wanted: Vec<&Stage> = stage::STAGES.iter().filter(|stage| options.wants(stage)).collect();
     if options.list {
-        wanted
-            .iter()
-            .for_each(|stage| println!("{:<10} {}", stage.name, stage.what));
+        wanted.iter().for_each(|stage| println!("{:<10} {}", stage.name, stage.what));
         return Ok(ExitCode::SUCCESS);
     }
-    let mut workshop = Workshop {
-        repository,
-        python: Python::new(repository),
-    };
+    let mut workshop = Workshop { repository, python: Python::new(repository) };
     let reports = run_stages(&wanted, options.fail_fast, &mut workshop);
     println!("\n{}", report::table(&reports));
-    let failed: Vec<&Report> = reports
-        .iter()
-        .filter(|report| report.failure.is_some())
-        .collect();
+    let failed: Vec<&Report> = reports.iter().filter(|report| report.failure.is_some()).collect();
     for Report { name, failure, .. } in &failed {
         println!("{name}: {}", failure.as_deref().unwrap_or_default());
     }
     let ok = failed.is_empty();
-    println!(
-        "{}",
-        reports.iter().map(|report| report.counts).sum::<Counts>()
-    );
-    Ok(if ok {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    })
+    println!("{}", reports.iter().map(|report| report.counts).sum::<Counts>());
+    Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn run_stages(stages: &[&Stage], fail_fast: bool, workshop: &mut Workshop<'_>) -> Vec<Report> {
     let mut reports = Vec::new();
     for (index, stage) in stages.iter().enumerate() {
-        println!(
-            "\n== {} ({} of {}): {}",
-            stage.name,
-            index + 1,
-            stages.len(),
-            stage.what
-        );
+        println!("\n== {} ({} of {}): {}", stage.name, index + 1, stages.len(), stage.what);
         let report = run_stage(stage, workshop);
-        let verdict = if report.failure.is_some() {
-            "FAILED"
-        } else {
-            "ok"
-        };
-        println!(
-            "== {}: {verdict} in {:.1} s",
-            stage.name,
-            report.time.as_secs_f64()
-        );
+        let verdict = if report.failure.is_some() { "FAILED" } else { "ok" };
+        println!("== {}: {verdict} in {:.1} s", stage.name, report.time.as_secs_f64());
         let stop = fail_fast && report.failure.is_some();
         reports.push(report);
         if stop {
@@ -156,20 +116,13 @@ mod tests {
 
     fn wanted(arguments: &[&str]) -> Vec<&'static str> {
         let options = options(arguments).unwrap();
-        stage::STAGES
-            .iter()
-            .filter(|stage| options.wants(stage))
-            .map(|stage| stage.name)
-            .collect()
+        stage::STAGES.iter().filter(|stage| options.wants(stage)).map(|stage| stage.name).collect()
     }
 
     #[test]
     fn without_options_everything_but_the_long_mode_runs() {
         let stages = wanted(&[]);
-        assert!(
-            stages.contains(&"fmt") && stages.contains(&"python"),
-            "{stages:?}"
-        );
+        assert!(stages.contains(&"fmt") && stages.contains(&"python"), "{stages:?}");
         assert!(!stages.contains(&"long"));
         assert_eq!(wanted(&["--long"]).len(), stages.len() + 1);
     }
@@ -203,30 +156,11 @@ mod tests {
     #[test]
     fn a_failing_stage_stops_the_others_only_on_request() {
         let repository = Repository::find().unwrap();
-        let mut workshop = Workshop {
-            repository: &repository,
-            python: Python::new(&repository),
-        };
-        let bad = Stage {
-            name: "bad",
-            what: "",
-            long: false,
-            run: fails,
-        };
-        let good = Stage {
-            name: "good",
-            what: "",
-            long: false,
-            run: passes,
-        };
+        let mut workshop = Workshop { repository: &repository, python: Python::new(&repository) };
+        let bad = Stage { name: "bad", what: "", long: false, run: fails };
+        let good = Stage { name: "good", what: "", long: false, run: passes };
         let reports = run_stages(&[&bad, &good], false, &mut workshop);
-        assert_eq!(
-            reports
-                .iter()
-                .map(|report| report.counts.failed)
-                .collect::<Vec<_>>(),
-            [1, 0]
-        );
+        assert_eq!(reports.iter().map(|report| report.counts.failed).collect::<Vec<_>>(), [1, 0]);
         assert_eq!(reports[0].failure.as_deref(), Some("broken"));
         assert_eq!(reports[1].counts, Counts::ONE);
         assert_eq!(run_stages(&[&bad, &good], true, &mut workshop).len(), 1);

@@ -43,16 +43,9 @@ struct Counter {
 
 impl Counter {
     fn new<S>(gate: Gate, operands: &[Operand<'_, S>]) -> Self {
-        let inside: Vec<bool> = operands
-            .iter()
-            .map(|operand| operand.start.is_inside())
-            .collect();
+        let inside: Vec<bool> = operands.iter().map(|operand| operand.start.is_inside()).collect();
         let count = inside.iter().filter(|&&inside| inside).count();
-        Self {
-            gate,
-            inside,
-            count,
-        }
+        Self { gate, inside, count }
     }
 
     fn is_inside(&self) -> bool {
@@ -68,9 +61,7 @@ impl Counter {
         if self.gate.is_inside(before) == self.is_inside() {
             return None;
         }
-        tied.iter()
-            .find(|flip| self.decides(flip.operand, before))
-            .or(tied.first())
+        tied.iter().find(|flip| self.decides(flip.operand, before)).or(tied.first())
     }
 
     fn flip(&mut self, operand: usize) {
@@ -109,10 +100,7 @@ fn sweep<S: Clone>(gate: Gate, operands: &[Operand<'_, S>]) -> RootRay<S> {
 fn merged<'a, S>(operands: &[Operand<'a, S>]) -> Vec<Flip<'a, S>> {
     let mut flips = Vec::with_capacity(operands.iter().map(|operand| operand.roots.len()).sum());
     for (index, operand) in operands.iter().enumerate() {
-        flips.extend(operand.roots.iter().map(|root| Flip {
-            root,
-            operand: index,
-        }));
+        flips.extend(operand.roots.iter().map(|root| Flip { root, operand: index }));
     }
     // stable: operands of equal times stay in order, and the sort makes use of the operands' sorted stretches
     flips.sort_by(|a, b| a.root.t.total_cmp(&b.root.t));
@@ -120,12 +108,7 @@ fn merged<'a, S>(operands: &[Operand<'a, S>]) -> Vec<Flip<'a, S>> {
 }
 
 fn operands<'a, S: 'a>(rays: impl IntoIterator<Item = &'a RootRay<S>>) -> Vec<Operand<'a, S>> {
-    rays.into_iter()
-        .map(|ray| Operand {
-            start: ray.start(),
-            roots: ray.roots(),
-        })
-        .collect()
+    rays.into_iter().map(|ray| Operand { start: ray.start(), roots: ray.roots() }).collect()
 }
 
 /// Boolean operations. Where several operands cross at the same time, the crossing carries the root of the lowest operand
@@ -153,14 +136,8 @@ impl<S: Clone> RootRay<S> {
     /// Inside where `self` is inside and `other` is not.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Self {
-        let complement = Operand {
-            start: !other.start(),
-            roots: other.roots(),
-        };
-        let own = Operand {
-            start: self.start(),
-            roots: self.roots(),
-        };
+        let complement = Operand { start: !other.start(), roots: other.roots() };
+        let own = Operand { start: self.start(), roots: self.roots() };
         sweep(Gate::AtLeast(2), &[own, complement])
     }
 

@@ -59,16 +59,10 @@ impl<S> RootRay<S> {
             flip.t = finite(index, flip.t)?;
         }
         flips.sort_by(|a, b| a.t.total_cmp(&b.t));
-        let keep: Vec<bool> = flips
-            .chunk_by(|a, b| a.t == b.t)
-            .flat_map(keep_first_of_odd)
-            .collect();
+        let keep: Vec<bool> = flips.chunk_by(|a, b| a.t == b.t).flat_map(keep_first_of_odd).collect();
         let mut keep = keep.into_iter();
         flips.retain(|_| keep.next() == Some(true));
-        Ok(Self {
-            start,
-            roots: flips,
-        })
+        Ok(Self { start, roots: flips })
     }
 
     /// A root-ray whose roots are known to be in order.
@@ -79,18 +73,12 @@ impl<S> RootRay<S> {
 
     /// The trajectory that is outside for ever: neutral for union, absorbing for intersection.
     pub const fn vacuum() -> Self {
-        Self {
-            start: Side::Outside,
-            roots: Vec::new(),
-        }
+        Self { start: Side::Outside, roots: Vec::new() }
     }
 
     /// The trajectory that is inside for ever: neutral for intersection, absorbing for union.
     pub const fn plenum() -> Self {
-        Self {
-            start: Side::Inside,
-            roots: Vec::new(),
-        }
+        Self { start: Side::Inside, roots: Vec::new() }
     }
 
     /// The side as t -> -inf.
@@ -120,10 +108,7 @@ impl<S> RootRay<S> {
 
     /// The crossings with the side that each leads to.
     pub fn crossings(&self) -> impl ExactSizeIterator<Item = (&Root<S>, Side)> + '_ {
-        self.roots
-            .iter()
-            .enumerate()
-            .map(|(k, root)| (root, self.start.after(k + 1)))
+        self.roots.iter().enumerate().map(|(k, root)| (root, self.start.after(k + 1)))
     }
 
     /// The side just after `t`, which may be infinite: the start side flipped once per root at or before `t`.
@@ -152,15 +137,8 @@ impl<S> RootRay<S> {
 
     /// The same crossings with other names for the surfaces.
     pub fn map_surfaces<R>(self, mut rename: impl FnMut(S) -> R) -> RootRay<R> {
-        let roots = self
-            .roots
-            .into_iter()
-            .map(|root| Root::new(root.t, rename(root.surface)))
-            .collect();
-        RootRay {
-            start: self.start,
-            roots,
-        }
+        let roots = self.roots.into_iter().map(|root| Root::new(root.t, rename(root.surface))).collect();
+        RootRay { start: self.start, roots }
     }
 
     /// All that is doubtful about the roots. As a root-ray cannot be made of anything but finite increasing times, only
@@ -175,10 +153,7 @@ impl RootRay<()> {
     ///
     /// # Errors
     /// As [`RootRay::new`].
-    pub fn from_times(
-        start: Side,
-        times: impl IntoIterator<Item = f64>,
-    ) -> Result<Self, RootRayError> {
+    pub fn from_times(start: Side, times: impl IntoIterator<Item = f64>) -> Result<Self, RootRayError> {
         Self::new(start, times.into_iter().map(|t| Root::new(t, ())).collect())
     }
 }
@@ -193,9 +168,7 @@ impl<S> Default for RootRay<S> {
 impl<S> fmt::Display for RootRay<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} ", self.start)?;
-        f.debug_list()
-            .entries(self.times().map(DisplayedTime))
-            .finish()
+        f.debug_list().entries(self.times().map(DisplayedTime)).finish()
     }
 }
 

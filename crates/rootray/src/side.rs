@@ -41,10 +41,6 @@ impl Not for Side {
 
 impl fmt::Display for Side {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if self.is_inside() {
-            "inside"
-        } else {
-            "outside"
-        })
+        f.write_str(if self.is_inside() { "inside" } else { "outside" })
     }
 }

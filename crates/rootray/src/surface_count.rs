@@ -17,10 +17,7 @@ pub fn surface_count<'a, S: 'a>(rays: impl IntoIterator<Item = &'a RootRay<S>>) 
     let (mut start, mut changes) = (0_usize, Vec::new());
     for ray in rays {
         start += usize::from(ray.start().is_inside());
-        changes.extend(
-            ray.crossings()
-                .map(|(root, side)| (root.t, side.is_inside())),
-        );
+        changes.extend(ray.crossings().map(|(root, side)| (root.t, side.is_inside())));
     }
     changes.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut count = start;

@@ -36,10 +36,5 @@ fn pair_problem(index: usize, previous: f64, t: f64) -> Option<Problem> {
     }
     let finite = previous.is_finite() && t.is_finite();
     let min_sep = min_sep(previous, t);
-    (finite && t - previous < min_sep).then_some(Problem::TooClose {
-        index,
-        previous,
-        t,
-        min_sep,
-    })
+    (finite && t - previous < min_sep).then_some(Problem::TooClose { index, previous, t, min_sep })
 }

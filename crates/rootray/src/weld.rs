@@ -25,10 +25,7 @@ pub fn weld_runs<T>(
 
 /// The length of the maximal run that `items` begins with; 0 for no items.
 pub(crate) fn run_length<T>(items: &[T], welded: &mut impl FnMut(&T, &T) -> bool) -> usize {
-    let joints = items
-        .windows(2)
-        .take_while(|pair| welded(&pair[0], &pair[1]))
-        .count();
+    let joints = items.windows(2).take_while(|pair| welded(&pair[0], &pair[1])).count();
     items.len().min(joints + 1)
 }
 
@@ -60,9 +57,7 @@ impl<S: Clone> RootRay<S> {
     pub fn weld(&self, min_sep: impl Fn(f64, f64) -> f64) -> Self {
         let roots = self.roots();
         let runs = weld_runs(roots, |a, b| b.t - a.t < min_sep(a.t, b.t));
-        let survivors = runs
-            .filter(|run| run.len() % 2 == 1)
-            .map(|run| roots[run.end - 1].clone());
+        let survivors = runs.filter(|run| run.len() % 2 == 1).map(|run| roots[run.end - 1].clone());
         Self::from_ordered(self.start(), survivors.collect())
     }
 }

@@ -14,10 +14,7 @@ impl<S: Clone> RootRay<S> {
         check_window(t_min, t_max)?;
         let first = self.count_until(t_min);
         let end = self.roots().partition_point(|root| root.t < t_max);
-        Ok(Self::from_ordered(
-            self.start().after(first),
-            self.roots()[first..end].to_vec(),
-        ))
+        Ok(Self::from_ordered(self.start().after(first), self.roots()[first..end].to_vec()))
     }
 }
 

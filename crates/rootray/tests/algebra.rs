@@ -17,10 +17,7 @@ fn inside(ray: &RootRay, t: f64) -> bool {
 /// The root-ray of any boolean function of rays with integer times from -4 to 4, by sampling the midpoints between integers.
 fn oracle(rays: &[RootRay], op: impl Fn(&[bool]) -> bool) -> RootRay {
     let sample = |t: f64| op(&rays.iter().map(|ray| inside(ray, t)).collect::<Vec<_>>());
-    let times: Vec<f64> = (-4..=4)
-        .map(f64::from)
-        .filter(|t| sample(t - 0.5) != sample(t + 0.5))
-        .collect();
+    let times: Vec<f64> = (-4..=4).map(f64::from).filter(|t| sample(t - 0.5) != sample(t + 0.5)).collect();
     RootRay::from_times(Side::from_inside(sample(-100.0)), times).unwrap()
 }
 
@@ -45,9 +42,8 @@ fn n_ary_operations_agree_with_midpoints_and_folds() {
         let n = rng.random_range(0..8);
         let rays: Vec<RootRay> = (0..n).map(|_| tied_ray(&mut rng)).collect();
         let count = |s: &[bool]| s.iter().filter(|&&s| s).count();
-        let fold = |neutral, op: fn(&RootRay, &RootRay) -> RootRay| {
-            rays.iter().fold(neutral, |a, b| op(&a, b))
-        };
+        let fold =
+            |neutral, op: fn(&RootRay, &RootRay) -> RootRay| rays.iter().fold(neutral, |a, b| op(&a, b));
 
         let union = RootRay::union_all(&rays);
         assert_eq!(union, oracle(&rays, |s| count(s) > 0));
@@ -59,10 +55,7 @@ fn n_ary_operations_agree_with_midpoints_and_folds() {
         assert_eq!(odd, oracle(&rays, |s| count(s) % 2 == 1));
         assert_eq!(odd, fold(RootRay::vacuum(), RootRay::symmetric_difference));
         let threshold = rng.random_range(0..=n + 1);
-        assert_eq!(
-            RootRay::at_least(threshold, &rays),
-            oracle(&rays, |s| count(s) >= threshold)
-        );
+        assert_eq!(RootRay::at_least(threshold, &rays), oracle(&rays, |s| count(s) >= threshold));
     }
 }
 
@@ -91,19 +84,9 @@ fn laws_of_two_hold_bit_for_bit() {
         assert_eq!(&a ^ &b, (&a - &b) | (&b - &a));
         assert_eq!((&a | &a, &a & &a), (a.clone(), a.clone()), "idempotence");
         assert_eq!((&a ^ &a, &a - &a), (vacuum.clone(), vacuum.clone()));
-        assert_eq!(
-            (&a | &!&a, &a & &!&a),
-            (plenum.clone(), vacuum.clone()),
-            "complement"
-        );
-        assert_eq!(
-            (&a | &vacuum, &a & &plenum, &a ^ &vacuum),
-            (a.clone(), a.clone(), a.clone())
-        );
-        assert_eq!(
-            (&a | &plenum, &a & &vacuum, &a ^ &plenum),
-            (plenum.clone(), vacuum.clone(), !&a)
-        );
+        assert_eq!((&a | &!&a, &a & &!&a), (plenum.clone(), vacuum.clone()), "complement");
+        assert_eq!((&a | &vacuum, &a & &plenum, &a ^ &vacuum), (a.clone(), a.clone(), a.clone()));
+        assert_eq!((&a | &plenum, &a & &vacuum, &a ^ &plenum), (plenum.clone(), vacuum.clone(), !&a));
         assert_eq!(!!&a, a);
     }
 }
@@ -145,11 +128,7 @@ fn surfaces(ray: &RootRay<char>) -> String {
 #[test]
 fn crossings_keep_the_surface_that_they_come_from() {
     let ray = |t: [f64; 2], s: [char; 2]| {
-        RootRay::new(
-            Side::Outside,
-            vec![Root::new(t[0], s[0]), Root::new(t[1], s[1])],
-        )
-        .unwrap()
+        RootRay::new(Side::Outside, vec![Root::new(t[0], s[0]), Root::new(t[1], s[1])]).unwrap()
     };
     let (a, b) = (ray([1.0, 3.0], ['a', 'A']), ray([2.0, 4.0], ['b', 'B']));
     assert_eq!(surfaces(&(&a | &b)), "aB");
@@ -169,10 +148,7 @@ fn ties_go_to_the_lowest_operand_that_decides() {
     assert_eq!((surfaces(&ab), surfaces(&ba)), ("a".into(), "b".into()));
     // one leaves as the other enters: no crossing
     let (ab, ba) = union(Inside, Outside);
-    assert_eq!(
-        (surfaces(&ab), surfaces(&ba)),
-        (String::new(), String::new())
-    );
+    assert_eq!((surfaces(&ab), surfaces(&ba)), (String::new(), String::new()));
     // a enters, b leaves, c enters: the symmetric difference flips three times; the first decides
     let three = [step(Outside, 'a'), step(Inside, 'b'), step(Outside, 'c')];
     assert_eq!(surfaces(&RootRay::symmetric_difference_all(&three)), "a");
@@ -197,13 +173,8 @@ fn attributed(starts: &[bool], flips: &[bool], op: impl Fn(&[bool]) -> bool) -> 
         op(&states)
     };
     let flipped: Vec<usize> = (0..starts.len()).filter(|&k| flips[k]).collect();
-    let decides =
-        |k: &usize| toggled(starts, *k) != op(starts) || toggled(&after, *k) != op(&after);
-    let first = flipped
-        .iter()
-        .copied()
-        .find(|k| decides(k))
-        .or(flipped.first().copied());
+    let decides = |k: &usize| toggled(starts, *k) != op(starts) || toggled(&after, *k) != op(&after);
+    let first = flipped.iter().copied().find(|k| decides(k)).or(flipped.first().copied());
     first.filter(|_| op(starts) != op(&after))
 }
 
@@ -213,11 +184,7 @@ fn attribution_agrees_with_the_rule_for_all_ties_of_four() {
         let starts: Vec<bool> = (0..4).map(|k| bits >> k & 1 == 1).collect();
         let flips: Vec<bool> = (4..8).map(|k| bits >> k & 1 == 1).collect();
         let ray = |k: usize| {
-            let roots = if flips[k] {
-                vec![Root::new(0.0, k)]
-            } else {
-                vec![]
-            };
+            let roots = if flips[k] { vec![Root::new(0.0, k)] } else { vec![] };
             RootRay::new(Side::from_inside(starts[k]), roots).unwrap()
         };
         let rays: Vec<RootRay<usize>> = (0..4).map(ray).collect();
@@ -238,28 +205,18 @@ fn attribution_agrees_with_the_rule_for_all_ties_of_four() {
 fn a_hundred_thousand_operands_take_n_log_n() {
     // intervals (k, k + 1.5) overlap their neighbours, so their union is one span; quadratic time would take minutes
     let n = 50_000_u32;
-    let ray =
-        |k: u32| RootRay::from_times(Side::Outside, [f64::from(k), f64::from(k) + 1.5]).unwrap();
+    let ray = |k: u32| RootRay::from_times(Side::Outside, [f64::from(k), f64::from(k) + 1.5]).unwrap();
     let rays: Vec<RootRay> = (0..n).rev().map(ray).collect();
     let union = RootRay::union_all(&rays);
     assert_eq!(union.times().collect::<Vec<_>>(), [0.0, f64::from(n) + 0.5]);
     let pairs = RootRay::at_least(2, &rays);
     assert_eq!(pairs.spans().count(), n as usize - 1);
-    assert!(
-        pairs
-            .spans()
-            .enumerate()
-            .all(|(k, (a, b))| a == k as f64 + 1.0 && b == a + 0.5)
-    );
+    assert!(pairs.spans().enumerate().all(|(k, (a, b))| a == k as f64 + 1.0 && b == a + 0.5));
     assert_eq!(RootRay::intersection_all(&rays), RootRay::vacuum());
-    assert_eq!(
-        RootRay::symmetric_difference_all(&rays).roots().len(),
-        2 * n as usize
-    );
+    assert_eq!(RootRay::symmetric_difference_all(&rays).roots().len(), 2 * n as usize);
 
-    let comb = |shift: f64| {
-        RootRay::from_times(Side::Outside, (0..100_000).map(|k| f64::from(k) + shift)).unwrap()
-    };
+    let comb =
+        |shift: f64| RootRay::from_times(Side::Outside, (0..100_000).map(|k| f64::from(k) + shift)).unwrap();
     assert_eq!((comb(0.0) & comb(0.5)).spans().count(), 50_000);
     assert_eq!((comb(0.0) ^ comb(0.0)).roots(), []);
 }

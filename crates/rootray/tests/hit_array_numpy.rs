@@ -10,11 +10,7 @@ fn parse<T>(line: &str, name: &str, number: fn(f64) -> T) -> (usize, usize, Vec<
     assert_eq!(words.next(), Some(name));
     let rows = words.next().unwrap().parse().unwrap();
     let columns = words.next().unwrap().parse().unwrap();
-    (
-        rows,
-        columns,
-        words.map(|word| number(word.parse().unwrap())).collect(),
-    )
+    (rows, columns, words.map(|word| number(word.parse().unwrap())).collect())
 }
 
 fn operation(name: &str) -> Operation {
@@ -32,23 +28,13 @@ fn check<T: Real>(operation: Operation, sort_output: bool, lines: &[&str], numbe
     assert_eq!(rows, rows1 + rows2);
     let array1 = HitArray::new(&data1, rows1, columns).unwrap();
     let array2 = HitArray::new(&data2, rows2, columns).unwrap();
-    let options = CsgOptions {
-        sort_output,
-        regularize: Regularize::No,
-    };
-    assert_eq!(
-        array_csg(array1, array2, operation, options).unwrap(),
-        expected,
-        "{lines:?}"
-    );
+    let options = CsgOptions { sort_output, regularize: Regularize::No };
+    assert_eq!(array_csg(array1, array2, operation, options).unwrap(), expected, "{lines:?}");
 }
 
 #[test]
 fn agrees_with_numpy() {
-    let lines: Vec<&str> = TABLE
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .collect();
+    let lines: Vec<&str> = TABLE.lines().filter(|line| !line.starts_with('#')).collect();
     for lines in lines.chunks(4) {
         let case: Vec<&str> = lines[0].split(' ').collect();
         let (operation, sort_output) = (operation(case[2]), case[3] == "sorted");

@@ -21,78 +21,36 @@ fn times<S>(ray: &RootRay<S>) -> Vec<f64> {
 
 #[test]
 fn bad_roots_are_refused_with_their_place() {
-    let made = |times: &[f64]| {
-        RootRay::from_times(Side::Outside, times.iter().copied()).map(|ray| times_of(&ray))
-    };
+    let made =
+        |times: &[f64]| RootRay::from_times(Side::Outside, times.iter().copied()).map(|ray| times_of(&ray));
     fn times_of(ray: &RootRay) -> Vec<f64> {
         ray.times().collect()
     }
     assert_eq!(made(&[]), Ok(vec![]));
     assert_eq!(made(&[-1e308, -0.0, 5e-324]), Ok(vec![-1e308, 0.0, 5e-324]));
     assert_eq!(made(&[0.0, f64::NAN]), Err(RootRayError::Nan { index: 1 }));
-    assert_eq!(
-        made(&[0.0, INF]),
-        Err(RootRayError::Infinite { index: 1, t: INF })
-    );
-    assert_eq!(
-        made(&[-INF]),
-        Err(RootRayError::Infinite { index: 0, t: -INF })
-    );
-    let backwards = RootRayError::NotIncreasing {
-        index: 2,
-        previous: 2.0,
-        t: 1.0,
-    };
+    assert_eq!(made(&[0.0, INF]), Err(RootRayError::Infinite { index: 1, t: INF }));
+    assert_eq!(made(&[-INF]), Err(RootRayError::Infinite { index: 0, t: -INF }));
+    let backwards = RootRayError::NotIncreasing { index: 2, previous: 2.0, t: 1.0 };
     assert_eq!(made(&[0.0, 2.0, 1.0, f64::NAN]), Err(backwards));
-    let twice = RootRayError::NotIncreasing {
-        index: 1,
-        previous: 0.0,
-        t: 0.0,
-    };
+    let twice = RootRayError::NotIncreasing { index: 1, previous: 0.0, t: 0.0 };
     assert_eq!(made(&[-0.0, 0.0]), Err(twice));
     let message = backwards.to_string();
-    assert_eq!(
-        message,
-        "root 2 is 1, not greater than 2 before it (root times must be strictly increasing)"
-    );
+    assert_eq!(message, "root 2 is 1, not greater than 2 before it (root times must be strictly increasing)");
 }
 
 #[test]
 fn flips_of_equal_times_cancel_in_pairs() {
     let flips = |list: &[(f64, char)]| {
-        let list = list
-            .iter()
-            .map(|&(t, surface)| Root::new(t, surface))
-            .collect();
+        let list = list.iter().map(|&(t, surface)| Root::new(t, surface)).collect();
         RootRay::from_flips(Side::Inside, list)
     };
-    let ray = flips(&[
-        (3.0, 'a'),
-        (1.0, 'b'),
-        (3.0, 'c'),
-        (-0.0, 'd'),
-        (0.0, 'e'),
-        (0.0, 'f'),
-    ])
-    .unwrap();
-    let roots: Vec<_> = ray
-        .roots()
-        .iter()
-        .map(|root| (root.t, root.surface))
-        .collect();
-    assert_eq!(
-        (ray.start(), roots),
-        (Side::Inside, vec![(0.0, 'd'), (1.0, 'b')])
-    );
+    let ray = flips(&[(3.0, 'a'), (1.0, 'b'), (3.0, 'c'), (-0.0, 'd'), (0.0, 'e'), (0.0, 'f')]).unwrap();
+    let roots: Vec<_> = ray.roots().iter().map(|root| (root.t, root.surface)).collect();
+    assert_eq!((ray.start(), roots), (Side::Inside, vec![(0.0, 'd'), (1.0, 'b')]));
     assert!(ray.roots()[0].t.is_sign_positive());
-    assert_eq!(
-        flips(&[(1.0, 'a'), (f64::NAN, 'b')]),
-        Err(RootRayError::Nan { index: 1 })
-    );
-    assert_eq!(
-        flips(&[(-INF, 'a')]),
-        Err(RootRayError::Infinite { index: 0, t: -INF })
-    );
+    assert_eq!(flips(&[(1.0, 'a'), (f64::NAN, 'b')]), Err(RootRayError::Nan { index: 1 }));
+    assert_eq!(flips(&[(-INF, 'a')]), Err(RootRayError::Infinite { index: 0, t: -INF }));
 }
 
 #[test]
@@ -100,14 +58,8 @@ fn sides_are_those_just_after_a_time() {
     let ray = ray(Side::Inside, &[1.0, 2.0]);
     let side = |t| ray.side_at(t).unwrap();
     assert_eq!((ray.start(), ray.end()), (Side::Inside, Side::Inside));
-    assert_eq!(
-        [side(-INF), side(0.9), side(1.0)],
-        [Side::Inside, Side::Inside, Side::Outside]
-    );
-    assert_eq!(
-        [side(1.9), side(2.0), side(INF)],
-        [Side::Outside, Side::Inside, Side::Inside]
-    );
+    assert_eq!([side(-INF), side(0.9), side(1.0)], [Side::Inside, Side::Inside, Side::Outside]);
+    assert_eq!([side(1.9), side(2.0), side(INF)], [Side::Outside, Side::Inside, Side::Inside]);
     assert_eq!(ray.side_at(f64::NAN), Err(RootRayError::NanTime));
     let sides: Vec<Side> = ray.crossings().map(|(_, side)| side).collect();
     assert_eq!(sides, [Side::Outside, Side::Inside]);
@@ -120,10 +72,7 @@ fn spans_reach_to_infinity() {
     assert_eq!(spans(Side::Inside, &[]), [(-INF, INF)]);
     assert_eq!(spans(Side::Outside, &[1.0]), [(1.0, INF)]);
     assert_eq!(spans(Side::Inside, &[1.0]), [(-INF, 1.0)]);
-    assert_eq!(
-        spans(Side::Outside, &[1.0, 2.0, 3.0]),
-        [(1.0, 2.0), (3.0, INF)]
-    );
+    assert_eq!(spans(Side::Outside, &[1.0, 2.0, 3.0]), [(1.0, 2.0), (3.0, INF)]);
     assert_eq!(spans(Side::Inside, &[1.0, 2.0]), [(-INF, 1.0), (2.0, INF)]);
 }
 
@@ -133,13 +82,7 @@ fn short_forms_and_parts() {
     assert_eq!(ray.to_string(), format!("outside [0.5, {}]", 1e300));
     assert_eq!(RootRay::<u8>::default(), RootRay::vacuum());
     let named = ray.map_surfaces(|surface| surface * 2);
-    assert_eq!(
-        named.into_parts(),
-        (
-            Side::Outside,
-            vec![Root::new(0.5, 14), Root::new(1e300, 16)]
-        )
-    );
+    assert_eq!(named.into_parts(), (Side::Outside, vec![Root::new(0.5, 14), Root::new(1e300, 16)]));
 }
 
 #[test]
@@ -159,21 +102,11 @@ fn clipping_drops_roots_at_both_ends() {
 fn bad_windows_are_refused() {
     let ray = ray(Side::Outside, &[1.0]);
     let empty = |t_min, t_max| Err(RootRayError::EmptyWindow { t_min, t_max });
-    for (t_min, t_max) in [
-        (1.0, 1.0),
-        (2.0, 1.0),
-        (INF, INF),
-        (-INF, -INF),
-        (INF, -INF),
-        (0.0, -0.0),
-    ] {
+    for (t_min, t_max) in [(1.0, 1.0), (2.0, 1.0), (INF, INF), (-INF, -INF), (INF, -INF), (0.0, -0.0)] {
         assert_eq!(ray.clip(t_min, t_max), empty(t_min, t_max));
     }
     for (t_min, t_max) in [(f64::NAN, 1.0), (1.0, f64::NAN)] {
-        assert!(matches!(
-            ray.clip(t_min, t_max),
-            Err(RootRayError::NanWindow { .. })
-        ));
+        assert!(matches!(ray.clip(t_min, t_max), Err(RootRayError::NanWindow { .. })));
     }
 }
 
@@ -217,8 +150,7 @@ fn welding_twice_changes_nothing_and_complement_commutes() {
         let mut list = Vec::new();
         for _ in 0..rng.random_range(0..30) {
             list.push(t);
-            t += t.abs() * 10_f64.powf(rng.random_range(-16.0..-14.0))
-                + 5e-324 * rng.random_range(1.0..30.0);
+            t += t.abs() * 10_f64.powf(rng.random_range(-16.0..-14.0)) + 5e-324 * rng.random_range(1.0..30.0);
         }
         list.dedup();
         let ray = ray(Side::Outside, &list);
@@ -256,14 +188,9 @@ fn runs_are_maximal_and_cover_everything() {
         .map(|run| items[run].to_vec())
         .collect();
         assert_eq!(runs, expected);
-        assert_eq!(
-            asked,
-            items.len().saturating_sub(1),
-            "each pair is asked once"
-        );
+        assert_eq!(asked, items.len().saturating_sub(1), "each pair is asked once");
 
-        let (mut stream, mut run, mut streamed) =
-            (items.iter().copied().peekable(), vec![99], Vec::new());
+        let (mut stream, mut run, mut streamed) = (items.iter().copied().peekable(), vec![99], Vec::new());
         while next_run(&mut stream, &mut run, |a, b| b - a <= 1) {
             streamed.push(run.clone());
         }
@@ -278,46 +205,21 @@ fn validation_reports_every_problem() {
     let found = validate_times([0.0, f64::NAN, 1.0, near, 0.5, INF, INF, 3.0]);
     let expected = [
         Problem::Nan { index: 1 },
-        Problem::TooClose {
-            index: 3,
-            previous: 1.0,
-            t: near,
-            min_sep: min_sep(1.0, near),
-        },
-        Problem::NotIncreasing {
-            index: 4,
-            previous: near,
-            t: 0.5,
-        },
+        Problem::TooClose { index: 3, previous: 1.0, t: near, min_sep: min_sep(1.0, near) },
+        Problem::NotIncreasing { index: 4, previous: near, t: 0.5 },
         Problem::Infinite { index: 5, t: INF },
         Problem::Infinite { index: 6, t: INF },
-        Problem::NotIncreasing {
-            index: 6,
-            previous: INF,
-            t: INF,
-        },
-        Problem::NotIncreasing {
-            index: 7,
-            previous: INF,
-            t: 3.0,
-        },
+        Problem::NotIncreasing { index: 6, previous: INF, t: INF },
+        Problem::NotIncreasing { index: 7, previous: INF, t: 3.0 },
     ];
     assert_eq!(found, expected);
-    assert_eq!(
-        expected[2].to_string(),
-        format!("root 4 is 0.5, not greater than {near} before it")
-    );
+    assert_eq!(expected[2].to_string(), format!("root 4 is 0.5, not greater than {near} before it"));
     assert_eq!(validate_times([-1.0, 0.0, 1.0]), []);
     assert_eq!(validate_times([f64::NAN]), [Problem::Nan { index: 0 }]);
     let ray = ray(Side::Outside, &[1.0, near]);
     assert_eq!(
         ray.validate(),
-        [Problem::TooClose {
-            index: 1,
-            previous: 1.0,
-            t: near,
-            min_sep: min_sep(1.0, near)
-        }]
+        [Problem::TooClose { index: 1, previous: 1.0, t: near, min_sep: min_sep(1.0, near) }]
     );
 }
 
@@ -325,14 +227,8 @@ fn validation_reports_every_problem() {
 fn counts_agree_with_sides() {
     let mut rng = rng(7);
     for _ in 0..500 {
-        let rays: Vec<RootRay> = (0..rng.random_range(0..6))
-            .map(|_| tied_ray(&mut rng))
-            .collect();
-        let count_at = |t: f64| {
-            rays.iter()
-                .filter(|ray| ray.side_at(t).unwrap().is_inside())
-                .count()
-        };
+        let rays: Vec<RootRay> = (0..rng.random_range(0..6)).map(|_| tied_ray(&mut rng)).collect();
+        let count_at = |t: f64| rays.iter().filter(|ray| ray.side_at(t).unwrap().is_inside()).count();
         let count = surface_count(&rays);
         assert_eq!(count.start, count_at(-INF));
         let mut all: Vec<f64> = rays.iter().flat_map(times).collect();
@@ -345,13 +241,7 @@ fn counts_agree_with_sides() {
 
 #[test]
 fn a_count_that_stays_is_still_a_step() {
-    let (a, b) = (
-        ray(Side::Outside, &[1.0, 2.0]),
-        ray(Side::Outside, &[2.0, 3.0]),
-    );
-    let expected = SurfaceCount {
-        start: 0,
-        steps: vec![(1.0, 1), (2.0, 1), (3.0, 0)],
-    };
+    let (a, b) = (ray(Side::Outside, &[1.0, 2.0]), ray(Side::Outside, &[2.0, 3.0]));
+    let expected = SurfaceCount { start: 0, steps: vec![(1.0, 1), (2.0, 1), (3.0, 0)] };
     assert_eq!(surface_count([&a, &b]), expected);
 }

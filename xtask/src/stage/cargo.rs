@@ -17,23 +17,12 @@ pub fn fmt(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
 }
 
 pub fn clippy(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
-    process::run(cargo(workshop).args([
-        "clippy",
-        "--workspace",
-        "--all-targets",
-        "--",
-        "-D",
-        "warnings",
-    ]))
+    process::run(cargo(workshop).args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))
 }
 
 pub fn docs(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
     let mut cargo = cargo(workshop);
-    process::run(
-        cargo
-            .env("RUSTDOCFLAGS", "-D warnings")
-            .args(["doc", "--workspace", "--no-deps"]),
-    )
+    process::run(cargo.env("RUSTDOCFLAGS", "-D warnings").args(["doc", "--workspace", "--no-deps"]))
 }
 
 pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
@@ -44,10 +33,7 @@ pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
 
 pub fn long_tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let mut cargo = cargo(workshop);
-    cargo
-        .args(["test", "--release", "--no-fail-fast"])
-        .args(NOT_BY_CARGO)
-        .args(["--", "--ignored", "long_"]);
+    cargo.args(["test", "--release", "--no-fail-fast"]).args(NOT_BY_CARGO).args(["--", "--ignored", "long_"]);
     counted(cargo, counts)
 }
 

@@ -40,31 +40,19 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     for model in &models {
         take(user.succeeds(&["info", model]));
         take(user.renders(model, &scratch));
-        take(user.succeeds(&[
-            "probe",
-            model,
-            "--from",
-            "-1,0.125,0.25",
-            "--to",
-            "1,0.25,0.5",
-        ]));
+        take(user.succeeds(&["probe", model, "--from", "-1,0.125,0.25", "--to", "1,0.25,0.5"]));
     }
     match failures.first() {
         None => Ok(()),
-        Some(first) => Err(format!(
-            "{} uses of the command failed, first: {first}",
-            failures.len()
-        )),
+        Some(first) => Err(format!("{} uses of the command failed, first: {first}", failures.len())),
     }
 }
 
 /// The models of the repository, which must have some.
 fn models(workshop: &Workshop<'_>) -> Result<Vec<String>, String> {
     let files = workshop.repository.files()?;
-    let models: Vec<String> = files
-        .into_iter()
-        .filter(|path| path.starts_with("models/") && path.ends_with(".toml"))
-        .collect();
+    let models: Vec<String> =
+        files.into_iter().filter(|path| path.starts_with("models/") && path.ends_with(".toml")).collect();
     if models.is_empty() {
         Err("models/*.toml: no such file (the command is tried on them)".to_owned())
     } else {
@@ -81,10 +69,7 @@ struct User<'a> {
 impl User<'_> {
     fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(&self.program);
-        command
-            .current_dir(self.root)
-            .args(arguments)
-            .stdin(Stdio::null());
+        command.current_dir(self.root).args(arguments).stdin(Stdio::null());
         command
     }
 
@@ -101,39 +86,27 @@ impl User<'_> {
     /// The command fails without a panic, and its message names the culprit.
     fn complains(&self, arguments: &[&str], culprit: &str) -> Outcome {
         let words = arguments.join(" ");
-        let output = self
-            .command(arguments)
-            .output()
-            .map_err(|error| format!("rayweave {words}: {error}"))?;
+        let output =
+            self.command(arguments).output().map_err(|error| format!("rayweave {words}: {error}"))?;
         let message = String::from_utf8_lossy(&output.stderr);
         match output.status.code() {
             Some(0) => Err(format!("rayweave {words}: ended well, should have failed")),
             Some(PANICKED) | None => Err(format!("rayweave {words}: panicked\n{message}")),
-            Some(_) if !message.contains(culprit) => Err(format!(
-                "rayweave {words}: does not name {culprit}\n{message}"
-            )),
+            Some(_) if !message.contains(culprit) => {
+                Err(format!("rayweave {words}: does not name {culprit}\n{message}"))
+            }
             Some(_) => Ok(()),
         }
     }
 
     /// The command writes a picture of a model.
     fn renders(&self, model: &str, scratch: &Path) -> Outcome {
-        let picture = scratch.join(
-            Path::new(model)
-                .with_extension("png")
-                .file_name()
-                .unwrap_or_default(),
-        );
+        let picture = scratch.join(Path::new(model).with_extension("png").file_name().unwrap_or_default());
         let _ = fs::remove_file(&picture);
         let path = picture.to_string_lossy();
         process::output(&mut self.command(&["render", model, "--size", "64x48", "-o", &path]))?;
-        let bytes =
-            fs::read(&picture).map_err(|error| format!("{path}: cannot be read ({error})"))?;
-        if bytes.starts_with(PNG_SIGNATURE) {
-            Ok(())
-        } else {
-            Err(format!("{path}: no PNG file"))
-        }
+        let bytes = fs::read(&picture).map_err(|error| format!("{path}: cannot be read ({error})"))?;
+        if bytes.starts_with(PNG_SIGNATURE) { Ok(()) } else { Err(format!("{path}: no PNG file")) }
     }
 }
 
@@ -142,47 +115,22 @@ mod tests {
     use super::*;
 
     fn shell() -> User<'static> {
-        User {
-            root: Path::new("."),
-            program: PathBuf::from("sh"),
-        }
+        User { root: Path::new("."), program: PathBuf::from("sh") }
     }
 
     #[test]
     fn silence_is_no_success() {
         assert_eq!(shell().succeeds(&["-c", "echo here"]), Ok(()));
-        assert!(
-            shell()
-                .succeeds(&["-c", "true"])
-                .unwrap_err()
-                .contains("nothing printed")
-        );
-        assert!(
-            shell()
-                .succeeds(&["-c", "exit 2"])
-                .unwrap_err()
-                .contains("exit status: 2")
-        );
+        assert!(shell().succeeds(&["-c", "true"]).unwrap_err().contains("nothing printed"));
+        assert!(shell().succeeds(&["-c", "exit 2"]).unwrap_err().contains("exit status: 2"));
     }
 
     #[test]
     fn a_complaint_fails_and_names_its_cause() {
         let complains = |script: &str| shell().complains(&["-c", script], "lens");
         assert_eq!(complains("echo no lens >&2; exit 2"), Ok(()));
-        assert!(
-            complains("echo no lens >&2")
-                .unwrap_err()
-                .contains("should have failed")
-        );
-        assert!(
-            complains("echo no lens >&2; exit 101")
-                .unwrap_err()
-                .contains("panicked")
-        );
-        assert!(
-            complains("echo no >&2; exit 2")
-                .unwrap_err()
-                .contains("does not name lens")
-        );
+        assert!(complains("echo no lens >&2").unwrap_err().contains("should have failed"));
+        assert!(complains("echo no lens >&2; exit 101").unwrap_err().contains("panicked"));
+        assert!(complains("echo no >&2; exit 2").unwrap_err().contains("does not name lens"));
     }
 }

@@ -27,12 +27,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
         ));
     }
     let mut failures = Vec::new();
-    for Example {
-        package,
-        name,
-        features,
-    } in &examples
-    {
+    for Example { package, name, features } in &examples {
         let mut cargo = cargo(workshop);
         cargo.args(["run", "--quiet", "--package", package, "--example", name]);
         if !features.is_empty() {
@@ -46,35 +41,19 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     }
     counts.failed += failures.len() as u64;
     counts.passed += (examples.len() + scripts.len() - failures.len()) as u64;
-    if failures.is_empty() {
-        Ok(())
-    } else {
-        Err(failures.join("\n"))
-    }
+    if failures.is_empty() { Ok(()) } else { Err(failures.join("\n")) }
 }
 
 /// The examples of all packages.
 fn read(metadata: &Value) -> Vec<Example> {
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-    let list = |value: &Value| {
-        value
-            .as_array()
-            .into_iter()
-            .flatten()
-            .map(text)
-            .collect::<Vec<_>>()
-    };
+    let list = |value: &Value| value.as_array().into_iter().flatten().map(text).collect::<Vec<_>>();
     let mut examples = Vec::new();
     for package in metadata["packages"].as_array().into_iter().flatten() {
         let targets = package["targets"].as_array().into_iter().flatten();
-        for target in targets.filter(|target| list(&target["kind"]).contains(&"example".to_owned()))
-        {
+        for target in targets.filter(|target| list(&target["kind"]).contains(&"example".to_owned())) {
             let features = list(&target["required-features"]).join(",");
-            examples.push(Example {
-                package: text(&package["name"]),
-                name: text(&target["name"]),
-                features,
-            });
+            examples.push(Example { package: text(&package["name"]), name: text(&target["name"]), features });
         }
     }
     examples
@@ -84,10 +63,7 @@ fn read(metadata: &Value) -> Vec<Example> {
 fn scripts(workshop: &Workshop<'_>) -> Result<Vec<String>, String> {
     let folder = format!("{BINDING}/examples/");
     let files = workshop.repository.files()?;
-    Ok(files
-        .into_iter()
-        .filter(|path| path.starts_with(&folder) && path.ends_with(".py"))
-        .collect())
+    Ok(files.into_iter().filter(|path| path.starts_with(&folder) && path.ends_with(".py")).collect())
 }
 
 #[cfg(test)]
@@ -105,9 +81,6 @@ mod tests {
             name: name.to_owned(),
             features: features.to_owned(),
         };
-        assert_eq!(
-            read(&serde_json::from_str(text).unwrap()),
-            [example("lens", "x,y"), example("die", "")]
-        );
+        assert_eq!(read(&serde_json::from_str(text).unwrap()), [example("lens", "x,y"), example("die", "")]);
     }
 }

@@ -14,40 +14,24 @@ const STUBTEST_ALLOWLIST: &str = "bindings/python/stubtest-allowlist.txt";
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     workshop.python.install_package()?;
     workshop.python.install(&["pytest", "numpy", "mypy"])?;
-    let outcomes = [
-        tests(workshop, counts),
-        types(workshop, counts),
-        stubs(workshop, counts),
-    ];
+    let outcomes = [tests(workshop, counts), types(workshop, counts), stubs(workshop, counts)];
     let failures: Vec<String> = outcomes.into_iter().filter_map(Result::err).collect();
-    if failures.is_empty() {
-        Ok(())
-    } else {
-        Err(failures.join("\n"))
-    }
+    if failures.is_empty() { Ok(()) } else { Err(failures.join("\n")) }
 }
 
 fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let mut python = workshop.python.program("python")?;
-    python
-        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
-        .arg(format!("{BINDING}/tests"));
-    process::run_reading(python.env("PYTHONDONTWRITEBYTECODE", "1"), |line| {
-        counts.read_pytest_line(line)
-    })
+    python.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(format!("{BINDING}/tests"));
+    process::run_reading(python.env("PYTHONDONTWRITEBYTECODE", "1"), |line| counts.read_pytest_line(line))
 }
 
 fn types(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     if !workshop.repository.root.join(TYPED_SAMPLE).is_file() {
-        return Err(format!(
-            "{TYPED_SAMPLE}: no such file (the types are checked on it)"
-        ));
+        return Err(format!("{TYPED_SAMPLE}: no such file (the types are checked on it)"));
     }
     let cache = workshop.repository.target().join("mypy");
     let mut python = workshop.python.program("python")?;
-    python
-        .args(["-m", "mypy", "--strict", TYPED_SAMPLE, "--cache-dir"])
-        .arg(cache);
+    python.args(["-m", "mypy", "--strict", TYPED_SAMPLE, "--cache-dir"]).arg(cache);
     one(process::run(&mut python), counts)
 }
 
@@ -59,10 +43,7 @@ fn stubs(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
         python.arg("--allowlist").arg(allowlist);
     }
     // away from the sources, so that the installed package is the one that is found
-    one(
-        process::run(python.current_dir(workshop.repository.target())),
-        counts,
-    )
+    one(process::run(python.current_dir(workshop.repository.target())), counts)
 }
 
 /// Counts an outcome as one test.

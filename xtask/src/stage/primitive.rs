@@ -17,12 +17,7 @@ const NAME: &str = "bead";
 const COPIED: [&str; 4] = ["Cargo.toml", "Cargo.lock", "crates/math/", "crates/shape/"];
 
 /// The new primitive's own tests, and those that hold for all primitives and name none.
-const TESTS: [&str; 4] = [
-    "primitive::bead",
-    "pages_tell",
-    "arguments_build",
-    "bounds_hold",
-];
+const TESTS: [&str; 4] = ["primitive::bead", "pages_tell", "arguments_build", "bounds_hold"];
 
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let root = workshop.repository.target().join("new-primitive");
@@ -33,19 +28,14 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     // a folder of its own: cargo would take the copy's crates for the workspace's, whose tests then were stale
     let built = workshop.repository.target().join("new-primitive-target");
     let mut cargo = Command::new("cargo");
-    cargo
-        .current_dir(&copy.root)
-        .env("CARGO_TARGET_DIR", built);
-    cargo
-        .args(["test", "--package", "rayweave-shape", "--lib", "--"])
-        .args(TESTS);
+    cargo.current_dir(&copy.root).env("CARGO_TARGET_DIR", built);
+    cargo.args(["test", "--package", "rayweave-shape", "--lib", "--"]).args(TESTS);
     process::run_reading(&mut cargo, |line| counts.read_cargo_line(line))?;
     match counts.passed >= TESTS.len() as u64 {
         true => Ok(()),
-        false => Err(format!(
-            "only {} tests ran, of each of {TESTS:?} at least one was wanted",
-            counts.passed
-        )),
+        false => {
+            Err(format!("only {} tests ran, of each of {TESTS:?} at least one was wanted", counts.passed))
+        }
     }
 }
 
@@ -56,10 +46,7 @@ fn copy(repository: &Repository, root: &Path) -> Result<(), String> {
         fs::remove_dir_all(root).map_err(text)?;
     }
     let files = repository.files()?;
-    for path in files
-        .iter()
-        .filter(|path| COPIED.iter().any(|copied| path.starts_with(copied)))
-    {
+    for path in files.iter().filter(|path| COPIED.iter().any(|copied| path.starts_with(copied))) {
         let place = root.join(path);
         fs::create_dir_all(place.parent().unwrap_or(root)).map_err(text)?;
         fs::copy(repository.root.join(path), &place).map_err(text)?;
@@ -84,15 +71,9 @@ fn register(repository: &Repository) -> Outcome {
     let path = repository.root.join(FOLDER).join("mod.rs");
     let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
     let mut text = text;
-    for (sphere, new) in new_primitive::registration("sphere")
-        .iter()
-        .zip(new_primitive::registration(NAME))
-    {
+    for (sphere, new) in new_primitive::registration("sphere").iter().zip(new_primitive::registration(NAME)) {
         if !text.contains(sphere) {
-            return Err(format!(
-                "{}: no line '{sphere}' (the stage puts its own below)",
-                path.display()
-            ));
+            return Err(format!("{}: no line '{sphere}' (the stage puts its own below)", path.display()));
         }
         text = text.replacen(sphere, &format!("{sphere}\n{new}"), 1);
     }
@@ -106,9 +87,6 @@ mod tests {
     #[test]
     fn the_copy_has_no_other_members() {
         let manifest = "[workspace]\nresolver = \"3\"\nmembers = [\"crates/*\", \"xtask\"]\ndefault-members = [\"x\"]\n[x]\n";
-        assert_eq!(
-            alone(manifest),
-            "[workspace]\nresolver = \"3\"\nmembers = [\"crates/*\"]\n[x]\n"
-        );
+        assert_eq!(alone(manifest), "[workspace]\nresolver = \"3\"\nmembers = [\"crates/*\"]\n[x]\n");
     }
 }

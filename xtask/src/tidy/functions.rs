@@ -5,10 +5,7 @@ use super::{Rule, Violation};
 use crate::masked::{Masked, item_end};
 use crate::repository::Source;
 
-static FUNCTION_LENGTH: Rule = Rule {
-    name: "function-length",
-    why: "a function is read in one look",
-};
+static FUNCTION_LENGTH: Rule = Rule { name: "function-length", why: "a function is read in one look" };
 
 /// The most lines from `fn` to the closing brace.
 const LONG_FUNCTION: usize = 80;
@@ -18,38 +15,24 @@ pub fn check(source: &Source) -> Vec<Violation> {
         return Vec::new();
     }
     let masked = Masked::new(&source.text);
-    let starts = masked
-        .library_code()
-        .filter_map(|(line, text)| function_name(text).map(|name| (line, name)));
+    let starts =
+        masked.library_code().filter_map(|(line, text)| function_name(text).map(|name| (line, name)));
     starts
         .map(|(line, name)| (line, name, item_end(&masked.code, line - 1) + 2 - line))
         .filter(|(_, _, length)| *length > LONG_FUNCTION)
         .map(|(line, name, length)| {
-            let problem =
-                format!("function {name} has {length} lines, the most is {LONG_FUNCTION}");
-            Violation::new(
-                &FUNCTION_LENGTH,
-                source,
-                line,
-                problem,
-                "give its parts names",
-            )
-            .about(name)
+            let problem = format!("function {name} has {length} lines, the most is {LONG_FUNCTION}");
+            Violation::new(&FUNCTION_LENGTH, source, line, problem, "give its parts names").about(name)
         })
         .collect()
 }
 
 /// The name of the function that begins on this line of code.
 fn function_name(line: &str) -> Option<&str> {
-    let before_is_word =
-        |at: usize| line[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
-    let (at, _) = line
-        .match_indices("fn ")
-        .find(|&(at, _)| !before_is_word(at))?;
+    let before_is_word = |at: usize| line[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+    let (at, _) = line.match_indices("fn ").find(|&(at, _)| !before_is_word(at))?;
     let name = line[at + 3..].trim_start();
-    let end = name
-        .find(|c: char| !(c.is_alphanumeric() || c == '_' || c == '$'))
-        .unwrap_or(name.len());
+    let end = name.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == '$')).unwrap_or(name.len());
     (end > 0).then(|| &name[..end])
 }
 
@@ -68,10 +51,7 @@ mod tests {
     #[test]
     fn long_functions_are_found() {
         assert_eq!(found("crates/a/src/b.rs", &with_body(78)), []);
-        assert_eq!(
-            found("crates/a/src/b.rs", &with_body(79)),
-            [("function-length", 4)]
-        );
+        assert_eq!(found("crates/a/src/b.rs", &with_body(79)), [("function-length", 4)]);
     }
 
     #[test]
@@ -83,10 +63,7 @@ mod tests {
 
     #[test]
     fn names_are_read() {
-        assert_eq!(
-            function_name("    pub const fn solve<T>(x: T)"),
-            Some("solve")
-        );
+        assert_eq!(function_name("    pub const fn solve<T>(x: T)"), Some("solve"));
         assert_eq!(function_name("fn $name() {"), Some("$name"));
         assert_eq!(function_name("let f: fn(f64) -> f64 = g;"), None);
         assert_eq!(function_name("often fn_like fnord"), None);

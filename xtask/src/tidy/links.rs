@@ -3,19 +3,13 @@
 use super::{Rule, Violation};
 use crate::repository::Source;
 
-static LINK: Rule = Rule {
-    name: "link",
-    why: "a link leads somewhere",
-};
+static LINK: Rule = Rule { name: "link", why: "a link leads somewhere" };
 
 pub fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
     if !source.is("md") {
         return Vec::new();
     }
-    let folder = source
-        .path
-        .rsplit_once('/')
-        .map_or("", |(folder, _)| folder);
+    let folder = source.path.rsplit_once('/').map_or("", |(folder, _)| folder);
     let mut violations = Vec::new();
     for (line, target) in targets(&source.text) {
         let broken = match resolve(folder, target) {
@@ -25,13 +19,7 @@ pub fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
         };
         if broken {
             let problem = format!("no file '{target}'");
-            violations.push(Violation::new(
-                &LINK,
-                source,
-                line,
-                problem,
-                "links are relative to this file",
-            ));
+            violations.push(Violation::new(&LINK, source, line, problem, "links are relative to this file"));
         }
     }
     violations
@@ -67,19 +55,10 @@ fn in_line(line: &str) -> Vec<&str> {
     for (at, _) in line.match_indices("](") {
         let in_code = line[..at].matches('`').count() % 2 == 1;
         if let Some(end) = line[at + 2..].find(')').filter(|_| !in_code) {
-            targets.push(
-                line[at + 2..at + 2 + end]
-                    .split(' ')
-                    .next()
-                    .unwrap_or_default(),
-            );
+            targets.push(line[at + 2..at + 2 + end].split(' ').next().unwrap_or_default());
         }
     }
-    if let Some((_, target)) = line
-        .trim_start()
-        .strip_prefix('[')
-        .and_then(|rest| rest.split_once("]: "))
-    {
+    if let Some((_, target)) = line.trim_start().strip_prefix('[').and_then(|rest| rest.split_once("]: ")) {
         targets.push(target.trim());
     }
     targets
@@ -111,10 +90,7 @@ mod tests {
     fn broken_links_are_found() {
         let text = "[a](here.md) ![b](gone.png)\n[c](https://gone.example/x) [d](#part) `[e](gone)`\n\
                     ```\n[f](gone)\n```\n[g](../here/x.md#part) and [h](gone.md \"title\")\n[i]: gone/i.md\n";
-        assert_eq!(
-            found("docs/a.md", text),
-            [("link", 1), ("link", 6), ("link", 7)]
-        );
+        assert_eq!(found("docs/a.md", text), [("link", 1), ("link", 6), ("link", 7)]);
         assert_eq!(found("a.md", "[a](../here.md)\n"), [("link", 1)]);
     }
 

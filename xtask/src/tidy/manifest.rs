@@ -3,14 +3,8 @@
 use super::{Rule, Violation};
 use crate::repository::Source;
 
-static LINTS: Rule = Rule {
-    name: "lints",
-    why: "every crate keeps the same rules",
-};
-static DEPENDENCY: Rule = Rule {
-    name: "dependency",
-    why: "each one costs build time and trust",
-};
+static LINTS: Rule = Rule { name: "lints", why: "every crate keeps the same rules" };
+static DEPENDENCY: Rule = Rule { name: "dependency", why: "each one costs build time and trust" };
 
 pub fn check(source: &Source) -> Vec<Violation> {
     if source.path != "Cargo.toml" && !source.path.ends_with("/Cargo.toml") {
@@ -43,13 +37,7 @@ fn lints(source: &Source) -> Option<Violation> {
     });
     (is_package && !inherits).then(|| {
         let problem = "the lints of the workspace are not inherited".to_owned();
-        Violation::new(
-            &LINTS,
-            source,
-            1,
-            problem,
-            "add '[lints]' with 'workspace = true'",
-        )
+        Violation::new(&LINTS, source, 1, problem, "add '[lints]' with 'workspace = true'")
     })
 }
 
@@ -66,13 +54,7 @@ fn unexplained(source: &Source) -> Vec<Violation> {
         .map(|(index, _, line)| {
             let name = line.split('=').next().unwrap_or_default().trim();
             let problem = format!("dependency {name} has no comment right above it");
-            Violation::new(
-                &DEPENDENCY,
-                source,
-                index + 1,
-                problem,
-                "say what it is for",
-            )
+            Violation::new(&DEPENDENCY, source, index + 1, problem, "say what it is for")
         })
         .collect()
 }
@@ -83,21 +65,9 @@ mod tests {
 
     #[test]
     fn lints_are_inherited() {
-        assert_eq!(
-            found("a/Cargo.toml", "[package]\nname = \"a\"\n"),
-            [("lints", 1)]
-        );
-        assert_eq!(
-            found(
-                "a/Cargo.toml",
-                "[package]\nname = \"a\"\n\n[lints]\nworkspace = true\n"
-            ),
-            []
-        );
-        assert_eq!(
-            found("a/Cargo.toml", "[package]\nlints.workspace = true\n"),
-            []
-        );
+        assert_eq!(found("a/Cargo.toml", "[package]\nname = \"a\"\n"), [("lints", 1)]);
+        assert_eq!(found("a/Cargo.toml", "[package]\nname = \"a\"\n\n[lints]\nworkspace = true\n"), []);
+        assert_eq!(found("a/Cargo.toml", "[package]\nlints.workspace = true\n"), []);
         assert_eq!(found("Cargo.toml", "[workspace]\nmembers = [\"a\"]\n"), []);
     }
 
@@ -105,9 +75,6 @@ mod tests {
     fn dependencies_are_explained() {
         let text = "[workspace.dependencies]\na = { path = \"a\", version = \"1\" }\n# numbers\nb = \"1\"\nc = \"2\"\n\
                     \n[profile.dev]\nd = 1\n[dev-dependencies]\ne.workspace = true\nf = { workspace = true }\ng = \"1\"\n";
-        assert_eq!(
-            found("Cargo.toml", text),
-            [("dependency", 5), ("dependency", 12)]
-        );
+        assert_eq!(found("Cargo.toml", text), [("dependency", 5), ("dependency", 12)]);
     }
 }

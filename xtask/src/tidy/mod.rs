@@ -51,15 +51,7 @@ impl Violation {
         suggestion: &str,
     ) -> Violation {
         let (path, item, suggestion) = (source.path.clone(), String::new(), suggestion.to_owned());
-        Violation {
-            rule,
-            path,
-            line,
-            item,
-            problem,
-            suggestion,
-            severity: Severity::Error,
-        }
+        Violation { rule, path, line, item, problem, suggestion, severity: Severity::Error }
     }
 
     /// The same about one item of the file.
@@ -77,25 +69,9 @@ impl Violation {
 
 impl fmt::Display for Violation {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Violation {
-            rule,
-            path,
-            line,
-            problem,
-            suggestion,
-            severity,
-            ..
-        } = self;
-        let mild = if *severity == Severity::Warning {
-            "warning: "
-        } else {
-            ""
-        };
-        write!(
-            formatter,
-            "{path}:{line}: {mild}{problem} ({}) {suggestion}",
-            rule.why
-        )
+        let Violation { rule, path, line, problem, suggestion, severity, .. } = self;
+        let mild = if *severity == Severity::Warning { "warning: " } else { "" };
+        write!(formatter, "{path}:{line}: {mild}{problem} ({}) {suggestion}", rule.why)
     }
 }
 
@@ -114,18 +90,14 @@ pub fn run(repository: &Repository) -> Outcome {
     for violation in &violations {
         println!("{violation}");
     }
-    match violations
-        .iter()
-        .filter(|violation| violation.severity == Severity::Error)
-        .count()
-    {
+    match violations.iter().filter(|violation| violation.severity == Severity::Error).count() {
         0 => {
             println!("tidy: {} files checked", files.len());
             Ok(())
         }
-        errors => Err(format!(
-            "tidy: {errors} problems (exceptions go into {EXCEPTIONS}, each with its reason)"
-        )),
+        errors => {
+            Err(format!("tidy: {errors} problems (exceptions go into {EXCEPTIONS}, each with its reason)"))
+        }
     }
 }
 
@@ -141,10 +113,7 @@ fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
 }
 
 fn read_exceptions(repository: &Repository) -> Result<Vec<Exception>, String> {
-    let text = repository
-        .source(EXCEPTIONS)?
-        .map(|source| source.text)
-        .unwrap_or_default();
+    let text = repository.source(EXCEPTIONS)?.map(|source| source.text).unwrap_or_default();
     allow::read(&text).map_err(|line| {
         format!("{EXCEPTIONS}:{line}: no exception (a line is 'RULE PATH[::ITEM] -- REASON')")
     })
@@ -158,9 +127,7 @@ fn without_exceptions(
     let covers = |exception: &Exception, found: &Violation| {
         exception.covers(found.rule.name, &found.path, &found.item)
     };
-    let idle = exceptions
-        .iter()
-        .find(|exception| !violations.iter().any(|found| covers(exception, found)));
+    let idle = exceptions.iter().find(|exception| !violations.iter().any(|found| covers(exception, found)));
     if let Some(Exception { line, rule, place }) = idle {
         return Err(format!(
             "{EXCEPTIONS}:{line}: '{rule} {place}' covers nothing (any more) remove the line"
@@ -175,76 +142,38 @@ fn without_exceptions(
 /// The rules and lines of the violations of a snippet: what every check's tests compare.
 #[cfg(test)]
 fn found(path: &str, text: &str) -> Vec<(&'static str, usize)> {
-    let source = Source {
-        path: path.to_owned(),
-        text: text.to_owned(),
-    };
-    check(&source, &|path| path.contains("here"))
-        .iter()
-        .map(|found| (found.rule.name, found.line))
-        .collect()
+    let source = Source { path: path.to_owned(), text: text.to_owned() };
+    check(&source, &|path| path.contains("here")).iter().map(|found| (found.rule.name, found.line)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    static RULE: Rule = Rule {
-        name: "example",
-        why: "it is an example",
-    };
+    static RULE: Rule = Rule { name: "example", why: "it is an example" };
 
     fn violation() -> Violation {
-        let source = Source {
-            path: "a/b.rs".to_owned(),
-            text: String::new(),
-        };
-        Violation::new(
-            &RULE,
-            &source,
-            7,
-            "something is odd".to_owned(),
-            "make it even",
-        )
-        .about("f")
+        let source = Source { path: "a/b.rs".to_owned(), text: String::new() };
+        Violation::new(&RULE, &source, 7, "something is odd".to_owned(), "make it even").about("f")
     }
 
     #[test]
     fn a_violation_says_where_what_why_and_what_now() {
-        assert_eq!(
-            violation().to_string(),
-            "a/b.rs:7: something is odd (it is an example) make it even"
-        );
-        assert!(
-            violation()
-                .mild()
-                .to_string()
-                .starts_with("a/b.rs:7: warning: something")
-        );
+        assert_eq!(violation().to_string(), "a/b.rs:7: something is odd (it is an example) make it even");
+        assert!(violation().mild().to_string().starts_with("a/b.rs:7: warning: something"));
     }
 
     #[test]
     fn exceptions_cover_and_idle_ones_are_found() {
         let covered = allow::read("example a/b.rs::f -- because").unwrap();
-        assert_eq!(
-            without_exceptions(vec![violation()], &covered)
-                .unwrap()
-                .len(),
-            0
-        );
+        assert_eq!(without_exceptions(vec![violation()], &covered).unwrap().len(), 0);
         let idle = allow::read("example a/b.rs::g -- because").unwrap();
         let message = without_exceptions(vec![violation()], &idle).err().unwrap();
-        assert!(
-            message.contains("'example a/b.rs::g' covers nothing"),
-            "{message}"
-        );
+        assert!(message.contains("'example a/b.rs::g' covers nothing"), "{message}");
     }
 
     #[test]
     fn a_clean_file_passes() {
-        assert_eq!(
-            found("crates/a/src/lib.rs", "//! A crate.\n\nfn f() {}\n"),
-            []
-        );
+        assert_eq!(found("crates/a/src/lib.rs", "//! A crate.\n\nfn f() {}\n"), []);
     }
 }

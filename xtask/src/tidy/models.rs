@@ -3,28 +3,18 @@
 use super::{Rule, Violation};
 use crate::repository::Source;
 
-static MODEL: Rule = Rule {
-    name: "model",
-    why: "a model is found by its words and its picture",
-};
+static MODEL: Rule = Rule { name: "model", why: "a model is found by its words and its picture" };
 
 pub fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
-    let Some(stem) = source
-        .path
-        .strip_prefix("models/")
-        .and_then(|name| name.strip_suffix(".toml"))
-    else {
+    let Some(stem) = source.path.strip_prefix("models/").and_then(|name| name.strip_suffix(".toml")) else {
         return Vec::new();
     };
-    let violation = |problem: &str, suggestion: &str| {
-        Violation::new(&MODEL, source, 1, problem.to_owned(), suggestion)
-    };
+    let violation =
+        |problem: &str, suggestion: &str| Violation::new(&MODEL, source, 1, problem.to_owned(), suggestion);
     let mut violations = Vec::new();
     if !source.text.starts_with("# ") {
-        violations.push(violation(
-            "the model does not say what it shows",
-            "begin with a comment of one line",
-        ));
+        violations
+            .push(violation("the model does not say what it shows", "begin with a comment of one line"));
     }
     let picture = format!("models/{stem}.png");
     if !exists(&picture) {

@@ -5,30 +5,13 @@ use super::{Rule, Violation};
 use crate::masked::Masked;
 use crate::repository::Source;
 
-static MODULE_DOCS: Rule = Rule {
-    name: "module-docs",
-    why: "every file says what it holds",
-};
-static FILE_LENGTH: Rule = Rule {
-    name: "file-length",
-    why: "one file, one noun",
-};
-static UNFINISHED: Rule = Rule {
-    name: "unfinished",
-    why: "what is in the tree is finished",
-};
-static MUL_ADD: Rule = Rule {
-    name: "mul-add",
-    why: "its rounding differs between processors",
-};
-static TRANSCENDENTAL: Rule = Rule {
-    name: "transcendental",
-    why: "the standard library's bits differ between platforms",
-};
-static UNSAFE: Rule = Rule {
-    name: "unsafe",
-    why: "nothing here needs it",
-};
+static MODULE_DOCS: Rule = Rule { name: "module-docs", why: "every file says what it holds" };
+static FILE_LENGTH: Rule = Rule { name: "file-length", why: "one file, one noun" };
+static UNFINISHED: Rule = Rule { name: "unfinished", why: "what is in the tree is finished" };
+static MUL_ADD: Rule = Rule { name: "mul-add", why: "its rounding differs between processors" };
+static TRANSCENDENTAL: Rule =
+    Rule { name: "transcendental", why: "the standard library's bits differ between platforms" };
+static UNSAFE: Rule = Rule { name: "unsafe", why: "nothing here needs it" };
 
 /// The most lines that a file may have, and from how many on a warning is due.
 const LONG_FILE: usize = 1000;
@@ -36,9 +19,9 @@ const LONGISH_FILE: usize = 700;
 
 /// Methods of f64 and f32 whose last bits depend on the platform's mathematical library.
 const TRANSCENDENTAL_METHODS: [&str; 25] = [
-    "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh",
-    "asinh", "acosh", "atanh", "exp", "exp2", "exp_m1", "ln", "ln_1p", "log", "log2", "log10",
-    "powf", "hypot", "cbrt",
+    "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh",
+    "acosh", "atanh", "exp", "exp2", "exp_m1", "ln", "ln_1p", "log", "log2", "log10", "powf", "hypot",
+    "cbrt",
 ];
 
 /// Macros that stand for work not done, or that are there while somebody looks for a fault.
@@ -60,36 +43,20 @@ pub fn check(source: &Source) -> Vec<Violation> {
 
 /// Whether the file holds nothing but tests, benchmarks or examples.
 pub fn is_test_file(path: &str) -> bool {
-    ["/tests/", "/benches/", "/examples/"]
-        .iter()
-        .any(|folder| path.contains(folder))
+    ["/tests/", "/benches/", "/examples/"].iter().any(|folder| path.contains(folder))
         || path.ends_with("/tests.rs")
 }
 
 fn module_docs(source: &Source) -> Option<Violation> {
     let documented = source.text.starts_with("//!") || source.text.starts_with("#![doc");
     let problem = || "the file does not begin with documentation".to_owned();
-    (!documented).then(|| {
-        Violation::new(
-            &MODULE_DOCS,
-            source,
-            1,
-            problem(),
-            "begin with a line of '//!'",
-        )
-    })
+    (!documented).then(|| Violation::new(&MODULE_DOCS, source, 1, problem(), "begin with a line of '//!'"))
 }
 
 fn file_length(source: &Source) -> Option<Violation> {
     let lines = source.text.lines().count();
     let problem = format!("{lines} lines, the most is {LONG_FILE}");
-    let violation = Violation::new(
-        &FILE_LENGTH,
-        source,
-        lines,
-        problem,
-        "split the file by its nouns",
-    );
+    let violation = Violation::new(&FILE_LENGTH, source, lines, problem, "split the file by its nouns");
     match lines {
         _ if lines > LONG_FILE => Some(violation),
         _ if lines > LONGISH_FILE => Some(violation.mild()),
@@ -101,59 +68,31 @@ fn unfinished(source: &Source, masked: &Masked) -> Vec<Violation> {
     let calls = |line: &str, name: &str| line.contains(&format!("{name}!")) && has_word(line, name);
     let lines = masked.code.iter().enumerate();
     let found = lines.filter_map(|(index, line)| {
-        UNFINISHED_MACROS
-            .into_iter()
-            .find(|name| calls(line, name))
-            .map(|name| (index + 1, name))
+        UNFINISHED_MACROS.into_iter().find(|name| calls(line, name)).map(|name| (index + 1, name))
     });
     found
-        .map(|(line, name)| {
-            Violation::new(
-                &UNFINISHED,
-                source,
-                line,
-                format!("{name}!"),
-                "write the code",
-            )
-        })
+        .map(|(line, name)| Violation::new(&UNFINISHED, source, line, format!("{name}!"), "write the code"))
         .collect()
 }
 
 fn mul_add(source: &Source, masked: &Masked) -> Vec<Violation> {
-    let lines = masked
-        .code
-        .iter()
-        .enumerate()
-        .filter(|(_, line)| uses_method(line, "mul_add"));
+    let lines = masked.code.iter().enumerate().filter(|(_, line)| uses_method(line, "mul_add"));
     lines
         .map(|(index, _)| {
             let problem = "fused multiply-add".to_owned();
-            Violation::new(
-                &MUL_ADD,
-                source,
-                index + 1,
-                problem,
-                "write the product and the sum",
-            )
+            Violation::new(&MUL_ADD, source, index + 1, problem, "write the product and the sum")
         })
         .collect()
 }
 
 fn transcendental(source: &Source, masked: &Masked) -> Vec<Violation> {
-    let library = source.path.starts_with("crates/")
-        && source.path.contains("/src/")
-        && !is_test_file(&source.path);
+    let library =
+        source.path.starts_with("crates/") && source.path.contains("/src/") && !is_test_file(&source.path);
     if !library {
         return Vec::new();
     }
-    let lines = masked
-        .library_code()
-        .filter(|(_, line)| !line.contains("libm"));
-    let used = |line: &str| {
-        TRANSCENDENTAL_METHODS
-            .into_iter()
-            .find(|name| uses_method(line, name))
-    };
+    let lines = masked.library_code().filter(|(_, line)| !line.contains("libm"));
+    let used = |line: &str| TRANSCENDENTAL_METHODS.into_iter().find(|name| uses_method(line, name));
     lines
         .filter_map(|(number, line)| used(line).map(|name| (number, name)))
         .map(|(number, name)| {
@@ -170,20 +109,10 @@ fn transcendental(source: &Source, masked: &Masked) -> Vec<Violation> {
 }
 
 fn unsafe_code(source: &Source, masked: &Masked) -> Vec<Violation> {
-    let lines = masked
-        .code
-        .iter()
-        .enumerate()
-        .filter(|(_, line)| has_word(line, "unsafe"));
+    let lines = masked.code.iter().enumerate().filter(|(_, line)| has_word(line, "unsafe"));
     lines
         .map(|(index, _)| {
-            Violation::new(
-                &UNSAFE,
-                source,
-                index + 1,
-                "unsafe code".to_owned(),
-                "find a safe way",
-            )
+            Violation::new(&UNSAFE, source, index + 1, "unsafe code".to_owned(), "find a safe way")
         })
         .collect()
 }
@@ -227,25 +156,15 @@ mod tests {
         let text = |lines: usize| "//! Long.\n".repeat(lines);
         assert_eq!(found(LIBRARY, &text(700)), []);
         assert_eq!(found(LIBRARY, &text(1001)), [("file-length", 1001)]);
-        let source = Source {
-            path: LIBRARY.to_owned(),
-            text: text(701),
-        };
-        assert!(
-            file_length(&source)
-                .unwrap()
-                .to_string()
-                .contains("warning")
-        );
+        let source = Source { path: LIBRARY.to_owned(), text: text(701) };
+        assert!(file_length(&source).unwrap().to_string().contains("warning"));
     }
 
     #[test]
     fn unfinished_code_is_found() {
-        let text = "//! A.\nfn f() { todo!() }\n// todo!()\nfn g() { unimplemented!(\"x\") }\nfn h() { dbg!(1); }\n";
-        assert_eq!(
-            found(LIBRARY, text),
-            [("unfinished", 2), ("unfinished", 4), ("unfinished", 5)]
-        );
+        let text =
+            "//! A.\nfn f() { todo!() }\n// todo!()\nfn g() { unimplemented!(\"x\") }\nfn h() { dbg!(1); }\n";
+        assert_eq!(found(LIBRARY, text), [("unfinished", 2), ("unfinished", 4), ("unfinished", 5)]);
     }
 
     #[test]
@@ -253,26 +172,15 @@ mod tests {
         let text = "//! A.\nfn f(x: f64) -> f64 { x.mul_add(x, x) }\nfn g(x: f64) -> f64 { x.sin() }\n\
                     fn h(x: f64) -> f64 { libm::sin(x) + x.sqrt() + x.single() }\nfn i() { map(f64::atan2) }\n\
                     #[cfg(test)]\nmod tests { fn j(x: f64) { x.cos(); } }\n";
-        assert_eq!(
-            found(LIBRARY, text),
-            [("mul-add", 2), ("transcendental", 3), ("transcendental", 5)]
-        );
-        assert_eq!(
-            found("crates/a/tests/b.rs", "//! A.\nfn f(x: f64) { x.sin(); }\n"),
-            []
-        );
-        assert_eq!(
-            found("xtask/src/b.rs", "//! A.\nfn f(x: f64) { x.sin(); }\n"),
-            []
-        );
+        assert_eq!(found(LIBRARY, text), [("mul-add", 2), ("transcendental", 3), ("transcendental", 5)]);
+        assert_eq!(found("crates/a/tests/b.rs", "//! A.\nfn f(x: f64) { x.sin(); }\n"), []);
+        assert_eq!(found("xtask/src/b.rs", "//! A.\nfn f(x: f64) { x.sin(); }\n"), []);
     }
 
     #[test]
     fn the_suggestion_is_the_name_in_libm() {
-        let source = Source {
-            path: LIBRARY.to_owned(),
-            text: "//! A.\nfn f(x: f64) { x.powf(2.0); }\n".to_owned(),
-        };
+        let source =
+            Source { path: LIBRARY.to_owned(), text: "//! A.\nfn f(x: f64) { x.powf(2.0); }\n".to_owned() };
         assert!(check(&source)[0].to_string().ends_with("use libm::pow"));
     }
 

@@ -4,36 +4,17 @@ use super::{Rule, Violation};
 use crate::masked::Masked;
 use crate::repository::Source;
 
-static BLANKS: Rule = Rule {
-    name: "blanks",
-    why: "diffs should show changes only",
-};
-static UNFINISHED: Rule = Rule {
-    name: "unfinished",
-    why: "what is in the tree is finished",
-};
-static MACHINE_PATH: Rule = Rule {
-    name: "machine-path",
-    why: "it exists on one machine only",
-};
+static BLANKS: Rule = Rule { name: "blanks", why: "diffs should show changes only" };
+static UNFINISHED: Rule = Rule { name: "unfinished", why: "what is in the tree is finished" };
+static MACHINE_PATH: Rule = Rule { name: "machine-path", why: "it exists on one machine only" };
 
 // in two parts each, so that this file does not break its own rules
-const MARKS: [&str; 3] = [
-    concat!("TO", "DO"),
-    concat!("FIX", "ME"),
-    concat!("X", "XX"),
-];
-const MACHINE_PATHS: [&str; 4] = [
-    concat!("/", "work"),
-    concat!("/", "root"),
-    concat!("/", "home"),
-    concat!("/", "tmp"),
-];
+const MARKS: [&str; 3] = [concat!("TO", "DO"), concat!("FIX", "ME"), concat!("X", "XX")];
+const MACHINE_PATHS: [&str; 4] =
+    [concat!("/", "work"), concat!("/", "root"), concat!("/", "home"), concat!("/", "tmp")];
 
 pub fn check(source: &Source) -> Vec<Violation> {
-    let ours = ["rs", "toml", "md", "py", "pyi"]
-        .iter()
-        .any(|extension| source.is(extension));
+    let ours = ["rs", "toml", "md", "py", "pyi"].iter().any(|extension| source.is(extension));
     if !ours {
         return Vec::new();
     }
@@ -47,33 +28,15 @@ fn blanks(source: &Source) -> Vec<Violation> {
     let mut violations = Vec::new();
     for (index, line) in source.text.lines().enumerate() {
         if line.contains('\t') {
-            violations.push(violation(
-                &BLANKS,
-                source,
-                index,
-                "tab character",
-                "use spaces",
-            ));
+            violations.push(violation(&BLANKS, source, index, "tab character", "use spaces"));
         }
         if line.ends_with([' ', '\t', '\r']) {
-            violations.push(violation(
-                &BLANKS,
-                source,
-                index,
-                "blank at the end of the line",
-                "remove it",
-            ));
+            violations.push(violation(&BLANKS, source, index, "blank at the end of the line", "remove it"));
         }
     }
     if !source.text.is_empty() && !source.text.ends_with('\n') {
         let last = source.text.lines().count() - 1;
-        violations.push(violation(
-            &BLANKS,
-            source,
-            last,
-            "no line break at the end of the file",
-            "add one",
-        ));
+        violations.push(violation(&BLANKS, source, last, "no line break at the end of the file", "add one"));
     }
     violations
 }
@@ -81,20 +44,10 @@ fn blanks(source: &Source) -> Vec<Violation> {
 fn marks(source: &Source) -> Vec<Violation> {
     let comments = comments(source);
     let marked = |line: &str| MARKS.into_iter().find(|mark| has_word(line, mark));
-    let found = comments
-        .iter()
-        .enumerate()
-        .filter_map(|(index, line)| marked(line).map(|mark| (index, mark)));
+    let found =
+        comments.iter().enumerate().filter_map(|(index, line)| marked(line).map(|mark| (index, mark)));
     found
-        .map(|(index, mark)| {
-            violation(
-                &UNFINISHED,
-                source,
-                index,
-                mark,
-                "do it, or file it as an issue",
-            )
-        })
+        .map(|(index, mark)| violation(&UNFINISHED, source, index, mark, "do it, or file it as an issue"))
         .collect()
 }
 
@@ -103,16 +56,8 @@ fn comments(source: &Source) -> Vec<String> {
     if source.is("rs") {
         return Masked::new(&source.text).comments;
     }
-    let hash = |line: &str| {
-        line.split_once('#')
-            .map(|(_, comment)| comment.to_owned())
-            .unwrap_or_default()
-    };
-    if source.is("md") {
-        Vec::new()
-    } else {
-        source.text.lines().map(hash).collect()
-    }
+    let hash = |line: &str| line.split_once('#').map(|(_, comment)| comment.to_owned()).unwrap_or_default();
+    if source.is("md") { Vec::new() } else { source.text.lines().map(hash).collect() }
 }
 
 fn machine_paths(source: &Source) -> Vec<Violation> {
@@ -122,13 +67,7 @@ fn machine_paths(source: &Source) -> Vec<Violation> {
     found
         .map(|(index, path)| {
             let problem = format!("path under {path}");
-            violation(
-                &MACHINE_PATH,
-                source,
-                index,
-                &problem,
-                "use a relative path or temp_dir()",
-            )
+            violation(&MACHINE_PATH, source, index, &problem, "use a relative path or temp_dir()")
         })
         .collect()
 }
@@ -145,8 +84,7 @@ fn violation(
 
 /// Whether the word stands in the line with no word character on either side.
 pub fn has_word(line: &str, word: &str) -> bool {
-    line.match_indices(word)
-        .any(|(at, _)| is_word(line, at, word))
+    line.match_indices(word).any(|(at, _)| is_word(line, at, word))
 }
 
 /// Whether the word that stands at this place has no word character on either side.
@@ -157,12 +95,10 @@ pub fn is_word(line: &str, at: usize, word: &str) -> bool {
 
 /// Whether the line names this folder or something in it, from the root of the file system.
 fn has_path(line: &str, folder: &str) -> bool {
-    let relative =
-        |character: char| character.is_alphanumeric() || "_./~)}]>*-".contains(character);
+    let relative = |character: char| character.is_alphanumeric() || "_./~)}]>*-".contains(character);
     let longer = |character: char| character.is_alphanumeric() || "_-.".contains(character);
-    line.match_indices(folder).any(|(at, _)| {
-        !line[..at].ends_with(relative) && !line[at + folder.len()..].starts_with(longer)
-    })
+    line.match_indices(folder)
+        .any(|(at, _)| !line[..at].ends_with(relative) && !line[at + folder.len()..].starts_with(longer))
 }
 
 #[cfg(test)]
@@ -182,24 +118,16 @@ mod tests {
     #[test]
     fn marks_are_found_in_comments_only() {
         let [mark, ..] = MARKS;
-        let text = format!(
-            "//! {mark} write\n// method {mark}S\nfn f() {{ g(\"{mark}\"); }} // ({mark}: h)\n"
-        );
-        assert_eq!(
-            found("crates/a/src/b.rs", &text),
-            [("unfinished", 1), ("unfinished", 3)]
-        );
-        assert_eq!(
-            found("a.py", &format!("x = 1  # {mark}\ny = '{mark}'\n")),
-            [("unfinished", 1)]
-        );
+        let text =
+            format!("//! {mark} write\n// method {mark}S\nfn f() {{ g(\"{mark}\"); }} // ({mark}: h)\n");
+        assert_eq!(found("crates/a/src/b.rs", &text), [("unfinished", 1), ("unfinished", 3)]);
+        assert_eq!(found("a.py", &format!("x = 1  # {mark}\ny = '{mark}'\n")), [("unfinished", 1)]);
     }
 
     #[test]
     fn machine_paths_are_found() {
         let [_, root, _, tmp] = MACHINE_PATHS;
-        let text =
-            format!("see {root}/a and {tmp}\n[x](crates{root}) {root}ray ../..{tmp}\n`{tmp}/x`\n");
+        let text = format!("see {root}/a and {tmp}\n[x](crates{root}) {root}ray ../..{tmp}\n`{tmp}/x`\n");
         assert_eq!(found("docs.txt", &text), []);
         let lines: Vec<usize> = found("docs.py", &text)
             .iter()

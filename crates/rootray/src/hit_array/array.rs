@@ -17,26 +17,14 @@ impl<'a, T: Real> HitArray<'a, T> {
     /// `Shape` unless `data` holds `rows * columns` numbers.
     pub fn new(data: &'a [T], rows: usize, columns: usize) -> Result<Self, HitArrayError> {
         if rows.checked_mul(columns) != Some(data.len()) {
-            return Err(HitArrayError::Shape {
-                len: data.len(),
-                rows,
-                columns,
-            });
+            return Err(HitArrayError::Shape { len: data.len(), rows, columns });
         }
-        Ok(Self {
-            data,
-            rows,
-            columns,
-        })
+        Ok(Self { data, rows, columns })
     }
 
     /// The hits of a single ray.
     pub const fn single(column: &'a [T]) -> Self {
-        Self {
-            data: column,
-            rows: column.len(),
-            columns: 1,
-        }
+        Self { data: column, rows: column.len(), columns: 1 }
     }
 
     /// Number of hits per ray, H.
@@ -61,24 +49,14 @@ impl<'a, T: Real> HitArray<'a, T> {
 
     /// The entries of column `column` in order, none if there is no such column.
     pub fn column(&self, column: usize) -> impl Iterator<Item = T> + use<'a, T> {
-        let used = if column < self.columns {
-            self.data
-        } else {
-            &[]
-        };
-        used.iter()
-            .skip(column)
-            .step_by(self.columns.max(1))
-            .copied()
+        let used = if column < self.columns { self.data } else { &[] };
+        used.iter().skip(column).step_by(self.columns.max(1)).copied()
     }
 
     /// Refuses an odd number of rows, NaN and unsorted columns; `name` is the array's name in messages.
     pub(crate) fn check(&self, name: &'static str) -> Result<(), HitArrayError> {
         if self.rows % 2 == 1 {
-            return Err(HitArrayError::OddRows {
-                array: name,
-                rows: self.rows,
-            });
+            return Err(HitArrayError::OddRows { array: name, rows: self.rows });
         }
         if self.is_sorted() {
             return Ok(());
@@ -108,13 +86,7 @@ pub(crate) fn check_column<T: Real>(
             return Err(HitArrayError::Nan { array, row, column });
         }
         if t < previous {
-            return Err(HitArrayError::NotSorted {
-                array,
-                row,
-                column,
-                previous,
-                t,
-            });
+            return Err(HitArrayError::NotSorted { array, row, column, previous, t });
         }
         previous = t;
     }

@@ -11,22 +11,15 @@ use crate::{Root, RootRay, Side};
 /// `OddRows`, `Nan` or `NotSorted`, with "column" as the array's name and column 0.
 pub fn from_column<T: Real>(column: &[T]) -> Result<RootRay, HitArrayError> {
     if column.len() % 2 == 1 {
-        return Err(HitArrayError::OddRows {
-            array: "column",
-            rows: column.len(),
-        });
+        return Err(HitArrayError::OddRows { array: "column", rows: column.len() });
     }
     check_column("column", 0, column.iter().copied())?;
     let unbounded = column.partition_point(|t| t.to_f64() == f64::NEG_INFINITY);
     let padding = column.partition_point(|&t| t < T::INFINITY);
     let finite = &column[unbounded..padding];
-    let odd_groups = finite
-        .chunk_by(|a, b| a == b)
-        .filter(|group| group.len() % 2 == 1);
+    let odd_groups = finite.chunk_by(|a, b| a == b).filter(|group| group.len() % 2 == 1);
     // adding zero turns -0 into 0, which a root-ray stores
-    let roots = odd_groups
-        .map(|group| Root::new(group[0].to_f64() + 0.0, ()))
-        .collect();
+    let roots = odd_groups.map(|group| Root::new(group[0].to_f64() + 0.0, ())).collect();
     Ok(RootRay::from_ordered(Side::Outside.after(unbounded), roots))
 }
 
@@ -58,16 +51,10 @@ pub fn write_column<'a, S>(
         return Err(HitArrayError::ColumnLength { rows: len, needed });
     }
     if len % 2 == 1 {
-        return Err(HitArrayError::OddRows {
-            array: "column",
-            rows: len,
-        });
+        return Err(HitArrayError::OddRows { array: "column", rows: len });
     }
     let start = ray.start().is_inside().then_some(f64::NEG_INFINITY);
-    let padded = start
-        .into_iter()
-        .chain(ray.times())
-        .chain(std::iter::repeat(f64::INFINITY));
+    let padded = start.into_iter().chain(ray.times()).chain(std::iter::repeat(f64::INFINITY));
     rows.zip(padded).for_each(|(row, t)| *row = t);
     Ok(())
 }

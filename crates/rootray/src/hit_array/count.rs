@@ -27,14 +27,8 @@ pub fn count_array<T: Real>(
     check_pair(&array1, &array2)?;
     let len = output_len(&array1, &array2);
     let mut counted = vec![(T::ZERO, 0); len];
-    let inverted = if operation == Operation::Difference {
-        2
-    } else {
-        0
-    };
-    walk(&array1, &array2, &mut counted, |a, b, out| {
-        count(inverted, a, b, out)
-    });
+    let inverted = if operation == Operation::Difference { 2 } else { 0 };
+    walk(&array1, &array2, &mut counted, |a, b, out| count(inverted, a, b, out));
     let (times, counts) = counted.into_iter().unzip();
     Ok(CountArray { times, counts })
 }

@@ -39,10 +39,7 @@ pub struct CsgOptions<T = f64> {
 
 impl<T> Default for CsgOptions<T> {
     fn default() -> Self {
-        Self {
-            sort_output: true,
-            regularize: Regularize::No,
-        }
+        Self { sort_output: true, regularize: Regularize::No }
     }
 }
 
@@ -72,12 +69,7 @@ pub fn array_csg_1d<T: Real>(
     operation: Operation,
     options: CsgOptions<T>,
 ) -> Result<Vec<T>, HitArrayError> {
-    array_csg(
-        HitArray::single(array1),
-        HitArray::single(array2),
-        operation,
-        options,
-    )
+    array_csg(HitArray::single(array1), HitArray::single(array2), operation, options)
 }
 
 /// [`array_csg`] into memory of the caller, which is left as it was if there is an error.
@@ -95,22 +87,15 @@ pub fn array_csg_into<T: Real>(
     check_pair(&array1, &array2)?;
     let expected = output_len(&array1, &array2);
     if out.len() != expected {
-        return Err(HitArrayError::OutputLength {
-            expected,
-            found: out.len(),
-        });
+        return Err(HitArrayError::OutputLength { expected, found: out.len() });
     }
     let table = TruthTable::new(operation);
     match (options.regularize, options.sort_output) {
-        (Regularize::No, true) => walk(&array1, &array2, out, |a, b, out| {
-            kernel::keep(table, a, b, out)
-        }),
-        (Regularize::No, false) => walk(&array1, &array2, out, |a, b, out| {
-            kernel::mask(table, a, b, out)
-        }),
-        (Regularize::Exact, _) => walk(&array1, &array2, out, |a, b, out| {
-            kernel::regularize(table, a, b, out)
-        }),
+        (Regularize::No, true) => walk(&array1, &array2, out, |a, b, out| kernel::keep(table, a, b, out)),
+        (Regularize::No, false) => walk(&array1, &array2, out, |a, b, out| kernel::mask(table, a, b, out)),
+        (Regularize::Exact, _) => {
+            walk(&array1, &array2, out, |a, b, out| kernel::regularize(table, a, b, out))
+        }
         (Regularize::Weld(min_sep), _) => walk(&array1, &array2, out, |a, b, out| {
             kernel::regularize(table, a, b, out);
             kernel::weld(min_sep, out);
@@ -128,9 +113,7 @@ fn check_options<T: Real>(options: CsgOptions<T>) -> Result<(), HitArrayError> {
     if let Regularize::Weld(min_sep) = options.regularize
         && !(min_sep >= T::ZERO && min_sep < T::INFINITY)
     {
-        return Err(HitArrayError::MinSep {
-            min_sep: min_sep.to_f64(),
-        });
+        return Err(HitArrayError::MinSep { min_sep: min_sep.to_f64() });
     }
     if options.regularize != Regularize::No && !options.sort_output {
         return Err(HitArrayError::RegularizeUnsorted);

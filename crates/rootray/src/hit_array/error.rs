@@ -18,9 +18,7 @@ pub enum HitArrayError {
         columns: usize,
     },
     /// An odd number of rows.
-    #[error(
-        "{array} has {rows} rows (the number of hits must be even); pad each column with +inf?"
-    )]
+    #[error("{array} has {rows} rows (the number of hits must be even); pad each column with +inf?")]
     OddRows {
         /// Name of the array.
         array: &'static str,
@@ -38,9 +36,7 @@ pub enum HitArrayError {
         columns2: usize,
     },
     /// A NaN.
-    #[error(
-        "{array} row {row}, column {column} is NaN (hits must be numbers); mark misses with +inf?"
-    )]
+    #[error("{array} row {row}, column {column} is NaN (hits must be numbers); mark misses with +inf?")]
     Nan {
         /// Name of the array.
         array: &'static str,
@@ -77,9 +73,7 @@ pub enum HitArrayError {
         found: usize,
     },
     /// `regularize` together with `sort_output = false`.
-    #[error(
-        "regularize needs sort_output (a regularized result has no masked entries to leave in place)"
-    )]
+    #[error("regularize needs sort_output (a regularized result has no masked entries to leave in place)")]
     RegularizeUnsorted,
     /// A `min_sep` that is negative, infinite or NaN.
     #[error("min_sep is {min_sep} (it must be finite and not negative)")]

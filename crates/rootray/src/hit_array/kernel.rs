@@ -69,11 +69,7 @@ pub(super) fn keep<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &
 pub(super) fn mask<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
     let mut state = 0;
     for ((t, bit), out) in Merge::new(first, second).zip(out) {
-        *out = if table.differs(state, state ^ bit) {
-            t
-        } else {
-            T::INFINITY
-        };
+        *out = if table.differs(state, state ^ bit) { t } else { T::INFINITY };
         state ^= bit;
     }
 }
@@ -82,9 +78,7 @@ pub(super) fn mask<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &
 /// infinity inside begins with -inf.
 pub(super) fn regularize<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
     let (mut kept, mut before, mut state) = (0, 0, 0);
-    let mut entries = Merge::new(first, second)
-        .take_while(|entry| entry.0 < T::INFINITY)
-        .peekable();
+    let mut entries = Merge::new(first, second).take_while(|entry| entry.0 < T::INFINITY).peekable();
     while let Some((t, bit)) = entries.next() {
         state ^= bit;
         if entries.peek().is_some_and(|next| next.0 == t) {
@@ -105,8 +99,8 @@ pub(super) fn weld<T: Real>(min_sep: T, column: &mut [T]) {
     let used = column.partition_point(|&t| t < T::INFINITY);
     let (mut kept, mut start) = (0, 0);
     while start < used {
-        let end = start
-            + crate::weld::run_length(&column[start..used], &mut |&a: &T, &b: &T| b - a < min_sep);
+        let end =
+            start + crate::weld::run_length(&column[start..used], &mut |&a: &T, &b: &T| b - a < min_sep);
         if (end - start) % 2 == 1 {
             column[kept] = column[end - 1];
             kept += 1;
