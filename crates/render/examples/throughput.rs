@@ -4,7 +4,7 @@
 
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Program, Solid};
-use rayweave_render::{Camera, Lines, Run, Settings, Size, Style, View, depth, render};
+use rayweave_render::{Camera, Lines, Rgba, Run, Settings, Size, Style, View, depth, render};
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::Weave;
 use std::error::Error;
@@ -53,11 +53,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..plain.clone()
     };
     let lined = Settings { lines: Some(Lines::default()), ..plain.clone() };
+    let glass =
+        Settings { colours: vec![Rgba { alpha: 96, ..Rgba::opaque(91, 155, 245) }], ..Settings::new(size) };
     let cases = [
         ("headlight, 1 sample", plain),
         ("the same with shadows", shadowed),
         ("headlight, 1 sample, lines", lined),
         ("gooch, lines, 3 x 3 samples", Settings::new(size)),
+        ("the same of clear glass", glass),
     ];
     for (what, settings) in cases {
         report(what, shortest(|| render(&weave, &camera, &settings, &mut run())));

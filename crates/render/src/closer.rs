@@ -132,7 +132,12 @@ impl<'a> Closer<'a> {
     /// A sample of the fine grid; in a pixel that is not drawn anew, the one of its centre. None beside the picture.
     fn sample(&self, [x, y]: [usize; 2], level: usize) -> Option<(&Sample, [f64; 2])> {
         let (n, size) = (self.grid.n, self.survey.size);
-        let (column, row) = (x / n, y / n);
+        // beside the picture, left of it or above, numbers wrap around; short divisions are several times as fast
+        let limit = size.width().max(size.height()) * n;
+        if x >= limit || y >= limit {
+            return None;
+        }
+        let (column, row) = ((x as u32 / n as u32) as usize, (y as u32 / n as u32) as usize);
         if column >= size.width() || row >= size.height() {
             return None;
         }
@@ -140,7 +145,7 @@ impl<'a> Closer<'a> {
         Some(match self.first(pixel) {
             None => (self.survey.at(column, row, level), centre(column, row)),
             Some(first) => {
-                let k = y % n * n + x % n;
+                let k = (y - row * n) * n + (x - column * n);
                 (&self.samples[(first + k) * self.survey.levels + level], self.grid.place(pixel, k))
             }
         })

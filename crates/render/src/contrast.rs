@@ -29,13 +29,17 @@ const DEEP: f64 = 6.0;
 pub(crate) struct Contrast {
     camera: Camera,
     size: Size,
+    /// The side of a pixel where two samples are, as a multiple of the distance, and what is added to it.
+    pixel: (f64, f64),
     crease_cosine: f32,
 }
 
 impl Contrast {
     pub fn new(camera: &Camera, size: Size, lines: Option<&Lines>) -> Contrast {
         let degrees = lines.map_or(Lines::default().crease_degrees, |l| l.crease_degrees);
-        Contrast { camera: *camera, size, crease_cosine: libm::cos(degrees.to_radians()) as f32 }
+        let at_start = camera.footprint(size, 0.0);
+        let pixel = (camera.footprint(size, 1.0) - at_start, at_start);
+        Contrast { camera: *camera, size, pixel, crease_cosine: libm::cos(degrees.to_radians()) as f32 }
     }
 
     /// What separates two samples at places given in pixels.
@@ -46,13 +50,16 @@ impl Contrast {
         if a.region == 0 {
             return Step::None;
         }
-        let same_face = a.face == b.face && a.placement == b.placement;
         let apart = (a_at[0] - b_at[0]).abs().max((a_at[1] - b_at[1]).abs());
-        let pixels = (a.t - b.t).abs() / (apart * self.camera.footprint(self.size, a.t.min(b.t)));
-        match same_face {
-            true if pixels > SHALLOW && self.is_steep(a, a_at, b, b_at, false) => Step::Outline,
-            true => Step::None,
-            false if pixels > DEEP || self.is_steep(a, a_at, b, b_at, true) => Step::Outline,
+        let frontal = apart * (self.pixel.0 * a.t.min(b.t) + self.pixel.1);
+        let jump = (a.t - b.t).abs();
+        let is_outline = match a.face == b.face && a.placement == b.placement {
+            true if jump <= SHALLOW * frontal => return Step::None,
+            true => self.is_steep(a, a_at, b, b_at, false),
+            false => jump > DEEP * frontal || self.is_steep(a, a_at, b, b_at, true),
+        };
+        match is_outline {
+            true => Step::Outline,
             false if self.is_crease(a, b) => Step::Crease,
             false => Step::None,
         }
@@ -64,6 +71,9 @@ impl Contrast {
     }
 
     fn is_crease(&self, a: &Sample, b: &Sample) -> bool {
+        if a.face == b.face && a.placement == b.placement {
+            return false;
+        }
         let cosine: f32 = (0..3).map(|k| a.normal[k] * b.normal[k]).sum();
         cosine < self.crease_cosine
     }
