@@ -33,7 +33,7 @@ const BOOLEAN: &[Law] = &[
     ("A & (A | B) = A", |[a, b, _]| (a & (a | b), a.clone())),
     ("A | ~A = plenum", |[a, ..]| (a | !a, Solid::plenum())),
     ("A & ~A = vacuum", |[a, ..]| (a & !a, Solid::vacuum())),
-    ("A ^ A = vacuum", |[a, ..]| (a ^ a, Solid::vacuum())),
+    ("A ^ A = vacuum", |[a, ..]| (a ^ &a.clone(), Solid::vacuum())),
     ("A ^ ~A = plenum", |[a, ..]| (a ^ !a, Solid::plenum())),
     ("~~A = A", |[a, ..]| (!!a, a.clone())),
     ("A & (B | C) = (A & B) | (A & C)", |[a, b, c]| (a & (b | c), (a & b) | (a & c))),
@@ -58,7 +58,7 @@ pub fn of_booleans<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
         });
         let rays = rays(&mut rng, style, &frame, 30);
         // every side of every law has the same leaves, so that ball and shared surfaces are the same
-        let nothing = Solid::union(parts.iter().map(|s| s - s));
+        let nothing = Solid::union(parts.iter().map(nothing_of));
         let ask = |solid: Solid| {
             let program = Program::compile(&(solid | nothing.clone()).apply(frame)).ok()?;
             Some(make(Arc::new(program)).collect(batch(&rays).rays(), &Query::default()))
@@ -77,6 +77,11 @@ pub fn of_booleans<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
         }
     }
     tally.finish(rounds * 600);
+}
+
+/// Empty, with the leaves of a solid: `A - A`.
+pub(crate) fn nothing_of(solid: &Solid) -> Solid {
+    solid - &solid.clone()
 }
 
 fn short(solid: &Solid) -> String {
@@ -204,7 +209,7 @@ pub fn of_regions<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort
         let partition = make(program).collect(batch(&rays).rays(), &Query::default());
         for k in 0..solids.len() {
             // all of them, so that the leaves and what they share are the same
-            let earlier = Solid::union(solids[..k].iter().map(|s| s - s));
+            let earlier = Solid::union(solids[..k].iter().map(nothing_of));
             let later = Solid::union(solids[k + 1..].iter().cloned());
             let alone = Program::compile(&(earlier | (&solids[k] - later))).ok()?;
             let alone = make(Arc::new(alone)).collect(batch(&rays).rays(), &Query::default());

@@ -3,7 +3,22 @@
 //! [`conformance_tests!`] writes a test for each of its parts:
 //!
 //! - [`agree`]: equal answers, bit for bit, to those of the reference;
-//! - [`sampled`]: the side that formulas give at points between the crossings;
+//! - [`sampled`]: at points between the crossings, the side that formulas give which share no code with any
+//!   evaluator;
+//! - [`closed`]: closed forms;
+//! - [`laws`]: boolean identities, motions, mirrors, scales, reversal, regions, placements;
+//! - [`touching`]: faces in common at any angle, made and placed in any way, in any order;
+//! - [`lying`]: rays in faces and along edges;
+//! - [`respawn`]: a thousand bounces in mirrors;
+//! - [`deep`]: trees of 100,000 levels on a small stack.
+//!
+//! ```ignore
+//! mod weave {
+//!     rayweave_conformance::conformance_tests!(Weave::new, Reference::new);
+//! }
+//! ```
+//!
+//! Every test has a long form, `cargo test -- --ignored long_`.
 
 use rayweave_model::{Crossing, Face};
 
@@ -11,12 +26,16 @@ mod random;
 mod tally;
 
 pub mod agree;
+pub mod closed;
+pub mod deep;
 pub mod laws;
 pub mod lying;
 pub mod models;
 pub mod oracle;
 pub mod rays;
+pub mod respawn;
 pub mod sampled;
+pub mod touching;
 
 pub use models::{Model, Style};
 pub use random::Random;
@@ -27,17 +46,22 @@ pub use tally::Tally;
 pub enum Effort {
     /// A few seconds a test: what every change is tested with.
     Short,
-    /// A thousand times as much.
+    /// Hundreds of times as much.
     Long,
 }
 
 impl Effort {
+    /// The first number for a short test, the second one for a long one.
+    fn of(self, short: u64, long: u64) -> u64 {
+        match self {
+            Effort::Short => short,
+            Effort::Long => long,
+        }
+    }
+
     /// How many times the short test.
     fn times(self) -> u64 {
-        match self {
-            Effort::Short => 1,
-            Effort::Long => 1000,
-        }
+        self.of(1, 300)
     }
 
     fn models_and_rays(self) -> (u64, usize) {
@@ -56,4 +80,67 @@ fn list(crossings: &[Crossing]) -> String {
         format!("\n  t = {:?}: {} -> {} at {at}, from {left}, into {entered}", c.t, c.before.0, c.after.0)
     };
     crossings.iter().map(line).collect()
+}
+
+/// The tests that an evaluator has to pass, from a function that makes it of an `Arc<Program>`, and one that
+/// makes the reference. Without the latter, all but the comparison with it.
+#[macro_export]
+macro_rules! conformance_tests {
+    ($make:expr, $reference:expr $(,)?) => {
+        #[test]
+        fn agrees_with_the_reference() {
+            $crate::agree::with_the_reference($make, $reference, $crate::Effort::Short);
+        }
+
+        #[test]
+        #[ignore = "long"]
+        fn long_agrees_with_the_reference() {
+            $crate::agree::with_the_reference($make, $reference, $crate::Effort::Long);
+        }
+
+        $crate::conformance_tests!($make);
+    };
+    ($make:expr $(,)?) => {
+        $crate::conformance_tests! { @ $make;
+            sampled::with_formulas, formulas, long_formulas;
+            laws::of_booleans, booleans, long_booleans;
+            laws::of_scale, scale, long_scale;
+            laws::of_motion, motion, long_motion;
+            laws::of_reversal, reversal, long_reversal;
+            laws::of_regions, regions, long_regions;
+            laws::of_placements, placements, long_placements;
+            touching::at_any_angle, touching_faces, long_touching_faces;
+            lying::as_if_moved, rays_in_faces, long_rays_in_faces;
+            lying::in_shared_faces, rays_in_shared_faces, long_rays_in_shared_faces;
+            lying::along_shared_edges, rays_along_edges, long_rays_along_edges;
+            respawn::in_mirrors, mirrors, long_mirrors;
+        }
+
+        #[test]
+        fn closed_forms() {
+            $crate::closed::forms($make);
+        }
+
+        #[test]
+        fn points() {
+            $crate::closed::points($make);
+        }
+
+        #[test]
+        fn deep_trees() {
+            $crate::deep::chains($make);
+        }
+    };
+    (@ $make:expr; $($module:ident :: $function:ident, $short:ident, $long:ident;)*) => {$(
+        #[test]
+        fn $short() {
+            $crate::$module::$function($make, $crate::Effort::Short);
+        }
+
+        #[test]
+        #[ignore = "long"]
+        fn $long() {
+            $crate::$module::$function($make, $crate::Effort::Long);
+        }
+    )*};
 }

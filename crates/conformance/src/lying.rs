@@ -1,5 +1,6 @@
 //! Rays that lie in faces and along edges are answered as if moved a little along one fixed direction.
 
+use crate::laws::nothing_of;
 use crate::models::{block, motion, shape, solid};
 use crate::rays::batch;
 use crate::{Effort, Model, Random, Style, Tally, list};
@@ -98,7 +99,7 @@ pub fn in_shared_faces<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: E
         check("A & B", &one & &other, &|found| found.is_empty());
         check("~(A & B)", !(&one & &other), &|found| found.is_empty());
         check("~(~A & ~B)", !(!&one & !&other), &both);
-        let alone = |a: &Solid, b: &Solid| count(a | &(b - b)).unwrap_or_default();
+        let alone = |a: &Solid, b: &Solid| count(a | nothing_of(b)).unwrap_or_default();
         let (alone_one, alone_other) = (alone(&one, &other), alone(&other, &one));
         let times = |list: &[Crossing]| list.iter().map(|c| c.t.to_bits()).collect::<Vec<_>>();
         check("A - B", &one - &other, &|found| times(found) == times(&alone_one));
@@ -154,7 +155,7 @@ pub fn along_shared_edges<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort
 }
 
 /// Wedges between shuffled angles, cut to height 2.
-fn fan(rng: &mut Random) -> Solid {
+pub(crate) fn fan(rng: &mut Random) -> Solid {
     let count = 2 + rng.below(7);
     let mut angles: Vec<f64> = (0..count).map(|_| rng.between(-180.0, 180.0)).collect();
     angles.sort_by(f64::total_cmp);

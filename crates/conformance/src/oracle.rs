@@ -90,12 +90,33 @@ impl Map {
 }
 
 enum Step {
-    Shape { formula: Formula, local_from_world: Map, stretch: f64, condition: f64, way: f64 },
+    Shape(Box<Placed>),
     Constant(Side),
     Not,
     All(usize),
     Any(usize),
     Odd(usize),
+}
+
+/// A shape in its place.
+struct Placed {
+    formula: Formula,
+    local_from_world: Map,
+    /// How much the map can lengthen a vector.
+    stretch: f64,
+    /// How much rounding can be magnified by the map and back.
+    condition: f64,
+    /// The lengths of the translations on the way.
+    way: f64,
+}
+
+impl Placed {
+    fn side(&self, probe: Probe) -> Side {
+        let p = self.local_from_world.apply(probe.point.to_array());
+        let world = (probe.origin + probe.point.length() + self.way) * self.stretch;
+        let local = p.iter().map(|x| x.abs()).sum::<f64>() + self.formula.size();
+        self.formula.side(p, TOLERANCE * self.condition * (world + local))
+    }
 }
 
 /// A solid as formulas in post-order.
@@ -131,13 +152,13 @@ impl Oracle {
             Node::Plenum => self.steps.push(Step::Constant(Side::Inside)),
             Node::Primitive(primitive) => {
                 let stretch = map.stretch();
-                self.steps.push(Step::Shape {
+                self.steps.push(Step::Shape(Box::new(Placed {
                     formula: Formula::new(primitive),
                     local_from_world: *map,
                     stretch,
                     condition: (stretch * world_stretch).max(1.0),
                     way,
-                });
+                })));
             }
             Node::Complement(a) => {
                 self.add(a, map, world_stretch, way);
@@ -183,12 +204,7 @@ impl Oracle {
             };
             let side = match step {
                 Step::Constant(side) => *side,
-                Step::Shape { formula, local_from_world, stretch, condition, way } => {
-                    let p = local_from_world.apply(probe.point.to_array());
-                    let world = (probe.origin + probe.point.length() + way) * stretch;
-                    let local = p.iter().map(|x| x.abs()).sum::<f64>() + formula.size();
-                    formula.side(p, TOLERANCE * condition * (world + local))
-                }
+                Step::Shape(placed) => placed.side(probe),
                 Step::Not => joined(&mut stack, 1, Side::Outside, |_, b| b.not()),
                 Step::All(count) => joined(&mut stack, *count, Side::Inside, Side::min),
                 Step::Any(count) => joined(&mut stack, *count, Side::Outside, Side::max),
