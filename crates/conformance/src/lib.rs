@@ -26,6 +26,7 @@ mod random;
 mod tally;
 
 pub mod agree;
+pub mod exact;
 pub mod closed;
 pub mod deep;
 pub mod laws;

@@ -1,0 +1,480 @@
+//! What a ray meets, decided without rounding, by the rules of coincidence: equal times flip together, a ray in
+//! a surface is moved along the fixed direction w in thought, pieces within the tolerance are welded once.
+
+use super::root::{Root, SignChanges, sign_changes};
+use super::{Dyadic, Exact, Line, Surface};
+use rayweave_math::{UNIT_ROUNDOFF, Vec3};
+use rayweave_model::Ball;
+
+/// The direction along which rays that lie in a surface are moved in thought.
+const W: [f64; 3] = [1.0, 0.7548776662466927, 0.5698402909980532];
+
+/// Pieces of a depth between one over this and this times the tolerance may be welded or not.
+const GREY: f64 = 4.0;
+
+/// Why a ray has no certain answer and is to be drawn again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Doubt {
+    /// It lies in a surface within about the tolerance.
+    Lying,
+    /// A piece is about as deep as the tolerance.
+    Depth,
+    /// It lies in a surface whose sides w cannot tell apart.
+    Side,
+}
+
+/// A crossing as it has to be.
+#[derive(Clone, Debug)]
+pub struct Expected {
+    /// The region before, counted from 1; 0 is the world.
+    pub before: usize,
+    /// The region after.
+    pub after: usize,
+    /// The least and the greatest time that a backward stable computation may give.
+    pub times: (f64, f64),
+    /// The leaves to one of which it belongs.
+    pub leaves: Vec<usize>,
+}
+
+/// What is special about a ray.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Traits {
+    /// It lies in a surface.
+    pub lies: bool,
+    /// It crosses several different surfaces, or one that several leaves own, at one time.
+    pub ties: bool,
+    /// It touches a surface without crossing it.
+    pub touches: bool,
+}
+
+/// What takes a closer look at all pairs of crossings.
+#[derive(Clone, Copy, Debug)]
+pub struct Scrutiny {
+    /// The distance at which it passes an edge (two surfaces at once) or a tangency.
+    pub clearance: f64,
+    /// Two surfaces are crossed so nearly at once, and at such different angles, that a computation within the
+    /// tolerance may find a piece between them that is not near both.
+    pub torn: bool,
+}
+
+/// The answer for a ray.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The region at -inf.
+    pub start: usize,
+    /// The crossings.
+    pub crossings: Vec<Expected>,
+    /// What is special about the ray.
+    pub traits: Traits,
+}
+
+impl Answer {
+    /// The answer for the times from `-far` to `far`.
+    pub fn within(mut self, far: f64) -> Answer {
+        let passed = self.crossings.partition_point(|c| c.times.1 < -far);
+        if let Some(last) = self.crossings.drain(..passed).next_back() {
+            self.start = last.after;
+        }
+        self.crossings.retain(|c| c.times.0 < far);
+        self
+    }
+}
+
+/// A surface along the ray.
+struct Along {
+    /// `[a, b, c]` of `a t^2 + b t + c`.
+    coefficients: [Dyadic; 3],
+    changes: SignChanges,
+    lies: bool,
+}
+
+/// All that flips at one time.
+struct Moment {
+    root: Root,
+    surfaces: Vec<usize>,
+    leaves: Vec<usize>,
+    /// The region before and after.
+    regions: (usize, usize),
+}
+
+/// The work on one ray.
+struct Work<'a> {
+    exact: &'a Exact,
+    line: &'a Line,
+    along: Vec<Along>,
+    moments: Vec<Moment>,
+    start: (Vec<bool>, usize),
+}
+
+/// The answer for a ray through a model with this ball, or why there is none.
+pub fn answer(exact: &Exact, line: &Line, ball: &Ball) -> Result<Answer, Doubt> {
+    let work = Work::new(exact, line, ball)?;
+    let crossings = work.welded()?;
+    Ok(Answer { start: work.start.1, crossings, traits: work.traits() })
+}
+
+/// How near the ray comes to what rounding might change.
+pub fn scrutiny(exact: &Exact, line: &Line, ball: &Ball) -> Result<Scrutiny, Doubt> {
+    Ok(Work::new(exact, line, ball)?.scrutiny())
+}
+
+/// The part of the ray that says whether it lies in a surface.
+struct Chord {
+    times: [Dyadic; 3],
+}
+
+impl Chord {
+    fn new(line: &Line, ball: &Ball) -> Chord {
+        let ray = &line.ray;
+        let middle = (ball.centre - ray.origin).dot(ray.direction) / ray.direction.length_squared();
+        let half = ball.radius / ray.direction.length();
+        Chord { times: [middle, middle - half, middle + half].map(Dyadic::from) }
+    }
+}
+
+fn polynomial([a, b, c]: &[Dyadic; 3], t: &Dyadic) -> Dyadic {
+    &(&(&(a * t) + b) * t) + c
+}
+
+fn delta(surface: &Surface, line: &Line, t: f64) -> f64 {
+    let (o, d) = (line.ray.origin.length(), line.ray.direction.length());
+    64.0 * UNIT_ROUNDOFF * (o + t.abs() * d + surface.reach)
+}
+
+/// The distance of the point at a time from a surface, to first order.
+fn distance(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, t: &Dyadic) -> f64 {
+    let value = polynomial(coefficients, t).to_f64().abs();
+    if value == 0.0 { 0.0 } else { value / surface.slope(line.ray.at(t.to_f64())) }
+}
+
+/// The same in units of the tolerance.
+fn depth(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, t: &Dyadic) -> f64 {
+    distance(surface, coefficients, line, t) / delta(surface, line, t.to_f64())
+}
+
+impl Along {
+    fn new(surface: &Surface, line: &Line, chord: &Chord) -> Result<Along, Doubt> {
+        let coefficients = surface.along(line);
+        let lies = coefficients.iter().all(Dyadic::is_zero)
+            || Self::nearly_lies(surface, &coefficients, line, chord)?;
+        let changes = match lies {
+            true => SignChanges { starts_negative: side_along_w(surface, line, chord)?, roots: Vec::new() },
+            false => sign_changes(&coefficients),
+        };
+        Ok(Along { coefficients, changes, lies })
+    }
+
+    fn nearly_lies(surface: &Surface, c: &[Dyadic; 3], line: &Line, chord: &Chord) -> Result<bool, Doubt> {
+        let mut deepest: f64 = 0.0;
+        for t in &chord.times {
+            deepest = deepest.max(depth(surface, c, line, t));
+            if deepest > GREY {
+                return Ok(false);
+            }
+        }
+        if deepest * GREY < 1.0 { Ok(true) } else { Err(Doubt::Lying) }
+    }
+
+    /// The greatest time by which a root may move if the surface moves by `by`.
+    fn play(&self, surface: &Surface, line: &Line, root: &Root, by: f64) -> f64 {
+        let t = root.near();
+        let [a, b, _] = &self.coefficients;
+        let error = by * surface.slope(line.ray.at(root.t()));
+        let speed = (&(a * t).scaled(1) + b).to_f64().abs();
+        let bend = a.to_f64().abs();
+        // f moves by error: a second root joins in if the extremum between them is not farther away
+        if speed * speed >= 4.0 * bend * error { 2.0 * error / speed } else { 2.5 * (error / bend).sqrt() }
+    }
+
+    /// The distance between the surface and the ray where they are almost tangent.
+    fn extremum(&self, surface: &Surface, line: &Line) -> f64 {
+        let [a, b, _] = &self.coefficients;
+        if a.is_zero() || self.lies {
+            return f64::INFINITY;
+        }
+        distance(surface, &self.coefficients, line, &(-b).over(&a.scaled(1)))
+    }
+}
+
+/// True (negative) if moving along w makes f negative.
+fn side_along_w(surface: &Surface, line: &Line, chord: &Chord) -> Result<bool, Doubt> {
+    let gradient = surface.gradient(&line.at(&chord.times[0]));
+    let w = W.map(Dyadic::from);
+    let slope = (0..3).fold(Dyadic::ZERO, |sum, k| &sum + &(&w[k] * &gradient[k]));
+    let size = gradient.iter().fold(0.0, |size: f64, g| size.max(g.to_f64().abs()));
+    if slope.is_zero() {
+        let first = gradient.iter().find(|g| !g.is_zero());
+        return first.map(|g| g.sign() < 0).ok_or(Doubt::Side);
+    }
+    let clear = slope.to_f64().abs() > 1e-9 * size && size > 1e-9;
+    if clear { Ok(slope.sign() < 0) } else { Err(Doubt::Side) }
+}
+
+impl<'a> Work<'a> {
+    fn new(exact: &'a Exact, line: &'a Line, ball: &Ball) -> Result<Work<'a>, Doubt> {
+        let chord = Chord::new(line, ball);
+        let along =
+            exact.surfaces.iter().map(|s| Along::new(s, line, &chord)).collect::<Result<Vec<_>, _>>()?;
+        let mut work = Work { exact, line, along, moments: Vec::new(), start: (Vec::new(), 0) };
+        work.sweep();
+        Ok(work)
+    }
+
+    fn leaf_holds(&self, leaf: usize, negative: &[bool]) -> bool {
+        let leaf = &self.exact.leaves[leaf];
+        leaf.facets.iter().all(|&(surface, inside)| negative[surface] == inside) != leaf.complement
+    }
+
+    fn region(&self, leaves: &[bool]) -> usize {
+        let last = self.exact.parts.iter().rposition(|(node, _)| node.holds(leaves));
+        last.map_or(0, |k| k + 1)
+    }
+
+    fn medium(&self, region: usize) -> u32 {
+        if region == 0 { 0 } else { self.exact.parts[region - 1].1 }
+    }
+
+    /// Finds all moments at which anything flips.
+    fn sweep(&mut self) {
+        let mut negative: Vec<bool> = self.along.iter().map(|a| a.changes.starts_negative).collect();
+        let count = self.exact.leaves.len();
+        let mut leaves: Vec<bool> = (0..count).map(|k| self.leaf_holds(k, &negative)).collect();
+        let mut region = self.region(&leaves);
+        self.start = (leaves.clone(), region);
+        for (root, surfaces) in self.times() {
+            surfaces.iter().for_each(|&s| negative[s] = !negative[s]);
+            let now: Vec<bool> = (0..count).map(|k| self.leaf_holds(k, &negative)).collect();
+            let flipped: Vec<usize> = (0..count).filter(|&k| now[k] != leaves[k]).collect();
+            leaves = now;
+            let before = std::mem::replace(&mut region, self.region(&leaves));
+            self.moments.push(Moment { root, surfaces, leaves: flipped, regions: (before, region) });
+        }
+    }
+
+    /// The distinct times with the surfaces crossed at each.
+    fn times(&self) -> Vec<(Root, Vec<usize>)> {
+        let roots = |(k, along): (usize, &Along)| {
+            along.changes.roots.iter().map(move |root| (root.clone(), k)).collect::<Vec<_>>()
+        };
+        let mut all: Vec<(Root, usize)> = self.along.iter().enumerate().flat_map(roots).collect();
+        all.sort_by(|a, b| a.0.compare(&b.0));
+        let mut times: Vec<(Root, Vec<usize>)> = Vec::new();
+        for (root, surface) in all {
+            match times.last_mut() {
+                Some((last, surfaces)) if last.compare(&root).is_eq() => surfaces.push(surface),
+                _ => times.push((root, vec![surface])),
+            }
+        }
+        times
+    }
+
+    /// The surfaces in which leaves flip at a moment.
+    fn crossed(&self, moment: &Moment) -> Vec<usize> {
+        let owns = |s: &usize| {
+            moment.leaves.iter().any(|&leaf| self.exact.leaves[leaf].facets.iter().any(|f| f.0 == *s))
+        };
+        moment.surfaces.iter().copied().filter(owns).collect()
+    }
+
+    /// The crossings after the weld.
+    fn welded(&self) -> Result<Vec<Expected>, Doubt> {
+        let differs = |k: &usize| {
+            let (before, after) = self.moments[*k].regions;
+            self.medium(before) != self.medium(after)
+        };
+        let changes: Vec<usize> = (0..self.moments.len()).filter(differs).collect();
+        let mut crossings = Vec::new();
+        let mut run: Vec<usize> = Vec::new();
+        for change in changes {
+            if let Some(&last) = run.last()
+                && !self.hug(last, change)?
+            {
+                crossings.extend(self.crossing(&run));
+                run.clear();
+            }
+            run.push(change);
+        }
+        crossings.extend(self.crossing(&run));
+        Ok(crossings)
+    }
+
+    /// True if the piece between two moments lies within the tolerance of the surfaces at both its ends.
+    fn hug(&self, i: usize, j: usize) -> Result<bool, Doubt> {
+        let (a, b) = (&self.moments[i], &self.moments[j]);
+        let times = self.samples(&a.root, &b.root);
+        let deepest = |s: &usize| {
+            let one = |t| depth(&self.exact.surfaces[*s], &self.along[*s].coefficients, self.line, t);
+            times.iter().map(one).fold(0.0, f64::max)
+        };
+        let (mut far, mut near) = (false, true);
+        for moment in [a, b] {
+            let depths: Vec<f64> = self.crossed(moment).iter().map(deepest).collect();
+            far |= depths.iter().all(|&d| d > GREY);
+            near &= depths.iter().all(|&d| d * GREY < 1.0);
+        }
+        if far == near { Err(Doubt::Depth) } else { Ok(near) }
+    }
+
+    /// Times of a piece: its ends, quarters, and where it is nearest to the start of the ray.
+    fn samples(&self, a: &Root, b: &Root) -> Vec<Dyadic> {
+        let (a, b) = (a.near().rounded(), b.near().rounded());
+        let part = |k: f64| &a + &(&Dyadic::from(k) * &(&b - &a));
+        let mut times = vec![a.clone(), part(0.25), part(0.5), part(0.75), b.clone()];
+        let (first, last) = (a.to_f64(), b.to_f64());
+        let nearest = if first > 0.0 { first } else { last.min(0.0) };
+        let length = self.line.ray.origin.length().max(1.0) / self.line.ray.direction.length();
+        let here = [nearest, nearest - length, nearest + length].map(|t| t.max(first).min(last));
+        times.extend(here.into_iter().filter(|_| last - first > length).map(Dyadic::from));
+        times
+    }
+
+    fn crossing(&self, run: &[usize]) -> Option<Expected> {
+        let (&first, &last) = (run.first()?, run.last()?);
+        let (before, after) = (self.moments[first].regions.0, self.moments[last].regions.1);
+        if self.medium(before) == self.medium(after) {
+            return None;
+        }
+        let mut times = (f64::INFINITY, f64::NEG_INFINITY);
+        for &k in run {
+            let root = &self.moments[k].root;
+            for s in self.crossed(&self.moments[k]) {
+                let surface = &self.exact.surfaces[s];
+                let play = self.along[s].play(surface, self.line, root, delta(surface, self.line, root.t()));
+                times = (times.0.min(root.t() - play), times.1.max(root.t() + play));
+            }
+        }
+        Some(Expected { before, after, times, leaves: self.owners(run, times) })
+    }
+
+    /// The leaves that a crossing may be said to belong to. Where several surfaces meet, rounding may let any
+    /// leaf that owns one of them flip, and flip back; where all is one surface, only the lowest leaf whose
+    /// flip alone changes the medium before, or whose flip undone changes the one after, or if there is none
+    /// the lowest that flips.
+    fn owners(&self, run: &[usize], times: (f64, f64)) -> Vec<usize> {
+        let about = self.moments.iter().filter(|m| times.0 <= m.root.t() && m.root.t() <= times.1);
+        let surfaces: Vec<usize> = about.flat_map(|m| m.surfaces.clone()).collect();
+        let all = &self.exact.surfaces;
+        if surfaces.iter().all(|&s| all[s].is_same(&all[surfaces[0]])) && run.len() == 1 {
+            return vec![self.lowest(run[0])];
+        }
+        let meets = |leaf: &usize| self.exact.leaves[*leaf].facets.iter().any(|f| surfaces.contains(&f.0));
+        (0..self.exact.leaves.len()).filter(meets).collect()
+    }
+
+    fn lowest(&self, k: usize) -> usize {
+        let moment = &self.moments[k];
+        let mut leaves = self.start.0.clone();
+        let flips = self.moments[..k].iter().flat_map(|m| &m.leaves);
+        flips.for_each(|&leaf| leaves[leaf] = !leaves[leaf]);
+        let before = leaves.clone();
+        moment.leaves.iter().for_each(|&leaf| leaves[leaf] = !leaves[leaf]);
+        let changes = |leaf: usize, state: &[bool]| {
+            let mut flipped = state.to_vec();
+            flipped[leaf] = !flipped[leaf];
+            self.medium(self.region(&flipped)) != self.medium(self.region(state))
+        };
+        let candidate = |leaf: &&usize| changes(**leaf, &before) || changes(**leaf, &leaves);
+        *moment.leaves.iter().find(candidate).unwrap_or(&moment.leaves[0])
+    }
+
+    fn traits(&self) -> Traits {
+        let surfaces = &self.exact.surfaces;
+        let touch = |a: &Along| !a.lies && !a.coefficients[0].is_zero() && a.changes.roots.is_empty();
+        let touching = |(k, a): (usize, &Along)| touch(a) && a.extremum(&surfaces[k], self.line) == 0.0;
+        Traits {
+            lies: self.along.iter().any(|a| a.lies),
+            ties: self.moments.iter().any(|m| m.leaves.len() > 1 || m.surfaces.len() > 1),
+            touches: self.along.iter().enumerate().any(touching),
+        }
+    }
+
+    fn scrutiny(&self) -> Scrutiny {
+        let surfaces = &self.exact.surfaces;
+        let extremum = |(k, along): (usize, &Along)| along.extremum(&surfaces[k], self.line);
+        let tangency = self.along.iter().enumerate().map(extremum).fold(f64::INFINITY, f64::min);
+        Scrutiny { clearance: tangency.min(self.edge_distance()), torn: self.torn() }
+    }
+
+    /// All pairs of crossings of different surfaces.
+    fn pairs(&self) -> impl Iterator<Item = ((usize, &Root), (usize, &Root))> {
+        let events: Vec<(usize, &Root)> =
+            self.moments.iter().flat_map(|m| m.surfaces.iter().map(move |&s| (s, &m.root))).collect();
+        let pair = move |i: usize, j: usize| (events[i], events[j]);
+        let count = self.moments.iter().map(|m| m.surfaces.len()).sum::<usize>();
+        let surfaces = &self.exact.surfaces;
+        (0..count)
+            .flat_map(move |j| (0..j).map(move |i| (i, j)))
+            .map(move |(i, j)| pair(i, j))
+            .filter(|(a, b)| !surfaces[a.0].is_same(&surfaces[b.0]))
+    }
+
+    fn distance_at(&self, surface: usize, t: &Dyadic) -> f64 {
+        distance(&self.exact.surfaces[surface], &self.along[surface].coefficients, self.line, t)
+    }
+
+    fn edge_distance(&self) -> f64 {
+        let both = |(a, b): ((usize, &Root), (usize, &Root))| {
+            self.distance_at(b.0, a.1.near()).min(self.distance_at(a.0, b.1.near()))
+        };
+        self.pairs().map(both).fold(f64::INFINITY, f64::min)
+    }
+
+    /// All crossings of surfaces and touches that rounding may take for two, with the time by which the kernels
+    /// may move them: they keep well within the tolerance.
+    fn played(&self) -> Vec<(usize, f64, f64)> {
+        let bound = |s: usize, t: f64| delta(&self.exact.surfaces[s], self.line, t) / 16.0;
+        let mut all: Vec<(usize, f64, f64)> = Vec::new();
+        for moment in &self.moments {
+            let t = moment.root.t();
+            let play =
+                |s: usize| self.along[s].play(&self.exact.surfaces[s], self.line, &moment.root, bound(s, t));
+            all.extend(moment.surfaces.iter().map(|&s| (s, t, play(s))));
+        }
+        for (s, along) in self.along.iter().enumerate() {
+            let surface = &self.exact.surfaces[s];
+            let [a, b, _] = &along.coefficients;
+            if along.changes.roots.is_empty() && along.extremum(surface, self.line) <= bound(s, 0.0) {
+                let t = (-b).over(&a.scaled(1)).to_f64();
+                let error = bound(s, t) * surface.slope(self.line.ray.at(t));
+                all.push((s, t, 2.5 * (error / a.to_f64().abs()).sqrt()));
+            }
+        }
+        all
+    }
+
+    fn torn(&self) -> bool {
+        let events = self.played();
+        let surfaces = &self.exact.surfaces;
+        let torn = |&(a, ta, pa): &(usize, f64, f64), &(b, tb, pb): &(usize, f64, f64)| {
+            let ends = [ta - pa, tb - pb, ta + pa, tb + pb].map(Dyadic::from);
+            let far = |s: usize| {
+                ends.iter().any(|t| self.distance_at(s, t) > delta(&surfaces[s], self.line, t.to_f64()))
+            };
+            (ta - tb).abs() <= pa + pb && !surfaces[a].is_same(&surfaces[b]) && (far(a) || far(b))
+        };
+        events.iter().enumerate().any(|(k, a)| events[..k].iter().any(|b| torn(a, b)))
+    }
+}
+
+/// The region that holds a point: where it lies on a surface, on the side along w. `None` if rounding may put
+/// it on either side of a surface that it does not lie on, or if w cannot tell.
+pub fn region_at(exact: &Exact, point: Vec3) -> Option<usize> {
+    let line = Line::new(rayweave_shape::Ray::new(point, Vec3::X));
+    let chord = Chord { times: [0.0; 3].map(Dyadic::from) };
+    let side = |surface: &Surface| {
+        let value = surface.value(&line.at(&Dyadic::ZERO));
+        if value.is_zero() {
+            // the engine's unit normal is rounded, and its plane may pass beside the point
+            if surface.is_oblique_plane() {
+                return None;
+            }
+            return side_along_w(surface, &line, &chord).ok();
+        }
+        let clear = value.to_f64().abs() > surface.slope(point) * delta(surface, &line, 0.0);
+        clear.then(|| value.sign() < 0)
+    };
+    let negative = exact.surfaces.iter().map(side).collect::<Option<Vec<bool>>>()?;
+    let work = Work { exact, line: &line, along: Vec::new(), moments: Vec::new(), start: (Vec::new(), 0) };
+    let leaves: Vec<bool> = (0..exact.leaves.len()).map(|k| work.leaf_holds(k, &negative)).collect();
+    Some(work.region(&leaves))
+}

@@ -1,0 +1,413 @@
+//! Evaluators against exact answers.
+
+use super::answer::{Answer, Expected, answer, region_at, scrutiny};
+use super::tree::regions;
+use super::{Exact, Line, Part, Tree, draw};
+use crate::{Effort, Random, list};
+use rayweave_math::{Affine, Mat3, Vec3};
+use rayweave_model::{Ball, Crossing, Evaluator, Limit, Program, Query, RayBatch, RegionId, Window};
+use rayweave_shape::Ray;
+use std::sync::Arc;
+
+/// What became of the rays asked.
+#[derive(Clone, Debug, Default)]
+pub struct Count {
+    /// Answered, and compared.
+    pub rays: u64,
+    /// Of these: in a surface.
+    pub lying: u64,
+    /// Of these: crossing several surfaces or leaves at once.
+    pub ties: u64,
+    /// Of these: touching a surface.
+    pub touching: u64,
+    /// Of these: none of that.
+    pub plain: u64,
+    /// Crossings expected.
+    pub crossings: u64,
+    /// Drawn again because a piece is about as deep as the tolerance.
+    pub redrawn: u64,
+    /// Within 1e-9 of an edge or a tangency, with another answer (turned models only).
+    pub near_edges: (u64, u64),
+    /// With the right media but another region of the same medium beside a crossing.
+    pub regions: u64,
+    /// With another answer where two surfaces are met at once within rounding, at very different angles.
+    pub torn: u64,
+    /// Wrong.
+    pub wrong: u64,
+    /// The first wrong ones.
+    pub messages: Vec<String>,
+}
+
+impl Count {
+    /// Panics if anything was wrong or too few rays were asked.
+    pub fn finish(self, what: &str, least: u64) {
+        let summary = Count { messages: Vec::new(), ..self.clone() };
+        println!("{what}: {summary:?}");
+        assert!(self.wrong == 0, "{what}: {summary:?}\n{}", self.messages.join("\n---\n"));
+        assert!(self.rays >= least, "{what}: only {} rays", self.rays);
+    }
+}
+
+/// How many models and rays for each.
+fn size(effort: Effort) -> (u64, usize) {
+    match effort {
+        Effort::Short => (2000, 50),
+        Effort::Long => (200_000, 50),
+    }
+}
+
+/// A model in both forms.
+struct Subject<E> {
+    parts: Vec<Part>,
+    exact: Exact,
+    evaluator: E,
+    ball: Ball,
+    /// Where the engine's model stands.
+    frame: Affine,
+    /// True if the engine numbers leaves as the exact model does.
+    numbered: bool,
+}
+
+impl<E> Subject<E> {
+    /// True if the engine's surfaces are not quite the exact ones.
+    fn is_windowed(&self) -> bool {
+        self.frame != Affine::IDENTITY || self.exact.surfaces.iter().any(|s| s.is_oblique_plane())
+    }
+
+    fn medium(&self, region: usize) -> u32 {
+        if region == 0 { 0 } else { self.parts[region - 1].medium }
+    }
+}
+
+/// What is said where only the region differs, and not the medium.
+const OTHER_REGIONS: &str = "other regions";
+
+fn subject<E: Evaluator>(
+    parts: &[Part],
+    frame: Affine,
+    make: &impl Fn(Arc<Program>) -> E,
+) -> Result<Subject<E>, String> {
+    let program =
+        |frame: &Affine| Program::compile_regions(&regions(parts, frame)).map_err(|e| e.to_string());
+    // the ball belongs to the model where the exact answer is asked
+    let ball = program(&Affine::IDENTITY)?.prototypes()[0].ball;
+    let compiled = program(&frame)?;
+    let numbered = compiled.prototypes().len() == 1;
+    let mut exact = Exact::new(parts);
+    // tolerances are those of where the engine's model stands
+    exact.surfaces.iter_mut().for_each(|s| s.reach += 2.0 * frame.translation.length());
+    Ok(Subject { parts: parts.to_vec(), exact, evaluator: make(Arc::new(compiled)), ball, frame, numbered })
+}
+
+/// Models on a dyadic grid, asked as they are: numbers of crossings, regions before and after, times.
+pub fn planted<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) -> Count {
+    let (models, rays) = size(effort);
+    let mut count = Count::default();
+    for seed in 0..models {
+        let mut rng = Random::new(seed);
+        let parts = draw::parts(&mut rng);
+        let Ok(subject) = subject(&parts, Affine::IDENTITY, &make) else { continue };
+        let rays: Vec<Ray> = (0..rays).map(|_| draw::ray(&mut rng)).collect();
+        compare_all(&subject, &rays, seed, &mut count, &make);
+    }
+    count
+}
+
+/// The same models turned by a rotation from an integer quaternion, rounded, and shifted.
+pub fn turned<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) -> Count {
+    let (models, rays) = size(effort);
+    let mut count = Count::default();
+    for seed in 0..models {
+        let mut rng = Random::new(1 << 40 | seed);
+        let parts = draw::parts(&mut rng);
+        let frame = rotation(&mut rng);
+        let Ok(subject) = subject(&parts, frame, &make) else { continue };
+        let rays: Vec<Ray> = (0..rays).map(|_| draw::ray(&mut rng)).collect();
+        compare_all(&subject, &rays, seed, &mut count, &make);
+    }
+    count
+}
+
+/// The rotation of a quaternion of small whole numbers: entries are quotients of whole numbers, each rounded
+/// once.
+fn rotation(rng: &mut Random) -> Affine {
+    let mut whole = || rng.below(9) as f64 - 4.0;
+    let (a, b, c, d) = (whole(), whole(), whole(), whole() + 0.0);
+    let a = if a == 0.0 && b == 0.0 && c == 0.0 && d == 0.0 { 1.0 } else { a };
+    let n = a * a + b * b + c * c + d * d;
+    let columns = [
+        Vec3::new(a * a + b * b - c * c - d * d, 2.0 * (b * c + a * d), 2.0 * (b * d - a * c)) / n,
+        Vec3::new(2.0 * (b * c - a * d), a * a - b * b + c * c - d * d, 2.0 * (c * d + a * b)) / n,
+        Vec3::new(2.0 * (b * d + a * c), 2.0 * (c * d - a * b), a * a - b * b - c * c + d * d) / n,
+    ];
+    let [x, y, z] = columns;
+    let shift = if rng.chance(0.5) { Vec3::ZERO } else { rng.point(3.0) };
+    Affine { linear: Mat3::from_cols(x, y, z), translation: shift }
+}
+
+fn compare_all<E: Evaluator>(
+    subject: &Subject<E>,
+    rays: &[Ray],
+    seed: u64,
+    count: &mut Count,
+    make: &impl Fn(Arc<Program>) -> E,
+) {
+    for ray in rays {
+        let verdict = judge(subject, *ray);
+        tally(&verdict, count);
+        if let Verdict::Wrong(what) = verdict {
+            count.wrong += 1;
+            if count.messages.len() < 5 {
+                let small = shrink(subject, *ray, make);
+                count.messages.push(format!("seed {seed}: {what}\n{small}"));
+            }
+        }
+    }
+}
+
+/// What is said of an answer.
+enum Verdict {
+    /// No certain answer.
+    Doubtful,
+    /// Not compared: a ray in a face of a turned model.
+    Exempt,
+    /// Right.
+    Right(Answer),
+    /// Other than it should be, near an edge of a turned model.
+    NearEdge(bool),
+    /// Other than it should be where rounding decides.
+    Torn,
+    /// Right but for the region of a medium.
+    Regions,
+    /// Wrong.
+    Wrong(String),
+}
+
+fn tally(verdict: &Verdict, count: &mut Count) {
+    match verdict {
+        Verdict::Doubtful => count.redrawn += 1,
+        Verdict::Exempt => {}
+        Verdict::NearEdge(right) => {
+            count.near_edges.0 += 1;
+            count.near_edges.1 += u64::from(!right);
+        }
+        Verdict::Torn => count.torn += 1,
+        Verdict::Regions => count.regions += 1,
+        Verdict::Wrong(_) => count.rays += 1,
+        Verdict::Right(answer) => {
+            let traits = &answer.traits;
+            count.rays += 1;
+            count.crossings += answer.crossings.len() as u64;
+            count.lying += u64::from(traits.lies);
+            count.ties += u64::from(traits.ties);
+            count.touching += u64::from(traits.touches);
+            count.plain += u64::from(!(traits.lies || traits.ties || traits.touches));
+        }
+    }
+}
+
+fn judge<E: Evaluator>(subject: &Subject<E>, ray: Ray) -> Verdict {
+    let line = Line::new(ray);
+    let Ok(expected) = answer(&subject.exact, &line, &subject.ball) else { return Verdict::Doubtful };
+    let turned = subject.frame != Affine::IDENTITY;
+    if turned && expected.traits.lies {
+        return Verdict::Exempt;
+    }
+    let expected = if subject.is_windowed() { expected.within(far(&ray)) } else { expected };
+    let wrong = differences(subject, ray, &expected);
+    let look = || scrutiny(&subject.exact, &line, &subject.ball);
+    if turned {
+        match look() {
+            Ok(scrutiny) if scrutiny.clearance < 1e-9 => return Verdict::NearEdge(wrong.is_none()),
+            Ok(_) => {}
+            Err(_) => return Verdict::Doubtful,
+        }
+    }
+    match wrong {
+        None => Verdict::Right(expected),
+        Some(what) if what.starts_with(OTHER_REGIONS) => Verdict::Regions,
+        Some(_) if look().is_ok_and(|scrutiny| scrutiny.torn) => Verdict::Torn,
+        Some(what) => Verdict::Wrong(what),
+    }
+}
+
+/// How long a ray is compared with a model whose surfaces are rounded: one that is parallel to a face but for
+/// rounding meets it far out.
+fn far(ray: &Ray) -> f64 {
+    (100.0 + ray.origin.length()) / ray.direction.length()
+}
+
+/// What differs between an evaluator and the exact answer.
+fn differences<E: Evaluator>(subject: &Subject<E>, ray: Ray, expected: &Answer) -> Option<String> {
+    let turned = subject.frame != Affine::IDENTITY;
+    let window = match subject.is_windowed() {
+        true => Window::new(-far(&ray), far(&ray)).unwrap_or_default(),
+        false => Window::ALL,
+    };
+    let ray = if turned { ray.transformed(&subject.frame) } else { ray };
+    let batch: RayBatch = [ray].into_iter().collect();
+    let found = subject.evaluator.collect(batch.rays(), &Query { window, ..Query::default() });
+    let crossings = found.of(0);
+    let wrong = |what: &str| {
+        let name = subject.evaluator.name();
+        let start = found.starts[0].0;
+        Some(format!("{what}: {name} from {start} {}\nexact {}", list(crossings), told(expected)))
+    };
+    if subject.medium(found.starts[0].index()) != subject.medium(expected.start) {
+        return wrong("another medium at the start");
+    }
+    if crossings.len() != expected.crossings.len() {
+        return wrong("another number of crossings");
+    }
+    let pairs = || crossings.iter().zip(&expected.crossings);
+    let media = |before: usize, after: usize| [before, after].map(|k| subject.medium(k));
+    if !pairs().all(|(c, e)| media(c.before.index(), c.after.index()) == media(e.before, e.after)) {
+        return wrong("other media");
+    }
+    let slack = if turned { 2.0 } else { 1.0 };
+    if !pairs().all(|(c, e)| in_time(c, e, slack)) {
+        return wrong("another time");
+    }
+    if subject.numbered && !pairs().all(|(c, e)| e.leaves.contains(&c.face.leaf.index())) {
+        return wrong("another leaf");
+    }
+    if nearest_differs(subject, &batch, crossings) {
+        return wrong("another nearest crossing");
+    }
+    let start = subject.is_windowed() || found.starts[0].index() == expected.start;
+    if !start || !pairs().all(|(c, e)| (c.before.index(), c.after.index()) == (e.before, e.after)) {
+        return wrong(OTHER_REGIONS);
+    }
+    None
+}
+
+fn in_time(crossing: &Crossing, expected: &Expected, slack: f64) -> bool {
+    let (lo, hi) = expected.times;
+    let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+    (crossing.t - middle).abs() <= slack * half
+}
+
+/// True if the crossing after a time between two crossings is not the next one.
+fn nearest_differs<E: Evaluator>(subject: &Subject<E>, rays: &RayBatch, crossings: &[Crossing]) -> bool {
+    let Some(pair) = crossings.windows(2).last() else { return false };
+    // not the middle, where slivers that are welded away are planted
+    let t_min = pair[0].t + 0.37 * (pair[1].t - pair[0].t);
+    let Ok(window) = Window::new(t_min, f64::INFINITY) else { return false };
+    if !(pair[0].t < t_min && t_min < pair[1].t) {
+        return false;
+    }
+    let found = subject.evaluator.collect(rays.rays(), &Query { window, limit: Limit::First, starts: None });
+    found.of(0).first().map(|c| (c.t, c.after)) != Some((pair[1].t, pair[1].after))
+}
+
+fn told(answer: &Answer) -> String {
+    let line =
+        |e: &Expected| format!("\n  t in {:?}: {} -> {} by {:?}", e.times, e.before, e.after, e.leaves);
+    let lines: String = answer.crossings.iter().map(line).collect();
+    format!("from {} {:?}{lines}", answer.start, answer.traits)
+}
+
+/// A smaller model that is answered wrongly along the same ray, with the answers.
+fn shrink<E: Evaluator>(subject: &Subject<E>, ray: Ray, make: &impl Fn(Arc<Program>) -> E) -> String {
+    let mut parts = subject.parts.clone();
+    let fails = |parts: &[Part]| {
+        let smaller = self::subject(parts, subject.frame, make).ok()?;
+        match judge(&smaller, ray) {
+            Verdict::Wrong(what) => Some(what),
+            _ => None,
+        }
+    };
+    let mut what = String::new();
+    while let Some((smaller, told)) =
+        smaller_models(&parts).into_iter().find_map(|p| fails(&p).map(|told| (p, told)))
+    {
+        (parts, what) = (smaller, told);
+    }
+    format!("{parts:?}\n{ray:?} frame {:?}\nshrunk: {what}", subject.frame)
+}
+
+/// Models with one part less, or one part smaller.
+fn smaller_models(parts: &[Part]) -> Vec<Vec<Part>> {
+    let mut all = Vec::new();
+    for k in 0..parts.len() {
+        let mut fewer = parts.to_vec();
+        fewer.remove(k);
+        all.extend((!fewer.is_empty()).then_some(fewer));
+        for tree in smaller(&parts[k].tree) {
+            let mut other = parts.to_vec();
+            other[k].tree = tree;
+            all.push(other);
+        }
+    }
+    all
+}
+
+/// Trees with something left out.
+fn smaller(tree: &Tree) -> Vec<Tree> {
+    let mut all: Vec<Tree> = tree.operands().into_iter().cloned().collect();
+    let within = |make: &dyn Fn(Tree) -> Tree, a: &Tree| smaller(a).into_iter().map(make).collect::<Vec<_>>();
+    let lists = |trees: &[Tree], make: &dyn Fn(Vec<Tree>) -> Tree| {
+        let mut all = Vec::new();
+        for k in 0..trees.len() {
+            let mut fewer = trees.to_vec();
+            fewer.remove(k);
+            all.push(make(fewer));
+            for other in smaller(&trees[k]) {
+                let mut changed = trees.to_vec();
+                changed[k] = other;
+                all.push(make(changed));
+            }
+        }
+        all
+    };
+    match tree {
+        Tree::Vacuum | Tree::Plenum | Tree::Leaf(_) => {}
+        Tree::Not(a) => all.extend(within(&|a| a.complement(), a)),
+        Tree::Moved(map, a) => all.extend(within(&|a| a.moved(*map), a)),
+        Tree::Placed(maps, a) => {
+            all.extend(maps.iter().map(|map| (**a).clone().moved(*map)));
+            all.extend(within(&|a| Tree::Placed(maps.clone(), Box::new(a)), a));
+        }
+        Tree::Any(trees) => all.extend(lists(trees, &Tree::Any)),
+        Tree::All(trees) => all.extend(lists(trees, &Tree::All)),
+        Tree::Odd(trees) => all.extend(lists(trees, &Tree::Odd)),
+        Tree::Minus(a, b) => {
+            all.extend(within(&|a| a.minus((**b).clone()), a));
+            all.extend(within(&|b| (**a).clone().minus(b), b));
+        }
+    }
+    all
+}
+
+/// Points of the grid and others: the region that holds them, on surfaces the side along w.
+pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) -> Count {
+    let (models, rays) = size(effort);
+    let mut count = Count::default();
+    for seed in 0..models {
+        let mut rng = Random::new(2 << 40 | seed);
+        let parts = draw::parts(&mut rng);
+        let Ok(subject) = subject(&parts, Affine::IDENTITY, &make) else { continue };
+        for _ in 0..rays {
+            let ray = draw::ray(&mut rng);
+            point(&subject, ray.at(rng.below(3) as f64), seed, &mut count);
+        }
+    }
+    count
+}
+
+fn point<E: Evaluator>(subject: &Subject<E>, point: Vec3, seed: u64, count: &mut Count) {
+    let Some(expected) = region_at(&subject.exact, point) else {
+        count.redrawn += 1;
+        return;
+    };
+    let mut region = [RegionId(0)];
+    let (x, y, z) = (point.x, point.y, point.z);
+    subject.evaluator.regions_at([&[x], &[y], &[z]], &mut subject.evaluator.scratch(), &mut region);
+    count.rays += 1;
+    if region[0].index() != expected {
+        count.wrong += 1;
+        let message =
+            || format!("seed {seed}: {point:?} is in {expected}, not {:?}\n{:?}", region[0], subject.parts);
+        count.messages.extend((count.messages.len() < 5).then(message));
+    }
+}

@@ -1,0 +1,120 @@
+//! Surfaces of degree 1 and 2 as symmetric 4 x 4 matrices of exact numbers.
+
+use super::Dyadic;
+use super::map::{Matrix, zero};
+use rayweave_math::Vec3;
+use rayweave_shape::Ray;
+
+/// The surface `[p 1] Q [p 1]^T = 0`, inside where it is negative.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    matrix: Matrix,
+    rounded: [[f64; 4]; 4],
+    /// Its size and distance from the origin plus the lengths of all translations on the way: what the
+    /// tolerance counts.
+    pub reach: f64,
+}
+
+/// A ray, taken as exactly the numbers that it consists of.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// The ray.
+    pub ray: Ray,
+    origin: [Dyadic; 4],
+    direction: [Dyadic; 4],
+}
+
+impl Line {
+    /// From a ray.
+    pub fn new(ray: Ray) -> Line {
+        let exact = |v: Vec3, last: Dyadic| {
+            let [x, y, z] = v.to_array().map(Dyadic::from);
+            [x, y, z, last]
+        };
+        Line { ray, origin: exact(ray.origin, Dyadic::ONE), direction: exact(ray.direction, Dyadic::ZERO) }
+    }
+
+    /// The point at a time.
+    pub fn at(&self, t: &Dyadic) -> [Dyadic; 4] {
+        std::array::from_fn(|k| &self.origin[k] + &(t * &self.direction[k]))
+    }
+}
+
+impl Surface {
+    /// From the matrix of the equation.
+    pub fn new(matrix: Matrix, reach: f64) -> Surface {
+        let rounded = std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j].to_f64()));
+        Surface { matrix, rounded, reach }
+    }
+
+    /// True if both are the same surface, on whichever side the insides lie.
+    pub fn is_same(&self, other: &Surface) -> bool {
+        let (a, b) = (self.entries(), other.entries());
+        let Some(k) = a.iter().position(|x| !x.is_zero()) else { return false };
+        // proportional: a_i b_k = a_k b_i
+        !b[k].is_zero() && (0..a.len()).all(|i| a[i] * b[k] == a[k] * b[i])
+    }
+
+    /// True if both have the same equation.
+    pub fn is_equal(&self, other: &Surface) -> bool {
+        self.entries().into_iter().zip(other.entries()).all(|(a, b)| a == b)
+    }
+
+    fn entries(&self) -> Vec<&Dyadic> {
+        self.matrix.iter().flatten().collect()
+    }
+
+    /// The distance of a plane from the origin; `None` for other surfaces.
+    pub fn distance(&self) -> Option<f64> {
+        let q = &self.rounded;
+        let normal = 2.0 * Vec3::new(q[0][3], q[1][3], q[2][3]);
+        let plane = q[..3].iter().all(|row| row[..3].iter().all(|&entry| entry == 0.0));
+        plane.then(|| q[3][3].abs() / normal.length())
+    }
+
+    /// True for planes but those across a coordinate axis.
+    pub fn is_oblique_plane(&self) -> bool {
+        let normal = (0..3).filter(|&k| self.rounded[k][3] != 0.0).count();
+        self.distance().is_some() && normal > 1
+    }
+
+    /// The matrix times a vector.
+    fn applied(&self, v: &[Dyadic; 4]) -> [Dyadic; 4] {
+        std::array::from_fn(|i| dot(&self.matrix[i], v))
+    }
+
+    /// `[a, b, c]` of `f(r(t)) = a t^2 + b t + c`.
+    pub fn along(&self, line: &Line) -> [Dyadic; 3] {
+        let by_direction = self.applied(&line.direction);
+        let by_origin = self.applied(&line.origin);
+        [
+            dot(&by_direction, &line.direction),
+            dot(&by_direction, &line.origin).scaled(1),
+            dot(&by_origin, &line.origin),
+        ]
+    }
+
+    /// The value at a point.
+    pub fn value(&self, point: &[Dyadic; 4]) -> Dyadic {
+        dot(&self.applied(point), point)
+    }
+
+    /// The gradient at a point.
+    pub fn gradient(&self, point: &[Dyadic; 4]) -> [Dyadic; 3] {
+        let [x, y, z, _] = self.applied(point);
+        [x, y, z].map(|g| g.scaled(1))
+    }
+
+    /// The length of the gradient at a point, rounded.
+    pub fn slope(&self, p: Vec3) -> f64 {
+        let row = |i: usize| {
+            let r = self.rounded[i];
+            2.0 * (r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3])
+        };
+        Vec3::new(row(0), row(1), row(2)).length()
+    }
+}
+
+fn dot(a: &[Dyadic; 4], b: &[Dyadic; 4]) -> Dyadic {
+    (0..4).fold(zero(), |sum, k| &sum + &(&a[k] * &b[k]))
+}
