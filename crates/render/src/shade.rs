@@ -2,7 +2,7 @@
 
 use crate::colour::Linear;
 use crate::sample::Layer;
-use crate::{Camera, Light, Settings, Style, region_colour};
+use crate::{Camera, Light, LightKind, Settings, Style, region_colour};
 use rayweave_math::Vec3;
 use rayweave_model::{Program, RegionId};
 use rayweave_shape::Ray;
@@ -19,12 +19,19 @@ pub(crate) struct Shader {
 
 /// A light, or what stands in where the scene has none.
 struct Lamp {
+    /// The light of the scene, for shadows.
+    light: Option<Light>,
     source: Source,
     strength: Linear,
 }
 
+/// Where light comes from, ready for shading.
 enum Source {
-    Scene(Light),
+    /// Along the unit vector from anywhere to the light.
+    Sun(Vec3),
+    /// From a point.
+    Point(Vec3),
+    /// From the eye.
     Eye,
 }
 
@@ -97,10 +104,7 @@ impl Shader {
 
     /// The lights of the scene, in order.
     pub fn lights(&self) -> impl Iterator<Item = &Light> {
-        self.lamps.iter().filter_map(|lamp| match &lamp.source {
-            Source::Scene(light) => Some(light),
-            Source::Eye => None,
-        })
+        self.lamps.iter().filter_map(|lamp| lamp.light.as_ref())
     }
 
     /// Light and opacity of a surface, seen along a ray.
@@ -152,10 +156,20 @@ impl Shader {
 }
 
 impl Lamp {
+    /// A light of the scene, or one like it.
+    fn new(light: &Light, is_of_scene: bool) -> Lamp {
+        let source = match light.kind {
+            LightKind::Direction(_) => Source::Sun(light.towards(Vec3::ZERO)),
+            LightKind::Position(position) => Source::Point(position),
+        };
+        Lamp { light: is_of_scene.then_some(*light), source, strength: light.strength() }
+    }
+
     /// The unit vector from a surface to the light; zero at the light itself.
     fn direction(&self, layer: &Layer, ray: &Ray) -> Vec3 {
-        match &self.source {
-            Source::Scene(light) => light.towards(ray.at(layer.t)).normalize_or_zero(),
+        match self.source {
+            Source::Sun(towards) => towards,
+            Source::Point(position) => (position - ray.at(layer.t)).normalize_or_zero(),
             Source::Eye => -ray.direction,
         }
     }
@@ -163,19 +177,17 @@ impl Lamp {
 
 /// The lights of the scene; where it has none, what the style calls for.
 fn lamps(camera: &Camera, settings: &Settings) -> Vec<Lamp> {
-    if settings.lights.is_empty() {
-        let source = match settings.style {
-            // over the left shoulder of who looks, as in technical illustrations
-            Style::Gooch => {
-                Source::Scene(Light::along(camera.forward() + 0.6 * camera.right() - 0.9 * camera.up()))
-            }
-            Style::Headlight | Style::Flat => Source::Eye,
-        };
-        let strength = [1.0; 3];
-        return vec![Lamp { source, strength }];
+    if !settings.lights.is_empty() {
+        return settings.lights.iter().map(|light| Lamp::new(light, true)).collect();
     }
-    let lamp = |light: &Light| Lamp { source: Source::Scene(*light), strength: light.strength() };
-    settings.lights.iter().map(lamp).collect()
+    vec![match settings.style {
+        // over the left shoulder of who looks, as in technical illustrations
+        Style::Gooch => {
+            let along = camera.forward() + 0.6 * camera.right() - 0.9 * camera.up();
+            Lamp::new(&Light::along(along), false)
+        }
+        Style::Headlight | Style::Flat => Lamp { light: None, source: Source::Eye, strength: [1.0; 3] },
+    }]
 }
 
 /// The cosine between the mirrored line of sight and the light, to the power 2^[`HIGHLIGHT_SQUARINGS`]: by squaring, which has
