@@ -3,12 +3,16 @@
 //! - [`Reference`]: root-ray algebra in the order of the expression; obvious, slow, the truth.
 //! - [`Weave`]: gathers the flips of the leaves that the ray can touch, sorts them once and sweeps the boolean
 //!   network, stopping early where one crossing is enough.
+//! - [`SingleHit`]: asks what is next after t, from crossing to crossing; the evaluator that can explain itself.
 //!
-//! Both give the same answers, bit for bit.
+//! All give the same answers, bit for bit.
 
 mod accel;
 mod reference;
 mod weave;
 
+pub mod single_hit;
+
 pub use reference::Reference;
+pub use single_hit::SingleHit;
 pub use weave::Weave;

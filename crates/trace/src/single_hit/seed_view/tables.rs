@@ -1,0 +1,183 @@
+//! Tables of decisions: from what two operands answer, and which of them is closer, to what to do.
+
+use crate::single_hit::{Next, Op, Step, Verdict, decide};
+
+/// The operators of the original.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operator {
+    /// In either.
+    Union,
+    /// In both.
+    Intersection,
+    /// In the first, not in the second.
+    Difference,
+}
+
+impl Operator {
+    /// All of them, in the order of the tables.
+    pub const ALL: [Operator; 3] = [Operator::Union, Operator::Intersection, Operator::Difference];
+
+    /// Whether the result is inside.
+    pub fn of(self, first: bool, second: bool) -> bool {
+        match self {
+            Operator::Union => first || second,
+            Operator::Intersection => first && second,
+            Operator::Difference => first && !second,
+        }
+    }
+}
+
+/// What an operand answers; an exit at +inf is an exit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It is entered.
+    Enter,
+    /// It is exited.
+    Exit,
+    /// Neither: the ray is outside for ever.
+    Miss,
+}
+
+impl State {
+    /// All of them, in the order of the tables.
+    pub const ALL: [State; 3] = [State::Enter, State::Exit, State::Miss];
+
+    /// What a table sees of an answer.
+    pub fn of(next: Next) -> State {
+        match next {
+            Next::Enter(_) => State::Enter,
+            Next::Exit(_) | Next::Inside => State::Exit,
+            Next::Outside => State::Miss,
+        }
+    }
+
+    /// An answer that looks like this.
+    fn sample(self, t: f64) -> Next {
+        match self {
+            State::Enter => Next::Enter(t),
+            State::Exit => Next::Exit(t),
+            State::Miss => Next::Outside,
+        }
+    }
+}
+
+/// What to do. The numbers are those of the packed tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Action {
+    /// Answer a miss.
+    Miss = 0,
+    /// Answer what the first operand answers.
+    First = 1,
+    /// Answer what the second operand answers.
+    Second = 2,
+    /// The same with enter and exit exchanged.
+    FlippedSecond = 3,
+    /// Ask the first operand again, after the time of its answer.
+    LoopFirst = 4,
+    /// Ask the second operand again, after the time of its answer.
+    LoopSecond = 5,
+}
+
+impl Action {
+    const ALL: [Action; 6] = [
+        Action::Miss,
+        Action::First,
+        Action::Second,
+        Action::FlippedSecond,
+        Action::LoopFirst,
+        Action::LoopSecond,
+    ];
+}
+
+/// A table for each operator, packed, for a closer first operand and for a closer second one. Entry
+/// (first, second) is the nibble number 3 first + second; number 8 is always [`Action::Miss`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tables([[u32; 3]; 2]);
+
+impl Tables {
+    /// The tables that follow from the rule, for operands that never answer the same time.
+    pub fn from_rule() -> Tables {
+        Tables::pack(|operator, first_closer, first, second| {
+            let (near, far) = (1.0, 2.0);
+            let a = first.sample(if first_closer { near } else { far });
+            let b = second.sample(if first_closer { far } else { near });
+            action_of(operator, a, b)
+        })
+    }
+
+    /// The original ones.
+    ///
+    /// Written as (what if the first is closer, what if the second is), for the answers of the two operands
+    /// in the order of [`State::ALL`].
+    pub fn original() -> Tables {
+        use Action::{
+            First as A, FlippedSecond as FlipB, LoopFirst as LoopA, LoopSecond as LoopB, Miss as Non,
+            Second as B,
+        };
+        let union =
+            [[(A, B), (LoopA, B), (A, A)], [(A, LoopB), (B, A), (A, A)], [(B, B), (B, B), (Non, Non)]];
+        let intersection = [
+            [(LoopA, LoopB), (A, LoopB), (Non, Non)],
+            [(LoopA, B), (A, B), (Non, Non)],
+            [(Non, Non), (Non, Non), (Non, Non)],
+        ];
+        let difference = [
+            [(A, LoopB), (LoopA, LoopB), (A, A)],
+            [(A, FlipB), (LoopA, FlipB), (A, A)],
+            [(Non, Non), (Non, Non), (Non, Non)],
+        ];
+        let all = [union, intersection, difference];
+        Tables::pack(|operator, first_closer, first, second| {
+            let entry = all[operator as usize][first as usize][second as usize];
+            if first_closer { entry.0 } else { entry.1 }
+        })
+    }
+
+    fn pack(entry: impl Fn(Operator, bool, State, State) -> Action) -> Tables {
+        let mut packed = [[0u32; 3]; 2];
+        for (operator, first_closer, first, second) in Tables::keys() {
+            let action = u64::from(entry(operator, first_closer, first, second) as u32);
+            // the ninth entry is shifted out: it is 0
+            let nibble = action << (4 * (3 * first as u32 + second as u32));
+            packed[usize::from(!first_closer)][operator as usize] |= nibble as u32;
+        }
+        Tables(packed)
+    }
+
+    /// Everything that can be looked up: operator, "the first is closer", the two answers.
+    pub fn keys() -> impl Iterator<Item = (Operator, bool, State, State)> {
+        let states = State::ALL.into_iter().flat_map(|a| State::ALL.into_iter().map(move |b| (a, b)));
+        let closer = states.flat_map(|(a, b)| [true, false].into_iter().map(move |first| (first, a, b)));
+        closer
+            .flat_map(|(first, a, b)| Operator::ALL.into_iter().map(move |operator| (operator, first, a, b)))
+    }
+
+    /// What to do.
+    pub fn look_up(&self, operator: Operator, first_closer: bool, first: State, second: State) -> Action {
+        let packed = u64::from(self.0[usize::from(!first_closer)][operator as usize]);
+        let nibble = packed >> (4 * (3 * first as u32 + second as u32)) & 0xf;
+        Action::ALL.get(nibble as usize).copied().unwrap_or(Action::Miss)
+    }
+
+    /// The packed numbers: those for a closer first operand, then those for a closer second one, each in the
+    /// order of [`Operator::ALL`].
+    pub fn packed(&self) -> [[u32; 3]; 2] {
+        self.0
+    }
+}
+
+/// What the rule says, in the words of the tables.
+fn action_of(operator: Operator, a: Next, b: Next) -> Action {
+    let flips = operator == Operator::Difference;
+    let taken = if flips { b.complement() } else { b };
+    let least = if operator == Operator::Union { 1 } else { 2 };
+    match decide(Op::AtLeast { least, most: [1, 1] }, a.into(), taken.into()) {
+        Verdict::Fixed(_) => Action::Miss,
+        Verdict::Changes(Step { t, .. }) if t == a.time() => Action::First,
+        Verdict::Changes(_) if flips => Action::FlippedSecond,
+        Verdict::Changes(_) => Action::Second,
+        Verdict::AskAgain { first: true, .. } => Action::LoopFirst,
+        Verdict::AskAgain { .. } => Action::LoopSecond,
+    }
+}

@@ -1,0 +1,51 @@
+//! The sides of all leaves at a time, with some of them turned over to see what depends on them.
+
+use super::Tree;
+use super::roots::Roots;
+use rayweave_model::weld::Flips;
+
+/// Memory for [`Sides`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Turned {
+    /// For each leaf, whether its side is turned over; all false between questions.
+    leaves: Vec<bool>,
+    values: Vec<u32>,
+}
+
+impl Turned {
+    /// For groups of at most so many leaves and trees of at most such a height.
+    pub fn new(leaves: usize, height: u32) -> Turned {
+        Turned { leaves: vec![false; leaves], values: Vec::with_capacity(height as usize + 1) }
+    }
+}
+
+/// The leaves just after a time, for the rule of attribution: every question is answered by evaluating the
+/// tree.
+pub(super) struct Sides<'a> {
+    pub tree: &'a Tree,
+    pub roots: &'a Roots,
+    pub t: f64,
+    pub turned: &'a mut Turned,
+}
+
+impl Sides<'_> {
+    fn value(&mut self, node: usize) -> u32 {
+        let Turned { leaves, values } = &mut *self.turned;
+        let inside = |leaf: u32, _: &mut Vec<u32>| self.roots.is_inside(leaf, self.t) ^ leaves[leaf as usize];
+        self.tree.evaluate(node, inside, values)
+    }
+}
+
+impl Flips for Sides<'_> {
+    fn flip(&mut self, leaf: u32) {
+        self.turned.leaves[leaf as usize] ^= true;
+    }
+
+    fn winner(&mut self) -> u32 {
+        self.value(self.tree.nodes().len() - 1)
+    }
+
+    fn output(&mut self, k: u32) -> bool {
+        self.value(self.tree.output(k)) != 0
+    }
+}
