@@ -143,6 +143,11 @@ fn bands_are_named_and_checked() {
     let fills = attributes(&svg, "solid", "fill");
     assert_eq!(fills.len(), 2);
     assert_eq!(fills[0], fills[1]);
+    // the same name has the same colour in all rows, another name another
+    let svg = timeline.bands("next", "air", [(0.5, "glass")]).unwrap().to_svg();
+    let next = attributes(&svg, "solid", "fill");
+    assert_eq!(next[3], fills[0]);
+    assert_ne!(next[2], fills[0]);
     for times in [[1.0, 1.0], [1.0, f64::INFINITY], [f64::NAN, 1.0]] {
         let error = Timeline::new().bands("m", "", times.map(|t| (t, "x"))).unwrap_err();
         assert!(error.to_string().contains("'m'"), "{error}");

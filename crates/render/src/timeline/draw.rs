@@ -115,6 +115,8 @@ struct Drawing {
     axis: Axis,
     /// Where the next row begins.
     y: f64,
+    /// The names of bands, in the order of their colours.
+    bands: Vec<String>,
 }
 
 impl Drawing {
@@ -138,7 +140,7 @@ impl Drawing {
             svg.text("title", [MARGIN, MARGIN + 12.0], Anchor::Start, &timeline.title, &timeline.title);
             y = MARGIN + TITLE - 8.0;
         }
-        Drawing { svg, axis, y }
+        Drawing { svg, axis, y, bands: Vec::new() }
     }
 
     /// Upright lines at all times of change; marked where several operands change.
@@ -257,18 +259,24 @@ impl Drawing {
         let starts = std::iter::once((None, &bands.first))
             .chain(bands.changes.iter().map(|(t, name)| (Some(*t), name)));
         let ends = bands.changes.iter().map(|change| Some(change.0)).chain([None]);
-        let mut names: Vec<&String> = Vec::new();
         for ((start, name), end) in starts.zip(ends).filter(|((_, name), _)| !name.is_empty()) {
-            let kind = names.iter().position(|known| *known == name).unwrap_or_else(|| {
-                names.push(name);
-                names.len() - 1
-            });
+            let colour = self.band_colour(name);
             let (left, right) = (self.place(start, self.axis.left), self.place(end, self.axis.right));
-            self.band(name, [left, top, right - left, WAVE], PALETTE[kind % PALETTE.len()]);
+            self.band(name, [left, top, right - left, WAVE], colour);
         }
         let times: Vec<f64> = bands.changes.iter().map(|change| change.0).collect();
         self.numbers(&times, top - 4.0);
         self.y = bottom + GAP;
+    }
+
+    /// The colour of a name, the same in all rows.
+    fn band_colour(&mut self, name: &str) -> Rgba {
+        let known = self.bands.iter().position(|known| known == name);
+        let number = known.unwrap_or_else(|| {
+            self.bands.push(name.to_owned());
+            self.bands.len() - 1
+        });
+        PALETTE[number % PALETTE.len()]
     }
 
     fn band(&mut self, name: &str, place: [f64; 4], colour: Rgba) {
@@ -276,7 +284,7 @@ impl Drawing {
         if width <= 0.0 {
             return;
         }
-        self.svg.rectangle("solid", place, &format!(r#" fill="{}""#, paint(colour)));
+        self.svg.named_rectangle("solid", place, &paint(colour), name);
         let fits = (width - 6.0) / LETTER;
         let text = short(name);
         if text.chars().count() as f64 <= fits {

@@ -25,6 +25,14 @@ impl Svg {
         self.line(format_args!(r#"<rect class="{class}" x="{x}" y="{y}" width="{w}" height="{h}"{extra}/>"#));
     }
 
+    /// A rectangle of a colour whose name shows under the pointer.
+    pub fn named_rectangle(&mut self, class: &str, [x, y, w, h]: [f64; 4], fill: &str, name: &str) {
+        let (x, y, w, h, name) = (Pixels(x), Pixels(y), Pixels(w), Pixels(h), escaped(name));
+        self.line(format_args!(
+            r#"<rect class="{class}" x="{x}" y="{y}" width="{w}" height="{h}" fill="{fill}"><title>{name}</title></rect>"#
+        ));
+    }
+
     /// A text, with what the pointer shows there, if that is something else.
     pub fn text(&mut self, class: &str, at: [f64; 2], anchor: Anchor, text: &str, whole: &str) {
         let (x, y) = (Pixels(at[0]), Pixels(at[1]));
