@@ -271,6 +271,28 @@ fn light_passes_translucent_regions() {
 }
 
 #[test]
+fn lines_show_through_translucent_regions() {
+    let glass = block([-2.0, 0.0, -2.0], [2.0, 1.0, 2.0]);
+    let wall = block([-1.0, 3.0, -1.0], [1.0, 4.0, 1.0]);
+    let weave = weave_of(&[glass, wall]);
+    let lines = Some(Lines { width: 1.0, colour: BLACK, ..Lines::default() });
+    let white = |alpha| Rgba { alpha, ..Rgba::WHITE };
+    let darkest = |alpha| {
+        let colours = vec![white(alpha), Rgba::WHITE];
+        let settings = Settings { lines, samples: 4, colours, ..plain(size(50, 50)) };
+        let image = draw(&weave, &front(5.0), &settings);
+        // all is white but lines; those of the wall are at least 5 pixels within those of the glass
+        let within = (0..2500).filter(|k| (10..40).contains(&(k % 50)) && (10..40).contains(&(k / 50)));
+        within.map(|k| image.values()[k][0]).min().map_or(1.0, light)
+    };
+    // a line of one pixel covers half of two, and three quarters of those in corners; two faces of the glass are before it
+    for (alpha, transparency) in [(0, 1.0), (102, 0.36), (204, 0.04), (255, 0.0)] {
+        let expected = 1.0 - 0.75 * transparency;
+        assert!((darkest(alpha) - expected).abs() < 0.01, "{alpha}: {}", darkest(alpha));
+    }
+}
+
+#[test]
 fn backgrounds() {
     let weave = weave(&Solid::vacuum());
     let (top, bottom) = (Rgba::opaque(255, 255, 255), Rgba::opaque(0, 0, 255));
