@@ -109,6 +109,9 @@ impl Tree {
     }
 
     /// The node of an output, by the number of the output from 0.
+    ///
+    /// # Panics
+    /// If there are not that many outputs.
     pub fn output(&self, k: u32) -> usize {
         self.outputs[k as usize] as usize
     }
@@ -119,6 +122,9 @@ impl Tree {
     }
 
     /// The operands of the gate at a place.
+    ///
+    /// # Panics
+    /// May panic where there is no gate.
     pub fn operands(&self, gate: usize) -> [usize; 2] {
         let second = gate - 1;
         [self.nodes[second].begin as usize - 1, second]

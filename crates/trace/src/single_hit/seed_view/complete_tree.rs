@@ -38,7 +38,7 @@ impl CompleteTree {
         CompleteTree { height: 0, slots: vec![Slot::Leaf { leaf, complemented }] }
     }
 
-    /// Two trees below an operator.
+    /// Two trees below an operator. The number of slots doubles with every level: this is for small trees.
     pub fn join(operator: Operator, first: &CompleteTree, second: &CompleteTree) -> CompleteTree {
         let height = 1 + first.height.max(second.height);
         let mut slots = vec![Slot::Empty; (2usize << height) - 1];
@@ -119,16 +119,20 @@ impl CompleteTree {
     }
 
     /// The slice of the post-order that is the first sub-tree of an operator: from its first node to one past
-    /// its last, which is the first node of the other one.
+    /// its last, which is the first node of the other one; 0..0 for nodes without children.
     pub fn left_slice(&self, i: u32) -> Range<u32> {
-        let e = self.elevation(i) - 1;
-        (2 * i) << e..(2 * i + 1) << e
+        self.halves(i).map_or(0..0, |[first, second]| first..second)
     }
 
     /// The slice that is the second sub-tree; the operator itself comes next.
     pub fn right_slice(&self, i: u32) -> Range<u32> {
-        let e = self.elevation(i) - 1;
-        (2 * i + 1) << e..i
+        self.halves(i).map_or(0..0, |[_, second]| second..i)
+    }
+
+    /// Where the sub-trees of a node begin; `None` on the lowest level and outside of the tree.
+    fn halves(&self, i: u32) -> Option<[u32; 2]> {
+        let inner = i > 0 && i < self.first();
+        inner.then(|| [2 * i, 2 * i + 1].map(|child| child << self.elevation(child)))
     }
 
     /// All nodes in post-order.
