@@ -13,9 +13,9 @@ use rayweave_shape::primitive::{Primitive, Value};
 use std::collections::{HashMap, HashSet};
 
 impl Document {
-    /// A document that holds a solid under a name. Read back it gives `solid.named(name)`, or the solid itself
-    /// if that is its name already. Parts that are shared become solids of their own; their names begin with
-    /// `_` if they have none.
+    /// A document that holds a solid under a name. Read back it gives the solid itself if that has a name
+    /// already (which may be another one), and `solid.named(name)` if it has none. Parts that are shared become
+    /// solids of their own; their names begin with `_` if they have none.
     pub fn from_solid(name: &str, solid: &Solid) -> Document {
         Document::from_solids([(name, solid)])
     }
