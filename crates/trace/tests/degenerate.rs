@@ -1,0 +1,536 @@
+//! The bank of degenerate cases: small arrangements that are known to break ray tracers, each with its answer.
+//!
+//! Every case is asked of every evaluator in the list at the end; a new one is a line there.
+
+use rayweave_conformance::Random;
+use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
+use rayweave_model::{Collected, Evaluator, Program, Query, RayBatch, Region, RegionId, Solid};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::{Primitive, Value, build};
+use rayweave_trace::{Reference, Weave};
+use std::sync::Arc;
+
+/// All crossings of rays through a program, by the evaluator under test.
+struct Bench<'a>(&'a dyn Fn(Arc<Program>, &[Ray]) -> Collected);
+
+fn bench<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) -> impl Fn(Arc<Program>, &[Ray]) -> Collected {
+    move |program, rays| {
+        let batch: RayBatch = rays.iter().copied().collect();
+        make(program).collect(batch.rays(), &Query::default())
+    }
+}
+
+/// Four frames: none, a shift, a turn, a turn with a shift.
+fn frames() -> [Affine; 4] {
+    let turn = Affine::rotation(Vec3::new(0.3, -0.7, 0.2), 77.7);
+    let shift = Affine::translate(Vec3::new(13.7, -5.1, 0.3));
+    [Affine::IDENTITY, shift, turn, turn.then(&Affine::rotation(Vec3::Y, 211.0)).then(&shift)]
+}
+
+impl Bench<'_> {
+    fn ask(&self, solid: &Solid, ray: Ray) -> Collected {
+        (self.0)(Arc::new(Program::compile(solid).unwrap()), &[ray])
+    }
+
+    /// The ray crosses at these times and begins outside if `outside` is true. Times may be off by what the
+    /// tolerance of points allows at the angle at which the ray meets the surface (`slant`, its sine).
+    fn expect_in(&self, frame: &Affine, solid: &Solid, ray: Ray, outside: bool, times: &[f64], slant: f64) {
+        let turned = ray.transformed(frame);
+        let placed = if *frame == Affine::IDENTITY { solid.clone() } else { solid.apply(*frame) };
+        let found = self.ask(&placed, turned);
+        let got: Vec<f64> = found.crossings.iter().map(|c| c.t).collect();
+        let told = format!("{ray:?} in {frame:?}: {got:?} instead of {times:?}");
+        assert_eq!(found.starts[0] == RegionId(0), outside, "start of {told}");
+        assert_eq!(got.len(), times.len(), "{told}");
+        for (t, expected) in got.iter().zip(times) {
+            let length = turned.direction.length();
+            let reach = 10.0 + 2.0 * frame.translation.length();
+            let delta = 64.0 * UNIT_ROUNDOFF * (turned.origin.length() + expected.abs() * length + reach);
+            assert!((t - expected).abs() <= delta / length / slant, "{told}");
+        }
+        let enters = found.crossings.iter().map(|c| c.enters());
+        assert!(enters.eq((0..got.len()).map(|k| (k % 2 == 0) == outside)), "sides of {told}");
+    }
+
+    /// In every frame.
+    fn expect(&self, solid: &Solid, origin: [f64; 3], direction: [f64; 3], times: &[f64]) {
+        let ray = Ray::new(origin.into(), direction.into());
+        frames().iter().for_each(|frame| self.expect_in(frame, solid, ray, true, times, 0.5));
+    }
+
+    /// Where it stands: for a ray in a face of the whole, which w decides, and for what rounding decides in
+    /// other frames.
+    fn expect_here(&self, solid: &Solid, origin: [f64; 3], direction: [f64; 3], times: &[f64]) {
+        self.expect_in(&Affine::IDENTITY, solid, Ray::new(origin.into(), direction.into()), true, times, 0.5);
+    }
+}
+
+fn made(name: &str, arguments: &[(&str, Value)]) -> Solid {
+    Solid::from(build(name, arguments).unwrap_or_else(|e| panic!("{name}: {e}")))
+}
+
+fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
+    let arguments: Vec<_> = arguments.iter().map(|&(n, v)| (n, Value::Number(v))).collect();
+    made(name, &arguments)
+}
+
+fn block(lo: [f64; 3], hi: [f64; 3]) -> Solid {
+    made("box_from_corners", &[("lo", Vec3::from(lo).into()), ("hi", Vec3::from(hi).into())])
+}
+
+/// From -1 to 1 along all axes.
+fn cube() -> Solid {
+    block([-1.0; 3], [1.0; 3])
+}
+
+fn sphere(radius: f64) -> Solid {
+    shape("sphere", &[("radius", radius)])
+}
+
+fn rod(radius: f64, height: f64) -> Solid {
+    shape("cylinder", &[("radius", radius), ("height", height)])
+}
+
+fn cone(radius1: f64, radius2: f64, height: f64) -> Solid {
+    shape("cone", &[("radius1", radius1), ("radius2", radius2), ("height", height)])
+}
+
+fn torus(major: f64, minor: f64) -> Solid {
+    shape("torus", &[("major", major), ("minor", minor)])
+}
+
+fn wedge(start: f64, sweep: f64) -> Solid {
+    shape("wedge", &[("start_degrees", start), ("sweep_degrees", sweep)])
+}
+
+const X: [f64; 3] = [1.0, 0.0, 0.0];
+const Y: [f64; 3] = [0.0, 1.0, 0.0];
+const Z: [f64; 3] = [0.0, 0.0, 1.0];
+const NOTHING: &[f64] = &[];
+
+fn flush_through_hole(bench: &Bench) {
+    let round = cube() - rod(0.5, 2.0);
+    let square = cube() - block([-0.5, -0.5, -1.0], [0.5, 0.5, 1.0]);
+    for holed in [&round, &square] {
+        bench.expect(holed, [0.0, 0.0, -5.0], Z, NOTHING);
+        bench.expect(holed, [0.25, 0.125, -5.0], Z, NOTHING);
+        bench.expect(holed, [0.75, 0.125, -5.0], Z, &[4.0, 6.0]);
+        bench.expect(holed, [-5.0, 0.0, 0.25], X, &[4.0, 4.5, 5.5, 6.0]);
+        // slanted through the hole: in at the bottom, through its wall, out of the far side
+        bench.expect(holed, [0.0, 0.0, -1.0], [0.5, 0.0, 0.5], &[1.0, 2.0]);
+        // through the rim at the top and the one at the bottom
+        bench.expect(holed, [0.5, 0.0, 1.0], [-0.25, 0.0, -0.5], NOTHING);
+    }
+    // filled again, flush
+    let filled = &round | &rod(0.5, 2.0);
+    bench.expect(&filled, [0.25, 0.125, -5.0], Z, &[4.0, 6.0]);
+    bench.expect(&filled, [-5.0, 0.0, 0.25], X, &[4.0, 6.0]);
+    bench.expect(&filled, [0.5, 0.0, -5.0], Z, &[4.0, 6.0]);
+}
+
+fn abutting_union_across(bench: &Bench) {
+    let row = block([4.0, -1.0, -1.0], [5.0, 1.0, 1.0]) | block([5.0, -1.0, -1.0], [6.0, 1.0, 1.0]);
+    bench.expect(&row, [0.0; 3], X, &[4.0, 6.0]);
+    bench.expect(&row, [0.0, 0.25, 0.5], X, &[4.0, 6.0]);
+    bench.expect(&row, [4.0, -0.5, 0.0], [2.0, 1.0, 0.0], &[0.0, 1.0]);
+    let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    frames().iter().for_each(|frame| bench.expect_in(frame, &!&row, ray, false, &[4.0, 6.0], 0.5));
+}
+
+fn abutting_union_along_the_shared_face(bench: &Bench) {
+    let row = block([4.0, -1.0, -1.0], [5.0, 1.0, 1.0]) | block([5.0, -1.0, -1.0], [6.0, 1.0, 1.0]);
+    bench.expect(&row, [5.0, -3.0, 0.0], Y, &[2.0, 4.0]);
+    bench.expect(&row, [5.0, 3.0, 0.5], [0.0, -2.0, 0.0], &[1.0, 2.0]);
+    bench.expect(&row, [5.0, -2.0, -2.0], [0.0, 1.0, 1.0], &[1.0, 3.0]);
+    // beside it the ray is in the face of one alone
+    let step = block([4.0, -1.0, -1.0], [5.0, 1.0, 1.0]) | block([5.0, -1.0, -1.0], [6.0, 0.0, 1.0]);
+    // w points to +x, out of the first
+    bench.expect_here(&step, [5.0, -3.0, 0.0], Y, &[2.0, 3.0]);
+}
+
+fn four_boxes_along_their_common_edge(bench: &Bench) {
+    let quarter = |x: f64, y: f64| block([x, y, 4.0], [x + 1.0, y + 1.0, 6.0]);
+    let four = [quarter(0.0, 0.0), quarter(-1.0, 0.0), quarter(0.0, -1.0), quarter(-1.0, -1.0)];
+    let all = Solid::union(four.clone());
+    let nested = (&four[0] | &four[3]) | (&four[1] | &four[2]);
+    for solid in [&all, &nested, &Solid::symmetric_difference(four.clone())] {
+        bench.expect(solid, [0.0; 3], Z, &[4.0, 6.0]);
+        bench.expect(solid, [0.0, 0.0, 8.0], [0.0, 0.0, -0.5], &[4.0, 8.0]);
+        bench.expect(solid, [-2.0, -2.0, 3.0], [1.0; 3], &[1.0, 3.0]);
+        bench.expect(solid, [-2.0, 2.0, 5.0], [1.0, -1.0, 0.0], &[1.0, 3.0]);
+    }
+    // three of them: what is missing at the edge is the quarter that w does not point into
+    bench.expect_here(&Solid::union(four[..3].to_vec()), [0.0; 3], Z, &[4.0, 6.0]);
+    bench.expect_here(&Solid::union(four[1..].to_vec()), [0.0; 3], Z, NOTHING);
+}
+
+fn face_sharing_intersection(bench: &Bench) {
+    let both = block([4.0, -1.0, -1.0], [5.0, 1.0, 1.0]) & block([5.0, -1.0, -1.0], [6.0, 1.0, 1.0]);
+    bench.expect(&both, [0.0; 3], X, NOTHING);
+    bench.expect(&both, [4.0, -0.5, 0.0], [2.0, 1.0, 0.0], NOTHING);
+    bench.expect(&both, [5.0, -3.0, 0.0], Y, NOTHING);
+    bench.expect(&both, [5.0, -3.0, 1.0], Y, NOTHING);
+    bench.expect(&(sphere(1.0) & sphere(1.0).translate([2.0, 0.0, 0.0])), [-4.0, 0.0, 0.0], X, NOTHING);
+}
+
+/// A - A and A ^ A are nothing, A | A and A & A are A, for every shape and any ray.
+fn a_solid_and_itself(bench: &Bench) {
+    let shapes = ["sphere", "box", "cylinder", "cone", "torus", "paraboloid", "tube", "prism", "ellipsoid"];
+    for name in shapes {
+        let a = Solid::from(Primitive::example(name).unwrap());
+        let copy = Solid::from(Primitive::example(name).unwrap());
+        let mut rng = Random::new(5);
+        for _ in 0..40 {
+            let (aim, eye) = (rng.point(0.4), 4.0 * rng.direction());
+            let ray = Ray::new(eye, aim - eye);
+            let times = |s: &Solid| bench.ask(s, ray).crossings.iter().map(|c| c.t).collect::<Vec<_>>();
+            let alone = times(&a);
+            assert_eq!(times(&(&a - &copy)), NOTHING, "{name} - itself, {ray:?}");
+            assert_eq!(times(&(&a ^ &copy)), NOTHING, "{name} ^ itself");
+            assert_eq!(times(&(&a | &copy)), alone, "{name} | itself");
+            assert_eq!(times(&(&a & &copy)), alone, "{name} & itself");
+            assert_eq!(times(&(&a - &!&copy)), alone, "{name} - its complement");
+        }
+    }
+}
+
+fn tangent_rays(bench: &Bench) {
+    bench.expect(&sphere(1.0), [1.0, -3.0, 0.0], Y, NOTHING);
+    bench.expect(&sphere(1.0), [-2.2, 0.0, 4.6], [0.6, 0.0, -0.8], NOTHING);
+    bench.expect(&rod(1.0, 4.0), [1.0, -3.0, 0.25], Y, NOTHING);
+    bench.expect(&rod(1.0, 4.0), [1.0, -3.0, -3.0], [0.0, 1.0, 1.0], NOTHING);
+    // touching from inside, where the ray stays inside
+    let shell = sphere(2.0) - sphere(1.0);
+    let t = 3f64.sqrt();
+    bench.expect(&shell, [1.0, 0.0, 0.0], Y, &[-t, t]);
+    bench.expect(&(cube() | sphere(1.0)), [0.5, -3.0, 0.5], Y, &[2.0, 4.0]);
+}
+
+fn two_tangent_spheres_through_the_contact(bench: &Bench) {
+    let pair = sphere(1.0).translate([4.0, 0.0, 0.0]) | sphere(1.0).translate([6.0, 0.0, 0.0]);
+    bench.expect(&pair, [0.0; 3], X, &[3.0, 7.0]);
+    bench.expect(&pair, [10.0, 0.0, 0.0], [-2.0, 0.0, 0.0], &[1.5, 3.5]);
+    // across the contact, tangent to both
+    bench.expect(&pair, [5.0, -3.0, 0.0], Y, NOTHING);
+    // aslant through it: out of one and into the other at the same point
+    let s = 1.0 / 2f64.sqrt();
+    bench.expect(&pair, [5.0, 0.0, 0.0], [s, s, 0.0], &[-2.0 * s, 2.0 * s]);
+    let inner = sphere(2.0) - sphere(1.0).translate([1.0, 0.0, 0.0]);
+    // one in the other: along the line of centres nothing is left at the contact
+    bench.expect(&inner, [-4.0, 0.0, 0.0], X, &[2.0, 4.0]);
+}
+
+fn cone_apex(bench: &Bench) {
+    let up = cone(1.0, 0.0, 2.0);
+    bench.expect(&up, [0.0, 0.0, -5.0], Z, &[4.0, 6.0]);
+    bench.expect(&up, [0.0, 0.0, 5.0], [0.0, 0.0, -1.0], &[4.0, 6.0]);
+    // across the apex, and through it to the base
+    bench.expect(&up, [-3.0, 0.0, 1.0], X, NOTHING);
+    bench.expect(&up, [0.25, 0.0, -1.0], [-0.25, 0.0, 2.0], &[0.0, 1.0]);
+    // two cones tip to tip are one piece along the axis and through the tip
+    let tips = &up | &up.mirror(Z).translate([0.0, 0.0, 2.0]);
+    bench.expect(&tips, [0.0, 0.0, -5.0], Z, &[4.0, 8.0]);
+    bench.expect(&tips, [0.25, 0.0, -1.0], [-0.25, 0.0, 2.0], &[0.0, 2.0]);
+    bench.expect(&tips, [-3.0, 0.0, 1.0], X, NOTHING);
+    // along a generator: by w, which points out of the side at +x and into that at -x
+    bench.expect_here(&up, [1.0, 0.0, -1.0], [-0.5, 0.0, 1.0], NOTHING);
+    bench.expect_here(&up, [-1.0, 0.0, -1.0], [0.5, 0.0, 1.0], &[0.0, 2.0]);
+}
+
+fn torus_axis_and_equators(bench: &Bench) {
+    let ring = torus(2.0, 1.0);
+    bench.expect(&ring, [0.0, 0.0, -5.0], Z, NOTHING);
+    bench.expect(&ring, [-5.0, 0.0, 0.0], X, &[2.0, 4.0, 6.0, 8.0]);
+    // touching the inner equator from the tube: the ray stays inside
+    let t = 8f64.sqrt();
+    bench.expect(&ring, [1.0, 0.0, 0.0], Y, &[-t, t]);
+    bench.expect(&ring, [1.0, -5.0, 0.0], Y, &[5.0 - t, 5.0 + t]);
+    // touching it from the hole, and the outer equator
+    bench.expect(&ring, [1.0, 0.0, -3.0], Z, NOTHING);
+    bench.expect(&ring, [3.0, -5.0, 0.0], Y, NOTHING);
+    bench.expect(&ring, [3.0, 0.0, -5.0], Z, NOTHING);
+}
+
+fn quartic_with_double_roots(bench: &Bench) {
+    let ring = torus(2.0, 1.0);
+    // in the plane that touches the torus along its top circle: two double roots, or one of fourth order
+    for x in [0.0, 0.5, 1.0, 1.5, 1.9375] {
+        bench.expect_here(&ring, [x, -5.0, 1.0], Y, NOTHING);
+        bench.expect_here(&ring, [-x, 5.0, -1.0], [0.0, -2.0, 0.0], NOTHING);
+    }
+    bench.expect_here(&ring, [2.0, -5.0, 1.0], Y, NOTHING);
+    bench.expect_here(&ring, [1.0, 1.0, 1.0], [1.0, -1.0, 0.0], NOTHING);
+    // just below it the two double roots are two pairs
+    let h: f64 = 1.0 / 1024.0;
+    let half = (1.0 - (1.0 - h) * (1.0 - h)).sqrt();
+    let at = |rho: f64| (rho * rho - 1.0).sqrt();
+    let times = [-at(2.0 + half), -at(2.0 - half), at(2.0 - half), at(2.0 + half)];
+    let ray = Ray::new(Vec3::new(1.0, 0.0, 1.0 - h), Vec3::Y);
+    frames().iter().for_each(|frame| bench.expect_in(frame, &ring, ray, true, &times, 0.02));
+    // along a circle of Villarceau's plane: z = x tan(30 degrees) touches the torus at two points
+    let lean = Vec3::new(3f64.sqrt(), 0.0, 1.0);
+    bench.expect(&ring, [0.0; 3], lean.to_array(), NOTHING);
+}
+
+fn horn_and_spindle_torus(bench: &Bench) {
+    let horn = torus(1.0, 1.0);
+    bench.expect_here(&horn, [0.0, 0.0, -5.0], Z, NOTHING);
+    bench.expect(&horn, [-5.0, 0.0, 0.0], X, &[3.0, 7.0]);
+    bench.expect(&horn, [0.0, -5.0, 0.0], Y, &[3.0, 7.0]);
+    let t: f64 = 1.5;
+    // off the axis along it: 1 - (1 - rho)^2 = z^2
+    let z = (1.0 - (t - 1.0) * (t - 1.0)).sqrt();
+    bench.expect(&horn, [t, 0.0, -5.0], Z, &[5.0 - z, 5.0 + z]);
+    let spindle = torus(1.0, 2.0);
+    let tip = 3f64.sqrt();
+    bench.expect(&spindle, [0.0, 0.0, -5.0], Z, &[5.0 - tip, 5.0 + tip]);
+    bench.expect(&spindle, [-5.0, 0.0, 0.0], X, &[2.0, 8.0]);
+    // through the tip across: it touches the skin at a point
+    bench.expect(&spindle, [-5.0, 0.0, 1.75], X, &across_spindle(1.75));
+    bench.expect(&spindle, [-5.0, 0.5, 0.25], X, &chord_of_spindle(0.5, 0.25));
+}
+
+/// Where y = 0 and z = `height` cross the skin: above the tip, two pieces.
+fn across_spindle(height: f64) -> [f64; 4] {
+    let half = (4.0 - height * height).sqrt();
+    let (outer, inner) = (1.0 + half, 1.0 - half);
+    [5.0 - outer, 5.0 - inner, 5.0 + inner, 5.0 + outer]
+}
+
+fn chord_of_spindle(y: f64, z: f64) -> [f64; 2] {
+    let outer = 1.0 + (4.0 - z * z).sqrt();
+    let x = (outer * outer - y * y).sqrt();
+    [5.0 - x, 5.0 + x]
+}
+
+fn coaxial_flush_cylinders(bench: &Bench) {
+    let tube = shape("tube", &[("outer_radius", 1.0), ("inner_radius", 0.5), ("height", 2.0)]);
+    let whole = &tube | &rod(0.5, 2.0);
+    bench.expect(&whole, [-5.0, 0.0, 0.25], X, &[4.0, 6.0]);
+    bench.expect(&whole, [0.5, 0.0, -5.0], Z, &[4.0, 6.0]);
+    bench.expect(&whole, [-5.0, 0.5, 0.25], [1.0, 0.0, 0.0], &[5.0 - 0.75f64.sqrt(), 5.0 + 0.75f64.sqrt()]);
+    bench.expect(&(&tube & &rod(0.5, 2.0)), [-5.0, 0.0, 0.25], X, NOTHING);
+    bench.expect(&(rod(1.0, 2.0) - tube), [-5.0, 0.0, 0.25], X, &[4.5, 5.5]);
+    let stack = rod(0.5, 2.0) | rod(0.5, 2.0).translate([0.0, 0.0, 2.0]);
+    bench.expect(&stack, [0.0, 0.0, -5.0], Z, &[4.0, 8.0]);
+    bench.expect(&stack, [0.25, 0.0, -5.0], Z, &[4.0, 8.0]);
+    bench.expect(&stack, [-0.5, 0.0, 0.5], X, &[0.0, 1.0]);
+    // in the seam
+    bench.expect(&stack, [-5.0, 0.0, 1.0], X, &[4.5, 5.5]);
+    bench.expect(&stack, [-1.0, 0.0, 0.0], [1.0, 0.0, 1.0], &[0.5, 1.5]);
+}
+
+fn sphere_inscribed_in_a_box(bench: &Bench) {
+    let corners = cube() - sphere(1.0);
+    bench.expect(&corners, [-5.0, 0.0, 0.0], X, NOTHING);
+    let s = 0.75f64.sqrt();
+    bench.expect(&corners, [-5.0, 0.5, 0.0], X, &[4.0, 5.0 - s, 5.0 + s, 6.0]);
+    bench.expect(&(cube() | sphere(1.0)), [-5.0, 0.0, 0.0], X, &[4.0, 6.0]);
+    bench.expect(&(cube() & sphere(1.0)), [-5.0, 0.0, 0.0], X, &[4.0, 6.0]);
+    bench.expect(&(sphere(1.0) - cube()), [-5.0, 0.0, 0.0], X, NOTHING);
+    // in a face through the contact: w points out at +x and in at -x
+    bench.expect_here(&corners, [1.0, -5.0, 0.0], Y, NOTHING);
+    bench.expect_here(&corners, [-1.0, -5.0, 0.0], Y, &[4.0, 6.0]);
+}
+
+fn needle_boxes(bench: &Bench) {
+    let foil = block([5.0, -1.0, -1.0], [5.0 + 1e-7, 1.0, 1.0]);
+    bench.expect(&foil, [0.0; 3], X, &[5.0, 5.0 + 1e-7]);
+    let thin = 1e-11;
+    let leaf = block([0.0, -1.0, -1.0], [thin, 1.0, 1.0]);
+    bench.expect_here(&leaf, [-1.0, 0.0, 0.0], X, &[1.0, 1.0 + thin]);
+    let needle = block([-1e-6, -1e-6, -1e3], [1e-6, 1e-6, 1e3]);
+    bench.expect_here(&needle, [0.0, 0.0, -2e3], [0.0, 0.0, 1e3], &[1.0, 3.0]);
+    bench.expect_here(&needle, [-1.0, 0.0, 999.0], X, &[1.0 - 1e-6, 1.0 + 1e-6]);
+    bench.expect_here(&needle, [0.0, 0.0, 0.0], [1e-9, 0.0, 1.0], &[-1000.0, 1000.0]);
+    // thinner than the tolerance it vanishes
+    let film = block([5.0, -1.0, -1.0], [5.0f64.next_up(), 1.0, 1.0]);
+    bench.expect_here(&film, [0.0; 3], X, NOTHING);
+}
+
+fn far_origins(bench: &Bench) {
+    for far in [1e6, 1e8] {
+        for solid in [sphere(1.0), cube(), rod(1.0, 2.0).rotate_x(90.0)] {
+            bench.expect_here(&solid, [-far, 0.0, 0.0], X, &[far - 1.0, far + 1.0]);
+        }
+        bench.expect_here(
+            &torus(2.0, 1.0),
+            [-far, 0.0, 0.0],
+            X,
+            &[far - 3.0, far - 1.0, far + 1.0, far + 3.0],
+        );
+        bench.expect_here(
+            &sphere(1.0),
+            [far, far, far],
+            [-1.0; 3],
+            &[far - 3f64.sqrt().recip(), far + 3f64.sqrt().recip()],
+        );
+        let pair = block([-1.0; 3], [0.0, 1.0, 1.0]) | block([0.0, -1.0, -1.0], [1.0; 3]);
+        bench.expect_here(&pair, [-far, 0.25, 0.5], X, &[far - 1.0, far + 1.0]);
+    }
+}
+
+/// A thousand operators deep, from both sides.
+fn deep_chains(bench: &Bench) {
+    let link = |k: usize| sphere(0.75).translate([k as f64, 0.0, 0.0]);
+    let left = (1..1000).fold(link(0), |chain, k| chain | link(k));
+    let right = (1..1000).fold(link(0), |chain, k| link(k) | chain);
+    let rod = [-5.0, 0.0, 0.0];
+    for chain in [&left, &right] {
+        bench.expect(chain, rod, X, &[4.25, 1004.75]);
+    }
+    // a ball minus what is left of the next larger one: nothing, then the ball, in turns
+    let shell = |k: usize| sphere(1001.0 - k as f64);
+    let onion = (1..=1000).fold(shell(0), |outer, k| shell(k) - outer);
+    bench.expect_here(&onion, [-2000.0, 0.0, 0.0], X, &[1999.0, 2001.0]);
+    let rings = (1..1000).fold(shell(0), |all, k| all ^ shell(k));
+    let mut times: Vec<f64> =
+        (2..=1001).flat_map(|r| [2000.0 - f64::from(r), 2000.0 + f64::from(r)]).collect();
+    times.sort_by(f64::total_cmp);
+    bench.expect_here(&rings, [-2000.0, 0.0, 0.0], X, &times);
+}
+
+/// A wall of 100,000 tiles that touch.
+fn union_of_a_hundred_thousand(bench: &Bench) {
+    let tile = |k: u32| {
+        let (x, y) = (f64::from(k % 1000), f64::from(k / 1000));
+        block([x, y, 0.0], [x + 1.0, y + 1.0, 1.0])
+    };
+    let program = Arc::new(Program::compile(&Solid::union((0..100_000).map(tile))).unwrap());
+    let along = |y: f64| Ray::new(Vec3::new(-1.0, y, 0.5), Vec3::X);
+    let rays = [along(0.5), along(50.0), along(99.5), Ray::new(Vec3::new(500.5, 99.0, -1.0), Vec3::Z)];
+    let found = (bench.0)(program, &rays);
+    let times = |i: usize| found.of(i).iter().map(|c| c.t).collect::<Vec<_>>();
+    for (i, expected) in [[1.0, 1001.0], [1.0, 1001.0], [1.0, 1001.0], [1.0, 2.0]].iter().enumerate() {
+        assert_eq!(times(i), expected, "{:?}", rays[i]);
+    }
+}
+
+fn empty_and_universal_operands(bench: &Bench) {
+    let (nothing, all, a) = (Solid::vacuum(), Solid::plenum(), sphere(1.0));
+    let alone = [4.0, 6.0];
+    let eye = [-5.0, 0.0, 0.0];
+    for solid in
+        [&nothing | &a, &a | &nothing, &a & &all, &all & &a, &a - &nothing, &a ^ &nothing, &all - &!&a]
+    {
+        bench.expect(&solid, eye, X, &alone);
+    }
+    for solid in [&nothing & &a, &a - &all, &nothing - &a, nothing.clone(), !&all, Solid::union([])] {
+        bench.expect(&solid, eye, X, NOTHING);
+    }
+    let ray = Ray::new(eye.into(), Vec3::X);
+    for solid in [&all | &a, &a | &all, all.clone(), !&nothing, Solid::intersection([]), &a | &!&a] {
+        bench.expect_in(&Affine::IDENTITY, &solid, ray, false, NOTHING, 1.0);
+    }
+    for solid in [!&a, &all - &a, &all ^ &a] {
+        bench.expect_in(&Affine::IDENTITY, &solid, ray, false, &alone, 1.0);
+    }
+    // a solid that happens to be empty
+    let empty = cube() & cube().translate([5.0, 0.0, 0.0]);
+    bench.expect(&(&a | &empty), eye, X, &alone);
+    bench.expect(&(&a & &empty), eye, X, NOTHING);
+}
+
+fn wedge_fans(bench: &Bench) {
+    for count in [2u32, 3, 4, 5, 6, 12] {
+        let sweep = 360.0 / f64::from(count);
+        let slices = (0..count).map(|k| wedge(sweep * f64::from(k), sweep));
+        let cake = Solid::union(slices) & rod(1.0, 2.0);
+        // along the axis, in a face between two slices, across the axis, beside it
+        bench.expect(&cake, [0.0, 0.0, -5.0], Z, &[4.0, 6.0]);
+        bench.expect(&cake, [0.5, 0.0, -5.0], Z, &[4.0, 6.0]);
+        bench.expect(&cake, [-5.0, 0.0, 0.25], X, &[4.0, 6.0]);
+        bench.expect(&cake, [-2.0, 0.0, -2.0], [1.0, 0.0, 1.0], &[1.0, 3.0]);
+        let s = 0.75f64.sqrt();
+        bench.expect(&cake, [-5.0, 0.5, 0.0], X, &[5.0 - s, 5.0 + s]);
+    }
+}
+
+fn cylinder_caps_at_the_rim(bench: &Bench) {
+    let can = rod(1.0, 2.0);
+    // through both rims, and touching one from outside
+    bench.expect(&can, [1.0, 0.0, 1.0], [1.0, 0.0, 1.0], &[-2.0, 0.0]);
+    bench.expect(&can, [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], NOTHING);
+    bench.expect(&can, [1.0, 0.0, 1.0], [0.0, 1.0, -1.0], NOTHING);
+    bench.expect(&can, [-1.0, 0.0, 1.0], [2.0, 0.0, -1.0], &[0.0, 1.0]);
+    // in the planes of the caps: w points out of the top and into the bottom
+    bench.expect_here(&can, [-5.0, 0.0, 1.0], X, NOTHING);
+    bench.expect_here(&can, [-5.0, 0.0, -1.0], X, &[4.0, 6.0]);
+    // along the side: out at +x, in at -x
+    bench.expect_here(&can, [1.0, 0.0, -5.0], Z, NOTHING);
+    bench.expect_here(&can, [-1.0, 0.0, -5.0], Z, &[4.0, 6.0]);
+}
+
+/// Two media that share a face, met at angles down to 1e-12: one crossing from one into the other, no gap.
+fn cemented_faces_at_grazing_angles(bench: &Bench) {
+    let regions = |frame: &Affine| {
+        let part = |name: &str, z: f64, medium| Region {
+            name: name.to_owned(),
+            solid: block([-8.0, -8.0, z], [8.0, 8.0, z + 1.0]).apply(*frame),
+            medium,
+        };
+        vec![part("lower", -1.0, 1), part("upper", 0.0, 2)]
+    };
+    for frame in frames() {
+        let program = Arc::new(Program::compile_regions(&regions(&frame)).unwrap());
+        for angle in [0.5, 1e-3, 1e-6, 1e-9, 1e-12] {
+            for (x, y) in [(1.0, 0.0), (0.6, -0.8)] {
+                let ray = Ray::new(Vec3::ZERO, Vec3::new(x, y, angle)).transformed(&frame);
+                let found = (bench.0)(program.clone(), &[ray]);
+                let told = format!("{ray:?}: {:?}", found.crossings);
+                let passes =
+                    |c: &&rayweave_model::Crossing| (c.before, c.after) == (RegionId(1), RegionId(2));
+                let middle: Vec<_> = found.crossings.iter().filter(passes).collect();
+                assert_eq!((middle.len(), found.crossings.len()), (1, 3), "{told}");
+                let delta = 64.0 * UNIT_ROUNDOFF * (40.0 + 2.0 * frame.translation.length());
+                assert!(middle[0].t.abs() <= delta / angle, "{told}");
+            }
+        }
+    }
+}
+
+macro_rules! bank {
+    ({ $($evaluator:ident: $make:expr;)+ } $cases:tt) => {
+        $(bank! { @ $evaluator $make, $cases })+
+    };
+    (@ $evaluator:ident $make:expr, { $($case:ident)+ }) => {
+        mod $evaluator {
+            use super::*;
+            $(#[test]
+            fn $case() {
+                super::$case(&Bench(&bench($make)));
+            })+
+        }
+    };
+}
+
+bank! {
+    {
+        weave: Weave::new;
+        reference: Reference::new;
+    }
+    {
+        flush_through_hole
+        abutting_union_across
+        abutting_union_along_the_shared_face
+        four_boxes_along_their_common_edge
+        face_sharing_intersection
+        a_solid_and_itself
+        tangent_rays
+        two_tangent_spheres_through_the_contact
+        cone_apex
+        torus_axis_and_equators
+        quartic_with_double_roots
+        horn_and_spindle_torus
+        coaxial_flush_cylinders
+        sphere_inscribed_in_a_box
+        needle_boxes
+        far_origins
+        deep_chains
+        union_of_a_hundred_thousand
+        empty_and_universal_operands
+        wedge_fans
+        cylinder_caps_at_the_rim
+        cemented_faces_at_grazing_angles
+    }
+}
