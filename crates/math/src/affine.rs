@@ -161,6 +161,13 @@ impl Affine {
         })
     }
 
+    /// The factor `s > 0` if the map only scales by it, the same in all directions, and translates: directions
+    /// then keep every bit.
+    pub fn uniform_scale(&self) -> Option<f64> {
+        let s = self.linear.x_axis.x;
+        (s > 0.0 && self.linear == Mat3::from_diagonal(Vec3::splat(s))).then_some(s)
+    }
+
     /// An upper bound of how much the linear part can lengthen a vector (the Frobenius norm).
     pub fn stretch(&self) -> f64 {
         frobenius(&self.linear)
@@ -233,6 +240,8 @@ mod tests {
             if factor > 1e-150 {
                 assert_eq!(map.similarity(), Some(factor));
             }
+            let plain = Affine::scale(Vec3::splat(factor)).then(&Affine::translate(Vec3::ONE));
+            assert_eq!((plain.uniform_scale(), map.uniform_scale()), (Some(factor), None));
         }
     }
 

@@ -68,7 +68,13 @@ impl Plane {
 
     /// The image of the plane. With p = L q + T, `n . q = c` becomes `(L^-T n) . p = c + (L^-T n) . T`.
     pub fn transformed(&self, to: &Transform) -> Plane {
+        let map = &to.world_from_local;
+        if let Some(scale) = map.uniform_scale() {
+            // a unit normal made unit once more may change in its last bit
+            let offset = scale * self.offset + self.normal.dot(map.translation);
+            return Plane { normal: self.normal, offset };
+        }
         let normal = to.local_from_world.linear.transpose() * self.normal;
-        Plane::new(normal, self.offset + normal.dot(to.world_from_local.translation))
+        Plane::new(normal, self.offset + normal.dot(map.translation))
     }
 }

@@ -137,9 +137,10 @@ impl Quadric {
         let centre = to.world_from_local.point(self.centre);
         if let Some(scale) = to.world_from_local.similarity() {
             let square = scale * scale;
+            let keeps_directions = to.world_from_local.uniform_scale().is_some();
             return Quadric {
                 centre,
-                axes: self.axes.map(|e| unit(turned * e)),
+                axes: if keeps_directions { self.axes } else { self.axes.map(|e| unit(turned * e)) },
                 weights: self.weights,
                 linear: square * (turned * self.linear),
                 constant: square * self.constant,
