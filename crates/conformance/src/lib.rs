@@ -26,9 +26,9 @@ mod random;
 mod tally;
 
 pub mod agree;
-pub mod exact;
 pub mod closed;
 pub mod deep;
+pub mod exact;
 pub mod laws;
 pub mod lying;
 pub mod models;

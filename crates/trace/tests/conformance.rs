@@ -1,7 +1,9 @@
-//! Both evaluators pass the suite.
+//! All evaluators pass the suite.
 
 use rayweave_conformance::conformance_tests;
-use rayweave_trace::{Reference, Weave};
+use rayweave_model::Program;
+use rayweave_trace::{Reference, SingleHit, Weave};
+use std::sync::Arc;
 
 mod weave {
     use super::*;
@@ -11,4 +13,14 @@ mod weave {
 mod reference {
     use super::*;
     conformance_tests!(Reference::new);
+}
+
+mod single_hit {
+    use super::*;
+
+    fn single_hit(program: Arc<Program>) -> SingleHit {
+        SingleHit::new(program).expect("no model of the suite is too large")
+    }
+
+    conformance_tests!(single_hit, Reference::new);
 }
