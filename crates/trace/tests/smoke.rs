@@ -8,10 +8,7 @@ use rayweave_trace::{Reference, Weave};
 use std::sync::Arc;
 
 fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
-    let arguments: Vec<_> = arguments
-        .iter()
-        .map(|&(n, v)| (n, Value::Number(v)))
-        .collect();
+    let arguments: Vec<_> = arguments.iter().map(|&(n, v)| (n, Value::Number(v))).collect();
     Solid::from(build(name, &arguments).unwrap())
 }
 
@@ -34,10 +31,7 @@ fn sphere_minus_sphere() {
     assert_eq!(times(&big, x), [3.0, 7.0]);
     assert_eq!(times(&(&big - &small), x), [3.0, 4.0, 6.0, 7.0]);
     assert_eq!(times(&(&small - &big), x), [0.0; 0]);
-    assert_eq!(
-        times(&(&big ^ &small.translate([2.0, 0.0, 0.0])), x),
-        [3.0, 6.0, 7.0, 8.0]
-    );
+    assert_eq!(times(&(&big ^ &small.translate([2.0, 0.0, 0.0])), x), [3.0, 6.0, 7.0, 8.0]);
     let outside = ask(&!&big, x);
     assert_eq!(outside.starts, [RegionId(1)]);
     assert_eq!(outside.crossings.len(), 2);
@@ -49,14 +43,8 @@ fn touching_boxes_are_one() {
     let row = &unit | &unit.translate([1.0, 0.0, 0.0]);
     let x = Ray::new(Vec3::new(-5.0, 0.1, 0.2), Vec3::X);
     assert_eq!(times(&row, x), [4.5, 6.5]);
-    assert_eq!(
-        times(&(&unit - &unit.translate([1.0, 0.0, 0.0])), x),
-        [4.5, 5.5]
-    );
-    assert_eq!(
-        times(&(&unit & &unit.translate([1.0, 0.0, 0.0])), x),
-        [0.0; 0]
-    );
+    assert_eq!(times(&(&unit - &unit.translate([1.0, 0.0, 0.0])), x), [4.5, 5.5]);
+    assert_eq!(times(&(&unit & &unit.translate([1.0, 0.0, 0.0])), x), [0.0; 0]);
     // a ray in the shared face
     let in_face = Ray::new(Vec3::new(0.5, -5.0, 0.1), Vec3::Y);
     assert_eq!(times(&row, in_face), [4.5, 5.5]);
@@ -65,9 +53,8 @@ fn touching_boxes_are_one() {
 #[test]
 fn placed_tiles_touch() {
     let unit = shape("box", &[("size", 1.0)]);
-    let maps: Vec<_> = (0..10)
-        .map(|k| rayweave_math::Affine::translate(Vec3::new(f64::from(k), 0.0, 0.0)))
-        .collect();
+    let maps: Vec<_> =
+        (0..10).map(|k| rayweave_math::Affine::translate(Vec3::new(f64::from(k), 0.0, 0.0))).collect();
     let tiles = unit.place(maps);
     let x = Ray::new(Vec3::new(-5.0, 0.1, 0.2), Vec3::new(1.0, 0.01, 0.0));
     let found = times(&tiles, x);
