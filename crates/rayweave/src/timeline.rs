@@ -22,8 +22,10 @@ const MOST_NODES: usize = 10_000;
 /// Draws what happens along a ray: a wave for each leaf, their count, the regions and media that the ray is in.
 ///
 /// The leaves are those of the solids of the regions, or of the one solid that `compiled` was made of. A solid that is
-/// placed many times counts as one leaf, and of many leaves those are left out that the ray does not touch. Where there are more leaves than can be read, the waves are those of the regions'
-/// whole solids; where those are too many, there are none.
+/// placed many times counts as one leaf, leaves of one name with the same wave (a solid used in several places,
+/// unbounded along the way between them) are drawn and counted once, and of many leaves those are left out
+/// that the ray does not touch. Where there are more leaves than can be read, the waves are those of the
+/// regions' whole solids; where those are too many, there are none.
 ///
 /// # Errors
 ///
@@ -37,10 +39,13 @@ pub fn timeline(
     let mut timeline = Timeline::new();
     let operands = operands(scene, solid)?;
     let shows_all = operands.len() <= FEW_OPERANDS;
+    let mut drawn: Vec<(String, RootRay)> = Vec::new();
     for (name, operand) in operands {
-        let wave = wave(&operand, ray)?;
-        if shows_all || wave.start() == Side::Inside || !wave.roots().is_empty() {
-            timeline.operand(&name, &wave);
+        let row = (name, wave(&operand, ray)?);
+        let is_touched = row.1.start() == Side::Inside || !row.1.roots().is_empty();
+        if (shows_all || is_touched) && !drawn.contains(&row) {
+            timeline.operand(&row.0, &row.1);
+            drawn.push(row);
         }
     }
     let answer = Weave::new(compiled.program.clone()).one(ray, &Query::default());
