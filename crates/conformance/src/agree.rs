@@ -21,7 +21,7 @@ pub fn with_the_reference<E: Evaluator, R: Evaluator>(
         let mut rng = Random::new(seed);
         let style = [Style::Generic, Style::Grid, Style::Grid, Style::Planes][seed as usize % 4];
         let model = Model::random(&mut rng, style);
-        let Ok(program) = model.compile() else { continue };
+        let program = model.compiled();
         let rays = rays(&mut rng, style, &model.frame, count);
         let pair = Pair { seed, model: &model, ours: make(program.clone()), theirs: reference(program) };
         crossings += pair.all(&rays, &mut tally);

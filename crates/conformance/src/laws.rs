@@ -1,6 +1,6 @@
 //! Laws that hold whatever the model: of booleans, of motions, of the ray.
 
-use crate::models::{Model, motion, solid};
+use crate::models::{Model, compiled, motion, solid};
 use crate::rays::{batch, rays};
 use crate::{Effort, Random, Style, Tally, list};
 use rayweave_math::{Affine, Vec3};
@@ -60,12 +60,12 @@ pub fn of_booleans<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
         // every side of every law has the same leaves, so that ball and shared surfaces are the same
         let nothing = Solid::union(parts.iter().map(nothing_of));
         let ask = |solid: Solid| {
-            let program = Program::compile(&(solid | nothing.clone()).apply(frame)).ok()?;
-            Some(make(Arc::new(program)).collect(batch(&rays).rays(), &Query::default()))
+            let program = compiled(Program::compile(&(solid | nothing.clone()).apply(frame)));
+            make(program).collect(batch(&rays).rays(), &Query::default())
         };
         for (name, law) in BOOLEAN {
             let (left, right) = law(&parts);
-            let (Some(l), Some(r)) = (ask(left), ask(right)) else { continue };
+            let (l, r) = (ask(left), ask(right));
             for (i, ray) in rays.iter().enumerate() {
                 let same = l.starts[i] == r.starts[i] && bits(l.of(i)) == bits(r.of(i));
                 tally.check(same, || {
@@ -101,9 +101,9 @@ pub fn of_scale<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) 
         let factor = rng.pick(&[0.125, 0.5, 2.0, 1024.0, 2f64.powi(40), 2f64.powi(-30)]);
         let map = Affine::scale(Vec3::splat(factor));
         let rays = rays(rng, style, &model.frame, 60);
-        let (plain, scaled) = (ask(&make, model, &rays)?, {
+        let (plain, scaled) = (ask(&make, model, &rays), {
             let rays: Vec<Ray> = rays.iter().map(|r| Ray::new(r.origin * factor, r.direction)).collect();
-            ask(&make, &moved(model, &map), &rays)?
+            ask(&make, &moved(model, &map), &rays)
         });
         for i in 0..rays.len() {
             let expected: Vec<_> =
@@ -114,7 +114,6 @@ pub fn of_scale<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) 
                 format!("scaled by {factor}: {:?}\n{model}{l}\nagainst{r}", rays[i])
             });
         }
-        Some(())
     });
     tally.finish(5_000 * effort.times());
 }
@@ -128,7 +127,7 @@ pub fn of_motion<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort)
         let map = if rng.chance(0.3) { Affine::mirror(rng.direction()) } else { motion(rng) };
         let rays = plain_rays(rng);
         let there: Vec<Ray> = rays.iter().map(|r| r.transformed(&map)).collect();
-        let (plain, moved) = (ask(&make, &model, &rays)?, ask(&make, &moved(&model, &map), &there)?);
+        let (plain, moved) = (ask(&make, &model, &rays), ask(&make, &moved(&model, &map), &there));
         for i in 0..rays.len() {
             let same = plain.starts[i] == moved.starts[i] && alike(plain.of(i), moved.of(i), 1e-5);
             tally.check(same, || {
@@ -136,7 +135,6 @@ pub fn of_motion<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort)
                 format!("moved by {map:?}: {:?}\n{model}{l}\nagainst{r}", rays[i])
             });
         }
-        Some(())
     });
     tally.finish(3_000 * effort.times());
 }
@@ -160,7 +158,7 @@ pub fn of_reversal<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
     for_models(effort, 5_000_000, |rng, style, model| {
         let rays = if style == Style::Generic { plain_rays(rng) } else { rays(rng, style, &model.frame, 60) };
         let back: Vec<Ray> = rays.iter().map(|r| Ray::new(r.origin, -r.direction)).collect();
-        let (there, back) = (ask(&make, model, &rays)?, ask(&make, model, &back)?);
+        let (there, back) = (ask(&make, model, &rays), ask(&make, model, &back));
         for i in 0..rays.len() {
             let reversed: Vec<Crossing> = back.of(i).iter().rev().map(reverse).collect();
             // a change of region without a change of medium is not reported, so the ends are told by media
@@ -184,7 +182,6 @@ pub fn of_reversal<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
                 format!("{:?}\n{model}{l}\nreversed{r}", rays[i])
             });
         }
-        Some(())
     });
     tally.finish(5_000 * effort.times());
 }
@@ -205,14 +202,14 @@ pub fn of_regions<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort
             medium: k as u32 + 1,
         };
         let regions: Vec<Region> = solids.iter().enumerate().map(region).collect();
-        let program = Arc::new(Program::compile_regions(&regions).ok()?);
+        let program = compiled(Program::compile_regions(&regions));
         let partition = make(program).collect(batch(&rays).rays(), &Query::default());
         for k in 0..solids.len() {
             // all of them, so that the leaves and what they share are the same
             let earlier = Solid::union(solids[..k].iter().map(nothing_of));
             let later = Solid::union(solids[k + 1..].iter().cloned());
-            let alone = Program::compile(&(earlier | (&solids[k] - later))).ok()?;
-            let alone = make(Arc::new(alone)).collect(batch(&rays).rays(), &Query::default());
+            let alone = compiled(Program::compile(&(earlier | (&solids[k] - later))));
+            let alone = make(alone).collect(batch(&rays).rays(), &Query::default());
             let here = RegionId(k as u32 + 1);
             for i in 0..rays.len() {
                 let ours: Vec<(u64, bool)> = partition
@@ -230,7 +227,6 @@ pub fn of_regions<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort
                 });
             }
         }
-        Some(())
     });
     tally.finish(10_000 * effort.times());
 }
@@ -247,8 +243,8 @@ pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
         let placed = part.place(maps);
         let single = Solid::union(steps.iter().map(|&v| part.translate(v)));
         let rays = rays(rng, style, &Affine::IDENTITY, 60);
-        let placed = ask(&make, &Model::of(placed - other.clone()), &rays)?;
-        let single = ask(&make, &Model::of(single - other), &rays)?;
+        let placed = ask(&make, &Model::of(placed - other.clone()), &rays);
+        let single = ask(&make, &Model::of(single - other), &rays);
         for i in 0..rays.len() {
             // far along a nearly parallel ray even the tolerance is large: places, not times
             let size = 1e-9 / rays[i].direction.length() * (1.0 + rays[i].origin.length());
@@ -262,7 +258,6 @@ pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
                 format!("{part:?} at {steps:?}, {:?}{}\nagainst{}", rays[i], list(l), list(r))
             });
         }
-        Some(())
     });
     tally.finish(3_000 * effort.times());
 }
@@ -273,13 +268,12 @@ fn moved(model: &Model, map: &Affine) -> Model {
     there
 }
 
-fn ask<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, model: &Model, rays: &[Ray]) -> Option<Collected> {
-    let program = model.compile().ok()?;
-    Some(make(program).collect(batch(rays).rays(), &Query::default()))
+fn ask<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, model: &Model, rays: &[Ray]) -> Collected {
+    make(model.compiled()).collect(batch(rays).rays(), &Query::default())
 }
 
-/// Random models of all styles; those that cannot be compiled are left out.
-fn for_models(effort: Effort, first: u64, mut test: impl FnMut(&mut Random, Style, &Model) -> Option<()>) {
+/// Random models of all styles.
+fn for_models(effort: Effort, first: u64, mut test: impl FnMut(&mut Random, Style, &Model)) {
     for seed in 0..150 * effort.times() {
         let mut rng = Random::new(first + seed);
         let style = [Style::Generic, Style::Grid, Style::Planes][seed as usize % 3];

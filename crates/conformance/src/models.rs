@@ -48,6 +48,11 @@ impl Model {
         Model { regions: vec![region], frame: Affine::IDENTITY, style: Style::Generic }
     }
 
+    /// The compiled model, which must be legal.
+    pub(crate) fn compiled(&self) -> Arc<Program> {
+        compiled(Program::compile_regions(&self.regions))
+    }
+
     /// The compiled model.
     pub fn compile(&self) -> Result<Arc<Program>, CompileError> {
         Program::compile_regions(&self.regions).map(Arc::new)
@@ -64,6 +69,11 @@ impl fmt::Display for Model {
         }
         Ok(())
     }
+}
+
+/// Every model of the suite is legal: one that is refused is a bug to be shown.
+pub(crate) fn compiled(program: Result<Program, CompileError>) -> Arc<Program> {
+    Arc::new(program.unwrap_or_else(|e| panic!("a legal model is refused: {e}")))
 }
 
 /// A random solid of about the given depth.

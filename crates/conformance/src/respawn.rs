@@ -1,6 +1,6 @@
 //! Rays that leave a surface where they met it, a thousand times over: nothing is hit twice, nothing leaks.
 
-use crate::models::{motion, shape};
+use crate::models::{compiled, motion, shape};
 use crate::rays::batch;
 use crate::{Effort, Random, Tally, list};
 use rayweave_math::{Affine, Vec3};
@@ -27,7 +27,7 @@ pub fn in_mirrors<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort
             true => solid.place([frame, frame.then(&Affine::translate(Vec3::splat(30.0 * size)))]),
             false => solid.apply(frame),
         };
-        let Ok(program) = Program::compile(&solid).map(Arc::new) else { continue };
+        let program = compiled(Program::compile(&solid));
         let start = first_ray(&mut rng, seed).transformed(&frame);
         let walk = Walk { program: &program, evaluator: make(program.clone()), seed, size };
         walk.run(start, 1000, &mut tally);

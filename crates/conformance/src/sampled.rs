@@ -17,7 +17,7 @@ pub fn with_formulas<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
         let mut rng = Random::new(1_000_000 + seed);
         let style = [Style::Generic, Style::Generic, Style::Grid, Style::Planes][seed as usize % 4];
         let model = Model::random(&mut rng, style);
-        let Ok(program) = model.compile() else { continue };
+        let program = model.compiled();
         let evaluator = make(program);
         let oracles: Vec<Oracle> = model.regions.iter().map(|r| Oracle::new(&r.solid)).collect();
         let rays = rays(&mut rng, style, &model.frame, count / 4);
@@ -60,6 +60,14 @@ fn one<E: Evaluator>(
                     found.starts[i],
                     list(crossings)
                 )
+            });
+        }
+        if let Some(crossing) = crossings.get(k) {
+            let point = ray.at(crossing.t);
+            let slack = 1e-9 * (1.0 + point.length() + ray.origin.length());
+            let bounds = evaluator.program().bounds().grown(slack);
+            tally.check(bounds.contains(point), || {
+                format!("seed {seed}: {point} is not in {bounds:?}\n{model}")
             });
         }
         region = crossings.get(k).map_or(region, |c| c.after);
