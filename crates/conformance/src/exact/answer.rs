@@ -30,6 +30,8 @@ pub struct Expected {
     pub before: usize,
     /// The region after.
     pub after: usize,
+    /// When, rounded: the time of the last of the crossings welded into one.
+    pub t: f64,
     /// The least and the greatest time that a backward stable computation may give.
     pub times: (f64, f64),
     /// The leaves to one of which it belongs.
@@ -71,11 +73,11 @@ pub struct Answer {
 impl Answer {
     /// The answer for the times from `-far` to `far`.
     pub fn within(mut self, far: f64) -> Answer {
-        let passed = self.crossings.partition_point(|c| c.times.1 < -far);
+        let passed = self.crossings.partition_point(|c| c.t < -far);
         if let Some(last) = self.crossings.drain(..passed).next_back() {
             self.start = last.after;
         }
-        self.crossings.retain(|c| c.times.0 < far);
+        self.crossings.retain(|c| c.t < far);
         self
     }
 }
@@ -343,7 +345,13 @@ impl<'a> Work<'a> {
                 times = (times.0.min(root.t() - play), times.1.max(root.t() + play));
             }
         }
-        Some(Expected { before, after, times, leaves: self.owners(run, times) })
+        Some(Expected {
+            before,
+            after,
+            t: self.moments[last].root.t(),
+            times,
+            leaves: self.owners(run, times),
+        })
     }
 
     /// The leaves that a crossing may be said to belong to. Where several surfaces meet, rounding may let any
@@ -464,8 +472,8 @@ pub fn region_at(exact: &Exact, point: Vec3) -> Option<usize> {
     let side = |surface: &Surface| {
         let value = surface.value(&line.at(&Dyadic::ZERO));
         if value.is_zero() {
-            // the engine's unit normal is rounded, and its plane may pass beside the point
-            if surface.is_oblique_plane() {
+            // the engine's surface is rounded, and may pass beside the point
+            if surface.is_rounded() {
                 return None;
             }
             return side_along_w(surface, &line, &chord).ok();

@@ -5,6 +5,28 @@ use crate::Random;
 use rayweave_math::Vec3;
 use rayweave_shape::Ray;
 
+/// Where and how large a model and its rays are drawn: a scale by a power of two, then a shift.
+pub fn stage(rng: &mut Random) -> Vec<Map> {
+    match rng.below(6) {
+        0 => vec![Map::Scale([libm::ldexp(1.0, rng.below(53) as i32 - 26); 3])],
+        1 => vec![Map::Move(halves(rng).map(|x| x * libm::ldexp(1.0, rng.below(20) as i32)))],
+        _ => Vec::new(),
+    }
+}
+
+/// A ray on a stage; `None` if that would round it.
+pub fn staged(ray: Ray, stage: &[Map]) -> Option<Ray> {
+    stage.iter().try_fold(ray, |ray, map| {
+        let affine = map.affine();
+        let moved = ray.transformed(&affine);
+        let exact = match affine.inverse() {
+            Ok(back) => moved.transformed(&back) == ray,
+            Err(_) => false,
+        };
+        exact.then_some(moved)
+    })
+}
+
 /// A model of one part, or of several in any media, on a grid of halves with few sizes: faces, edges, axes and
 /// points of contact coincide everywhere.
 pub fn parts(rng: &mut Random) -> Vec<Part> {
@@ -151,12 +173,28 @@ fn round(rng: &mut Random) -> Shape {
             Shape::Cone(a, b, rng.pick(&[1.0, 2.0]))
         }
         10 => Shape::Paraboloid(rng.pick(&[0.25, 0.5]), rng.pick(&[1.0, 2.0, f64::INFINITY])),
-        _ => match rng.below(3) {
-            0 => Shape::Tube(2.0 * radius, radius, rng.pick(&[1.0, 2.0])),
-            1 => hyperboloid(rng.pick(&[1.0, -1.0])),
-            _ => hyperboloid(0.0),
-        },
+        _ if rng.chance(0.3) => Shape::Tube(2.0 * radius, radius, rng.pick(&[1.0, 2.0])),
+        _ => general(rng),
     }
+}
+
+/// Surfaces of all other kinds, many of which hold straight lines of the grid.
+fn general(rng: &mut Random) -> Shape {
+    let mut matrix = [[0.0; 4]; 4];
+    let mut set = |i: usize, j: usize, x: f64| (matrix[i][j], matrix[j][i]) = (x, x);
+    match rng.below(9) {
+        k @ 0..3 => return hyperboloid([1.0, -1.0, 0.0][k]),
+        // saddles: x y < z, x^2 - y^2 < z
+        3 => [(0, 1, 0.5), (2, 3, -0.5)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
+        4 => [(0, 0, 1.0), (1, 1, -1.0), (2, 3, -0.5)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
+        // cylinders over a parabola and over a hyperbola
+        5 => [(0, 0, 1.0), (2, 3, -0.5)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
+        6 => [(0, 0, 1.0), (1, 1, -1.0), (3, 3, -0.25)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
+        // two planes that cross, and a cone about a slanted axis: x y < 0, z^2 < x y
+        7 => set(0, 1, 0.5),
+        _ => [(0, 1, -0.5), (2, 2, 1.0)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
+    }
+    Shape::Quadric(matrix, 0.5)
 }
 
 /// x^2 + y^2 < z^2 + level: of one sheet, of two, or the double cone between them.

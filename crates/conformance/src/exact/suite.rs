@@ -2,7 +2,7 @@
 
 use super::answer::{Answer, Expected, answer, region_at, scrutiny};
 use super::tree::regions;
-use super::{Exact, Line, Part, Tree, draw};
+use super::{Exact, Line, Map, Part, Tree, draw};
 use crate::{Effort, Random, list};
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::{Ball, Crossing, Evaluator, Limit, Program, Query, RayBatch, RegionId, Window};
@@ -71,7 +71,7 @@ struct Subject<E> {
 impl<E> Subject<E> {
     /// True if the engine's surfaces are not quite the exact ones.
     fn is_windowed(&self) -> bool {
-        self.frame != Affine::IDENTITY || self.exact.surfaces.iter().any(|s| s.is_oblique_plane())
+        self.frame != Affine::IDENTITY || self.exact.surfaces.iter().any(|s| s.is_rounded())
     }
 
     fn medium(&self, region: usize) -> u32 {
@@ -105,12 +105,18 @@ pub fn planted<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) -
     let mut count = Count::default();
     for seed in 0..models {
         let mut rng = Random::new(seed);
-        let parts = draw::parts(&mut rng);
+        let (parts, stage) = (draw::parts(&mut rng), draw::stage(&mut rng));
+        let parts: Vec<Part> = parts.into_iter().map(|part| on_stage(part, &stage)).collect();
         let Ok(subject) = subject(&parts, Affine::IDENTITY, &make) else { continue };
-        let rays: Vec<Ray> = (0..rays).map(|_| draw::ray(&mut rng)).collect();
+        let drawn = (0..rays).map(|_| draw::ray(&mut rng));
+        let rays: Vec<Ray> = drawn.filter_map(|ray| draw::staged(ray, &stage)).collect();
         compare_all(&subject, &rays, seed, &mut count, &make);
     }
     count
+}
+
+fn on_stage(part: Part, stage: &[Map]) -> Part {
+    Part { tree: stage.iter().fold(part.tree, |tree, map| tree.moved(*map)), ..part }
 }
 
 /// The same models turned by a rotation from an integer quaternion, rounded, and shifted.

@@ -72,10 +72,12 @@ impl Surface {
         plane.then(|| q[3][3].abs() / normal.length())
     }
 
-    /// True for planes but those across a coordinate axis.
-    pub fn is_oblique_plane(&self) -> bool {
-        let normal = (0..3).filter(|&k| self.rounded[k][3] != 0.0).count();
-        self.distance().is_some() && normal > 1
+    /// True if the engine's unit normal or principal axes are rounded: for planes but those across a coordinate
+    /// axis, and quadrics whose axes are not the coordinate axes.
+    pub fn is_rounded(&self) -> bool {
+        let oblique = (0..3).filter(|&k| self.rounded[k][3] != 0.0).count() > 1;
+        let turned = [(0, 1), (0, 2), (1, 2)].iter().any(|&(i, j)| self.rounded[i][j] != 0.0);
+        turned || (self.distance().is_some() && oblique)
     }
 
     /// The matrix times a vector.
