@@ -85,9 +85,14 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
         return Err("it is a folder".to_owned());
     }
     let mut bytes = Vec::new();
-    // also where the size is not known before, as of a pipe
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| reason(&error))?;
-    if bytes.len() as u64 > LARGEST_FILE {
+    let mut is_too_large = metadata.len() > LARGEST_FILE;
+    if !is_too_large {
+        // the size of a pipe is not known before
+        let mut limited = file.take(LARGEST_FILE + 1);
+        let count = limited.read_to_end(&mut bytes);
+        is_too_large = count.map_err(|error| reason(&error))? as u64 > LARGEST_FILE;
+    }
+    if is_too_large {
         return Err(format!("it is larger than {} MiB", LARGEST_FILE >> 20));
     }
     Ok(bytes)

@@ -1,0 +1,252 @@
+//! The JSON schema of the model file, so that editors complete and check it.
+
+use crate::document::Shading;
+use crate::formats::native::VERSION;
+use crate::unit::Unit;
+use rayweave_shape::primitive::{MANUALS, Manual, Parameter, ParameterKind};
+use serde_json::{Map, Value, json};
+
+/// The JSON schema (draft 2020-12) of the native model file. The shapes in it come from their manual pages.
+pub fn schema() -> Value {
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Rayweave model",
+        "type": "object",
+        "properties": {
+            "rayweave": { "const": VERSION as u64, "description": "The version of the format." },
+            "unit": { "enum": Unit::ALL.map(|(_, symbol, _)| symbol), "description": "The unit of all lengths." },
+            "parameters": {
+                "description": "Named numbers; they may depend on each other in any order.",
+                "type": "object",
+                "additionalProperties": reference("number"),
+            },
+            "solid": {
+                "description": "Named solids.",
+                "type": "object",
+                "additionalProperties": solid(),
+            },
+            "region": {
+                "description": "Solids made of media; later ones win where they overlap.",
+                "type": "array",
+                "items": region(),
+            },
+            "medium": {
+                "description": "Media; `world` is the one around everything.",
+                "type": "object",
+                "additionalProperties": medium(),
+            },
+            "camera": camera(),
+            "light": { "description": "Lights.", "type": "array", "items": light() },
+            "render": render(),
+        },
+        // tables of other names are kept for others
+        "additionalProperties": { "type": ["object", "array"] },
+        "$defs": definitions(),
+    })
+}
+
+fn reference(name: &str) -> Value {
+    json!({ "$ref": format!("#/$defs/{name}") })
+}
+
+/// An object that has no other keys than these.
+fn table(description: &str, properties: Value, required: &[&str]) -> Value {
+    json!({
+        "description": description,
+        "type": "object",
+        "properties": properties,
+        "required": required,
+        "additionalProperties": false,
+    })
+}
+
+fn text(description: &str) -> Value {
+    json!({ "type": "string", "description": description })
+}
+
+fn list(of: &str, length: usize) -> Value {
+    json!({ "type": "array", "items": reference(of), "minItems": length, "maxItems": length })
+}
+
+fn definitions() -> Value {
+    json!({
+        "number": {
+            "description": "A number, or arithmetic text over parameters.",
+            "type": ["number", "string"],
+        },
+        "vector": list("number", 3),
+        "row": list("number", 4),
+        "matrix": list("row", 4),
+        "colour": {
+            "description": "#rgb, #rrggbb or #rrggbbaa",
+            "type": "string",
+            "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})$",
+        },
+        "step": step(),
+    })
+}
+
+fn solid() -> Value {
+    let mut properties = Map::new();
+    properties
+        .insert("expr".into(), text("A boolean expression over names of solids: | & - ^ ~ and parentheses."));
+    properties.insert("place".into(), place());
+    let shapes = MANUALS.iter().map(|manual| (manual.name.to_owned(), shape(manual)));
+    properties.extend(shapes);
+    let bodies: Vec<Value> = properties.keys().map(|key| json!({ "required": [key] })).collect();
+    let transform = json!({
+        "description": "Maps, applied in this order.",
+        "anyOf": [{ "type": "array", "items": reference("step") }, reference("step")],
+    });
+    properties.insert("transform".into(), transform);
+    properties.insert("name".into(), text("What its faces are called by, if not by its own name."));
+    json!({
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
+        "oneOf": bodies,
+    })
+}
+
+fn shape(manual: &Manual) -> Value {
+    let properties: Map<String, Value> = manual
+        .parameters
+        .iter()
+        .map(|parameter| (parameter.name.to_owned(), parameter_schema(parameter)))
+        .collect();
+    let needed = manual.parameters.iter().filter(|parameter| parameter.default.is_none());
+    let needed: Vec<&str> = needed.map(|parameter| parameter.name).collect();
+    table(manual.summary, properties.into(), &needed)
+}
+
+fn parameter_schema(parameter: &Parameter) -> Value {
+    let mut schema = match parameter.kind {
+        ParameterKind::Number | ParameterKind::Count => reference("number"),
+        ParameterKind::Vector3 => reference("vector"),
+        ParameterKind::NumberOrVector3 => json!({ "anyOf": [reference("number"), reference("vector")] }),
+        ParameterKind::Planes => json!({ "type": "array", "items": reference("row"), "minItems": 1 }),
+        ParameterKind::Matrix4 => reference("matrix"),
+    };
+    schema["description"] = format!("{} ({}, {})", parameter.summary, parameter.unit, parameter.range).into();
+    schema
+}
+
+fn place() -> Value {
+    let mut place = table(
+        "A solid, placed many times.",
+        json!({
+            "solid": text("Which solid."),
+            "grid": list("number", 3),
+            "step": reference("vector"),
+            "origin": reference("vector"),
+            "ring": reference("number"),
+            "radius": reference("number"),
+            "start": reference("number"),
+            "at": { "type": "array", "items": reference("vector") },
+            "matrices": { "type": "array", "items": reference("matrix") },
+            "file": text("An NPY file beside the model: float64, (N, 3) or (N, 4, 4)."),
+        }),
+        &["solid"],
+    );
+    place["oneOf"] = json!([
+        { "required": ["grid", "step"] },
+        { "required": ["ring", "radius"] },
+        { "required": ["at"] },
+        { "required": ["matrices"] },
+        { "required": ["file"] },
+    ]);
+    place
+}
+
+fn step() -> Value {
+    let rotate = table(
+        "Turn about an axis through the origin.",
+        json!({ "axis": reference("vector"), "degrees": reference("number") }),
+        &["axis", "degrees"],
+    );
+    let mut step = table(
+        "One map.",
+        json!({
+            "translate": reference("vector"),
+            "rotate_x": reference("number"),
+            "rotate_y": reference("number"),
+            "rotate_z": reference("number"),
+            "rotate": rotate,
+            "scale": { "anyOf": [reference("number"), reference("vector")] },
+            "mirror": reference("vector"),
+            "matrix": reference("matrix"),
+        }),
+        &[],
+    );
+    step["minProperties"] = 1.into();
+    step["maxProperties"] = 1.into();
+    step
+}
+
+fn region() -> Value {
+    table(
+        "A solid made of a medium.",
+        json!({
+            "solid": text("Which solid."),
+            "medium": text("Which medium; one of its own, if it is not given."),
+            "colour": reference("colour"),
+            "name": text("What it is called; like its solid, if it is not given."),
+        }),
+        &["solid"],
+    )
+}
+
+fn medium() -> Value {
+    json!({
+        "type": "object",
+        "properties": {
+            "index": reference("number"),
+            "colour": reference("colour"),
+        },
+    })
+}
+
+fn camera() -> Value {
+    table(
+        "From where the picture is taken.",
+        json!({
+            "projection": { "enum": ["perspective", "orthographic"] },
+            "fov": reference("number"),
+            "height": reference("number"),
+            "position": reference("vector"),
+            "target": reference("vector"),
+            "up": reference("vector"),
+            "size": list("number", 2),
+        }),
+        &["position"],
+    )
+}
+
+fn light() -> Value {
+    let mut light = table(
+        "Parallel light, or light from a point.",
+        json!({
+            "direction": reference("vector"),
+            "position": reference("vector"),
+            "intensity": reference("number"),
+            "colour": reference("colour"),
+        }),
+        &[],
+    );
+    light["oneOf"] = json!([{ "required": ["direction"] }, { "required": ["position"] }]);
+    light
+}
+
+fn render() -> Value {
+    table(
+        "How the picture is drawn.",
+        json!({
+            "background": reference("colour"),
+            "shading": { "enum": Shading::ALL.map(|(_, name)| name) },
+            "edges": { "type": "boolean" },
+            "shadows": { "type": "boolean" },
+            "samples": reference("number"),
+        }),
+        &[],
+    )
+}
