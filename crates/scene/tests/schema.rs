@@ -1,0 +1,165 @@
+//! The schema accepts the models and refuses what is wrong, by a validator of the few words that it uses.
+
+use rayweave_scene::schema;
+use serde_json::{Value, json};
+use std::path::Path;
+use toml::de::{DeTable, DeValue};
+
+/// Why a value does not fit, or nothing.
+fn problem(root: &Value, rule: &Value, value: &Value) -> Option<String> {
+    let rule = rule.as_object()?;
+    rule.iter().find_map(|(word, rule_value)| {
+        word_problem(root, rule, word, rule_value, value).map(|why| format!("{word}: {why} in {value}"))
+    })
+}
+
+fn word_problem(
+    root: &Value,
+    rule: &serde_json::Map<String, Value>,
+    word: &str,
+    argument: &Value,
+    value: &Value,
+) -> Option<String> {
+    let fits = |rule: &Value| problem(root, rule, value).is_none();
+    let count = |argument: &Value| {
+        argument.as_array().map_or(0, |rules| rules.iter().filter(|rule| fits(rule)).count())
+    };
+    let bad = |wrong: bool| wrong.then(|| argument.to_string());
+    let length = value.as_array().map(Vec::len);
+    let keys = value.as_object().map(serde_json::Map::len);
+    let limit = argument.as_u64().map(|limit| limit as usize);
+    match word {
+        "$schema" | "title" | "description" | "$defs" | "pattern" => None,
+        "$ref" => problem(root, root.pointer(argument.as_str()?.strip_prefix('#')?)?, value),
+        "const" => bad(argument != value && argument.as_f64() != value.as_f64()),
+        "enum" => bad(!argument.as_array()?.contains(value)),
+        "type" => bad(!types(argument).iter().any(|name| is_of_type(value, name))),
+        "oneOf" => bad(count(argument) != 1),
+        "anyOf" => bad(count(argument) == 0),
+        "minItems" => bad(length < limit && length.is_some()),
+        "maxItems" => bad(length > limit),
+        "minProperties" => bad(keys < limit && keys.is_some()),
+        "maxProperties" => bad(keys > limit),
+        "items" => value.as_array()?.iter().find_map(|item| problem(root, argument, item)),
+        "required" => {
+            let keys = argument.as_array()?.iter().filter_map(Value::as_str);
+            keys.filter(|_| value.is_object()).find(|key| value.get(key).is_none()).map(str::to_owned)
+        }
+        "properties" => {
+            let rules = argument.as_object()?.iter();
+            rules
+                .filter_map(|(key, rule)| Some((rule, value.get(key)?)))
+                .find_map(|(rule, v)| problem(root, rule, v))
+        }
+        "additionalProperties" => {
+            let known = rule.get("properties").and_then(Value::as_object);
+            let others =
+                value.as_object()?.iter().filter(|(key, _)| known.is_none_or(|k| !k.contains_key(*key)));
+            others.into_iter().find_map(|(key, v)| match argument {
+                Value::Bool(false) => Some(format!("unknown key {key}")),
+                rule => problem(root, rule, v),
+            })
+        }
+        other => panic!("the validator does not know {other}"),
+    }
+}
+
+fn types(argument: &Value) -> Vec<&str> {
+    match argument {
+        Value::Array(names) => names.iter().filter_map(Value::as_str).collect(),
+        name => name.as_str().into_iter().collect(),
+    }
+}
+
+fn is_of_type(value: &Value, name: &str) -> bool {
+    match name {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "number" => value.is_number(),
+        "boolean" => value.is_boolean(),
+        other => panic!("the validator does not know {other}"),
+    }
+}
+
+fn from_toml(value: &DeValue) -> Value {
+    match value {
+        DeValue::String(text) => json!(text.to_string()),
+        DeValue::Integer(number) => json!(number.as_str().parse::<f64>().unwrap()),
+        DeValue::Float(number) => json!(number.as_str().parse::<f64>().unwrap()),
+        DeValue::Boolean(truth) => json!(truth),
+        DeValue::Datetime(time) => json!(time.to_string()),
+        DeValue::Array(list) => list.iter().map(|item| from_toml(item.get_ref())).collect(),
+        DeValue::Table(table) => from_table(table),
+    }
+}
+
+fn from_table(table: &DeTable) -> Value {
+    let entries = table.iter().map(|(key, value)| (key.get_ref().to_string(), from_toml(value.get_ref())));
+    Value::Object(entries.collect())
+}
+
+fn check(text: &str) -> Option<String> {
+    let table = DeTable::parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let schema = schema();
+    problem(&schema, &schema, &from_table(table.get_ref()))
+}
+
+#[test]
+fn every_model_fits() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            assert_eq!(check(&std::fs::read_to_string(&path).unwrap()), None, "{}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count >= 12);
+}
+
+#[test]
+fn what_is_right_fits() {
+    for text in [
+        "",
+        "rayweave = 1\nunit = 'in'\n[optics]\nx = 1\n[[detector]]\n",
+        "[parameters]\na = 1\nb = 'a + 1'\n",
+        "[solid.s]\nsphere = { radius = 'R' }\ntransform = { scale = [1, 2, 3] }\nname = 't'\n",
+        "[solid.s]\nplace = { solid = 't', ring = 3, radius = 1 }\n",
+        "[solid.s]\ncylinder = { radius = 1 }\n",
+        "[medium.m]\nindex = 1.5\nanything = [1]\n",
+        "[[light]]\nposition = [0, 0, 0]\n",
+    ] {
+        assert_eq!(check(text), None, "{text}");
+    }
+}
+
+#[test]
+fn what_is_wrong_does_not_fit() {
+    for text in [
+        "rayweave = 2",
+        "unit = 'furlong'",
+        "foo = 3",
+        "[parameters]\na = [1]\n",
+        "[solid.s]\n",
+        "[solid.s]\nsphre = { radius = 1 }\n",
+        "[solid.s]\nsphere = { raduis = 1 }\n",
+        "[solid.s]\nsphere = {}\n",
+        "[solid.s]\nsphere = 1\n",
+        "[solid.s]\nsphere = { radius = 1 }\nexpr = 'a'\n",
+        "[solid.s]\nexpr = 1\n",
+        "[solid.s]\nexpr = 'a'\ntransform = [{ scale = 1, rotate_x = 2 }]\n",
+        "[solid.s]\nexpr = 'a'\ntransform = [{ translate = [1, 2] }]\n",
+        "[solid.s]\nplace = { solid = 't', ring = 3 }\n",
+        "[solid.s]\nplace = { solid = 't', at = [], file = 'x' }\n",
+        "[[region]]\nmedium = 'a'\n",
+        "[region]\nsolid = 'a'\n",
+        "[camera]\nfov = 3\n",
+        "[[light]]\nposition = [0, 0, 0]\ndirection = [0, 0, 1]\n",
+        "[render]\nshading = 'none'\n",
+    ] {
+        assert!(check(text).is_some(), "{text}");
+        assert!(rayweave_scene::parse(text).is_err(), "{text}");
+    }
+}
