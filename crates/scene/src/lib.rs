@@ -4,6 +4,30 @@
 //!   and a [`Scene`] (what it means: solids, regions, media, camera, lights, with all numbers known).
 //! - [`Diagnostics`] are all problems of a file at once.
 //! - [`arithmetic`] and [`Expression`] are the two languages inside texts: numbers and boolean expressions.
+//! - [`schema()`] describes the format for editors.
+//!
+//! ```
+//! let text = r#"
+//! rayweave = 1
+//! [parameters]
+//! R = 50
+//! [solid.ball]
+//! sphere = { radius = "R / 2" }
+//! [solid.half]
+//! expr = "ball & bottom"
+//! [solid.bottom]
+//! half_space = { normal = [0, 0, 1], offset = 0 }
+//! "#;
+//! let (document, scene) = rayweave_scene::parse(text).unwrap();
+//! assert_eq!(scene.regions.len(), 1);
+//! assert_eq!(scene.regions[0].name, "half");
+//! assert_eq!(rayweave_scene::parse(&document.to_toml()).unwrap().1, scene);
+//!
+//! let problems = rayweave_scene::parse(&text.replace("ball &", "bal &")).unwrap_err();
+//! let problem = problems.iter().next().unwrap();
+//! assert_eq!(problem.line_column(), Some((8, 9)));
+//! assert_eq!(problem.message(), "unknown solid `bal` (there is no [solid.bal]) did you mean `ball`?");
+//! ```
 
 pub mod arithmetic;
 mod colour;

@@ -309,3 +309,21 @@ fn saving_is_all_or_nothing() {
     assert_eq!(left.len(), 2, "{left:?}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn tables_of_others_survive_however_they_are_written() {
+    for text in [
+        "a.b = 1\n",
+        "a.b = 1\nsolid.s.sphere.radius = 1\na.c.d = [1, { e = 2 }]\n",
+        "a.b = 1\n[a.c]\nd = 2\n",
+        "a = [{ b = 1 }, { c = 2 }]\n",
+        "[a.b]\nc = 1\n[optics]\nd = 2\n[a.e]\nf = '''\n[not.a.header]\n'''\n",
+        "# words\n   # more words\n[a]\n\n\n[[b.c]]\n[[b.c]]\n# end",
+        "'odd name' = {}\n['odd \"table\"']\nb = inf\n",
+    ] {
+        let (document, _) = parse(&format!("rayweave = 1\n{text}")).unwrap();
+        assert!(!document.foreign.is_empty());
+        let (again, _) = parse(&document.to_toml()).unwrap_or_else(|problems| panic!("{text}\n{problems}"));
+        assert_eq!(again, document, "{text}\n{}", document.to_toml());
+    }
+}

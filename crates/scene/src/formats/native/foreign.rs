@@ -1,7 +1,9 @@
 //! The text of tables that belong to others.
 
-use crate::datum::{Datum, Table};
+use crate::datum::{Datum, Table, from_toml, key, to_toml};
 use crate::source::{Source, Span, Spanned};
+use std::sync::Arc;
+use toml::de::DeTable;
 
 /// The sections of a file: from one header, or the comment directly above it, to the next.
 pub(super) struct Sections<'a> {
@@ -24,17 +26,30 @@ impl<'a> Sections<'a> {
         Sections { source, starts }
     }
 
-    /// The text of all sections of one table of the top level.
-    pub fn text(&self, name: &str, entry: &(Spanned<String>, Spanned<Datum>)) -> String {
+    /// The text of one table of the top level: that of all its sections, if it stands in such, or
+    /// `name = { .. }`.
+    pub fn text(&self, entry: &(Spanned<String>, Spanned<Datum>)) -> String {
+        let (name, value) = entry;
         let ends = self.starts.iter().skip(1).map(|(start, _)| *start).chain([self.source.text().len()]);
-        let mine = self.starts.iter().zip(ends).filter(|((_, owner), _)| *owner == name);
+        let mine = self.starts.iter().zip(ends).filter(|((_, owner), _)| *owner == name.value);
         let text: String = mine.map(|((start, _), end)| self.source.slice(Span::new(*start, end))).collect();
-        match text.trim_end() {
-            // `name = { .. }` before the first header
-            "" => format!("{}\n", self.source.slice(entry.0.span.to(entry.1.span))),
-            text => format!("{text}\n"),
+        let text = match text.trim_end() {
+            "" => self.source.slice(name.span.to(value.span)),
+            text => text,
+        };
+        // dotted keys may stand anywhere: then the text is not all there is
+        match says(text, entry) {
+            true => format!("{text}\n"),
+            false => format!("{} = {}\n", key(&name.value), to_toml(&value.value)),
         }
     }
+}
+
+/// True if a text says what the entry says and nothing else.
+fn says(text: &str, entry: &(Spanned<String>, Spanned<Datum>)) -> bool {
+    let source = Arc::new(Source::default());
+    let table = DeTable::parse(text).map(|table| from_toml(table.get_ref(), &source, &mut Vec::new()));
+    table.is_ok_and(|table| table.as_slice() == std::slice::from_ref(entry))
 }
 
 /// The places of all headers (`[a.b]`, `[[a.b]]`) below a value.

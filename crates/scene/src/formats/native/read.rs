@@ -86,13 +86,10 @@ impl Reader {
 
     fn top(&mut self, source: &Source, table: Table) {
         let sections = Sections::new(source, &table);
-        let foreign: Vec<String> =
-            table
-                .iter()
-                .map(|entry| {
-                    if self.is_foreign(entry) { sections.text(&entry.0.value, entry) } else { String::new() }
-                })
-                .collect();
+        let foreign: Vec<String> = table
+            .iter()
+            .map(|entry| if self.is_foreign(entry) { sections.text(entry) } else { String::new() })
+            .collect();
         let stated = table.iter().any(|(key, _)| key.value == "rayweave");
         if !stated {
             let problem =
