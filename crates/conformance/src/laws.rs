@@ -1,5 +1,6 @@
 //! Laws that hold whatever the model: of booleans, of motions, of the ray.
 
+use crate::lying::grid_ray;
 use crate::models::{Model, compiled, motion, solid};
 use crate::rays::{batch, rays};
 use crate::{Effort, Random, Style, Tally, list};
@@ -242,7 +243,9 @@ pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
         let maps: Vec<Affine> = steps.iter().map(|&v| Affine::translate(v)).collect();
         let placed = part.place(maps);
         let single = Solid::union(steps.iter().map(|&v| part.translate(v)));
-        let rays = rays(rng, style, &Affine::IDENTITY, 60);
+        // a ray within a few tolerances of a face lies in it or not by lengths that differ between the two
+        let mut rays = plain_rays(rng);
+        rays.extend((0..60).map(|_| grid_ray(rng)));
         let placed = ask(&make, &Model::of(placed - other.clone()), &rays);
         let single = ask(&make, &Model::of(single - other), &rays);
         for i in 0..rays.len() {

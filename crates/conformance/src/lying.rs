@@ -45,7 +45,7 @@ pub fn as_if_moved<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
 }
 
 /// Along a line of the grid, in a face, along an edge or through corners.
-fn grid_ray(rng: &mut Random) -> Ray {
+pub(crate) fn grid_ray(rng: &mut Random) -> Ray {
     let mut grid = || 0.5 * (rng.below(13) as f64 - 6.0);
     let origin = Vec3::new(grid(), grid(), grid());
     let mut direction = Vec3::ZERO;

@@ -9,22 +9,32 @@ use rayweave_shape::surface::Chord;
 pub struct Ball {
     /// The ball's centre.
     pub centre: Vec3,
-    /// The ball's radius, > 0.
+    /// The ball's radius, >= 0.
     pub radius: f64,
 }
 
 impl Ball {
     /// The ball of a box that holds every finite thing of a group, doubled.
     ///
-    /// Where all of it is one point (a lone plane, say) any ball will do: the distance of that point from
-    /// the origin, or 1 at the origin itself, is the only length in sight.
+    /// Where all of it is one point (a lone plane, say) the distance of that point from the origin is the only
+    /// length in sight; at the origin itself there is none, and the radius is 0.
     pub fn around(finite: &Bounds) -> Ball {
         if finite.is_empty() {
-            return Ball { centre: Vec3::ZERO, radius: 1.0 };
+            return Ball { centre: Vec3::ZERO, radius: 0.0 };
         }
         let (centre, half) = (finite.centre(), 0.5 * finite.size().length());
-        let radius = [2.0 * half, centre.length(), 1.0].into_iter().find(|&r| r > 0.0).unwrap_or(1.0);
-        Ball { centre, radius }
+        Ball { centre, radius: if half > 0.0 { 2.0 * half } else { centre.length() } }
+    }
+}
+
+impl Ball {
+    /// Half of the chord of a ray, in units of time.
+    ///
+    /// A model without any length takes that of the ray's origin from its centre or, where the ray starts
+    /// there, the unit of time: so no length is singled out, and scales change nothing.
+    pub fn half_chord(&self, ray: &Ray) -> f64 {
+        let lengths = [self.radius, (ray.origin - self.centre).length(), ray.direction.length()];
+        lengths.into_iter().find(|&length| length > 0.0).unwrap_or(0.0) / ray.direction.length()
     }
 }
 
@@ -34,7 +44,6 @@ impl Ball {
 /// matters is that the chord is as long as the model, so that only a ray that keeps to a surface all along
 /// counts as lying in it.
 pub fn chord(ball: &Ball, ray: &Ray) -> Chord {
-    let closest = ray.closest_time(ball.centre);
-    let half = ball.radius / ray.direction.length();
+    let (closest, half) = (ray.closest_time(ball.centre), ball.half_chord(ray));
     Chord::new(ray, (closest - half, closest + half))
 }

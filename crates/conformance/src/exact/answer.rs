@@ -129,7 +129,7 @@ impl Chord {
     fn new(line: &Line, ball: &Ball) -> Chord {
         let ray = &line.ray;
         let middle = (ball.centre - ray.origin).dot(ray.direction) / ray.direction.length_squared();
-        let half = ball.radius / ray.direction.length();
+        let half = ball.half_chord(ray);
         Chord { times: [middle, middle - half, middle + half].map(Dyadic::from) }
     }
 }

@@ -50,7 +50,8 @@ pub fn delta(reach: f64, ray: &Ray, t: f64) -> f64 {
 pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
     let near = |t: f64| {
         let (value, gradient) = surface.value_and_gradient(ray.at(t));
-        value.abs() <= delta(reach, ray, t) * gradient.length()
+        let delta = delta(reach, ray, t);
+        value.abs() <= delta * (gradient.length() + delta * bend(surface))
     };
     let middle = 0.5 * (a + b);
     let near_the_start = || {
@@ -63,6 +64,16 @@ pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
         && near(b)
         && near_the_start()
         && (surface.degree() < 4 || (near(0.5 * (a + middle)) && near(0.5 * (middle + b))))
+}
+
+/// The most by which the gradient of a surface changes over a unit of length, halved. It matters where all of a
+/// surface is smaller than `delta`: in its centre the gradient is 0.
+fn bend(surface: &Surface) -> f64 {
+    match surface {
+        Surface::Plane(_) | Surface::Torus(_) | Surface::AffineTorus(_) => 0.0,
+        Surface::Sphere(_) | Surface::Cylinder(_) | Surface::Quadric(_) => 1.0,
+        Surface::Cone(s) => 1.0 + s.slope * s.slope,
+    }
 }
 
 /// A piece of a ray as long as its model, with what every test against a surface needs of it.
