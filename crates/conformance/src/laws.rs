@@ -5,7 +5,7 @@ use crate::models::{Model, compiled, motion, solid};
 use crate::rays::{batch, rays};
 use crate::{Effort, Random, Style, Tally, list};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Collected, Crossing, Evaluator, Program, Query, Region, RegionId, Solid};
+use rayweave_model::{Collected, Crossing, Evaluator, Program, Query, Region, RegionId, Solid, Window};
 use rayweave_shape::Ray;
 use std::sync::Arc;
 
@@ -246,17 +246,14 @@ pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
         // a ray within a few tolerances of a face lies in it or not by lengths that differ between the two
         let mut rays = plain_rays(rng);
         rays.extend((0..60).map(|_| grid_ray(rng)));
-        let placed = ask(&make, &Model::of(placed - other.clone()), &rays);
-        let single = ask(&make, &Model::of(single - other), &rays);
+        // a root at 1e17, of a ray parallel to a face but for rounding, may as well be at infinity
+        let window = Window::new(-1e6, 1e6).unwrap_or_default();
+        let query = Query { window, ..Query::default() };
+        let ask = |solid: Solid| make(Model::of(solid).compiled()).collect(batch(&rays).rays(), &query);
+        let (placed, single) = (ask(placed - other.clone()), ask(single - other));
         for i in 0..rays.len() {
-            // far along a nearly parallel ray even the tolerance is large: places, not times
-            let size = 1e-9 / rays[i].direction.length() * (1.0 + rays[i].origin.length());
-            let near = |(a, b): (&Crossing, &Crossing)| {
-                (a.t - b.t).abs() <= size + 1e-3 * a.t.abs() && (a.before, a.after) == (b.before, b.after)
-            };
             let (l, r) = (placed.of(i), single.of(i));
-            let same =
-                placed.starts[i] == single.starts[i] && l.len() == r.len() && l.iter().zip(r).all(near);
+            let same = placed.starts[i] == single.starts[i] && alike(l, r, 1e-5);
             tally.check(same, || {
                 format!("{part:?} at {steps:?}, {:?}{}\nagainst{}", rays[i], list(l), list(r))
             });
