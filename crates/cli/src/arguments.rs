@@ -1,6 +1,6 @@
 //! The command line: its sub-commands and what they share.
 
-use crate::command::{Completions, Info, Man, Probe, Render, Shapes, Trace};
+use crate::command::{Completions, Info, Man, Probe, Render, Schema, Shapes, Trace};
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
 use rayweave::scene::{Scene, load};
@@ -50,6 +50,7 @@ pub enum Command {
     Trace(Trace),
     Info(Info),
     Shapes(Shapes),
+    Schema(Schema),
     Completions(Completions),
     Man(Man),
 }
@@ -86,7 +87,7 @@ pub struct SubjectArguments {
     #[arg(long, value_name = "NAME")]
     pub solid: Option<String>,
 
-    /// Who answers: the fast `weave` or the obvious `reference`; the answers are the same, bit for bit
+    /// Who answers: weave (fast), reference (obvious) or single_hit (step by step); the answers are the same, bit for bit
     #[arg(long, value_name = "NAME", value_parser = rayweave::AnyEvaluator::NAMES)]
     pub evaluator: Option<String>,
 }

@@ -6,6 +6,7 @@ use rayweave_rootray::RootRayError;
 use rayweave_scene::Diagnostics;
 use rayweave_shape::primitive::ShapeError;
 use rayweave_table::TableError;
+use rayweave_trace::single_hit::TooLarge;
 use std::fmt;
 
 /// Anything that can go wrong, as "problem (why) suggestion?".
@@ -20,7 +21,7 @@ pub struct Error(Box<Cause>);
 pub enum ErrorKind {
     /// A shape's parameters are wrong.
     Shape,
-    /// A solid cannot be compiled: a singular transform, sizes that overflow.
+    /// A solid cannot be compiled: a singular transform, sizes that overflow, a tree too large for an evaluator.
     Compile,
     /// A model file cannot be read or is wrong.
     ModelFile,
@@ -41,6 +42,7 @@ pub enum ErrorKind {
 enum Cause {
     Shape(ShapeError),
     Compile(CompileError),
+    TooLarge(TooLarge),
     ModelFile(Diagnostics),
     Input(TableError),
     Output(TableError),
@@ -58,7 +60,7 @@ impl Error {
     pub fn kind(&self) -> ErrorKind {
         match *self.0 {
             Cause::Shape(_) => ErrorKind::Shape,
-            Cause::Compile(_) => ErrorKind::Compile,
+            Cause::Compile(_) | Cause::TooLarge(_) => ErrorKind::Compile,
             Cause::ModelFile(_) => ErrorKind::ModelFile,
             Cause::Input(TableError::Format { .. }) | Cause::Output(TableError::Format { .. }) => {
                 ErrorKind::Format
@@ -179,6 +181,7 @@ impl fmt::Display for Error {
         match &*self.0 {
             Cause::Shape(error) => error.fmt(f),
             Cause::Compile(error) => error.fmt(f),
+            Cause::TooLarge(error) => error.fmt(f),
             Cause::ModelFile(diagnostics) => diagnostics.fmt(f),
             Cause::Input(error) | Cause::Output(error) => error.fmt(f),
             Cause::Window(error) => error.fmt(f),
@@ -222,6 +225,7 @@ macro_rules! from {
 from! {
     ShapeError => Shape,
     CompileError => Compile,
+    TooLarge => TooLarge,
     Diagnostics => ModelFile,
     WindowError => Window,
     RootRayError => RootRay,

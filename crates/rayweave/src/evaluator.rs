@@ -2,19 +2,21 @@
 
 use crate::Error;
 use rayweave_model::{Evaluator, Program, Query, Rays, RegionId, Sink};
-use rayweave_trace::{Reference, Weave};
+use rayweave_trace::{Reference, SingleHit, Weave};
 use std::sync::Arc;
 
 /// Any of the evaluators. They give the same answers, bit for bit, and differ in speed only.
 ///
-/// Code that knows which one it wants takes [`Weave`] or [`Reference`] itself; this one is for doors through which the
-/// choice comes as text.
+/// Code that knows which one it wants takes [`Weave`], [`Reference`] or [`SingleHit`] itself; this one is for doors
+/// through which the choice comes as text.
 #[derive(Clone, Debug)]
 pub enum AnyEvaluator {
     /// The one for daily use.
     Weave(Weave),
     /// The obvious one, for checks.
     Reference(Reference),
+    /// The one that asks what is next, from crossing to crossing.
+    SingleHit(SingleHit),
 }
 
 /// The memory of a thread for [`AnyEvaluator`].
@@ -24,23 +26,64 @@ pub enum AnyScratch {
     Weave(<Weave as Evaluator>::Scratch),
     /// For [`AnyEvaluator::Reference`].
     Reference(<Reference as Evaluator>::Scratch),
+    /// For [`AnyEvaluator::SingleHit`].
+    SingleHit(<SingleHit as Evaluator>::Scratch),
 }
 
 impl AnyEvaluator {
     /// The names to choose from; the first is the default.
-    pub const NAMES: [&str; 2] = ["weave", "reference"];
+    pub const NAMES: [&str; 3] = ["weave", "reference", "single_hit"];
 
     /// The evaluator of this name, or the default.
     ///
     /// # Errors
     ///
-    /// [`crate::ErrorKind::Name`] if there is none of this name.
+    /// [`crate::ErrorKind::Name`] if there is none of this name, [`crate::ErrorKind::Compile`] if the model is too large
+    /// for it, as it can be for [`SingleHit`].
     pub fn new(name: Option<&str>, program: Arc<Program>) -> Result<AnyEvaluator, Error> {
         match name.unwrap_or(AnyEvaluator::NAMES[0]) {
             "weave" => Ok(AnyEvaluator::Weave(Weave::new(program))),
             "reference" => Ok(AnyEvaluator::Reference(Reference::new(program))),
+            "single_hit" => Ok(AnyEvaluator::SingleHit(SingleHit::new(program)?)),
             other => Err(Error::unknown("evaluator", other, AnyEvaluator::NAMES.into_iter())),
         }
+    }
+}
+
+/// The same call to whichever evaluator it is.
+macro_rules! each {
+    ($any:expr, $evaluator:ident => $call:expr) => {
+        match $any {
+            AnyEvaluator::Weave($evaluator) => $call,
+            AnyEvaluator::Reference($evaluator) => $call,
+            AnyEvaluator::SingleHit($evaluator) => $call,
+        }
+    };
+}
+
+/// The same call to whichever evaluator it is, with its scratch; the scratch of another evaluator is replaced first.
+macro_rules! each_with {
+    ($any:expr, $scratch:ident, $evaluator:ident => $call:expr) => {{
+        if !$any.owns($scratch) {
+            *$scratch = $any.scratch();
+        }
+        match ($any, $scratch) {
+            (AnyEvaluator::Weave($evaluator), AnyScratch::Weave($scratch)) => $call,
+            (AnyEvaluator::Reference($evaluator), AnyScratch::Reference($scratch)) => $call,
+            (AnyEvaluator::SingleHit($evaluator), AnyScratch::SingleHit($scratch)) => $call,
+            _ => unreachable!("the scratch was replaced"),
+        }
+    }};
+}
+
+impl AnyEvaluator {
+    fn owns(&self, scratch: &AnyScratch) -> bool {
+        matches!(
+            (self, scratch),
+            (AnyEvaluator::Weave(_), AnyScratch::Weave(_))
+                | (AnyEvaluator::Reference(_), AnyScratch::Reference(_))
+                | (AnyEvaluator::SingleHit(_), AnyScratch::SingleHit(_))
+        )
     }
 }
 
@@ -48,50 +91,26 @@ impl Evaluator for AnyEvaluator {
     type Scratch = AnyScratch;
 
     fn name(&self) -> &'static str {
-        match self {
-            AnyEvaluator::Weave(weave) => weave.name(),
-            AnyEvaluator::Reference(reference) => reference.name(),
-        }
+        each!(self, evaluator => evaluator.name())
     }
 
     fn program(&self) -> &Program {
-        match self {
-            AnyEvaluator::Weave(weave) => weave.program(),
-            AnyEvaluator::Reference(reference) => reference.program(),
-        }
+        each!(self, evaluator => evaluator.program())
     }
 
     fn scratch(&self) -> AnyScratch {
         match self {
             AnyEvaluator::Weave(weave) => AnyScratch::Weave(weave.scratch()),
             AnyEvaluator::Reference(reference) => AnyScratch::Reference(reference.scratch()),
+            AnyEvaluator::SingleHit(single_hit) => AnyScratch::SingleHit(single_hit.scratch()),
         }
     }
 
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut AnyScratch, sink: &mut dyn Sink) {
-        match (self, scratch) {
-            (AnyEvaluator::Weave(weave), AnyScratch::Weave(own)) => weave.crossings(rays, query, own, sink),
-            (AnyEvaluator::Reference(reference), AnyScratch::Reference(own)) => {
-                reference.crossings(rays, query, own, sink)
-            }
-            // the scratch of another evaluator is of no use here
-            (_, other) => {
-                *other = self.scratch();
-                self.crossings(rays, query, other, sink)
-            }
-        }
+        each_with!(self, scratch, evaluator => evaluator.crossings(rays, query, scratch, sink))
     }
 
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut AnyScratch, out: &mut [RegionId]) {
-        match (self, scratch) {
-            (AnyEvaluator::Weave(weave), AnyScratch::Weave(own)) => weave.regions_at(points, own, out),
-            (AnyEvaluator::Reference(reference), AnyScratch::Reference(own)) => {
-                reference.regions_at(points, own, out)
-            }
-            (_, other) => {
-                *other = self.scratch();
-                self.regions_at(points, other, out)
-            }
-        }
+        each_with!(self, scratch, evaluator => evaluator.regions_at(points, scratch, out))
     }
 }

@@ -24,7 +24,8 @@
 //! # Questions along rays
 //!
 //! A [`Program`] is a solid compiled into flat tables, in which coincident faces have become one surface. [`Weave`] is the
-//! evaluator for daily use, [`Reference`] the obvious one; both answer through the trait [`Evaluator`].
+//! evaluator for daily use, [`Reference`] the obvious one, [`SingleHit`] the one that can explain itself; all answer through
+//! the trait [`Evaluator`].
 //!
 //! ```
 //! use rayweave::{Evaluator, Program, Query, Ray, Vec3, Weave, shapes::sphere};
@@ -182,5 +183,5 @@ pub use evaluator::{AnyEvaluator, AnyScratch};
 pub use rayweave_math::{Affine, Bounds, Vec3};
 pub use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Window};
 pub use rayweave_shape::Ray;
-pub use rayweave_trace::{Reference, Weave};
+pub use rayweave_trace::{Reference, SingleHit, Weave};
 pub use timeline::timeline;

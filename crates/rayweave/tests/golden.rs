@@ -146,10 +146,7 @@ fn differences_are_found() {
     assert_eq!(difference(&png::encode(&grey(100)), &png::encode(&spots)), None);
     spots.values_mut()[311] = [100, 100, 100, 0];
     let problem = difference(&png::encode(&grey(100)), &png::encode(&spots)).unwrap();
-    assert_eq!(
-        problem,
-        "3 pixels differ by more than 2 levels (at most 2 may), most at (11, 3): 255"
-    );
+    assert_eq!(problem, "3 pixels differ by more than 2 levels (at most 2 may), most at (11, 3): 255");
     let other = Image::filled(Size::new(40, 100).unwrap(), [0; 4]);
     assert!(difference(&png::encode(&grey(100)), &png::encode(&other)).is_some());
     assert!(difference(b"", &png::encode(&other)).is_some());

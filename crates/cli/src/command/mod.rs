@@ -5,6 +5,7 @@ mod info;
 mod man;
 mod probe;
 mod render;
+mod schema;
 mod shapes;
 mod trace;
 mod tree;
@@ -14,6 +15,7 @@ pub use info::Info;
 pub use man::Man;
 pub use probe::Probe;
 pub use render::Render;
+pub use schema::Schema;
 pub use shapes::Shapes;
 pub use trace::Trace;
 
@@ -28,6 +30,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Trace(trace) => trace.run(cli),
         Command::Info(info) => info.run(),
         Command::Shapes(shapes) => shapes.run(),
+        Command::Schema(schema) => schema.run(),
         Command::Completions(completions) => completions.run(),
         Command::Man(man) => man.run(cli),
     }
