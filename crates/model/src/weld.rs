@@ -34,18 +34,35 @@ pub struct Change {
     pub after: State,
 }
 
-/// Neighbouring changes welded so far.
+/// Neighbouring changes of medium welded so far.
 #[derive(Clone, Copy, Debug)]
 struct Run {
-    first: Change,
-    last: Change,
-    /// The face of the last change alone.
+    /// Its events, those of changes of region beside it among them.
+    first: usize,
+    end: usize,
+    /// The states before and after it.
+    before: State,
+    after: State,
+    /// The last change of medium, and its face alone.
+    t: f64,
     face: Face,
+    /// True if it is one change.
+    single: bool,
+    /// The last change of either kind.
+    tail: (f64, Face),
+}
+
+/// Neighbouring changes of region, not of medium, that lie in each other's surfaces.
+#[derive(Clone, Copy, Debug)]
+struct Quiet {
+    first: usize,
+    before: State,
+    tail: (f64, Face),
 }
 
 /// What a weld knows between two changes: for evaluators that find events as they go.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Paused(Option<Run>);
+pub struct Paused(Option<Run>, Option<Quiet>);
 
 /// Welds the changes of one ray as they come.
 pub struct Weld<'a> {
@@ -53,39 +70,63 @@ pub struct Weld<'a> {
     ray: Ray,
     events: &'a [Event],
     pending: Option<Run>,
+    quiet: Option<Quiet>,
 }
 
 impl<'a> Weld<'a> {
     /// For one ray with all its events in order of time.
     pub fn new(program: &'a Program, ray: Ray, events: &'a [Event]) -> Self {
-        Weld { program, ray, events, pending: None }
+        Weld { program, ray, events, pending: None, quiet: None }
     }
 
     /// Goes on after a pause; `events` may have got more at its end since.
     pub fn resume(program: &'a Program, ray: Ray, events: &'a [Event], paused: Paused) -> Self {
-        Weld { program, ray, events, pending: paused.0 }
+        Weld { program, ray, events, pending: paused.0, quiet: paused.1 }
     }
 
     /// Lets go of the events.
     pub fn pause(self) -> Paused {
-        Paused(self.pending)
+        Paused(self.pending, self.quiet)
     }
 
-    /// Takes the next change; answers with the crossing that it shows to be complete, if any. `flips` must be
-    /// in the state just after the change, that is, with events `..change.end` flipped.
+    /// Takes the next change of region; answers with the crossing that it shows to be complete, if any. `flips`
+    /// must be in the state just after the change, that is, with events `..change.end` flipped.
     pub fn change(&mut self, change: Change, flips: &mut impl Flips) -> Option<Crossing> {
-        let face =
-            attribute(self.events, change.first..change.end, change.end, flips, medium_state(self.program));
-        let Some(run) = self.pending else {
-            self.pending = Some(Run { first: change, last: change, face });
-            return None;
-        };
-        if self.welded(&run, &change, face) {
-            self.pending = Some(Run { first: run.first, last: change, face });
+        if change.before.medium == change.after.medium {
+            self.quiet_change(change, flips);
             return None;
         }
-        self.pending = Some(Run { first: change, last: change, face });
-        self.report(&run, change.end, flips)
+        let face =
+            attribute(self.events, change.first..change.end, change.end, flips, medium_state(self.program));
+        let (t, here) = (change.t, (change.t, face));
+        let quiet = self.quiet.take().filter(|quiet| self.welded(quiet.tail, here));
+        if let Some(run) = self.pending.filter(|run| self.welded((run.t, run.face), here)) {
+            let Change { end, after, .. } = change;
+            self.pending = Some(Run { end, after, t, face, single: false, tail: here, ..run });
+            return None;
+        }
+        let (first, before) =
+            quiet.map_or((change.first, change.before), |quiet| (quiet.first, quiet.before));
+        let Change { end, after, .. } = change;
+        let run = Run { first, end, before, after, t, face, single: quiet.is_none(), tail: here };
+        let complete = self.pending.replace(run)?;
+        self.report(&complete, end, flips)
+    }
+
+    /// A change of region within one medium is no crossing. But next to one, where both lie in each other's
+    /// surfaces, the region between them is a sliver: that before or after both is the one to be named.
+    fn quiet_change(&mut self, change: Change, flips: &mut impl Flips) {
+        let winner = |flips: &mut _| Flips::winner(flips);
+        let face = attribute(self.events, change.first..change.end, change.end, flips, winner);
+        let here = (change.t, face);
+        let touched = self.pending.filter(|run| run.after == change.before && self.welded(run.tail, here));
+        if let Some(run) = touched {
+            let Change { end, after, .. } = change;
+            self.pending = Some(Run { end, after, tail: here, single: false, ..run });
+        }
+        let fresh = Quiet { first: change.first, before: change.before, tail: here };
+        let chain = self.quiet.filter(|quiet| self.welded(quiet.tail, here));
+        self.quiet = Some(chain.map_or(fresh, |quiet| Quiet { tail: here, ..quiet }));
     }
 
     /// The last crossing, once there are no more changes; `position` events are flipped in `flips`.
@@ -94,10 +135,9 @@ impl<'a> Weld<'a> {
         self.report(&run, position, flips)
     }
 
-    /// True if the piece between two neighbouring changes lies in both their surfaces.
-    fn welded(&self, run: &Run, next: &Change, face: Face) -> bool {
-        let (a, b) = (run.last.t, next.t);
-        self.hugs(face, a, b) && (face == run.face || self.hugs(run.face, a, b))
+    /// True if the piece between two changes lies in both their surfaces.
+    fn welded(&self, (a, first): (f64, Face), (b, second): (f64, Face)) -> bool {
+        self.hugs(second, a, b) && (first == second || self.hugs(first, a, b))
     }
 
     fn hugs(&self, face: Face, a: f64, b: f64) -> bool {
@@ -108,13 +148,12 @@ impl<'a> Weld<'a> {
 
     /// The crossing that a complete run amounts to: none if the medium is the same before and after.
     fn report(&self, run: &Run, position: usize, flips: &mut impl Flips) -> Option<Crossing> {
-        let (first, end) = (run.first.first, run.last.end);
-        let (before, after) = (run.first.before, run.last.after);
+        let Run { first, end, before, after, .. } = *run;
         if before.medium == after.medium {
             return None;
         }
         let alone = end - first == 1;
-        let face = match alone || run.first.first == run.last.first {
+        let face = match alone || run.single {
             true => run.face,
             false => attribute(self.events, first..end, position, flips, medium_state(self.program)),
         };
@@ -129,7 +168,7 @@ impl<'a> Weld<'a> {
         if before.region == RegionId(0) || after.region == RegionId(0) {
             (left, entered) = (face, face);
         }
-        Some(Crossing { t: run.last.t, face, left, entered, before: before.region, after: after.region })
+        Some(Crossing { t: run.t, face, left, entered, before: before.region, after: after.region })
     }
 }
 

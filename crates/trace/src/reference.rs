@@ -113,7 +113,7 @@ impl Reference {
             position = end;
             if query.is_past(t, !starts.is_empty()) {
                 start = after.region;
-            } else if before.medium != after.medium {
+            } else if before.region != after.region {
                 out.extend(weld.change(Change { t, first, end, before, after }, &mut flips));
             }
         }

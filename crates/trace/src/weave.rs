@@ -156,7 +156,7 @@ impl Weave {
         start
     }
 
-    /// Runs the events of the model through its network and the changes of medium through the weld.
+    /// Runs the events of the model through its network and the changes of region through the weld.
     fn sweep(
         &self,
         ray: Ray,
@@ -175,7 +175,7 @@ impl Weave {
         while let Some((t, first)) = sweep.step() {
             let after = self.state(sweep.flips.winner());
             let before = std::mem::replace(&mut now, after);
-            if before.medium == after.medium {
+            if before.region == after.region {
                 continue;
             }
             let change = Change { t, first, end: sweep.position, before, after };

@@ -7,7 +7,7 @@ use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::{Collected, Evaluator, Program, Query, RayBatch, Region, RegionId, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Primitive, Value, build};
-use rayweave_trace::{Reference, Weave};
+use rayweave_trace::{Reference, SingleHit, Weave};
 use std::sync::Arc;
 
 /// All crossings of rays through a program, by the evaluator under test.
@@ -489,6 +489,26 @@ fn cemented_faces_at_grazing_angles(bench: &Bench) {
     }
 }
 
+/// A placed inlay of the same medium, flush with the block around it: it is the inlay that is entered and left,
+/// not the block for the moment by which rounding lets one face come first.
+fn flush_regions_of_one_medium(bench: &Bench) {
+    for frame in frames() {
+        let copies = [Affine::IDENTITY, Affine::translate(Vec3::new(9.0, 0.0, 0.0))];
+        let inlay = block([-0.5, -0.5, -1.0], [0.5, 0.5, 1.0]).place(copies);
+        let region =
+            |name: &str, solid: Solid| Region { name: name.to_owned(), solid: solid.apply(frame), medium: 1 };
+        let regions = [region("block", cube()), region("inlay", inlay)];
+        let program = Arc::new(Program::compile_regions(&regions).unwrap());
+        for k in 0..25 {
+            let aim = Vec3::new(0.19 * f64::from(k % 5) - 0.4, 0.17 * f64::from(k / 5) - 0.4, 0.0);
+            let ray = Ray::new(aim - Vec3::Z * 4.0, Vec3::new(0.01, 0.02, 1.0)).transformed(&frame);
+            let found = (bench.0)(program.clone(), &[ray]);
+            let regions: Vec<_> = found.crossings.iter().map(|c| (c.before.0, c.after.0)).collect();
+            assert_eq!(regions, [(0, 2), (2, 0)], "{ray:?}");
+        }
+    }
+}
+
 macro_rules! bank {
     ({ $($evaluator:ident: $make:expr;)+ } $cases:tt) => {
         $(bank! { @ $evaluator $make, $cases })+
@@ -508,6 +528,7 @@ bank! {
     {
         weave: Weave::new;
         reference: Reference::new;
+        single_hit: |program| SingleHit::new(program).unwrap();
     }
     {
         flush_through_hole
@@ -532,5 +553,6 @@ bank! {
         wedge_fans
         cylinder_caps_at_the_rim
         cemented_faces_at_grazing_angles
+        flush_regions_of_one_medium
     }
 }

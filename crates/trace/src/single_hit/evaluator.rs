@@ -317,7 +317,7 @@ impl Welding<'_> {
     /// Takes the next change of the winning region.
     fn step(&mut self, step: Step, level: &mut Level) -> Option<Crossing> {
         let (before, after) = (self.state(step.before), self.state(step.after));
-        if before.medium == after.medium {
+        if before.region == after.region {
             return None;
         }
         let Level { roots, events, turned, .. } = level;
