@@ -108,29 +108,50 @@ struct Work<'a> {
     start: (Vec<bool>, usize),
 }
 
-/// The answer for a ray through a model with this ball, or why there is none.
-pub fn answer(exact: &Exact, line: &Line, ball: &Ball) -> Result<Answer, Doubt> {
-    let work = Work::new(exact, line, ball)?;
+/// The answer for a ray through a model, or why there is none.
+pub fn answer(exact: &Exact, line: &Line, span: &Span) -> Result<Answer, Doubt> {
+    let work = Work::new(exact, line, span)?;
     let crossings = work.welded()?;
     Ok(Answer { start: work.start.1, crossings, traits: work.traits() })
 }
 
 /// How near the ray comes to what rounding might change.
-pub fn scrutiny(exact: &Exact, line: &Line, ball: &Ball) -> Result<Scrutiny, Doubt> {
-    Ok(Work::new(exact, line, ball)?.scrutiny())
+pub fn scrutiny(exact: &Exact, line: &Line, span: &Span) -> Result<Scrutiny, Doubt> {
+    Ok(Work::new(exact, line, span)?.scrutiny())
 }
 
-/// The part of the ray that says whether it lies in a surface.
+/// What says how long a ray has to keep to a surface to lie in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Span {
+    /// The ball of the compiled model.
+    pub ball: Ball,
+    /// True if parts of the model are placed, each with a ball of its own: then only rays that lie in a surface
+    /// over any such length, or over none, have a certain answer.
+    pub placed: bool,
+}
+
+/// The part of the ray that says whether it lies in a surface: its middle, the ends of the shortest part that
+/// may be meant, and those of the longest.
 struct Chord {
-    times: [Dyadic; 3],
+    middle: Dyadic,
+    short: [Dyadic; 2],
+    long: [Dyadic; 2],
 }
 
 impl Chord {
-    fn new(line: &Line, ball: &Ball) -> Chord {
-        let ray = &line.ray;
+    fn new(exact: &Exact, line: &Line, span: &Span) -> Chord {
+        let (ray, ball) = (&line.ray, &span.ball);
         let middle = (ball.centre - ray.origin).dot(ray.direction) / ray.direction.length_squared();
-        let half = ball.half_chord(ray);
-        Chord { times: [middle, middle - half, middle + half].map(Dyadic::from) }
+        let lengths = [ball.radius, (ray.origin - ball.centre).length(), ray.direction.length()];
+        let length = lengths.into_iter().find(|&length| length > 0.0).unwrap_or(0.0);
+        let size = exact.surfaces.iter().fold(length, |size, s| size.max(s.reach));
+        let (short, long) =
+            if span.placed { (length.min(1e-3 * size), 8.0 * size) } else { (length, length) };
+        let ends = |length: f64| {
+            let half = length / ray.direction.length();
+            [middle - half, middle + half].map(Dyadic::from)
+        };
+        Chord { middle: Dyadic::from(middle), short: ends(short), long: ends(long) }
     }
 }
 
@@ -146,7 +167,7 @@ fn delta(surface: &Surface, line: &Line, t: f64) -> f64 {
 /// The distance of the point at a time from a surface, to first order.
 fn distance(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, t: &Dyadic) -> f64 {
     let value = polynomial(coefficients, t).to_f64().abs();
-    if value == 0.0 { 0.0 } else { value / surface.slope(line.ray.at(t.to_f64())) }
+    if value == 0.0 { 0.0 } else { value / surface.slope(&line.at(&t.rounded())) }
 }
 
 /// The same in units of the tolerance.
@@ -167,21 +188,20 @@ impl Along {
     }
 
     fn nearly_lies(surface: &Surface, c: &[Dyadic; 3], line: &Line, chord: &Chord) -> Result<bool, Doubt> {
-        let mut deepest: f64 = 0.0;
-        for t in &chord.times {
-            deepest = deepest.max(depth(surface, c, line, t));
-            if deepest > GREY {
-                return Ok(false);
-            }
+        let deepest =
+            |times: &[Dyadic; 2]| times.iter().map(|t| depth(surface, c, line, t)).fold(0.0, f64::max);
+        let middle = depth(surface, c, line, &chord.middle);
+        if middle > GREY || middle.max(deepest(&chord.short)) > GREY {
+            return Ok(false);
         }
-        if deepest * GREY < 1.0 { Ok(true) } else { Err(Doubt::Lying) }
+        if middle.max(deepest(&chord.long)) * GREY < 1.0 { Ok(true) } else { Err(Doubt::Lying) }
     }
 
     /// The greatest time by which a root may move if the surface moves by `by`.
     fn play(&self, surface: &Surface, line: &Line, root: &Root, by: f64) -> f64 {
         let t = root.near();
         let [a, b, _] = &self.coefficients;
-        let error = by * surface.slope(line.ray.at(root.t()));
+        let error = by * surface.slope(&line.at(&t.rounded()));
         let speed = (&(a * t).scaled(1) + b).to_f64().abs();
         let bend = a.to_f64().abs();
         // f moves by error: a second root joins in if the extremum between them is not farther away
@@ -198,9 +218,21 @@ impl Along {
     }
 }
 
-/// True (negative) if moving along w makes f negative.
+/// True (negative) if moving along w makes f negative. In placed parts the middle of the chord may be another:
+/// then the side must be the same all along.
 fn side_along_w(surface: &Surface, line: &Line, chord: &Chord) -> Result<bool, Doubt> {
-    let gradient = surface.gradient(&line.at(&chord.times[0]));
+    let side = side_at(surface, line, &chord.middle)?;
+    let elsewhere = chord.long.iter().filter(|_| chord.short != chord.long);
+    for t in elsewhere {
+        if side_at(surface, line, t)? != side {
+            return Err(Doubt::Side);
+        }
+    }
+    Ok(side)
+}
+
+fn side_at(surface: &Surface, line: &Line, t: &Dyadic) -> Result<bool, Doubt> {
+    let gradient = surface.gradient(&line.at(t));
     let w = W.map(Dyadic::from);
     let slope = (0..3).fold(Dyadic::ZERO, |sum, k| &sum + &(&w[k] * &gradient[k]));
     let size = gradient.iter().fold(0.0, |size: f64, g| size.max(g.to_f64().abs()));
@@ -208,13 +240,12 @@ fn side_along_w(surface: &Surface, line: &Line, chord: &Chord) -> Result<bool, D
         let first = gradient.iter().find(|g| !g.is_zero());
         return first.map(|g| g.sign() < 0).ok_or(Doubt::Side);
     }
-    let clear = slope.to_f64().abs() > 1e-9 * size && size > 1e-9;
-    if clear { Ok(slope.sign() < 0) } else { Err(Doubt::Side) }
+    if slope.to_f64().abs() > 1e-9 * size { Ok(slope.sign() < 0) } else { Err(Doubt::Side) }
 }
 
 impl<'a> Work<'a> {
-    fn new(exact: &'a Exact, line: &'a Line, ball: &Ball) -> Result<Work<'a>, Doubt> {
-        let chord = Chord::new(line, ball);
+    fn new(exact: &'a Exact, line: &'a Line, span: &Span) -> Result<Work<'a>, Doubt> {
+        let chord = Chord::new(exact, line, span);
         let along =
             exact.surfaces.iter().map(|s| Along::new(s, line, &chord)).collect::<Result<Vec<_>, _>>()?;
         let mut work = Work { exact, line, along, moments: Vec::new(), start: (Vec::new(), 0) };
@@ -278,26 +309,40 @@ impl<'a> Work<'a> {
         moment.surfaces.iter().copied().filter(owns).collect()
     }
 
+    /// True if the medium changes at a moment.
+    fn is_change(&self, k: usize) -> bool {
+        let (before, after) = self.moments[k].regions;
+        self.medium(before) != self.medium(after)
+    }
+
     /// The crossings after the weld.
     fn welded(&self) -> Result<Vec<Expected>, Doubt> {
-        let differs = |k: &usize| {
-            let (before, after) = self.moments[*k].regions;
-            self.medium(before) != self.medium(after)
-        };
-        let changes: Vec<usize> = (0..self.moments.len()).filter(differs).collect();
         let mut crossings = Vec::new();
         let mut run: Vec<usize> = Vec::new();
-        for change in changes {
+        for change in (0..self.moments.len()).filter(|&k| self.is_change(k)) {
             if let Some(&last) = run.last()
                 && !self.hug(last, change)?
             {
-                crossings.extend(self.crossing(&run));
+                crossings.extend(self.crossing(&run)?);
                 run.clear();
             }
             run.push(change);
         }
-        crossings.extend(self.crossing(&run));
+        crossings.extend(self.crossing(&run)?);
         Ok(crossings)
+    }
+
+    /// The last moment beside `k`, in the order given, to which only the region changes and not the medium, each
+    /// piece on the way being within the tolerance of the surfaces at its ends.
+    fn beside(&self, k: usize, order: impl Iterator<Item = usize>) -> Result<usize, Doubt> {
+        let mut last = k;
+        for next in order.filter(|&k| self.moments[k].regions.0 != self.moments[k].regions.1) {
+            if self.is_change(next) || !self.hug(last.min(next), last.max(next))? {
+                break;
+            }
+            last = next;
+        }
+        Ok(last)
     }
 
     /// True if the piece between two moments lies within the tolerance of the surfaces at both its ends.
@@ -330,12 +375,16 @@ impl<'a> Work<'a> {
         times
     }
 
-    fn crossing(&self, run: &[usize]) -> Option<Expected> {
-        let (&first, &last) = (run.first()?, run.last()?);
+    fn crossing(&self, run: &[usize]) -> Result<Option<Expected>, Doubt> {
+        let Some((&first, &last)) = run.first().zip(run.last()) else {
+            return Ok(None);
+        };
         let (before, after) = (self.moments[first].regions.0, self.moments[last].regions.1);
         if self.medium(before) == self.medium(after) {
-            return None;
+            return Ok(None);
         }
+        let before = self.moments[self.beside(first, (0..first).rev())?].regions.0;
+        let after = self.moments[self.beside(last, last + 1..self.moments.len())?].regions.1;
         let mut times = (f64::INFINITY, f64::NEG_INFINITY);
         for &k in run {
             let root = &self.moments[k].root;
@@ -345,13 +394,8 @@ impl<'a> Work<'a> {
                 times = (times.0.min(root.t() - play), times.1.max(root.t() + play));
             }
         }
-        Some(Expected {
-            before,
-            after,
-            t: self.moments[last].root.t(),
-            times,
-            leaves: self.owners(run, times),
-        })
+        let (t, leaves) = (self.moments[last].root.t(), self.owners(run, times));
+        Ok(Some(Expected { before, after, t, times, leaves }))
     }
 
     /// The leaves that a crossing may be said to belong to. Where several surfaces meet, rounding may let any
@@ -442,8 +486,9 @@ impl<'a> Work<'a> {
             let surface = &self.exact.surfaces[s];
             let [a, b, _] = &along.coefficients;
             if along.changes.roots.is_empty() && along.extremum(surface, self.line) <= bound(s, 0.0) {
-                let t = (-b).over(&a.scaled(1)).to_f64();
-                let error = bound(s, t) * surface.slope(self.line.ray.at(t));
+                let middle = (-b).over(&a.scaled(1));
+                let t = middle.to_f64();
+                let error = bound(s, t) * surface.slope(&self.line.at(&middle.rounded()));
                 all.push((s, t, 2.5 * (error / a.to_f64().abs()).sqrt()));
             }
         }
@@ -468,7 +513,6 @@ impl<'a> Work<'a> {
 /// it on either side of a surface that it does not lie on, or if w cannot tell.
 pub fn region_at(exact: &Exact, point: Vec3) -> Option<usize> {
     let line = Line::new(rayweave_shape::Ray::new(point, Vec3::X));
-    let chord = Chord { times: [0.0; 3].map(Dyadic::from) };
     let side = |surface: &Surface| {
         let value = surface.value(&line.at(&Dyadic::ZERO));
         if value.is_zero() {
@@ -476,9 +520,10 @@ pub fn region_at(exact: &Exact, point: Vec3) -> Option<usize> {
             if surface.is_rounded() {
                 return None;
             }
-            return side_along_w(surface, &line, &chord).ok();
+            return side_at(surface, &line, &Dyadic::ZERO).ok();
         }
-        let clear = value.to_f64().abs() > surface.slope(point) * delta(surface, &line, 0.0);
+        let clear =
+            value.to_f64().abs() > surface.slope(&line.at(&Dyadic::ZERO)) * delta(surface, &line, 0.0);
         clear.then(|| value.sign() < 0)
     };
     let negative = exact.surfaces.iter().map(side).collect::<Option<Vec<bool>>>()?;

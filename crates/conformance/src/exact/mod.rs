@@ -20,7 +20,7 @@ mod suite;
 mod surface;
 mod tree;
 
-pub use answer::{Answer, Doubt, Expected, Traits, answer, region_at};
+pub use answer::{Answer, Doubt, Expected, Span, Traits, answer, region_at};
 pub use dyadic::Dyadic;
 pub use map::Map;
 pub use root::{Root, SignChanges, sign_changes};

@@ -107,13 +107,17 @@ impl Surface {
         [x, y, z].map(|g| g.scaled(1))
     }
 
-    /// The length of the gradient at a point, rounded.
-    pub fn slope(&self, p: Vec3) -> f64 {
-        let row = |i: usize| {
-            let r = self.rounded[i];
-            2.0 * (r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3])
-        };
-        Vec3::new(row(0), row(1), row(2)).length()
+    /// The length of the gradient at a point.
+    pub fn slope(&self, point: &[Dyadic; 4]) -> f64 {
+        Vec3::from_array(self.gradient(point).map(|g| g.to_f64())).length()
+    }
+
+    /// True if there are rays with one crossing or none that all rays near them cross far out, so that rounding
+    /// decides what they meet there: for all but planes, ellipsoids and cylinders over ellipses.
+    pub fn is_open(&self) -> bool {
+        let q = &self.rounded;
+        let bowl = |k: usize| q[k][k] > 0.0 || (q[k][k] == 0.0 && q[k][3] == 0.0);
+        !(self.distance().is_some() || (0..3).all(bowl))
     }
 }
 
