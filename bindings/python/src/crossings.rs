@@ -5,10 +5,10 @@ use std::ops::Range;
 use numpy::{Element, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyDict, PyType};
-use rayweave_math::Vec3;
-use rayweave_model::{Crossing, Evaluator, Limit, Program, Query, RayAnswer, RegionId, Window, dress};
-use rayweave_shape::Ray;
+use pyo3::types::{PyDict, PyTuple, PyType};
+use rayweave::math::Vec3;
+use rayweave::model::{Crossing, Evaluator, Limit, Program, Query, RayAnswer, RegionId, Window, dress};
+use rayweave::shape::Ray;
 
 use crate::arrays::room;
 use crate::engine::{Engine, How, Question, inside, surface};
@@ -177,9 +177,97 @@ impl Table {
         fields.set_item("placement", column(py, self.placement))?;
         fields.set_item("start_inside", column(py, self.start_inside))?;
         fields.set_item("surface_names", engine.surface_names(py)?)?;
+        let Some(media) = &engine.media else {
+            static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+            return CLASS.import(py, "rayweave._answers", "Crossings")?.call((), Some(&fields));
+        };
+        let medium = |regions: &[i32]| regions.iter().map(|&region| medium_of(engine, region)).collect();
+        fields.set_item("medium_before", column(py, medium(&self.before)))?;
+        fields.set_item("medium_after", column(py, medium(&self.after)))?;
+        fields.set_item("region_before", column(py, self.before))?;
+        fields.set_item("region_after", column(py, self.after))?;
+        fields.set_item("medium_names", PyTuple::new(py, media.iter())?)?;
+        fields.set_item("region_names", region_names(py, engine)?)?;
         static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
-        CLASS.import(py, "rayweave._answers", "Crossings")?.call((), Some(&fields))
+        CLASS.import(py, "rayweave._answers", "ModelCrossings")?.call((), Some(&fields))
     }
+
+    /// The pieces between the crossings as the object that Python sees.
+    pub fn into_partition<'py>(
+        self,
+        py: Python<'py>,
+        engine: &Engine,
+        window: Window,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let pieces = Pieces::new(&self, window)?;
+        let fields = PyDict::new(py);
+        let medium = pieces.region.iter().map(|&region| medium_of(engine, region)).collect();
+        fields.set_item("ray", column(py, pieces.ray))?;
+        fields.set_item("t_start", column(py, pieces.t_start))?;
+        fields.set_item("t_end", column(py, pieces.t_end))?;
+        fields.set_item("medium", column(py, medium))?;
+        fields.set_item("region", column(py, pieces.region))?;
+        fields.set_item("offsets", column(py, pieces.offsets))?;
+        fields.set_item(
+            "medium_names",
+            PyTuple::new(py, engine.media.iter().flat_map(|media| media.iter()).collect::<Vec<_>>())?,
+        )?;
+        fields.set_item("region_names", region_names(py, engine)?)?;
+        static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+        CLASS.import(py, "rayweave._answers", "Partition")?.call((), Some(&fields))
+    }
+}
+
+/// Pieces of rays between crossings, in columns.
+struct Pieces {
+    ray: Vec<i64>,
+    t_start: Vec<f64>,
+    t_end: Vec<f64>,
+    region: Vec<i32>,
+    offsets: Vec<i64>,
+}
+
+impl Pieces {
+    fn new(table: &Table, window: Window) -> PyResult<Self> {
+        let len = table.counts.len() + table.t.len();
+        let mut pieces = Pieces {
+            ray: room(len)?,
+            t_start: room(len)?,
+            t_end: room(len)?,
+            region: room(len)?,
+            offsets: room(table.counts.len() + 1)?,
+        };
+        pieces.offsets.push(0);
+        let mut row = 0;
+        for (ray, &count) in table.counts.iter().enumerate() {
+            let (mut start, mut region) = (window.t_min(), table.start_region[ray]);
+            for k in row..row + count {
+                pieces.push(ray, [start, table.t[k]], region);
+                (start, region) = (table.t[k], table.after[k]);
+            }
+            pieces.push(ray, [start, window.t_max()], region);
+            pieces.offsets.push(pieces.ray.len() as i64);
+            row += count;
+        }
+        Ok(pieces)
+    }
+
+    fn push(&mut self, ray: usize, [start, end]: [f64; 2], region: i32) {
+        self.ray.push(ray as i64);
+        self.t_start.push(start);
+        self.t_end.push(end);
+        self.region.push(region);
+    }
+}
+
+fn medium_of(engine: &Engine, region: i32) -> i32 {
+    engine.program.medium_of(RegionId(region as u32)) as i32
+}
+
+/// The names of the regions by their numbers; number 0 is the world.
+fn region_names<'py>(py: Python<'py>, engine: &Engine) -> PyResult<Bound<'py, PyTuple>> {
+    let regions = engine.program.regions().iter().map(|region| region.name.as_str());
+    PyTuple::new(py, std::iter::once("world").chain(regions).collect::<Vec<_>>())
 }
 
 fn column<T: Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {

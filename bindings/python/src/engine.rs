@@ -8,9 +8,10 @@ use std::time::{Duration, Instant};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
-use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{Crossing, Evaluator, Program, RegionId, Window};
-use rayweave_trace::{Reference, Weave};
+use rayweave::model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave::model::{Crossing, Evaluator, Program, RegionId, Window};
+use rayweave::trace::Weave;
+use rayweave::{AnyEvaluator, Compiled};
 
 use crate::error::{bad_type, bad_value};
 
@@ -24,15 +25,30 @@ const PATIENCE: Duration = Duration::from_millis(50);
 pub struct Engine {
     /// The program.
     pub program: Arc<Program>,
+    /// The names of the media by their numbers; none for a solid alone.
+    pub media: Option<Arc<[String]>>,
     weave: Weave,
     surface_names: PyOnceLock<Py<PyTuple>>,
 }
 
 impl Engine {
-    /// What answers questions about a program.
-    pub fn new(program: Program) -> Self {
-        let program = Arc::new(program);
-        Engine { weave: Weave::new(program.clone()), program, surface_names: PyOnceLock::new() }
+    /// What answers questions about a solid.
+    pub fn of_solid(program: Program) -> Self {
+        Engine::new(Arc::new(program), None)
+    }
+
+    /// What answers questions about a model.
+    pub fn of_model(compiled: &Compiled) -> Self {
+        Engine::new(compiled.program.clone(), Some(compiled.media.clone()))
+    }
+
+    fn new(program: Arc<Program>, media: Option<Arc<[String]>>) -> Self {
+        Engine { weave: Weave::new(program.clone()), program, media, surface_names: PyOnceLock::new() }
+    }
+
+    /// The evaluator for daily use.
+    pub fn weave(&self) -> &Weave {
+        &self.weave
     }
 
     /// The names of all faces, by their numbers.
@@ -48,7 +64,8 @@ impl Engine {
 pub struct How {
     /// The part of the rays that is asked about.
     pub window: Window,
-    reference: bool,
+    /// None for the one for daily use, which is kept ready.
+    evaluator: Option<String>,
     threads: Option<NonZeroUsize>,
 }
 
@@ -62,18 +79,17 @@ impl How {
     ) -> PyResult<Self> {
         let window = Window::new(t_min, t_max)
             .map_err(|error| bad_value(format!("t_min = {t_min}, t_max = {t_max}: {error}")))?;
-        let reference = match evaluator {
-            None | Some("weave") => false,
-            Some("reference") => true,
-            Some(other) => {
-                return Err(bad_value(format!("evaluator is '{other}' (it must be 'weave' or 'reference')")));
-            }
-        };
-        Ok(How { window, reference, threads: threads.map(count).transpose()? })
+        if let Some(other) = evaluator.filter(|name| !AnyEvaluator::NAMES.contains(name)) {
+            let names = AnyEvaluator::NAMES.map(|name| format!("'{name}'")).join(", ");
+            return Err(bad_value(format!("evaluator is '{other}' (it must be one of {names})")));
+        }
+        let evaluator = evaluator.filter(|&name| name != AnyEvaluator::NAMES[0]).map(str::to_owned);
+        Ok(How { window, evaluator, threads: threads.map(thread_argument).transpose()? })
     }
 }
 
-fn count(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
+/// A number of threads.
+pub fn thread_argument(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
     let number: i64 = threads
         .extract()
         .map_err(|_| bad_type(format!("threads is {} (a whole number is needed)", threads.get_type())))?;
@@ -112,11 +128,11 @@ impl Engine {
         question: &Q,
         merge: impl FnMut(Q::Answer) + Send,
     ) -> PyResult<()> {
-        py.detach(|| {
-            if how.reference {
-                ask(&Reference::new(self.program.clone()), how, question, merge)
-            } else {
-                ask(&self.weave, how, question, merge)
+        py.detach(|| match &how.evaluator {
+            None => ask(&self.weave, how, question, merge),
+            Some(name) => {
+                let evaluator = AnyEvaluator::new(Some(name), self.program.clone()).map_err(bad_value)?;
+                ask(&evaluator, how, question, merge)
             }
         })
     }

@@ -4,7 +4,7 @@ use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
-use rayweave_rootray::hit_array::{self, CsgOptions, HitArray, HitArrayError, Operation, Real, Regularize};
+use rayweave::rootray::hit_array::{self, CsgOptions, HitArray, HitArrayError, Operation, Real, Regularize};
 
 use crate::arrays::{RealArray, contiguous, real_array, shape_text};
 use crate::error::{bad_type, bad_value};

@@ -7,7 +7,7 @@ use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use rayweave_model::{Evaluator, Program, Query, RayAnswer, Window};
+use rayweave::model::{Evaluator, Program, Query, RayAnswer, Window};
 
 use crate::arrays::{room, shape_text};
 use crate::engine::{Engine, How, Question, inside, surface};

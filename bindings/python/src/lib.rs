@@ -8,12 +8,15 @@ mod engine;
 mod error;
 mod hit_array;
 mod hits;
+mod model;
 mod pickle;
 mod points;
 mod rays;
+mod render;
 mod rootray;
 mod shapes;
 mod solid;
+mod timeline;
 mod vectors;
 
 use pyo3::prelude::*;
@@ -26,9 +29,15 @@ mod _core {
     #[pymodule_export]
     use crate::hit_array::{array_csg, count_array};
     #[pymodule_export]
+    use crate::model::{PyModel, load_model, loads};
+    #[pymodule_export]
+    use crate::render::{notebook_png, render_array};
+    #[pymodule_export]
     use crate::rootray::{PyRootRay, count_surfaces, least_separation, root_problems};
     #[pymodule_export]
     use crate::shapes::{manuals, shape};
     #[pymodule_export]
     use crate::solid::{PySolid, intersection, place, plenum, solid_from_bytes, union, vacuum};
+    #[pymodule_export]
+    use crate::timeline::{ray_timeline_svg, timeline_svg};
 }

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Node, Solid};
-use rayweave_shape::primitive::{Primitive, Value, build};
+use rayweave::math::{Affine, Vec3};
+use rayweave::model::{Node, Solid};
+use rayweave::shape::primitive::{Primitive, Value, build};
 
 /// What the bytes begin with; the number is that of the format.
 const MAGIC: &[u8] = b"rayweave solid 1\n";
@@ -242,7 +242,7 @@ impl<'a> Reader<'a> {
         let numbers = self.numbers(12)?;
         let column = |k: usize| Vec3::from_slice(&numbers[3 * k..]);
         Ok(Affine {
-            linear: rayweave_math::Mat3::from_cols(column(0), column(1), column(2)),
+            linear: rayweave::math::Mat3::from_cols(column(0), column(1), column(2)),
             translation: column(3),
         })
     }

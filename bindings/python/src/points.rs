@@ -5,7 +5,7 @@ use std::ops::Range;
 use numpy::PyArray1;
 use numpy::ndarray::ArrayView2;
 use pyo3::prelude::*;
-use rayweave_model::{Evaluator, RegionId};
+use rayweave::model::{Evaluator, RegionId};
 
 use crate::arrays::room;
 use crate::engine::{Engine, How, Question, inside};

@@ -5,7 +5,7 @@ use std::ops::Range;
 use numpy::ndarray::ArrayView2;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use rayweave_model::Rays;
+use rayweave::model::Rays;
 
 use crate::arrays::{double_array, shape_text};
 use crate::error::bad_value;

@@ -2,8 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList, PyString, PyTuple};
-use rayweave_rootray::hit_array::{from_column, to_column};
-use rayweave_rootray::{RootRay, Side, min_sep, seed, surface_count, validate_times};
+use rayweave::rootray::hit_array::{from_column, to_column};
+use rayweave::rootray::{RootRay, Side, min_sep, seed, surface_count, validate_times};
 
 use crate::arrays::list;
 use crate::error::{bad_type, bad_value};
@@ -85,7 +85,7 @@ impl PyRootRay {
     #[pyo3(signature = (min_sep = None))]
     fn weld(&self, min_sep: Option<f64>) -> PyResult<Self> {
         match min_sep {
-            None => Ok(PyRootRay(self.0.weld(rayweave_rootray::min_sep))),
+            None => Ok(PyRootRay(self.0.weld(rayweave::rootray::min_sep))),
             Some(length) if length >= 0.0 && length.is_finite() => Ok(PyRootRay(self.0.weld(|_, _| length))),
             Some(length) => {
                 Err(bad_value(format!("min_sep is {length} (it must be finite and not negative)")))
@@ -153,6 +153,11 @@ impl PyRootRay {
 }
 
 impl PyRootRay {
+    /// The root-ray.
+    pub fn root_ray(&self) -> &RootRay {
+        &self.0
+    }
+
     fn pair<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let roots = PyList::new(py, self.0.times())?.into_any();
         PyTuple::new(py, [self.start().into_pyobject(py)?.into_any(), roots])

@@ -3,7 +3,7 @@
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
-use rayweave_shape::primitive::{MANUALS, Manual, Parameter, ParameterKind, Value, build, manual};
+use rayweave::shape::primitive::{MANUALS, Manual, Parameter, ParameterKind, Value, build, manual};
 
 use crate::arrays::{double_array, shape_text};
 use crate::error::{bad_type, bad_value};

@@ -1,17 +1,20 @@
 //! The solid as a Python class.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use numpy::ndarray::arr2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyIterator};
-use rayweave_math::{Affine, Bounds, Vec3};
-use rayweave_model::{Program, Solid};
+use rayweave::math::{Affine, Bounds, Vec3};
+use rayweave::model::{Node, Program, Solid};
+use rayweave::scene::Document;
 
 use crate::engine::{Engine, How};
 use crate::error::{bad_type, bad_value};
+use crate::render::notebook_png;
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
 use crate::{crossings, hits, pickle, points};
 
@@ -48,7 +51,7 @@ impl PySolid {
         if self.engine.get().is_none() {
             let program = py.detach(|| Program::compile(&self.solid)).map_err(bad_value)?;
             // another thread may have been faster
-            let _ = self.engine.set(Engine::new(program));
+            let _ = self.engine.set(Engine::of_solid(program));
         }
         self.engine.get().ok_or_else(|| bad_value("the solid was not compiled"))
     }
@@ -223,6 +226,32 @@ impl PySolid {
 
     fn __hash__(&self) -> u64 {
         pickle::hash(&self.solid)
+    }
+
+    /// Writes the solid as a model file (.toml), under the name it has or under this one.
+    #[pyo3(signature = (path, name = None))]
+    fn save(&self, path: PathBuf, name: Option<&str>) -> PyResult<()> {
+        let own = match self.solid.node() {
+            Node::Named(own, _) => own,
+            _ => "solid",
+        };
+        let document = Document::from_solid(name.unwrap_or(own), &self.solid);
+        Ok(document.save(path)?)
+    }
+
+    /// A picture of the solid as an array: see `rayweave.render`, whose options these are.
+    #[pyo3(signature = (**options))]
+    fn render<'py>(
+        slf: &Bound<'py, Self>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let render = slf.py().import("rayweave._picture")?.getattr("render")?;
+        render.call((slf,), options)
+    }
+
+    /// The picture that a notebook shows.
+    fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyBytes>> {
+        notebook_png(slf.as_any())
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

@@ -2,7 +2,7 @@
 
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use rayweave_math::{Affine, Vec3};
+use rayweave::math::{Affine, Vec3};
 
 use crate::arrays::{double_array, list, shape_text};
 use crate::error::bad_value;

@@ -1,18 +1,23 @@
 """Exact ray tracing through constructive solid geometry."""
 
 from rayweave import rootray
-from rayweave._answers import Crossings
+from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._core import (
+    Model,
     RayweaveError,
     RootRay,
     Solid,
     intersection,
+    load,
+    loads,
     place,
     plenum,
     union,
     vacuum,
 )
 from rayweave._hit_array import Operation, array_csg, count_array
+from rayweave._model import Medium, Region
+from rayweave._picture import Camera, render
 from rayweave._shapes import (
     box,
     box_from_corners,
@@ -30,13 +35,21 @@ from rayweave._shapes import (
     tube,
     wedge,
 )
+from rayweave._timeline import Timeline, ray_timeline, timeline
 
 __all__ = [
+    "Camera",
     "Crossings",
+    "Medium",
+    "Model",
+    "ModelCrossings",
     "Operation",
+    "Partition",
     "RayweaveError",
+    "Region",
     "RootRay",
     "Solid",
+    "Timeline",
     "array_csg",
     "box",
     "box_from_corners",
@@ -47,14 +60,19 @@ __all__ = [
     "ellipsoid",
     "half_space",
     "intersection",
+    "load",
+    "loads",
     "paraboloid",
     "place",
     "plenum",
     "prism",
     "quadric",
+    "ray_timeline",
+    "render",
     "rootray",
     "slab",
     "sphere",
+    "timeline",
     "torus",
     "tube",
     "union",

@@ -44,3 +44,58 @@ class Crossings:
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {len(self)} rows of {len(self.start_inside)} rays>"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModelCrossings(Crossings):
+    """Where rays pass from one medium into another: as `Crossings`, with the media and the regions.
+
+    ``enters`` tells whether what follows is another medium than that of the world. From one such medium into another the
+    normal is that of entering.
+    """
+
+    medium_before: NDArray[np.int32]
+    """(M,) the medium before the crossing, as an index of `medium_names`; 0 is that of the world."""
+    medium_after: NDArray[np.int32]
+    """(M,) the medium after it."""
+    region_before: NDArray[np.int32]
+    """(M,) the region before the crossing, as an index of `region_names`; 0 is the world."""
+    region_after: NDArray[np.int32]
+    """(M,) the region after it."""
+    medium_names: tuple[str, ...]
+    """The names of the media."""
+    region_names: tuple[str, ...]
+    """The names of the regions, beginning with the world."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Partition:
+    """What rays go through: S pieces, each in one medium, sorted by ray, then t.
+
+    The pieces of ray i are ``offsets[i]:offsets[i + 1]``. They cover the window that was asked about without gaps: the first
+    begins at t_min, the last ends at t_max, which may be infinite.
+    """
+
+    ray: NDArray[np.int64]
+    """(S,) the number of the ray."""
+    t_start: NDArray[np.float64]
+    """(S,) where the piece begins, in units of the ray's direction."""
+    t_end: NDArray[np.float64]
+    """(S,) where it ends."""
+    medium: NDArray[np.int32]
+    """(S,) the medium, as an index of `medium_names`; 0 is that of the world."""
+    region: NDArray[np.int32]
+    """(S,) the region, as an index of `region_names`; 0 is the world."""
+    offsets: NDArray[np.int64]
+    """(N + 1,) where the pieces of each ray begin, and their total at the end."""
+    medium_names: tuple[str, ...]
+    """The names of the media."""
+    region_names: tuple[str, ...]
+    """The names of the regions, beginning with the world."""
+
+    def __len__(self) -> int:
+        """The number of pieces, S."""
+        return len(self.t_start)
+
+    def __repr__(self) -> str:
+        return f"<Partition: {len(self)} pieces of {len(self.offsets) - 1} rays>"

@@ -1,26 +1,36 @@
 from collections.abc import Iterable, Iterator, Sequence
+from os import PathLike
 from typing import Any, Literal, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rayweave._answers import Crossings
+from rayweave._answers import Crossings, ModelCrossings, Partition
+from rayweave._model import Medium, Region
+from rayweave._picture import Camera
 
 __all__ = [
+    "Model",
     "RayweaveError",
     "RootRay",
     "Solid",
     "array_csg",
     "count_array",
     "intersection",
+    "load",
+    "loads",
     "manuals",
     "min_sep",
+    "notebook_png",
     "place",
     "plenum",
+    "ray_timeline_svg",
+    "render",
     "root_problems",
     "shape",
     "solid_from_bytes",
     "surface_count",
+    "timeline_svg",
     "union",
     "vacuum",
 ]
@@ -148,6 +158,9 @@ class Solid:
         self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
     ) -> NDArray[np.bool_]: ...
     def bounds(self) -> NDArray[np.float64]: ...
+    def save(self, path: str | PathLike[str], name: str | None = None) -> None: ...
+    def render(self, **options: Any) -> NDArray[Any]: ...
+    def _repr_png_(self) -> bytes: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __copy__(self) -> Solid: ...
@@ -161,3 +174,121 @@ def place(solid: Solid, transforms: ArrayLike) -> Solid: ...
 def shape(name: str, values: Sequence[Any]) -> Solid: ...
 def manuals() -> list[dict[str, Any]]: ...
 def solid_from_bytes(data: bytes) -> Solid: ...
+
+@final
+class Model:
+    @property
+    def solids(self) -> dict[str, Solid]: ...
+    @property
+    def regions(self) -> tuple[Region, ...]: ...
+    @property
+    def media(self) -> tuple[Medium, ...]: ...
+    @property
+    def parameters(self) -> dict[str, float]: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @overload
+    def hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        return_surfaces: Literal[False] = False,
+        out: NDArray[np.float64] | None = None,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> NDArray[np.float64]: ...
+    @overload
+    def hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        return_surfaces: Literal[True],
+        out: NDArray[np.float64] | None = None,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
+    def crossings(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> ModelCrossings: ...
+    def nearest(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = 0.0,
+        t_max: float = ...,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> ModelCrossings: ...
+    def partition(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> Partition: ...
+    def contains(
+        self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
+    ) -> NDArray[np.bool_]: ...
+    def bounds(self) -> NDArray[np.float64]: ...
+    def save(self, path: str | PathLike[str]) -> None: ...
+    def to_toml(self) -> str: ...
+    def render(self, **options: Any) -> NDArray[Any]: ...
+    def _repr_png_(self) -> bytes: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __copy__(self) -> Model: ...
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Model: ...
+
+def load(
+    path: str | PathLike[str], parameters: dict[str, float | str] | None = None
+) -> Model: ...
+def loads(text: str, parameters: dict[str, float | str] | None = None) -> Model: ...
+def render(
+    subject: Solid | Model,
+    *,
+    kind: str,
+    size: tuple[int, int] | None,
+    view: str | None,
+    field_of_view: float | None,
+    camera: Camera | None,
+    shading: str | None,
+    edges: bool | None,
+    shadows: bool | None,
+    samples: int | None,
+    evaluator: str | None,
+    threads: int | None,
+) -> NDArray[Any]: ...
+def notebook_png(subject: Solid | Model) -> bytes: ...
+def timeline_svg(
+    operands: Sequence[tuple[str, RootRay]],
+    results: Sequence[tuple[str, RootRay]],
+    title: str,
+    window: tuple[float, float] | None,
+    count: bool,
+) -> str: ...
+def ray_timeline_svg(
+    subject: Solid | Model,
+    origin: ArrayLike,
+    direction: ArrayLike,
+    title: str,
+    window: tuple[float, float] | None,
+) -> str: ...

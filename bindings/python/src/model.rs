@@ -1,0 +1,318 @@
+//! The model as a Python class: regions of media, read from a file or made of solids.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
+use rayweave::Compiled;
+use rayweave::scene::{Diagnostics, Document, Scene, load, parse_with};
+
+use crate::engine::{Engine, How};
+use crate::error::{bad_type, bad_value};
+use crate::render::notebook_png;
+use crate::solid::{PySolid, bounds_array};
+use crate::{crossings, hits, pickle, points};
+
+/// A model: an ordered list of regions, each a solid made of a medium. It never changes.
+///
+/// Where solids overlap the later region wins; everywhere else is the medium of the world, number 0. Models come from `load`
+/// and `loads`. The questions are those of `Solid`; inside is where the medium is not that of the world.
+#[pyclass(frozen, module = "rayweave", name = "Model")]
+pub struct PyModel {
+    document: Document,
+    scene: Scene,
+    /// True if some parameters have other values than the document says.
+    overridden: bool,
+    /// Compiled at the first question.
+    compiled: OnceLock<(Compiled, Engine)>,
+    solids: PyOnceLock<Py<PyDict>>,
+}
+
+impl PyModel {
+    fn new(read: Result<(Document, Scene), Diagnostics>, overridden: bool) -> PyResult<Self> {
+        let (document, scene) = read.map_err(bad_value)?;
+        Ok(PyModel { document, scene, overridden, compiled: OnceLock::new(), solids: PyOnceLock::new() })
+    }
+
+    /// What the model means.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The compiled model.
+    pub fn compiled(&self, py: Python<'_>) -> PyResult<&(Compiled, Engine)> {
+        if self.compiled.get().is_none() {
+            let compiled = py.detach(|| Compiled::new(&self.scene)).map_err(bad_value)?;
+            let engine = Engine::of_model(&compiled);
+            // another thread may have been faster
+            let _ = self.compiled.set((compiled, engine));
+        }
+        self.compiled.get().ok_or_else(|| bad_value("the model was not compiled"))
+    }
+
+    fn engine(&self, py: Python<'_>) -> PyResult<&Engine> {
+        Ok(&self.compiled(py)?.1)
+    }
+
+    /// The document that says what the model is now.
+    fn current_document(&self) -> Document {
+        if self.overridden { Document::from_scene(&self.scene) } else { self.document.clone() }
+    }
+}
+
+/// Reads a model file (.toml). `parameters` gives other values to some of its parameters: numbers, or arithmetic text.
+#[pyfunction]
+#[pyo3(name = "load", signature = (path, parameters = None))]
+pub fn load_model(
+    py: Python<'_>,
+    path: PathBuf,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<PyModel> {
+    let overrides = overrides(parameters)?;
+    PyModel::new(py.detach(|| load(&path, &overrides)), !overrides.is_empty())
+}
+
+/// Reads a model from the text of a model file. Files that it names are looked for in the current folder.
+#[pyfunction]
+#[pyo3(signature = (text, parameters = None))]
+pub fn loads(py: Python<'_>, text: &str, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<PyModel> {
+    let overrides = overrides(parameters)?;
+    PyModel::new(py.detach(|| parse_with(text, &overrides)), !overrides.is_empty())
+}
+
+fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, String)>> {
+    let text = |name: &str, value: &Bound<'_, PyAny>| match value.cast::<PyString>() {
+        Ok(text) => Ok(text.to_str()?.to_owned()),
+        Err(_) => match value.extract::<f64>() {
+            Ok(number) => Ok(format!("{number:?}")),
+            Err(_) => Err(bad_type(format!(
+                "parameters['{name}'] is {} (a number or arithmetic text is needed)",
+                value.get_type()
+            ))),
+        },
+    };
+    let pair = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let name: String = name.extract()?;
+        let value = text(&name, &value)?;
+        Ok((name, value))
+    };
+    parameters.into_iter().flatten().map(pair).collect()
+}
+
+#[pymethods]
+impl PyModel {
+    /// The solids by their names, in the order of the file.
+    #[getter]
+    fn solids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let make = || -> PyResult<Py<PyDict>> {
+            let solids = PyDict::new(py);
+            for (name, solid) in &self.scene.solids {
+                solids.set_item(name, PySolid::from_solid(solid.clone()))?;
+            }
+            Ok(solids.unbind())
+        };
+        // a copy, so that the model stays what it is
+        self.solids.get_or_try_init(py, make)?.bind(py).copy()
+    }
+
+    /// The regions in order: later ones win where they overlap. Region k of this list has the number k + 1.
+    #[getter]
+    fn regions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+        let class = CLASS.import(py, "rayweave._model", "Region")?;
+        let regions: PyResult<Vec<_>> = (self.scene.regions.iter())
+            .map(|region| {
+                let solid = PySolid::from_solid(region.solid.clone());
+                let medium = self.scene.media.get(region.medium as usize).map(|medium| &medium.name);
+                class.call1((&region.name, solid, medium, region.colour.to_string()))
+            })
+            .collect();
+        PyTuple::new(py, regions?)
+    }
+
+    /// The media by their numbers; number 0 is that of the world.
+    #[getter]
+    fn media<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+        let class = CLASS.import(py, "rayweave._model", "Medium")?;
+        let media: PyResult<Vec<_>> = (self.scene.media.iter())
+            .map(|medium| {
+                let numbers = PyDict::new(py);
+                medium.numbers.iter().try_for_each(|(name, value)| numbers.set_item(name, value))?;
+                let colour = medium.colour.map(|colour| colour.to_string());
+                class.call1((&medium.name, medium.index, colour, numbers))
+            })
+            .collect();
+        PyTuple::new(py, media?)
+    }
+
+    /// The parameters with their values, in the order of the file.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let parameters = PyDict::new(py);
+        for (name, value) in &self.scene.parameters {
+            parameters.set_item(name, value)?;
+        }
+        Ok(parameters)
+    }
+
+    /// The unit of all lengths: "nm", "um", "mm", "cm", "m", "km", "in" or "ft".
+    #[getter]
+    fn unit(&self) -> &'static str {
+        self.scene.unit.symbol()
+    }
+
+    /// What may not have been meant in the file, as text for people.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.scene.warnings.iter().map(|warning| Diagnostics::from(warning.clone()).render(false)).collect()
+    }
+
+    /// When rays enter and leave the medium of the world: see `Solid.hits`.
+    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, return_surfaces = false, out = None, evaluator = None, threads = None))]
+    #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
+    fn hits<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: f64,
+        t_max: f64,
+        return_surfaces: bool,
+        out: Option<&Bound<'py, PyAny>>,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let how = How::new(t_min, t_max, evaluator, threads)?;
+        hits::hits(self.engine(origins.py())?, [origins, directions], &how, return_surfaces, out)
+    }
+
+    /// All changes of the medium, sorted by ray, then t: see `ModelCrossings`.
+    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    fn crossings<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: f64,
+        t_max: f64,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
+        crossings::ask(engine, [origins, directions], &how, false)?.into_python(origins.py(), engine)
+    }
+
+    /// The first change of the medium of each ray after t_min: see `ModelCrossings`.
+    #[pyo3(signature = (origins, directions, t_min = 0.0, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    fn nearest<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: f64,
+        t_max: f64,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
+        crossings::ask(engine, [origins, directions], &how, true)?.into_python(origins.py(), engine)
+    }
+
+    /// The pieces of each ray in one medium, from t_min to t_max: see `Partition`.
+    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    fn partition<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: f64,
+        t_max: f64,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
+        let table = crossings::ask(engine, [origins, directions], &how, false)?;
+        table.into_partition(origins.py(), engine, how.window)
+    }
+
+    /// Whether points (N, 3) or (3,) are in another medium than that of the world: bool (N,).
+    #[pyo3(signature = (points, *, evaluator = None, threads = None))]
+    fn contains<'py>(
+        &self,
+        points: &Bound<'py, PyAny>,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let how = How::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
+        points::contains(self.engine(points.py())?, points, &how)
+    }
+
+    /// A box that holds all regions: float64 (2, 3), the least and the greatest coordinates.
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        Ok(bounds_array(py, &self.engine(py)?.program.bounds()))
+    }
+
+    /// Writes the model file, complete or not at all.
+    #[pyo3(signature = (path))]
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        Ok(self.current_document().save(path)?)
+    }
+
+    /// The model file as text.
+    fn to_toml(&self) -> String {
+        self.current_document().to_toml()
+    }
+
+    /// Equal if they mean the same: solids, regions, media and pictures, whatever parameters they came from.
+    fn __eq__(&self, other: PyRef<'_, Self>) -> bool {
+        let meaning = |scene: &Scene| Scene { parameters: Vec::new(), ..scene.clone() };
+        meaning(&self.scene) == meaning(&other.scene)
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        for region in &self.scene.regions {
+            (&region.name, region.medium, pickle::hash(&region.solid)).hash(&mut hasher);
+        }
+        hasher.finish()
+    }
+
+    /// A picture of the model as an array: see `rayweave.render`, whose options these are.
+    #[pyo3(signature = (**options))]
+    fn render<'py>(
+        slf: &Bound<'py, Self>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let render = slf.py().import("rayweave._picture")?.getattr("render")?;
+        render.call((slf,), options)
+    }
+
+    /// The picture that a notebook shows.
+    fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyBytes>> {
+        notebook_png(slf.as_any())
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyDict>) -> Py<Self> {
+        slf
+    }
+
+    fn __repr__(&self) -> String {
+        let Scene { solids, regions, media, .. } = &self.scene;
+        format!("<Model: {} solids, {} regions, {} media>", solids.len(), regions.len(), media.len())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let text = py.detach(|| {
+            // the document itself where that is enough: it keeps the parameters, but not the files it names
+            let kept = self.current_document().to_toml();
+            let is_enough = parse_with(&kept, &[]).is_ok_and(|(_, scene)| scene == self.scene);
+            if is_enough { kept } else { Document::from_scene(&self.scene).to_toml() }
+        });
+        Ok((py.import("rayweave._core")?.getattr("loads")?, (text,)))
+    }
+}

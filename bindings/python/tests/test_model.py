@@ -1,0 +1,141 @@
+"""Models: files, regions, media, partitions, saving and pickling."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import rayweave as rw
+
+TEXT = """
+rayweave = 1
+unit = "mm"
+
+[parameters]
+R = 2.0
+
+[solid.body]
+box = { size = "2 * R" }
+
+[solid.core]
+sphere = { radius = "R / 2" }
+
+[[region]]
+solid = "body"
+medium = "glass"
+
+[[region]]
+solid = "core"
+medium = "water"
+
+[medium.glass]
+index = 1.5
+
+[medium.water]
+index = 1.33
+"""
+
+X = np.array([1.0, 0.0, 0.0])
+START = np.array([-5.0, 0.0, 0.0])
+
+
+@pytest.fixture
+def model():
+    return rw.loads(TEXT)
+
+
+def test_parts(model):
+    assert list(model.solids) == ["body", "core"]
+    assert [region.name for region in model.regions] == ["body", "core"]
+    assert [medium.name for medium in model.media] == ["world", "glass", "water"]
+    assert model.media[1].index == 1.5
+    assert model.parameters == {"R": 2.0} and model.unit == "mm"
+
+
+def test_crossings_name_media(model):
+    found = model.crossings(START, X)
+    assert np.array_equal(found.t, [3, 4, 6, 7])
+    names = np.array(found.medium_names)
+    assert list(names[found.medium_before]) == ["world", "glass", "water", "glass"]
+    assert list(names[found.medium_after]) == ["glass", "water", "glass", "world"]
+    assert list(found.enters) == [True, True, True, False]
+    first = model.nearest(START, X)
+    assert first.t == 3 and first.medium_after == 1
+
+
+def test_hits_are_where_any_medium_begins_and_ends(model):
+    assert np.array_equal(model.hits(START, X)[:, 0], [3, 7])
+    assert bool(model.contains([1.5, 0, 0])) and not model.contains([5.0, 0, 0])
+    assert np.array_equal(model.bounds(), [[-2, -2, -2], [2, 2, 2]])
+
+
+def test_partition_has_a_piece_for_each_medium(model):
+    pieces = model.partition(np.stack([START, START + [0, 9, 0]]), X)
+    first, last = pieces.offsets[0], pieces.offsets[1]
+    names = np.array(pieces.medium_names)
+    assert list(names[pieces.medium[first:last]]) == ["world", "glass", "water", "glass", "world"]
+    assert pieces.offsets[2] - last == 1
+
+
+@pytest.mark.parametrize("evaluator", ["weave", "reference", "single_hit"])
+def test_every_evaluator_gives_the_same(model, evaluator):
+    rng = np.random.default_rng(3)
+    origins, directions = rng.normal(size=(50, 3)) * 4, rng.normal(size=(50, 3))
+    ours = model.crossings(origins, directions, evaluator=evaluator)
+    weave = model.crossings(origins, directions)
+    assert np.array_equal(ours.t, weave.t) and np.array_equal(ours.surface, weave.surface)
+
+
+def test_unknown_evaluators_are_refused(model):
+    with pytest.raises(rw.RayweaveError, match="must be one of 'weave'"):
+        model.hits(START, X, evaluator="wave")
+
+
+def test_parameters_can_be_replaced():
+    assert rw.loads(TEXT, {"R": 4}).hits(START, X)[0, 0] == 1
+    assert rw.loads(TEXT, {"R": "1 + 2"}).parameters == {"R": 3.0}
+    with pytest.raises(rw.RayweaveError, match="R"):
+        rw.loads(TEXT, {"Q": 4})
+
+
+@pytest.mark.parametrize("parameters", [None, {"R": 3}])
+def test_models_pickle_copy_and_compare(parameters):
+    model = rw.loads(TEXT, parameters)
+    again = pickle.loads(pickle.dumps(model))
+    assert again == model and hash(again) == hash(model)
+    assert copy.deepcopy(model) == model and copy.copy(model) == model
+    assert np.array_equal(again.hits(START, X), model.hits(START, X))
+    assert model != rw.loads(TEXT, {"R": 5})
+    assert model != 3
+
+
+def test_pickling_keeps_parameters(model):
+    assert pickle.loads(pickle.dumps(model)).parameters == {"R": 2.0}
+
+
+def test_saving_round_trips(model, tmp_path):
+    model.save(tmp_path / "model.toml")
+    assert rw.load(tmp_path / "model.toml") == model
+    assert [path.name for path in tmp_path.iterdir()] == ["model.toml"]
+
+
+def test_solids_save(tmp_path):
+    solid = (rw.box(2) - rw.sphere(1.2)).translate([1, 2, 3]).named("part")
+    solid.save(tmp_path / "part.toml")
+    again = rw.load(tmp_path / "part.toml")
+    rays = np.random.default_rng(1).normal(size=(40, 3))
+    assert np.array_equal(again.hits(rays + [1, 2, 3], X), solid.hits(rays + [1, 2, 3], X))
+
+
+def test_problems_are_told_with_their_places(tmp_path):
+    path = tmp_path / "bad.toml"
+    path.write_text('rayweave = 1\n[solid.a]\nsphere = { radius = -1 }\n[solid.b]\nexpr = "a & c"\n')
+    with pytest.raises(rw.RayweaveError) as caught:
+        rw.load(path)
+    text = str(caught.value)
+    assert "bad.toml:3" in text and "bad.toml:5" in text
+    with pytest.raises(rw.RayweaveError, match="no such file"):
+        rw.load(tmp_path / "missing.toml")
+    with pytest.raises(TypeError):
+        rw.load(3)
