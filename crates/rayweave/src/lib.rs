@@ -185,3 +185,8 @@ pub use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Win
 pub use rayweave_shape::Ray;
 pub use rayweave_trace::{Reference, SingleHit, Weave};
 pub use timeline::timeline;
+
+/// The Rust in the README, compiled and run with the documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
