@@ -1,27 +1,9 @@
 //! What a ray meets, decided without rounding, by the rules of coincidence: equal times flip together, a ray in
 //! a surface is moved along the fixed direction w in thought, pieces within the tolerance are welded once.
 
-use super::root::{Root, SignChanges, sign_changes};
-use super::{Dyadic, Exact, Line, Surface};
-use rayweave_math::{UNIT_ROUNDOFF, Vec3};
-use rayweave_model::Ball;
-
-/// The direction along which rays that lie in a surface are moved in thought.
-const W: [f64; 3] = [1.0, 0.7548776662466927, 0.5698402909980532];
-
-/// Pieces of a depth between one over this and this times the tolerance may be welded or not.
-const GREY: f64 = 4.0;
-
-/// Why a ray has no certain answer and is to be drawn again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Doubt {
-    /// It lies in a surface within about the tolerance.
-    Lying,
-    /// A piece is about as deep as the tolerance.
-    Depth,
-    /// It lies in a surface whose sides w cannot tell apart.
-    Side,
-}
+use super::along::{Along, Chord, Doubt, GREY, Span, delta, depth, side_at};
+use super::{Dyadic, Exact, Line, Root, Surface};
+use rayweave_math::Vec3;
 
 /// A crossing as it has to be.
 #[derive(Clone, Debug)]
@@ -49,16 +31,6 @@ pub struct Traits {
     pub touches: bool,
 }
 
-/// What takes a closer look at all pairs of crossings.
-#[derive(Clone, Copy, Debug)]
-pub struct Scrutiny {
-    /// The distance at which it passes an edge (two surfaces at once) or a tangency.
-    pub clearance: f64,
-    /// Two surfaces are crossed so nearly at once, and at such different angles, that a computation within the
-    /// tolerance may find a piece between them that is not near both.
-    pub torn: bool,
-}
-
 /// The answer for a ray.
 #[derive(Clone, Debug)]
 pub struct Answer {
@@ -82,29 +54,21 @@ impl Answer {
     }
 }
 
-/// A surface along the ray.
-struct Along {
-    /// `[a, b, c]` of `a t^2 + b t + c`.
-    coefficients: [Dyadic; 3],
-    changes: SignChanges,
-    lies: bool,
-}
-
 /// All that flips at one time.
-struct Moment {
-    root: Root,
-    surfaces: Vec<usize>,
+pub(super) struct Moment {
+    pub(super) root: Root,
+    pub(super) surfaces: Vec<usize>,
     leaves: Vec<usize>,
     /// The region before and after.
     regions: (usize, usize),
 }
 
 /// The work on one ray.
-struct Work<'a> {
-    exact: &'a Exact,
-    line: &'a Line,
-    along: Vec<Along>,
-    moments: Vec<Moment>,
+pub(super) struct Work<'a> {
+    pub(super) exact: &'a Exact,
+    pub(super) line: &'a Line,
+    pub(super) along: Vec<Along>,
+    pub(super) moments: Vec<Moment>,
     start: (Vec<bool>, usize),
 }
 
@@ -115,136 +79,8 @@ pub fn answer(exact: &Exact, line: &Line, span: &Span) -> Result<Answer, Doubt> 
     Ok(Answer { start: work.start.1, crossings, traits: work.traits() })
 }
 
-/// How near the ray comes to what rounding might change.
-pub fn scrutiny(exact: &Exact, line: &Line, span: &Span) -> Result<Scrutiny, Doubt> {
-    Ok(Work::new(exact, line, span)?.scrutiny())
-}
-
-/// What says how long a ray has to keep to a surface to lie in it.
-#[derive(Clone, Copy, Debug)]
-pub struct Span {
-    /// The ball of the compiled model.
-    pub ball: Ball,
-    /// True if parts of the model are placed, each with a ball of its own: then only rays that lie in a surface
-    /// over any such length, or over none, have a certain answer.
-    pub placed: bool,
-}
-
-/// The part of the ray that says whether it lies in a surface: its middle, the ends of the shortest part that
-/// may be meant, and those of the longest.
-struct Chord {
-    middle: Dyadic,
-    short: [Dyadic; 2],
-    long: [Dyadic; 2],
-}
-
-impl Chord {
-    fn new(exact: &Exact, line: &Line, span: &Span) -> Chord {
-        let (ray, ball) = (&line.ray, &span.ball);
-        let middle = (ball.centre - ray.origin).dot(ray.direction) / ray.direction.length_squared();
-        let lengths = [ball.radius, (ray.origin - ball.centre).length(), ray.direction.length()];
-        let length = lengths.into_iter().find(|&length| length > 0.0).unwrap_or(0.0);
-        let size = exact.surfaces.iter().fold(length, |size, s| size.max(s.reach));
-        let (short, long) =
-            if span.placed { (length.min(1e-3 * size), 8.0 * size) } else { (length, length) };
-        let ends = |length: f64| {
-            let half = length / ray.direction.length();
-            [middle - half, middle + half].map(Dyadic::from)
-        };
-        Chord { middle: Dyadic::from(middle), short: ends(short), long: ends(long) }
-    }
-}
-
-fn polynomial([a, b, c]: &[Dyadic; 3], t: &Dyadic) -> Dyadic {
-    &(&(&(a * t) + b) * t) + c
-}
-
-fn delta(surface: &Surface, line: &Line, t: f64) -> f64 {
-    let (o, d) = (line.ray.origin.length(), line.ray.direction.length());
-    64.0 * UNIT_ROUNDOFF * (o + t.abs() * d + surface.reach)
-}
-
-/// The distance of the point at a time from a surface, to first order.
-fn distance(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, t: &Dyadic) -> f64 {
-    let value = polynomial(coefficients, t).to_f64().abs();
-    if value == 0.0 { 0.0 } else { value / surface.slope(&line.at(&t.rounded())) }
-}
-
-/// The same in units of the tolerance.
-fn depth(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, t: &Dyadic) -> f64 {
-    distance(surface, coefficients, line, t) / delta(surface, line, t.to_f64())
-}
-
-impl Along {
-    fn new(surface: &Surface, line: &Line, chord: &Chord) -> Result<Along, Doubt> {
-        let coefficients = surface.along(line);
-        let lies = coefficients.iter().all(Dyadic::is_zero)
-            || Self::nearly_lies(surface, &coefficients, line, chord)?;
-        let changes = match lies {
-            true => SignChanges { starts_negative: side_along_w(surface, line, chord)?, roots: Vec::new() },
-            false => sign_changes(&coefficients),
-        };
-        Ok(Along { coefficients, changes, lies })
-    }
-
-    fn nearly_lies(surface: &Surface, c: &[Dyadic; 3], line: &Line, chord: &Chord) -> Result<bool, Doubt> {
-        let deepest =
-            |times: &[Dyadic; 2]| times.iter().map(|t| depth(surface, c, line, t)).fold(0.0, f64::max);
-        let middle = depth(surface, c, line, &chord.middle);
-        if middle > GREY || middle.max(deepest(&chord.short)) > GREY {
-            return Ok(false);
-        }
-        if middle.max(deepest(&chord.long)) * GREY < 1.0 { Ok(true) } else { Err(Doubt::Lying) }
-    }
-
-    /// The greatest time by which a root may move if the surface moves by `by`.
-    fn play(&self, surface: &Surface, line: &Line, root: &Root, by: f64) -> f64 {
-        let t = root.near();
-        let [a, b, _] = &self.coefficients;
-        let error = by * surface.slope(&line.at(&t.rounded()));
-        let speed = (&(a * t).scaled(1) + b).to_f64().abs();
-        let bend = a.to_f64().abs();
-        // f moves by error: a second root joins in if the extremum between them is not farther away
-        if speed * speed >= 4.0 * bend * error { 2.0 * error / speed } else { 2.5 * (error / bend).sqrt() }
-    }
-
-    /// The distance between the surface and the ray where they are almost tangent.
-    fn extremum(&self, surface: &Surface, line: &Line) -> f64 {
-        let [a, b, _] = &self.coefficients;
-        if a.is_zero() || self.lies {
-            return f64::INFINITY;
-        }
-        distance(surface, &self.coefficients, line, &(-b).over(&a.scaled(1)))
-    }
-}
-
-/// True (negative) if moving along w makes f negative. In placed parts the middle of the chord may be another:
-/// then the side must be the same all along.
-fn side_along_w(surface: &Surface, line: &Line, chord: &Chord) -> Result<bool, Doubt> {
-    let side = side_at(surface, line, &chord.middle)?;
-    let elsewhere = chord.long.iter().filter(|_| chord.short != chord.long);
-    for t in elsewhere {
-        if side_at(surface, line, t)? != side {
-            return Err(Doubt::Side);
-        }
-    }
-    Ok(side)
-}
-
-fn side_at(surface: &Surface, line: &Line, t: &Dyadic) -> Result<bool, Doubt> {
-    let gradient = surface.gradient(&line.at(t));
-    let w = W.map(Dyadic::from);
-    let slope = (0..3).fold(Dyadic::ZERO, |sum, k| &sum + &(&w[k] * &gradient[k]));
-    let size = gradient.iter().fold(0.0, |size: f64, g| size.max(g.to_f64().abs()));
-    if slope.is_zero() {
-        let first = gradient.iter().find(|g| !g.is_zero());
-        return first.map(|g| g.sign() < 0).ok_or(Doubt::Side);
-    }
-    if slope.to_f64().abs() > 1e-9 * size { Ok(slope.sign() < 0) } else { Err(Doubt::Side) }
-}
-
 impl<'a> Work<'a> {
-    fn new(exact: &'a Exact, line: &'a Line, span: &Span) -> Result<Work<'a>, Doubt> {
+    pub(super) fn new(exact: &'a Exact, line: &'a Line, span: &Span) -> Result<Work<'a>, Doubt> {
         let chord = Chord::new(exact, line, span);
         let along =
             exact.surfaces.iter().map(|s| Along::new(s, line, &chord)).collect::<Result<Vec<_>, _>>()?;
@@ -438,74 +274,6 @@ impl<'a> Work<'a> {
             ties: self.moments.iter().any(|m| m.leaves.len() > 1 || m.surfaces.len() > 1),
             touches: self.along.iter().enumerate().any(touching),
         }
-    }
-
-    fn scrutiny(&self) -> Scrutiny {
-        let surfaces = &self.exact.surfaces;
-        let extremum = |(k, along): (usize, &Along)| along.extremum(&surfaces[k], self.line);
-        let tangency = self.along.iter().enumerate().map(extremum).fold(f64::INFINITY, f64::min);
-        Scrutiny { clearance: tangency.min(self.edge_distance()), torn: self.torn() }
-    }
-
-    /// All pairs of crossings of different surfaces.
-    fn pairs(&self) -> impl Iterator<Item = ((usize, &Root), (usize, &Root))> {
-        let events: Vec<(usize, &Root)> =
-            self.moments.iter().flat_map(|m| m.surfaces.iter().map(move |&s| (s, &m.root))).collect();
-        let pair = move |i: usize, j: usize| (events[i], events[j]);
-        let count = self.moments.iter().map(|m| m.surfaces.len()).sum::<usize>();
-        let surfaces = &self.exact.surfaces;
-        (0..count)
-            .flat_map(move |j| (0..j).map(move |i| (i, j)))
-            .map(move |(i, j)| pair(i, j))
-            .filter(|(a, b)| !surfaces[a.0].is_same(&surfaces[b.0]))
-    }
-
-    fn distance_at(&self, surface: usize, t: &Dyadic) -> f64 {
-        distance(&self.exact.surfaces[surface], &self.along[surface].coefficients, self.line, t)
-    }
-
-    fn edge_distance(&self) -> f64 {
-        let both = |(a, b): ((usize, &Root), (usize, &Root))| {
-            self.distance_at(b.0, a.1.near()).min(self.distance_at(a.0, b.1.near()))
-        };
-        self.pairs().map(both).fold(f64::INFINITY, f64::min)
-    }
-
-    /// All crossings of surfaces and touches that rounding may take for two, with the time by which the kernels
-    /// may move them: they keep well within the tolerance.
-    fn played(&self) -> Vec<(usize, f64, f64)> {
-        let bound = |s: usize, t: f64| delta(&self.exact.surfaces[s], self.line, t) / 16.0;
-        let mut all: Vec<(usize, f64, f64)> = Vec::new();
-        for moment in &self.moments {
-            let t = moment.root.t();
-            let play =
-                |s: usize| self.along[s].play(&self.exact.surfaces[s], self.line, &moment.root, bound(s, t));
-            all.extend(moment.surfaces.iter().map(|&s| (s, t, play(s))));
-        }
-        for (s, along) in self.along.iter().enumerate() {
-            let surface = &self.exact.surfaces[s];
-            let [a, b, _] = &along.coefficients;
-            if along.changes.roots.is_empty() && along.extremum(surface, self.line) <= bound(s, 0.0) {
-                let middle = (-b).over(&a.scaled(1));
-                let t = middle.to_f64();
-                let error = bound(s, t) * surface.slope(&self.line.at(&middle.rounded()));
-                all.push((s, t, 2.5 * (error / a.to_f64().abs()).sqrt()));
-            }
-        }
-        all
-    }
-
-    fn torn(&self) -> bool {
-        let events = self.played();
-        let surfaces = &self.exact.surfaces;
-        let torn = |&(a, ta, pa): &(usize, f64, f64), &(b, tb, pb): &(usize, f64, f64)| {
-            let ends = [ta - pa, tb - pb, ta + pa, tb + pb].map(Dyadic::from);
-            let far = |s: usize| {
-                ends.iter().any(|t| self.distance_at(s, t) > delta(&surfaces[s], self.line, t.to_f64()))
-            };
-            (ta - tb).abs() <= pa + pb && !surfaces[a].is_same(&surfaces[b]) && (far(a) || far(b))
-        };
-        events.iter().enumerate().any(|(k, a)| events[..k].iter().any(|b| torn(a, b)))
     }
 }
 

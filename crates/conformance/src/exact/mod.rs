@@ -9,22 +9,31 @@
 //! The one thing taken from the compiled model is its ball, which says how long a ray has to keep to a surface
 //! to lie in it.
 
+mod along;
 mod answer;
+mod count;
 mod draw;
 mod dyadic;
+mod flat;
 mod map;
 
 mod root;
+mod scrutiny;
 mod shape;
+mod shrink;
 mod suite;
 mod surface;
 mod tree;
 
-pub use answer::{Answer, Doubt, Expected, Span, Traits, answer, region_at};
+pub use along::{Doubt, Span};
+pub use answer::{Answer, Expected, Traits, answer, region_at};
+pub use count::Count;
 pub use dyadic::Dyadic;
+pub use flat::{Exact, Leaf, Node};
 pub use map::Map;
 pub use root::{Root, SignChanges, sign_changes};
+pub use scrutiny::{Scrutiny, scrutiny};
 pub use shape::Shape;
-pub use suite::{Count, planted, points, turned};
+pub use suite::{planted, points, turned};
 pub use surface::{Line, Surface};
-pub use tree::{Exact, Part, Tree, regions};
+pub use tree::{Part, Tree, regions};

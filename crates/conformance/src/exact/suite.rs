@@ -1,50 +1,15 @@
 //! Evaluators against exact answers.
 
-use super::answer::{Answer, Expected, Span, answer, region_at, scrutiny};
+use super::answer::{Answer, Expected, answer, region_at};
+use super::scrutiny::scrutiny;
+use super::shrink::smaller_models;
 use super::tree::regions;
-use super::{Exact, Line, Map, Part, Tree, draw};
+use super::{Count, Exact, Line, Map, Part, Span, draw};
 use crate::{Effort, Random, list};
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::{Ball, Crossing, Evaluator, Limit, Program, Query, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
 use std::sync::Arc;
-
-/// What became of the rays asked.
-#[derive(Clone, Debug, Default)]
-pub struct Count {
-    /// Answered, and compared.
-    pub rays: u64,
-    /// Of these: in a surface.
-    pub lying: u64,
-    /// Of these: crossing several surfaces or leaves at once.
-    pub ties: u64,
-    /// Of these: touching a surface.
-    pub touching: u64,
-    /// Of these: none of that.
-    pub plain: u64,
-    /// Crossings expected.
-    pub crossings: u64,
-    /// Drawn again because a piece is about as deep as the tolerance.
-    pub redrawn: u64,
-    /// Within 1e-9 of an edge or a tangency, with another answer (turned models only).
-    pub near_edges: (u64, u64),
-    /// With another answer where two surfaces are met at once within rounding, at very different angles.
-    pub torn: u64,
-    /// Wrong.
-    pub wrong: u64,
-    /// The first wrong ones.
-    pub messages: Vec<String>,
-}
-
-impl Count {
-    /// Panics if anything was wrong or too few rays were asked.
-    pub fn finish(self, what: &str, least: u64) {
-        let summary = Count { messages: Vec::new(), ..self.clone() };
-        println!("{what}: {summary:?}");
-        assert!(self.wrong == 0, "{what}: {summary:?}\n{}", self.messages.join("\n---\n"));
-        assert!(self.rays >= least, "{what}: only {} rays", self.rays);
-    }
-}
 
 /// How many models and rays for each.
 fn size(effort: Effort) -> (u64, usize) {
@@ -326,59 +291,6 @@ fn shrink<E: Evaluator>(subject: &Subject<E>, ray: Ray, make: &impl Fn(Arc<Progr
         (parts, what) = (smaller, told);
     }
     format!("{parts:?}\n{ray:?} frame {:?}\nshrunk: {what}", subject.frame)
-}
-
-/// Models with one part less, or one part smaller.
-fn smaller_models(parts: &[Part]) -> Vec<Vec<Part>> {
-    let mut all = Vec::new();
-    for k in 0..parts.len() {
-        let mut fewer = parts.to_vec();
-        fewer.remove(k);
-        all.extend((!fewer.is_empty()).then_some(fewer));
-        for tree in smaller(&parts[k].tree) {
-            let mut other = parts.to_vec();
-            other[k].tree = tree;
-            all.push(other);
-        }
-    }
-    all
-}
-
-/// Trees with something left out.
-fn smaller(tree: &Tree) -> Vec<Tree> {
-    let mut all: Vec<Tree> = tree.operands().into_iter().cloned().collect();
-    let within = |make: &dyn Fn(Tree) -> Tree, a: &Tree| smaller(a).into_iter().map(make).collect::<Vec<_>>();
-    let lists = |trees: &[Tree], make: &dyn Fn(Vec<Tree>) -> Tree| {
-        let mut all = Vec::new();
-        for k in 0..trees.len() {
-            let mut fewer = trees.to_vec();
-            fewer.remove(k);
-            all.push(make(fewer));
-            for other in smaller(&trees[k]) {
-                let mut changed = trees.to_vec();
-                changed[k] = other;
-                all.push(make(changed));
-            }
-        }
-        all
-    };
-    match tree {
-        Tree::Vacuum | Tree::Plenum | Tree::Leaf(_) => {}
-        Tree::Not(a) => all.extend(within(&|a| a.complement(), a)),
-        Tree::Moved(map, a) => all.extend(within(&|a| a.moved(*map), a)),
-        Tree::Placed(maps, a) => {
-            all.extend(maps.iter().map(|map| (**a).clone().moved(*map)));
-            all.extend(within(&|a| Tree::Placed(maps.clone(), Box::new(a)), a));
-        }
-        Tree::Any(trees) => all.extend(lists(trees, &Tree::Any)),
-        Tree::All(trees) => all.extend(lists(trees, &Tree::All)),
-        Tree::Odd(trees) => all.extend(lists(trees, &Tree::Odd)),
-        Tree::Minus(a, b) => {
-            all.extend(within(&|a| a.minus((**b).clone()), a));
-            all.extend(within(&|b| (**a).clone().minus(b), b));
-        }
-    }
-    all
 }
 
 /// Points of the grid and others: the region that holds them, on surfaces the side along w.
