@@ -62,7 +62,9 @@ fn one<E: Evaluator>(
                 )
             });
         }
-        if let Some(crossing) = crossings.get(k) {
+        // what is found at 1e16, along a ray that is parallel to a face but for rounding, is anywhere
+        let certain = |t: f64| t.abs() * ray.direction.length() < 1e6 * (1.0 + ray.origin.length());
+        if let Some(crossing) = crossings.get(k).filter(|c| certain(c.t)) {
             let point = ray.at(crossing.t);
             let slack = 1e-9 * (1.0 + point.length() + ray.origin.length());
             let bounds = evaluator.program().bounds().grown(slack);

@@ -108,6 +108,8 @@ struct GroupTables {
 struct Summary {
     bounds: Bounds,
     placements: u32,
+    /// A box that holds it at all times of a ray: see [`sure`].
+    sure: Bounds,
     /// The largest margin of its leaves.
     margin: f64,
     condition: f64,
@@ -133,7 +135,7 @@ impl Compiler {
         tables.share(&group)?;
         let ball = tables.ball();
         tables.add_margins(&ball);
-        let bounds = tables.bound(&group);
+        let (bounds, sure) = tables.bound(&group);
         let prototype = Prototype {
             leaves: first_leaf..first_leaf + group.leaves.len() as u32,
             network: Network::new(&group.expression, &group.outputs, group.leaves.len()),
@@ -147,7 +149,7 @@ impl Compiler {
         };
         let margin = tables.leaves.iter().map(|leaf| leaf.margin).fold(0.0, f64::max);
         let (placements, condition) = (prototype.placements, prototype.condition);
-        self.done[id] = Some(Summary { bounds, placements, margin, condition });
+        self.done[id] = Some(Summary { bounds, sure, placements, margin, condition });
         Ok(GroupTables { prototype, leaves: tables.leaves, facets: tables.facets, surfaces: tables.surfaces })
     }
 
@@ -232,7 +234,7 @@ impl Tables {
             },
             bounds,
             margin: 0.0,
-            matters: bounds,
+            matters: sure(bounds),
             transform,
         });
         Ok(())
@@ -261,7 +263,7 @@ impl Tables {
             kind: LeafKind::Instance { prototype, placement },
             bounds: inner.bounds.transformed(map),
             margin: map.stretch() * inner.margin + MARGIN * condition * transform.path,
-            matters: Bounds::ALL,
+            matters: sure(inner.sure.transformed(map)),
             transform,
         });
         Ok(())
@@ -314,17 +316,16 @@ impl Tables {
     /// operand matters only in the boxes of its users. (If some leaves are taken for outside where they
     /// cannot matter, a gate can still be inside only in its own box, by induction over the gates; and there
     /// its operands are right.)
-    fn bound(&mut self, group: &Group) -> Bounds {
+    ///
+    /// The second box is the same as the first one, but grown and of what is sure alone.
+    fn bound(&mut self, group: &Group) -> (Bounds, Bounds) {
         let nodes = group.expression.nodes();
         let exact = self.node_boxes(group, |leaf| leaf.bounds);
-        let outputs =
-            group.outputs.iter().fold(Bounds::EMPTY, |all, &edge| all.union(&edge_box(&exact, edge)));
-        // grown by more than rounding, so that parts that only touch are not taken for apart; and only what ends
-        // on all sides, since a ray nearly parallel to a face ends there at a time of 1e16 or so, at no certain
-        // place
-        let sure = |leaf: &Leaf| leaf.bounds.is_finite() || leaf.bounds.is_empty();
-        let boxes = self
-            .node_boxes(group, |leaf| if sure(leaf) { leaf.bounds.grown(leaf.margin) } else { Bounds::ALL });
+        let outputs = |boxes: &[Bounds]| {
+            group.outputs.iter().fold(Bounds::EMPTY, |all, &edge| all.union(&edge_box(boxes, edge)))
+        };
+        // grown by more than rounding, so that parts that only touch are not taken for apart
+        let boxes = self.node_boxes(group, |leaf| leaf.matters.grown(leaf.margin));
         let mut matters = vec![Bounds::EMPTY; nodes.len()];
         group.outputs.iter().for_each(|edge| matters[edge.node().index()] = Bounds::ALL);
         for (node, gate) in nodes.iter().enumerate().rev() {
@@ -338,7 +339,7 @@ impl Tables {
                 Gate::Vacuum | Gate::Plenum => {}
             }
         }
-        outputs
+        (outputs(&exact), outputs(&boxes))
     }
 
     fn node_boxes(&self, group: &Group, leaf_box: impl Fn(&Leaf) -> Bounds) -> Vec<Bounds> {
@@ -374,6 +375,12 @@ impl Tables {
         }
         Ball::around(&finite)
     }
+}
+
+/// A box that does not end on all sides says nothing for certain: a ray nearly parallel to a face leaves it at
+/// a time of 1e16 or so, at no certain place.
+fn sure(bounds: Bounds) -> Bounds {
+    if bounds.is_finite() || bounds.is_empty() { bounds } else { Bounds::ALL }
 }
 
 fn edge_box(boxes: &[Bounds], edge: Edge) -> Bounds {

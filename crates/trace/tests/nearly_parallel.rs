@@ -75,3 +75,21 @@ fn an_asymptotic_ray_meets_a_hyperboloid_once() {
         assert_eq!(near(&solid, start, -Vec3::Z), (x > 0.0, 1), "x = {x}");
     }
 }
+
+/// On top of a ring, across the circle where it touches its plane: four roots in one place. Whether they are found
+/// is up to rounding, but nothing is found anywhere else.
+#[test]
+fn a_ray_that_touches_a_ring_on_top_meets_it_nowhere_else() {
+    let ring = made("torus", &[("major", 1.0.into()), ("minor", 0.5.into())]);
+    for degrees in 0..200 {
+        let turn = Affine::rotation(Vec3::new(1.0, 2.0, -0.5), 1.7 * f64::from(degrees))
+            .then(&Affine::translate(Vec3::new(-1.2, -2.8, -0.7)));
+        let program = Arc::new(Program::compile(&ring.apply(turn)).unwrap());
+        for side in [0.5, -0.5] {
+            let ray = Ray::new(Vec3::new(-3.25, 1.0, side), 2.0 * Vec3::X).transformed(&turn);
+            for crossing in Weave::new(program.clone()).one(ray, &Query::default()).crossings {
+                assert!((crossing.t - 1.625).abs() < 2e-3, "{degrees}: {}", crossing.t);
+            }
+        }
+    }
+}

@@ -77,6 +77,9 @@ pub struct TorusLine {
 /// A distance from the axis at which the rounding of a point is not small any more.
 const AXIS: f64 = 128.0 * UNIT_ROUNDOFF;
 
+/// The last step to a root is not longer: at a nearly double root, the noise of g over a slope of its root.
+const POLISH: f64 = 1.0 / (1u64 << 20) as f64;
+
 /// Room around a region outside of which g > 0 for certain, against the rounding of its border.
 const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
 
@@ -281,7 +284,9 @@ impl TorusLine {
                 Some(_) => UNIT_ROUNDOFF * self.minor.min(s),
             };
             if jet.value.abs() <= noise || (near - s).abs() <= UNIT_ROUNDOFF * s.abs() {
-                return if lo < near && near < hi { near } else { s };
+                // where slope and curvature vanish, too, the parabola is made of noise and may lead anywhere
+                let polished = lo < near && near < hi && (near - s).abs() <= POLISH;
+                return if polished { near } else { s };
             }
             s = within(lo, hi, near);
         }
