@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,6 +36,8 @@ index = 1.5
 [medium.water]
 index = 1.33
 """
+
+MODELS = sorted((Path(__file__).parents[3] / "models").glob("*.toml"))
 
 X = np.array([1.0, 0.0, 0.0])
 START = np.array([-5.0, 0.0, 0.0])
@@ -139,3 +142,37 @@ def test_problems_are_told_with_their_places(tmp_path):
         rw.load(tmp_path / "missing.toml")
     with pytest.raises(TypeError):
         rw.load(3)
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
+def test_models_of_the_repository(path, tmp_path):
+    model = rw.load(path)
+    assert not model.warnings and model.regions
+    again = pickle.loads(pickle.dumps(model))
+    assert again == model and again.parameters == model.parameters
+    rng = np.random.default_rng(5)
+    lo, hi = np.nan_to_num(model.bounds(), posinf=10, neginf=-10)
+    origins, directions = rng.uniform(lo, hi, (200, 3)), rng.normal(size=(200, 3))
+    found = model.crossings(origins, directions)
+    np.testing.assert_array_equal(again.crossings(origins, directions).t, found.t)
+    # the pieces tile each ray, in the media that the crossings name
+    pieces = model.partition(origins, directions)
+    np.testing.assert_array_equal(pieces.t_end[np.isfinite(pieces.t_end)], found.t)
+    np.testing.assert_array_equal(pieces.t_start[np.isfinite(pieces.t_start)], found.t)
+    np.testing.assert_array_equal(pieces.medium[np.isfinite(pieces.t_start)], found.medium_after)
+    np.testing.assert_array_equal(pieces.medium[np.isfinite(pieces.t_end)], found.medium_before)
+    np.testing.assert_array_equal(np.diff(pieces.offsets), np.diff(found.offsets) + 1)
+    # what is inside at the middle of a piece is what contains says
+    ends = np.nan_to_num(np.stack([pieces.t_start, pieces.t_end]), posinf=1e3, neginf=-1e3)
+    finite = ends[1] - ends[0] > 1e-9
+    rays = pieces.ray[finite]
+    points = origins[rays] + ends[:, finite].mean(axis=0)[:, None] * directions[rays]
+    np.testing.assert_array_equal(model.contains(points), pieces.medium[finite] != 0)
+    for solid in model.solids.values():
+        assert pickle.loads(pickle.dumps(solid)) == solid
+    model.save(tmp_path / "copy.toml")
+    assert rw.load(tmp_path / "copy.toml") == model
+
+
+def test_there_are_models():
+    assert len(MODELS) >= 10

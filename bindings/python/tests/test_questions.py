@@ -1,7 +1,11 @@
 """Questions along rays, compared with closed forms and with sampling."""
 
 import math
+import signal
+import subprocess
+import sys
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -173,7 +177,7 @@ def test_evaluators_and_threads_agree_to_the_bit(rng):
     solid = lumps(rng) | rayweave.torus(2, 0.5).rotate_x(40)
     origins, directions = random_rays(rng, 4000)
     expected = solid.hits(origins, directions, return_surfaces=True)
-    for options in [{"evaluator": "reference"}, {"evaluator": "weave", "threads": 1}, {"threads": 7}]:
+    for options in [{"evaluator": "reference"}, {"evaluator": "single_hit"}, {"evaluator": "weave", "threads": 1}, {"threads": 7}]:
         for a, b in zip(expected, solid.hits(origins, directions, return_surfaces=True, **options), strict=True):
             np.testing.assert_array_equal(a, b)
         a, b = solid.nearest(origins, directions), solid.nearest(origins, directions, **options)
@@ -327,3 +331,34 @@ def test_other_threads_run_meanwhile(rng):
     worker.join()
     assert turns > 1000
     assert all((result == expected).all() for result in results)
+
+
+LONG_QUESTION = """
+import numpy as np, rayweave
+solid = rayweave.union([rayweave.sphere(1).translate([k % 7, k % 11, k % 13]) for k in range(300)])
+origins = np.random.default_rng(1).normal(size=(400_000, 3))
+print("ready", flush=True)
+try:
+    while True:
+        solid.crossings(origins, -origins, evaluator="reference", threads=THREADS)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent in another way there")
+@pytest.mark.parametrize("threads", [1, 3])
+def test_ctrl_c_stops_a_question(threads):
+    program = LONG_QUESTION.replace("THREADS", str(threads))
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stdout.readline() == "ready\n"
+        time.sleep(0.5)
+        sent = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        try:
+            assert process.communicate(timeout=60)[0] == "interrupted\n"
+        finally:
+            process.kill()
+        # the question itself takes many times as long
+        assert time.monotonic() - sent < 20
+        assert process.returncode == 0

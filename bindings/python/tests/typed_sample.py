@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rayweave
-from rayweave import Operation, RootRay, rootray
+from rayweave import Operation, RootRay, Solid, rootray
 
 
 def hit_arrays() -> None:
@@ -28,6 +28,55 @@ def root_rays() -> None:
     assert (start, roots) == (-1, [1.0])
 
 
+def solids() -> Solid:
+    ball = rayweave.sphere(2).translate([0, 0, 1]).named("ball")
+    shapes = [rayweave.box([1, 2, 3]), rayweave.cylinder(1), rayweave.torus(major=3, minor=np.float64(1))]
+    solid = (ball | rayweave.union(shapes)) - ~rayweave.half_space((0, 0, 1), 5) & rayweave.plenum()
+    assert_type(solid, Solid)
+    placed = rayweave.place(solid.rotate([0, 0, 1], 45).scale(2.0).mirror([1, 0, 0]), np.zeros((1, 3)))
+    return placed.transform(np.eye(4))
+
+
+def questions(solid: Solid) -> None:
+    ray = np.array([0.0, 0.0, -50.0]), (0, 0, 1)
+    hits = solid.hits(*ray, 0.0, 100.0, out=np.empty((20, 1)), threads=1)
+    assert_type(hits, NDArray[np.float64])
+    times, surfaces = solid.hits(*ray, return_surfaces=True)
+    assert_type(surfaces, NDArray[np.int32])
+    assert times.shape == surfaces.shape
+    crossings = solid.crossings(*ray, evaluator="reference")
+    assert_type(crossings, rayweave.Crossings)
+    assert_type(crossings.surface_names, tuple[str, ...])
+    assert_type(solid.nearest(*ray).enters, NDArray[np.bool_])
+    assert_type(solid.contains([0, 0, 0]), NDArray[np.bool_])
+    assert_type(solid.bounds(), NDArray[np.float64])
+
+
+def models() -> None:
+    model = rayweave.loads("rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n", {})
+    assert_type(model.solids["a"], Solid)
+    assert_type(model.regions[0].medium, str)
+    assert_type(model.media[0].index, float | None)
+    crossings = model.crossings([0, 0, -5], [0, 0, 1])
+    assert_type(crossings.medium_after, NDArray[np.int32])
+    assert_type(model.partition([0, 0, -5], [0, 0, 1]).t_end, NDArray[np.float64])
+    assert_type(model.to_toml(), str)
+
+
+def pictures(solid: Solid) -> None:
+    camera = rayweave.Camera(position=(9, 9, 9), field_of_view=20)
+    assert_type(rayweave.render(solid, size=(8, 6), camera=camera), NDArray[np.uint8])
+    assert_type(rayweave.render(solid, size=(8, 6), kind="depth", view="top"), NDArray[np.float64])
+    assert_type(rayweave.render(solid, size=(8, 6), kind="id", threads=1), NDArray[np.int32])
+    drawing = rayweave.timeline({"A": (1, 4), "B": RootRay(1, [2]), "C": np.array([1.0, 2.0])}, count=False)
+    assert_type(drawing.svg, str)
+    assert_type(rayweave.ray_timeline(solid, [0, 0, 0], [0, 0, 1]), rayweave.Timeline)
+
+
 def main() -> None:
     hit_arrays()
     root_rays()
+    solid = solids()
+    questions(solid)
+    models()
+    pictures(solid)
