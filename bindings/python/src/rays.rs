@@ -10,6 +10,14 @@ use rayweave::model::Rays;
 use crate::arrays::{double_array, shape_text};
 use crate::error::bad_value;
 
+/// The greatest component that is taken: its square, and that of its inverse, are far from the ends of the range of `f64`.
+const HUGE: f64 = 1e100;
+
+/// The greatest component in absolute value.
+fn largest(vector: [f64; 3]) -> f64 {
+    vector.into_iter().fold(0.0, |most, component| component.abs().max(most))
+}
+
 /// Vectors (N, 3), or one vector (3,) that stands for as many as are needed; all components are finite.
 pub struct Vectors<'py> {
     rows: PyReadonlyArray2<'py, f64>,
@@ -31,10 +39,11 @@ impl<'py> Vectors<'py> {
         };
         let rows = rows.cast_into::<PyArray2<f64>>()?;
         let vectors = Vectors { rows: rows.try_readonly().map_err(bad_value)?, single };
-        match vectors.position(|v| !v.iter().all(|component| component.is_finite())) {
+        // NaN is in no range
+        match vectors.position(|v| !v.iter().all(|component| (-HUGE..=HUGE).contains(component))) {
             None => Ok(vectors),
             Some(i) => Err(bad_value(format!(
-                "{}: {} (every component must be finite)",
+                "{}: {} (every component must be finite, from -{HUGE:e} to {HUGE:e})",
                 vectors.place(name, i),
                 vectors.text(i)
             ))),
@@ -44,10 +53,16 @@ impl<'py> Vectors<'py> {
     /// The vectors in an object, none of which may be of length zero.
     pub fn directions(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
         let vectors = Self::new(object, name)?;
-        match vectors.position(|v| v.iter().all(|&component| component == 0.0)) {
+        match vectors.position(|v| largest(v) < 1.0 / HUGE) {
             None => Ok(vectors),
             Some(i) => {
-                Err(bad_value(format!("{}: zero length (a ray must go somewhere)", vectors.place(name, i))))
+                let place = vectors.place(name, i);
+                Err(bad_value(match largest(vectors.row(i)) {
+                    0.0 => format!("{place}: zero length (a ray must go somewhere)"),
+                    _ => {
+                        format!("{place}: {} (its length must be at least {:e})", vectors.text(i), 1.0 / HUGE)
+                    }
+                }))
             }
         }
     }
@@ -68,6 +83,11 @@ impl<'py> Vectors<'py> {
         // one vector broadcast by NumPy: all rows are the same memory
         let count = if rows.strides()[0] == 0 { rows.nrows().min(1) } else { rows.nrows() };
         (0..count).position(|i| is_bad([rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]]))
+    }
+
+    fn row(&self, i: usize) -> [f64; 3] {
+        let rows = self.view();
+        [rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]]
     }
 
     fn place(&self, name: &str, i: usize) -> String {

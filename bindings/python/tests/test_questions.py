@@ -265,8 +265,11 @@ def test_out():
         (np.zeros(()), [0, 0, 1], r"origins has shape \(\)"),
         ([0, 0, 0], [0, 0, 0], "directions: zero length"),
         (np.zeros((4, 3)), [[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 0]], r"directions\[3\]: zero length"),
-        ([[0, 0, 0], [0, math.nan, 0]], [0, 0, 1], r"origins\[1\]: \(0, NaN, 0\) \(every component must be finite\)"),
+        ([[0, 0, 0], [0, math.nan, 0]], [0, 0, 1], r"origins\[1\]: \(0, NaN, 0\) \(every component must be finite"),
         ([0, 0, 0], [0, 0, INF], r"directions: \(0, 0, inf\)"),
+        ([0, 0, 0], [[0, 0, 1], [0, 1e200, 0]], r"directions\[1\]: .* from -1e100 to 1e100"),
+        ([0, 0, 0], [[0, 0, 1], [0, -1e-200, 0]], r"directions\[1\]: .* at least 1e-100"),
+        ([[-1e200, 0, 0]], [0, 0, 1], r"origins\[0\]: .* from -1e100 to 1e100"),
         (np.zeros((2, 3)), np.ones((3, 3)), "there are 2 origins and 3 directions"),
         ([[0, 0], [0]], [0, 0, 1], "origins is no array of numbers"),
     ],
@@ -275,6 +278,16 @@ def test_bad_rays_are_named(origins, directions, message):
     for question in (sphere(1).hits, sphere(1).crossings, sphere(1).nearest):
         with pytest.raises(RayweaveError, match=message):
             question(origins, directions)
+
+
+@pytest.mark.parametrize("length", [1e-99, 1e-30, 1.0, 1e30, 1e99])
+def test_directions_of_any_length(length):
+    shapes = [sphere(2), rayweave.torus(2, 1), box(4), rayweave.cone(2, 1, 4), rayweave.cylinder(2)]
+    for solid in shapes:
+        unit = solid.hits([1.1, 0.2, -5], [0, 0.1, 1])
+        scaled = solid.hits([1.1, 0.2, -5], np.array([0, 0.1, 1]) * length)
+        np.testing.assert_allclose(scaled * length, unit, rtol=1e-12)
+        assert np.isfinite(unit[0, 0])
 
 
 def test_wrong_types_are_type_errors():
