@@ -240,20 +240,35 @@ impl Place {
     }
 }
 
-/// Reports every number that is not finite, or else a zero direction. Returns whether the ray is good.
+/// The greatest size of a number that is taken, and the inverse of the least size of a direction: squares of
+/// such numbers, and of their inverses, are far from the ends of the range of f64.
+const HUGE: f64 = 1e100;
+
+/// Reports every number that is not finite or too large, or else a direction that is zero or too small. Returns
+/// whether the ray is good.
 fn check_ray(ray: &[f64; 6], place: Place, found: &mut Findings) -> bool {
-    let is_finite = ray.iter().all(|x| x.is_finite());
-    let has_direction = ray[3..].iter().any(|&x| x != 0.0);
-    if is_finite && has_direction {
+    let in_range = |x: &f64| (-HUGE..=HUGE).contains(x);
+    let longest = ray[3..].iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let is_in_range = ray.iter().all(in_range);
+    if is_in_range && longest >= 1.0 / HUGE {
         return true;
     }
-    for (column, x) in ray.iter().enumerate().filter(|(_, x)| !x.is_finite()) {
-        let what = if x.is_nan() { "NaN" } else { "infinite" };
-        let message = format!("{} is {what} (a ray is six finite numbers)", RAY_COLUMNS[column]);
+    for (column, x) in ray.iter().enumerate().filter(|(_, x)| !in_range(x)) {
+        let name = RAY_COLUMNS[column];
+        let message = match () {
+            () if x.is_nan() => format!("{name} is NaN (a ray is six finite numbers)"),
+            () if x.is_infinite() => format!("{name} is infinite (a ray is six finite numbers)"),
+            () => format!("{name} is {x:e} (its square overflows) is the unit far too small?"),
+        };
         found.add(place.problem(Some(column), message));
     }
-    if is_finite {
-        let message = "dx, dy and dz are all 0 (a direction is a vector that is not zero)";
+    if is_in_range {
+        let message = match longest {
+            0.0 => "dx, dy and dz are all 0 (a direction is a vector that is not zero)",
+            _ => {
+                "dx, dy and dz are all below 1e-100 (the square of such a direction vanishes) give it a length near 1?"
+            }
+        };
         found.add(place.problem(None, message.into()));
     }
     false

@@ -36,11 +36,20 @@ fn problem_of_ray(line: &str) -> String {
 }
 
 #[test]
+fn numbers_whose_squares_are_lost_are_refused() {
+    let huge = problem_of_ray("1e150,0,0,0,0,1");
+    assert!(huge.contains("ox is 1e150 (its square overflows)"), "{huge}");
+    let tiny = problem_of_ray("0,0,0,0,0,1e-300");
+    assert!(tiny.contains("below 1e-100"), "{tiny}");
+}
+
+#[test]
 fn random_bits_read_back_over_many_chunks() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut number = || loop {
+        // of the range that rays may have
         let x = f64::from_bits(rng.random());
-        if x.is_finite() {
+        if (1e-100..=1e100).contains(&x.abs()) {
             return x;
         }
     };
