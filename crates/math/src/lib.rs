@@ -8,6 +8,7 @@ mod affine;
 mod angle;
 mod bounds;
 mod eigen;
+mod interval;
 pub mod roots;
 mod transform;
 
@@ -19,6 +20,7 @@ pub use eigen::{Eigen, any_perpendicular, symmetric_eigen};
 pub use glam::DMat3 as Mat3;
 /// A vector or a point in space.
 pub use glam::DVec3 as Vec3;
+pub use interval::Interval;
 pub use transform::Transform;
 
 /// The unit roundoff of `f64`, 2^-53: the relative error of one rounded operation is at most this.

@@ -1,0 +1,1 @@
+//! Questions about geometry, asked of any evaluator.

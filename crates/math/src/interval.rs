@@ -1,0 +1,128 @@
+//! Closed intervals with outward rounding: what a value can be at most, for sure.
+//!
+//! Source: R. E. Moore, *Interval Analysis* (1966). Each end is computed in round-to-nearest and moved out by one
+//! number, so that the exact result of an operation on any members lies in the result (inclusion). A result
+//! that would be NaN is [`Interval::ALL`].
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// All numbers from `lo` to `hi`, both included; infinite ends are allowed, `lo <= hi`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// The lower end.
+    pub lo: f64,
+    /// The upper end.
+    pub hi: f64,
+}
+
+impl Interval {
+    /// Every number.
+    pub const ALL: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+
+    /// One number.
+    pub const fn point(x: f64) -> Interval {
+        Interval { lo: x, hi: x }
+    }
+
+    /// The interval between two numbers given in order; [`Interval::ALL`] if either is NaN.
+    pub fn new(lo: f64, hi: f64) -> Interval {
+        if lo <= hi { Interval { lo, hi } } else { Interval::ALL }
+    }
+
+    /// The interval of all numbers no farther than `radius` from `middle`.
+    pub fn around(middle: f64, radius: f64) -> Interval {
+        Interval::outward(middle - radius, middle + radius)
+    }
+
+    /// The ends moved out by one number each.
+    fn outward(lo: f64, hi: f64) -> Interval {
+        Interval::new(lo.next_down(), hi.next_up())
+    }
+
+    /// True if a number of the interval is zero.
+    pub fn contains_zero(self) -> bool {
+        self.lo <= 0.0 && self.hi >= 0.0
+    }
+
+    /// The square, which is nowhere negative.
+    pub fn square(self) -> Interval {
+        let (a, b) = (self.lo * self.lo, self.hi * self.hi);
+        let least = if self.contains_zero() { 0.0 } else { a.min(b).next_down().max(0.0) };
+        Interval::new(least, a.max(b).next_up())
+    }
+}
+
+impl Add for Interval {
+    type Output = Interval;
+
+    fn add(self, other: Interval) -> Interval {
+        Interval::outward(self.lo + other.lo, self.hi + other.hi)
+    }
+}
+
+impl Sub for Interval {
+    type Output = Interval;
+
+    fn sub(self, other: Interval) -> Interval {
+        Interval::outward(self.lo - other.hi, self.hi - other.lo)
+    }
+}
+
+impl Neg for Interval {
+    type Output = Interval;
+
+    fn neg(self) -> Interval {
+        Interval { lo: -self.hi, hi: -self.lo }
+    }
+}
+
+impl Mul for Interval {
+    type Output = Interval;
+
+    fn mul(self, other: Interval) -> Interval {
+        let products = [self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
+        if products.iter().any(|p| p.is_nan()) {
+            return Interval::ALL;
+        }
+        let lo = products.into_iter().fold(f64::INFINITY, f64::min);
+        let hi = products.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        Interval::outward(lo, hi)
+    }
+}
+
+impl Mul<f64> for Interval {
+    type Output = Interval;
+
+    fn mul(self, factor: f64) -> Interval {
+        self * Interval::point(factor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn holds(interval: Interval, x: f64) -> bool {
+        interval.lo <= x && x <= interval.hi
+    }
+
+    #[test]
+    fn results_hold_what_members_give() {
+        let (a, b) = (Interval::new(-1.5, 0.1), Interval::new(0.3, 7.0));
+        for x in [a.lo, 0.0, a.hi] {
+            for y in [b.lo, 2.0, b.hi] {
+                assert!(holds(a + b, x + y) && holds(a - b, x - y) && holds(a * b, x * y));
+            }
+            assert!(holds(a.square(), x * x) && holds(-a, -x));
+        }
+        assert_eq!(a.square().lo, 0.0);
+        assert!(b.square().lo > 0.0);
+    }
+
+    #[test]
+    fn nonsense_is_every_number() {
+        assert_eq!(Interval::new(f64::NAN, 1.0), Interval::ALL);
+        assert_eq!(Interval::ALL * Interval::point(0.0), Interval::ALL);
+        assert_eq!(Interval::ALL - Interval::ALL, Interval::ALL);
+    }
+}

@@ -1,0 +1,14 @@
+//! Root-rays beyond straight lines in space: solids in R^d, and trajectories that bend.
+//!
+//! A [`Field`] is a function whose sign says where a solid is; a [`Curve`] is a trajectory. Everything else
+//! (isolating the times at which a curve crosses a field's surface, solids in R^d, curves through compiled
+//! models) is made of these two.
+
+pub mod curve;
+mod field;
+
+pub use curve::Curve;
+pub use field::Field;
+
+/// A point or a vector of R^d.
+pub type Point<const D: usize> = [f64; D];
