@@ -37,37 +37,53 @@ impl Aside {
 /// that of the surface's own numbers by a few u times `reach`, which counts every translation composed on
 /// its way; 64 leaves room for the dozen roundings of a kernel.
 pub fn delta(reach: f64, ray: &Ray, t: f64) -> f64 {
-    64.0 * UNIT_ROUNDOFF * (ray.origin.length() + t.abs() * ray.direction.length() + reach)
+    delta_of(ray.origin.length() + t.abs() * ray.direction.length() + reach)
 }
 
-/// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: `|f| <= delta |grad f|`
-/// at both ends, the middle and, for degree 4, the quarter points. (The middle alone would weld the two
-/// crossings of a ray through two tangent spheres.)
-///
-/// `delta` grows with |t|, so a piece much longer than the lengths at the ray's start is also looked at where
-/// it is smallest: at the time `c` closest to 0, and one such length before and after it. Without that, faces
-/// far apart are welded if the ray, parallel to them but for rounding, would meet them at times of 1e16.
+/// The same from the sum of all lengths involved, in a space of any dimension.
+pub fn delta_of(lengths: f64) -> f64 {
+    64.0 * UNIT_ROUNDOFF * lengths
+}
+
+/// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: see [`hugs_along`].
 pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
     let near = |t: f64| {
         let (value, gradient) = surface.value_and_gradient(ray.at(t));
-        let delta = delta(reach, ray, t);
-        value.abs() <= delta * (gradient.length() + delta * bend(surface))
+        is_near(value, gradient.length(), delta(reach, ray, t), bend(surface))
     };
+    let start = (ray.origin.length() + reach) / ray.direction.length();
+    hugs_along(near, start, surface.degree(), a, b)
+}
+
+/// True if a point where a function has this value and length of the gradient is within `delta` of its surface:
+/// `|f| <= delta |grad f|`. `bend` is half of the most by which the gradient changes over a unit of length; it
+/// matters where all of a surface is smaller than `delta`: in its centre the gradient is 0.
+pub fn is_near(value: f64, gradient_length: f64, delta: f64, bend: f64) -> bool {
+    value.abs() <= delta * (gradient_length + delta * bend)
+}
+
+/// True if a piece of a straight line lies in a surface, by what [`is_near`] says of single times, in a space of
+/// any dimension: at both ends, the middle and, for degree 4, the quarter points. (The middle alone would weld
+/// the two crossings of a ray through two tangent spheres.)
+///
+/// `delta` grows with |t|, so a piece much longer than the lengths at the ray's start, `start` in units of time,
+/// is also looked at where it is smallest: at the time `c` closest to 0, and one such length before and after it.
+/// Without that, faces far apart are welded if the ray, parallel to them but for rounding, would meet them at
+/// times of 1e16.
+pub fn hugs_along(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: f64, b: f64) -> bool {
     let middle = 0.5 * (a + b);
     let near_the_start = || {
-        let length = (ray.origin.length() + reach) / ray.direction.length();
         let c = 0.0f64.clamp(a, b);
-        b - a <= length || (near(c) && near((c - length).max(a)) && near((c + length).min(b)))
+        b - a <= start || (near(c) && near((c - start).max(a)) && near((c + start).min(b)))
     };
     near(middle)
         && near(a)
         && near(b)
         && near_the_start()
-        && (surface.degree() < 4 || (near(0.5 * (a + middle)) && near(0.5 * (middle + b))))
+        && (degree < 4 || (near(0.5 * (a + middle)) && near(0.5 * (middle + b))))
 }
 
-/// The most by which the gradient of a surface changes over a unit of length, halved. It matters where all of a
-/// surface is smaller than `delta`: in its centre the gradient is 0.
+/// The most by which the gradient of a surface changes over a unit of length, halved.
 fn bend(surface: &Surface) -> f64 {
     match surface {
         Surface::Plane(_) | Surface::Torus(_) | Surface::AffineTorus(_) => 0.0,
@@ -105,7 +121,7 @@ impl Chord {
         }
         // nearly every ray is told apart here, by one value and no root
         let (value, gradient) = surface.value_and_gradient(self.middle);
-        let delta = self.delta + 64.0 * UNIT_ROUNDOFF * reach;
+        let delta = self.delta + delta_of(reach);
         if value * value > delta * delta * gradient.length_squared() {
             return None;
         }
