@@ -18,7 +18,8 @@
 //! }
 //! ```
 //!
-//! Every test has a long form, `cargo test -- --ignored long_`.
+//! Every test has a long form, `cargo test -- --ignored long_`. Beside the suite stand [`exact`], the oracle without
+//! rounding, and [`contest`], which asks many evaluators at once.
 
 use rayweave_model::{Crossing, Face};
 
@@ -27,6 +28,7 @@ mod tally;
 
 pub mod agree;
 pub mod closed;
+pub mod contest;
 pub mod deep;
 pub mod exact;
 pub mod laws;

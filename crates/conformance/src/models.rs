@@ -35,6 +35,18 @@ impl Model {
         let frame = if rng.chance(0.5) { Affine::IDENTITY } else { motion(rng) };
         let count = if rng.chance(0.7) { 1 } else { 2 + rng.below(5) };
         let depth = (40.0 * rng.uniform() * rng.uniform()) as usize / count + usize::from(count == 1);
+        Model::with(rng, style, frame, count, depth)
+    }
+
+    /// The same with a few leaves.
+    pub fn small(rng: &mut Random, style: Style) -> Model {
+        let frame = if rng.chance(0.5) { Affine::IDENTITY } else { motion(rng) };
+        let count = if rng.chance(0.8) { 1 } else { 2 };
+        let depth = 1 + rng.below(5 / count);
+        Model::with(rng, style, frame, count, depth)
+    }
+
+    fn with(rng: &mut Random, style: Style, frame: Affine, count: usize, depth: usize) -> Model {
         let region = |k: usize| {
             let solid = Maker::new(rng, style).solid(depth).apply(frame);
             Region { name: format!("r{k}"), solid, medium: 1 + rng.below(3) as u32 }

@@ -12,7 +12,7 @@
 mod along;
 mod answer;
 mod count;
-mod draw;
+pub(crate) mod draw;
 mod dyadic;
 mod flat;
 mod map;

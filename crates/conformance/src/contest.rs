@@ -1,0 +1,151 @@
+//! Many evaluators against one reference on the same rays: the run for large numbers.
+//!
+//! The reference is asked once for each ray; every other evaluator has to give the same list, bit for bit, and,
+//! asked for one crossing only, its head. A seed stands for one model with [`RAYS`] rays and for nothing else, so
+//! a run may be cut anywhere, restarted, and spread over threads and machines.
+
+use crate::exact::draw;
+use crate::rays::{batch, rays};
+use crate::{Model, Random, Style, list};
+use rayweave_math::Affine;
+use rayweave_model::{Collected, Crossing, Evaluator, Limit, Program, Query, Rays};
+use rayweave_shape::Ray;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Rays of one model.
+pub const RAYS: usize = 1000;
+
+/// An evaluator of one model, whatever its scratch is.
+pub trait Asked {
+    /// What the evaluator is called.
+    fn name(&self) -> &'static str;
+    /// The answers for a batch.
+    fn ask(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected;
+}
+
+impl<E: Evaluator> Asked for E {
+    fn name(&self) -> &'static str {
+        Evaluator::name(self)
+    }
+
+    fn ask(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected {
+        self.collect(rays, query)
+    }
+}
+
+/// Makes an evaluator of a model.
+pub type Maker = Box<dyn Fn(Arc<Program>) -> Box<dyn Asked> + Sync>;
+
+/// An evaluator as one that takes part, from the function that makes it.
+pub fn contender<E: Evaluator + 'static>(make: impl Fn(Arc<Program>) -> E + Sync + 'static) -> Maker {
+    Box::new(move |program| Box::new(make(program)))
+}
+
+/// How an evaluator did.
+#[derive(Clone, Debug, Default)]
+pub struct Score {
+    /// What it is called.
+    pub name: &'static str,
+    /// Rays asked.
+    pub rays: u64,
+    /// Questions answered: one or two for each ray.
+    pub answers: u64,
+    /// Crossings in the lists of the reference.
+    pub crossings: u64,
+    /// Answers that differ from that of the reference in any bit.
+    pub wrong: u64,
+    /// The first few of these.
+    pub messages: Vec<String>,
+}
+
+impl Score {
+    /// The sum of the scores of the same evaluator.
+    pub fn add(&mut self, other: Score) {
+        self.name = other.name;
+        self.rays += other.rays;
+        self.answers += other.answers;
+        self.crossings += other.crossings;
+        self.wrong += other.wrong;
+        self.messages.extend(other.messages);
+        self.messages.truncate(3);
+    }
+
+    /// Adds scores in the order of the evaluators.
+    pub fn add_all(sums: &mut Vec<Score>, scores: Vec<Score>) {
+        sums.resize_with(sums.len().max(scores.len()), Score::default);
+        sums.iter_mut().zip(scores).for_each(|(sum, score)| sum.add(score));
+    }
+}
+
+/// The scores, in the order of the evaluators, on the models of a range of seeds.
+pub fn contest(reference: &Maker, others: &[Maker], seeds: Range<u64>) -> Vec<Score> {
+    let mut sums = Vec::new();
+    for seed in seeds {
+        let (program, rays) = setting(seed);
+        // models with two media in one place, say, are refused by all
+        let Some(program) = program else { continue };
+        let truth = reference(program.clone()).ask(batch(&rays).rays(), &Query::default());
+        let scores = others.iter().map(|make| score(&*make(program.clone()), &rays, &truth, seed));
+        Score::add_all(&mut sums, scores.collect());
+    }
+    sums
+}
+
+/// The model and the rays of a seed: most models have a few leaves, some have many; half of the rays are drawn on
+/// the grid on which faces, edges and axes coincide.
+fn setting(seed: u64) -> (Option<Arc<Program>>, Vec<Ray>) {
+    let mut rng = Random::new(3 << 40 | seed);
+    if seed % 4 == 3 {
+        let parts = draw::parts(&mut rng);
+        let regions = crate::exact::regions(&parts, &Affine::IDENTITY);
+        let rays = (0..RAYS).map(|_| draw::ray(&mut rng)).collect();
+        return (Program::compile_regions(&regions).map(Arc::new).ok(), rays);
+    }
+    let style = [Style::Generic, Style::Grid, Style::Planes][seed as usize % 3];
+    let model = match seed % 16 {
+        0 => Model::random(&mut rng, style),
+        _ => Model::small(&mut rng, style),
+    };
+    (model.compile().ok(), rays(&mut rng, style, &model.frame, RAYS))
+}
+
+fn score(evaluator: &dyn Asked, rays: &[Ray], truth: &Collected, seed: u64) -> Score {
+    let count = rays.len() as u64;
+    let crossings = truth.crossings.len() as u64;
+    let mut score =
+        Score { name: evaluator.name(), rays: count, answers: count, crossings, ..Score::default() };
+    let found = evaluator.ask(batch(rays).rays(), &Query::default());
+    compare(&mut score, truth, &found, usize::MAX, rays, seed);
+    if seed % 5 == 0 {
+        score.answers += count;
+        let query = Query { limit: Limit::First, ..Query::default() };
+        let found = evaluator.ask(batch(rays).rays(), &query);
+        compare(&mut score, truth, &found, 1, rays, seed);
+    }
+    score
+}
+
+/// Compares the first `most` crossings of each ray.
+fn compare(score: &mut Score, truth: &Collected, found: &Collected, most: usize, rays: &[Ray], seed: u64) {
+    for (i, ray) in rays.iter().enumerate() {
+        let expected = truth.of(i);
+        let expected = &expected[..most.min(expected.len())];
+        if found.starts[i] == truth.starts[i] && equal(found.of(i), expected) {
+            continue;
+        }
+        score.wrong += 1;
+        if score.messages.len() < 3 {
+            let (ours, theirs) = (list(found.of(i)), list(expected));
+            score.messages.push(format!(
+                "seed {seed}, ray {i}: {ray:?}\n{} from {:?}{ours}\nreference from {:?}{theirs}",
+                score.name, found.starts[i], truth.starts[i]
+            ));
+        }
+    }
+}
+
+/// Equal to the bit: -0 is not 0.
+fn equal(a: &[Crossing], b: &[Crossing]) -> bool {
+    a == b && a.iter().zip(b).all(|(a, b)| a.t.to_bits() == b.t.to_bits())
+}

@@ -1,0 +1,28 @@
+//! All evaluators at once against the reference, in small; `examples/contest.rs` does it at any length.
+
+use rayweave_conformance::contest::{contender, contest};
+use rayweave_trace::{Reference, SingleHit, Weave};
+
+#[test]
+fn all_give_the_same_lists() {
+    let single_hit =
+        contender(|program| SingleHit::new(program).expect("no model of the suite is too large"));
+    let scores = contest(&contender(Reference::new), &[contender(Weave::new), single_hit], 0..48);
+    assert_eq!(scores.iter().map(|s| s.name).collect::<Vec<_>>(), ["weave", "single_hit"]);
+    for score in scores {
+        assert!(score.rays >= 40_000 && score.crossings * 2 > score.rays, "{score:?}");
+        assert!(score.wrong == 0, "{score:?}");
+    }
+}
+
+#[test]
+fn a_liar_is_found_out() {
+    // an evaluator that knows another model
+    let liar = contender(|_| {
+        Weave::new(std::sync::Arc::new(
+            rayweave_model::Program::compile(&rayweave_model::Solid::plenum()).expect("legal"),
+        ))
+    });
+    let scores = contest(&contender(Reference::new), &[liar], 0..4);
+    assert!(scores[0].wrong > 100 && !scores[0].messages.is_empty(), "{scores:?}");
+}
