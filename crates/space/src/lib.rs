@@ -6,9 +6,10 @@
 
 pub mod curve;
 mod field;
+mod lie;
+mod point;
 
-pub use curve::Curve;
+pub use curve::{Curve, CurveError};
 pub use field::Field;
-
-/// A point or a vector of R^d.
-pub type Point<const D: usize> = [f64; D];
+pub use lie::{leads_inside, lie_direction};
+pub use point::Point;
