@@ -5,13 +5,11 @@ use std::ops::Range;
 use numpy::ndarray::ArrayView2;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use rayweave::Ray;
 use rayweave::model::Rays;
 
 use crate::arrays::{double_array, shape_text};
 use crate::error::bad_value;
-
-/// The greatest component that is taken: its square, and that of its inverse, are far from the ends of the range of `f64`.
-const HUGE: f64 = 1e100;
 
 /// The greatest component in absolute value.
 fn largest(vector: [f64; 3]) -> f64 {
@@ -40,12 +38,14 @@ impl<'py> Vectors<'py> {
         let rows = rows.cast_into::<PyArray2<f64>>()?;
         let vectors = Vectors { rows: rows.try_readonly().map_err(bad_value)?, single };
         // NaN is in no range
-        match vectors.position(|v| !v.iter().all(|component| (-HUGE..=HUGE).contains(component))) {
+        match vectors.position(|v| !v.iter().all(|component| (-Ray::MOST..=Ray::MOST).contains(component))) {
             None => Ok(vectors),
             Some(i) => Err(bad_value(format!(
-                "{}: {} (every component must be finite, from -{HUGE:e} to {HUGE:e})",
+                "{}: {} (every component must be finite, from {:e} to {:e})",
                 vectors.place(name, i),
-                vectors.text(i)
+                vectors.text(i),
+                -Ray::MOST,
+                Ray::MOST
             ))),
         }
     }
@@ -53,14 +53,14 @@ impl<'py> Vectors<'py> {
     /// The vectors in an object, none of which may be of length zero.
     pub fn directions(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
         let vectors = Self::new(object, name)?;
-        match vectors.position(|v| largest(v) < 1.0 / HUGE) {
+        match vectors.position(|v| largest(v) < Ray::LEAST) {
             None => Ok(vectors),
             Some(i) => {
                 let place = vectors.place(name, i);
                 Err(bad_value(match largest(vectors.row(i)) {
                     0.0 => format!("{place}: zero length (a ray must go somewhere)"),
                     _ => {
-                        format!("{place}: {} (its length must be at least {:e})", vectors.text(i), 1.0 / HUGE)
+                        format!("{place}: {} (its length must be at least {:e})", vectors.text(i), Ray::LEAST)
                     }
                 }))
             }
@@ -96,7 +96,7 @@ impl<'py> Vectors<'py> {
 
     fn text(&self, i: usize) -> String {
         let rows = self.view();
-        format!("({}, {}, {})", rows[[i, 0]], rows[[i, 1]], rows[[i, 2]])
+        format!("({:?}, {:?}, {:?})", rows[[i, 0]], rows[[i, 1]], rows[[i, 2]])
     }
 }
 

@@ -43,8 +43,8 @@ struct Pair<'m, E, R> {
 impl<E: Evaluator, R: Evaluator> Pair<'_, E, R> {
     fn compare(&self, rays: &[Ray], query: &Query<'_>, tally: &mut Tally) -> Collected {
         let rays_in = batch(rays);
-        let ours = self.ours.collect(rays_in.rays(), query);
-        let theirs = self.theirs.collect(rays_in.rays(), query);
+        let ours = self.ours.collect(rays_in.rays(), query).unwrap();
+        let theirs = self.theirs.collect(rays_in.rays(), query).unwrap();
         for (i, ray) in rays.iter().enumerate() {
             let equal = ours.starts[i] == theirs.starts[i] && ours.of(i) == theirs.of(i);
             tally.check(equal, || {
@@ -82,7 +82,7 @@ impl<E: Evaluator, R: Evaluator> Pair<'_, E, R> {
 
     fn windows(&self, rays: &[Ray], rng: &mut Random, tally: &mut Tally) {
         for chunk in rays.chunks(25) {
-            let lists = self.theirs.collect(batch(chunk).rays(), &Query::default());
+            let lists = self.theirs.collect(batch(chunk).rays(), &Query::default()).unwrap();
             let mut bound = || match rng.below(4) {
                 0 => f64::NEG_INFINITY,
                 1 if !lists.crossings.is_empty() => lists.crossings[rng.below(lists.crossings.len())].t,
@@ -105,7 +105,7 @@ impl<E: Evaluator, R: Evaluator> Pair<'_, E, R> {
         for (i, &ray) in rays.iter().enumerate().step_by(7) {
             let mut t_min = rng.pick(&[f64::NEG_INFINITY, 0.0, -1.0, 2.5]);
             let rest = Query { window: beyond(t_min), ..Query::default() };
-            let whole = self.theirs.one(ray, &rest);
+            let whole = self.theirs.one(ray, &rest).unwrap();
             let mut steps = Vec::new();
             loop {
                 let query = Query { window: beyond(t_min), limit: Limit::First, starts: None };

@@ -88,7 +88,7 @@ pub fn forms<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
             let program = Program::compile(&solid.apply(frame)).unwrap_or_else(|e| panic!("{k}: {e}"));
             let evaluator = make(Arc::new(program));
             let ray = ray.transformed(&frame);
-            let found = evaluator.one(ray, &Query::default());
+            let found = evaluator.one(ray, &Query::default()).unwrap();
             assert_eq!(found.crossings.len(), times.len(), "{k}: {solid:?}");
             for (crossing, (&t, &n)) in found.crossings.iter().zip(times.iter().zip(normals)) {
                 assert!((crossing.t - t).abs() <= tolerance * (20.0 + t), "{k}: {} is not {t}", crossing.t);

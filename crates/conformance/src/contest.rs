@@ -6,41 +6,15 @@
 
 use crate::exact::draw;
 use crate::rays::{batch, rays};
-use crate::{Model, Random, Style, list};
+use crate::{Asked, Maker, Model, Random, Style, list};
 use rayweave_math::Affine;
-use rayweave_model::{Collected, Crossing, Evaluator, Limit, Program, Query, Rays};
+use rayweave_model::{Collected, Crossing, Limit, Program, Query};
 use rayweave_shape::Ray;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Rays of one model.
 pub const RAYS: usize = 1000;
-
-/// An evaluator of one model, whatever its scratch is.
-pub trait Asked {
-    /// What the evaluator is called.
-    fn name(&self) -> &'static str;
-    /// The answers for a batch.
-    fn ask(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected;
-}
-
-impl<E: Evaluator> Asked for E {
-    fn name(&self) -> &'static str {
-        Evaluator::name(self)
-    }
-
-    fn ask(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected {
-        self.collect(rays, query)
-    }
-}
-
-/// Makes an evaluator of a model.
-pub type Maker = Box<dyn Fn(Arc<Program>) -> Box<dyn Asked> + Sync>;
-
-/// An evaluator as one that takes part, from the function that makes it.
-pub fn contender<E: Evaluator + 'static>(make: impl Fn(Arc<Program>) -> E + Sync + 'static) -> Maker {
-    Box::new(move |program| Box::new(make(program)))
-}
 
 /// How an evaluator did.
 #[derive(Clone, Debug, Default)]

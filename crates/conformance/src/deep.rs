@@ -37,7 +37,7 @@ fn chain<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     let evaluator = make(program);
     for row in 0..20 {
         let at = Vec3::new(-9.0, 3.0 * f64::from(row * 37), 0.1);
-        let found = evaluator.one(Ray::new(at, Vec3::X), &Query::default());
+        let found = evaluator.one(Ray::new(at, Vec3::X), &Query::default()).unwrap();
         let mut region = found.starts[0];
         for crossing in &found.crossings {
             assert_eq!(region, crossing.before);

@@ -62,7 +62,7 @@ pub fn of_booleans<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
         let nothing = Solid::union(parts.iter().map(nothing_of));
         let ask = |solid: Solid| {
             let program = compiled(Program::compile(&(solid | nothing.clone()).apply(frame)));
-            make(program).collect(batch(&rays).rays(), &Query::default())
+            make(program).collect(batch(&rays).rays(), &Query::default()).unwrap()
         };
         for (name, law) in BOOLEAN {
             let (left, right) = law(&parts);
@@ -204,13 +204,13 @@ pub fn of_regions<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort
         };
         let regions: Vec<Region> = solids.iter().enumerate().map(region).collect();
         let program = compiled(Program::compile_regions(&regions));
-        let partition = make(program).collect(batch(&rays).rays(), &Query::default());
+        let partition = make(program).collect(batch(&rays).rays(), &Query::default()).unwrap();
         for k in 0..solids.len() {
             // all of them, so that the leaves and what they share are the same
             let earlier = Solid::union(solids[..k].iter().map(nothing_of));
             let later = Solid::union(solids[k + 1..].iter().cloned());
             let alone = compiled(Program::compile(&(earlier | (&solids[k] - later))));
-            let alone = make(alone).collect(batch(&rays).rays(), &Query::default());
+            let alone = make(alone).collect(batch(&rays).rays(), &Query::default()).unwrap();
             let here = RegionId(k as u32 + 1);
             for i in 0..rays.len() {
                 let ours: Vec<(u64, bool)> = partition
@@ -249,7 +249,8 @@ pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
         // a root at 1e17, of a ray parallel to a face but for rounding, may as well be at infinity
         let window = Window::new(-1e6, 1e6).unwrap_or_default();
         let query = Query { window, ..Query::default() };
-        let ask = |solid: Solid| make(Model::of(solid).compiled()).collect(batch(&rays).rays(), &query);
+        let ask =
+            |solid: Solid| make(Model::of(solid).compiled()).collect(batch(&rays).rays(), &query).unwrap();
         let (placed, single) = (ask(placed - other.clone()), ask(single - other));
         for i in 0..rays.len() {
             let (l, r) = (placed.of(i), single.of(i));
@@ -269,7 +270,7 @@ fn moved(model: &Model, map: &Affine) -> Model {
 }
 
 fn ask<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, model: &Model, rays: &[Ray]) -> Collected {
-    make(model.compiled()).collect(batch(rays).rays(), &Query::default())
+    make(model.compiled()).collect(batch(rays).rays(), &Query::default()).unwrap()
 }
 
 /// Random models of all styles.

@@ -28,8 +28,8 @@ pub fn as_if_moved<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
         // planes that a turned ray is parallel to but for rounding are met far away, if at all
         let window = Window::new(-30.0, 30.0).unwrap_or_default();
         let query = Query { window, ..Query::default() };
-        let here = evaluator.collect(batch(&rays).rays(), &query);
-        let there = evaluator.collect(batch(&moved).rays(), &query);
+        let here = evaluator.collect(batch(&rays).rays(), &query).unwrap();
+        let there = evaluator.collect(batch(&moved).rays(), &query).unwrap();
         for i in 0..rays.len() {
             let (l, r) = (without_slivers(here.of(i)), without_slivers(there.of(i)));
             let near = |(a, b): (&Crossing, &Crossing)| {
@@ -82,7 +82,10 @@ pub fn in_shared_faces<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: E
         let start = Vec3::new(1.0, rng.between(0.2, 0.8), rng.between(0.2, 0.8)) - 3.0 * along;
         let ray = Ray::new(start, along).transformed(&frame);
         let count = |solid: Solid| {
-            make(compiled(Program::compile(&solid.apply(frame)))).one(ray, &Query::default()).crossings
+            make(compiled(Program::compile(&solid.apply(frame))))
+                .one(ray, &Query::default())
+                .unwrap()
+                .crossings
         };
         let mut check = |name, solid: Solid, expected: &dyn Fn(&[Crossing]) -> bool| {
             let found = count(solid);
@@ -144,7 +147,7 @@ pub fn along_shared_edges<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort
         let whole = if rng.chance(0.5) { fan(&mut rng) } else { quarters(&mut rng) };
         let ray = Ray::new(Vec3::new(0.0, 0.0, -5.0), Vec3::Z).transformed(&frame);
         let program = compiled(Program::compile(&whole.apply(frame)));
-        let found = make(program).one(ray, &Query::default()).crossings;
+        let found = make(program).one(ray, &Query::default()).unwrap().crossings;
         let right = found.len() == 2 && (found[0].t - 4.0).abs() < 1e-9 && (found[1].t - 6.0).abs() < 1e-9;
         tally.check(right, || format!("seed {seed}: {whole:?} in {frame:?}{}", list(&found)));
     }

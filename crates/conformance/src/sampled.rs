@@ -21,7 +21,7 @@ pub fn with_formulas<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
         let evaluator = make(program);
         let oracles: Vec<Oracle> = model.regions.iter().map(|r| Oracle::new(&r.solid)).collect();
         let rays = rays(&mut rng, style, &model.frame, count / 4);
-        let found = evaluator.collect(batch(&rays).rays(), &Query::default());
+        let found = evaluator.collect(batch(&rays).rays(), &Query::default()).unwrap();
         for (i, ray) in rays.iter().enumerate() {
             clear += one(&model, &oracles, ray, &found, i, seed, &evaluator, &mut tally);
         }

@@ -37,8 +37,8 @@ pub fn at_any_angle<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effo
         let ours = make(compiled(regions(&case.regions, &frame)));
         let theirs = make(compiled(regions(&case.expected, &frame)));
         let rays: Vec<Ray> = (0..40).map(|_| seam_ray(&mut rng, &case, &frame)).collect();
-        let found = ours.collect(batch(&rays).rays(), &Query::default());
-        let expected = theirs.collect(batch(&rays).rays(), &Query::default());
+        let found = ours.collect(batch(&rays).rays(), &Query::default()).unwrap();
+        let expected = theirs.collect(batch(&rays).rays(), &Query::default()).unwrap();
         for (i, ray) in rays.iter().enumerate() {
             let (l, r) = (without_grazes(found.of(i), ray), without_grazes(expected.of(i), ray));
             let same = found.starts[i] == expected.starts[i]

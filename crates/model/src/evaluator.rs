@@ -1,72 +1,8 @@
 //! The trait between the two sides of the house: rays and questions in, crossings out.
 
-use crate::{LeafId, Medium, PlacementId, Program, RegionId, SurfaceId};
+use crate::{BadRay, LeafId, Medium, PlacementId, Program, RayBatch, Rays, RegionId, SurfaceId};
 use rayweave_math::Vec3;
-use rayweave_shape::Ray;
-
-/// Rays as a structure of arrays: component k of ray i is `origins[k][i]`.
-#[derive(Clone, Copy, Debug)]
-pub struct Rays<'a> {
-    /// The components of the origins, all finite.
-    pub origins: [&'a [f64]; 3],
-    /// The components of the directions, all finite and not all zero.
-    pub directions: [&'a [f64]; 3],
-}
-
-impl Rays<'_> {
-    /// The number of rays.
-    pub fn len(&self) -> usize {
-        self.origins[0].len()
-    }
-
-    /// True if there is none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Ray number `i`.
-    pub fn get(&self, i: usize) -> Ray {
-        let at = |columns: &[&[f64]; 3]| Vec3::new(columns[0][i], columns[1][i], columns[2][i]);
-        Ray::new(at(&self.origins), at(&self.directions))
-    }
-}
-
-/// Rays that own their arrays.
-#[derive(Clone, Debug, Default)]
-pub struct RayBatch {
-    origins: [Vec<f64>; 3],
-    directions: [Vec<f64>; 3],
-}
-
-impl RayBatch {
-    /// Appends a ray.
-    pub fn push(&mut self, ray: Ray) {
-        for k in 0..3 {
-            self.origins[k].push(ray.origin[k]);
-            self.directions[k].push(ray.direction[k]);
-        }
-    }
-
-    /// Forgets all rays and keeps the memory.
-    pub fn clear(&mut self) {
-        self.origins.iter_mut().chain(&mut self.directions).for_each(Vec::clear);
-    }
-
-    /// The rays as slices.
-    pub fn rays(&self) -> Rays<'_> {
-        let [ox, oy, oz] = &self.origins;
-        let [dx, dy, dz] = &self.directions;
-        Rays { origins: [ox, oy, oz], directions: [dx, dy, dz] }
-    }
-}
-
-impl FromIterator<Ray> for RayBatch {
-    fn from_iter<I: IntoIterator<Item = Ray>>(rays: I) -> Self {
-        let mut batch = RayBatch::default();
-        rays.into_iter().for_each(|ray| batch.push(ray));
-        batch
-    }
-}
+use rayweave_shape::{Ray, RayError};
 
 /// The part of a ray that is asked about: strictly between `t_min` and `t_max`, which may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -313,21 +249,31 @@ pub trait Evaluator: Sync {
     fn scratch(&self) -> Self::Scratch;
 
     /// The crossings of every ray of a batch, into the sink.
+    ///
+    /// The rays are those that pass [`Rays::check`]: it is made once, where rays come in. One that does not may be
+    /// answered by anything, a miss most often, but by no panic.
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink);
 
     /// The region that each point is in; 0 is the world. On a boundary: the side of a ray that lies in it.
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]);
 
     /// The answers for a whole batch in arrays.
-    fn collect(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected {
+    ///
+    /// # Errors
+    /// [`BadRay`] for the first ray that does not pass [`Ray::check`].
+    fn collect(&self, rays: Rays<'_>, query: &Query<'_>) -> Result<Collected, BadRay> {
+        rays.check()?;
         let mut collected = Collected::default();
         self.crossings(rays, query, &mut self.scratch(), &mut collected);
-        collected
+        Ok(collected)
     }
 
     /// The crossings of one ray; for more than a few rays ask for batches.
-    fn one(&self, ray: Ray, query: &Query<'_>) -> Collected {
-        self.collect(RayBatch::from_iter([ray]).rays(), query)
+    ///
+    /// # Errors
+    /// [`RayError`] if the ray does not pass [`Ray::check`].
+    fn one(&self, ray: Ray, query: &Query<'_>) -> Result<Collected, RayError> {
+        self.collect(RayBatch::from_iter([ray]).rays(), query).map_err(|bad| bad.problem)
     }
 
     /// True where the one point given is inside some region.

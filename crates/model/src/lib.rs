@@ -23,16 +23,18 @@ mod lower;
 mod print;
 
 mod program;
+mod rays;
 mod solid;
 
 pub use chord::{Ball, chord};
 pub use error::{CompileError, CompileProblem};
 pub use evaluator::{
-    Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, RayBatch, Rays, Sink, Start, StartLists,
-    State, Window, WindowError,
+    Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, Sink, Start, StartLists, State, Window,
+    WindowError,
 };
 pub use events::{Event, GroupPoint, GroupRay, LeafEvents, carried, facets_contain, leaf_events};
 pub use expression::{Edge, Expression, Gate, Rule};
 pub use ids::{LeafId, NodeId, PlacementId, PrototypeId, RegionId, SurfaceId};
 pub use program::{Leaf, LeafFacet, LeafKind, MARGIN, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
+pub use rays::{BadRay, RayBatch, Rays};
 pub use solid::{Node, Region, Solid};

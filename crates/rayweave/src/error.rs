@@ -1,9 +1,10 @@
 //! The one error of the library.
 
-use rayweave_model::{CompileError, WindowError};
+use rayweave_model::{BadRay, CompileError, WindowError};
 use rayweave_render::{CameraError, RenderError, TimelineError};
 use rayweave_rootray::RootRayError;
 use rayweave_scene::Diagnostics;
+use rayweave_shape::RayError;
 use rayweave_shape::primitive::ShapeError;
 use rayweave_table::TableError;
 use rayweave_trace::single_hit::TooLarge;
@@ -31,7 +32,7 @@ pub enum ErrorKind {
     Output,
     /// The name of a file tells no format that is known, or one that this build cannot write.
     Format,
-    /// A value is out of range: an empty window of time, a root that is NaN, a picture without pixels.
+    /// A value is out of range: a ray without direction, an empty window of time, a root that is NaN, a picture without pixels.
     Value,
     /// A name that nothing has.
     Name,
@@ -47,6 +48,8 @@ enum Cause {
     Input(TableError),
     Output(TableError),
     Window(WindowError),
+    Ray(RayError),
+    Rays(BadRay),
     RootRay(RootRayError),
     Camera(CameraError),
     Render(RenderError),
@@ -69,6 +72,8 @@ impl Error {
             Cause::Output(_) => ErrorKind::Output,
             Cause::Render(RenderError::Cancelled) | Cause::Cancelled => ErrorKind::Cancelled,
             Cause::Window(_)
+            | Cause::Ray(_)
+            | Cause::Rays(_)
             | Cause::RootRay(_)
             | Cause::Camera(_)
             | Cause::Render(_)
@@ -185,6 +190,8 @@ impl fmt::Display for Error {
             Cause::ModelFile(diagnostics) => diagnostics.fmt(f),
             Cause::Input(error) | Cause::Output(error) => error.fmt(f),
             Cause::Window(error) => error.fmt(f),
+            Cause::Ray(error) => error.fmt(f),
+            Cause::Rays(error) => error.fmt(f),
             Cause::RootRay(error) => error.fmt(f),
             Cause::Camera(error) => error.fmt(f),
             Cause::Render(error) => error.fmt(f),
@@ -228,6 +235,8 @@ from! {
     TooLarge => TooLarge,
     Diagnostics => ModelFile,
     WindowError => Window,
+    RayError => Ray,
+    BadRay => Rays,
     RootRayError => RootRay,
     CameraError => Camera,
     RenderError => Render,

@@ -37,12 +37,12 @@
 //!
 //! // all crossings: t counts in units of the direction
 //! let ray = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
-//! let answer = weave.one(ray, &Query::default());
+//! let answer = weave.one(ray, &Query::default())?;
 //! let times: Vec<f64> = answer.of(0).iter().map(|crossing| crossing.t).collect();
 //! assert_eq!(times, [3.0, 4.0, 6.0, 7.0]);
 //!
 //! // the first after t = 0, with its outward normal and the name of its face
-//! let nearest = weave.one(ray, &Query::nearest());
+//! let nearest = weave.one(ray, &Query::nearest())?;
 //! let first = &nearest.of(0)[0];
 //! assert_eq!(rayweave::model::dress::normal(&program, &ray, first), Vec3::NEG_X);
 //! let face = program.face_number(first.face.leaf, first.face.facet);
@@ -72,7 +72,7 @@
 //! let program = Arc::new(Program::compile_regions(&cemented)?);
 //!
 //! let ray = Ray::new(Vec3::new(-1.0, 0.1, 0.2), Vec3::X);
-//! let answer = Weave::new(program.clone()).one(ray, &Query::default());
+//! let answer = Weave::new(program.clone()).one(ray, &Query::default())?;
 //! let media = answer.of(0).iter().map(|c| (c.t, program.medium_of(c.before), program.medium_of(c.after)));
 //! assert_eq!(media.collect::<Vec<_>>(), [(1.0, 0, 1), (3.0, 1, 2), (4.0, 2, 0)]);
 //! # Ok::<(), rayweave::Error>(())
@@ -105,7 +105,7 @@
 //! let bead = Compiled::new(&scene)?;
 //! let evaluator = AnyEvaluator::new(None, bead.program.clone())?;
 //! let across = Ray::new(Vec3::new(-10.0, 0.0, 0.0), Vec3::X);
-//! let answer = evaluator.one(across, &Query::default());
+//! let answer = evaluator.one(across, &Query::default())?;
 //! let crossings = answer.of(0).iter().map(|c| (c.t, bead.medium_name(c.after)));
 //! let expected = [(5.0, "bead"), (9.0, "world"), (11.0, "bead"), (15.0, "world")];
 //! assert_eq!(crossings.collect::<Vec<_>>(), expected);

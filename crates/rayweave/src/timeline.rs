@@ -48,7 +48,7 @@ pub fn timeline(
             drawn.push(row);
         }
     }
-    let answer = Weave::new(compiled.program.clone()).one(ray, &Query::default());
+    let answer = Weave::new(compiled.program.clone()).one(ray, &Query::default())?;
     let start = answer.starts[0];
     if let [region] = compiled.program.regions() {
         timeline.result(&region.name, &wave_of(start, answer.of(0))?);
@@ -141,7 +141,7 @@ fn row(leaf: Part) -> (String, Solid) {
 /// The root-ray of a solid alone.
 fn wave(solid: &Solid, ray: Ray) -> Result<RootRay, Error> {
     let weave = Weave::new(Arc::new(Program::compile(solid)?));
-    let answer = weave.one(ray, &Query::default());
+    let answer = weave.one(ray, &Query::default())?;
     wave_of(answer.starts[0], answer.of(0))
 }
 

@@ -1,8 +1,10 @@
 //! What the facade adds to the crates that it joins.
 
+use rayweave::model::RayBatch;
 use rayweave::picture::{Picture, PictureKind, Wishes, arrange};
 use rayweave::render::{Background, LightKind, Projection, Rgba, Run, Size, Style, View};
 use rayweave::scene::{Scene, parse};
+use rayweave::table::{RayChunk, RayReader};
 use rayweave::{AnyEvaluator, Compiled, Evaluator, Query, Ray, Vec3, timeline};
 
 const TWO: &str = r##"
@@ -54,12 +56,45 @@ fn evaluators_by_name_agree() {
     let answers = AnyEvaluator::NAMES.map(|name| {
         let evaluator = AnyEvaluator::new(Some(name), compiled.program.clone()).unwrap();
         assert_eq!(evaluator.name(), name);
-        evaluator.one(ray, &Query::default())
+        evaluator.one(ray, &Query::default()).unwrap()
     });
     let times: Vec<f64> = answers[0].of(0).iter().map(|c| c.t).collect();
     assert_eq!(times, [3.0, 4.0, 6.0, 7.0]);
     assert!(answers.iter().all(|answer| *answer == answers[0]));
     assert!(AnyEvaluator::new(Some("wave"), compiled.program.clone()).unwrap_err().is_name());
+}
+
+/// Rays come in by files and by arrays: both doors are equally wide.
+#[test]
+fn rays_out_of_range_are_refused_everywhere() {
+    let (most, least) = (Ray::MOST, Ray::LEAST);
+    let x = [1.0, 0.0, 0.0];
+    let cases = [
+        ([most, -most, 0.0], x, true),
+        ([most * 1.01, 0.0, 0.0], x, false),
+        ([0.0, f64::NEG_INFINITY, 0.0], x, false),
+        (x, [f64::NAN, 0.0, 0.0], false),
+        (x, [-least, 0.0, 0.0], true),
+        (x, [0.0, least * 0.99, 0.0], false),
+        (x, [0.0, -0.0, 0.0], false),
+        (x, [0.0, most * 1.01, 0.0], false),
+    ];
+    let compiled = Compiled::new(&scene("")).unwrap();
+    let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
+    for (origin, direction, is_good) in cases {
+        let row = [origin, direction].concat().iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",");
+        let file = format!("ox,oy,oz,dx,dy,dz\n{row}\n").to_lowercase();
+        let mut reader = RayReader::from_csv(std::io::Cursor::new(file), "rays.csv").unwrap();
+        assert_eq!(reader.read(&mut RayChunk::default(), 9).is_ok(), is_good, "{row}");
+        let ray = Ray::new(origin.into(), direction.into());
+        assert_eq!(evaluator.one(ray, &Query::default()).is_ok(), is_good, "{row}");
+        let batch = RayBatch::from_iter([Ray::new(Vec3::ZERO, Vec3::X), ray]);
+        let found = evaluator.collect(batch.rays(), &Query::default());
+        assert_eq!(found.is_ok(), is_good, "{row}");
+        if let Err(error) = found.map_err(rayweave::Error::from) {
+            assert!(error.is_value() && error.to_string().starts_with("ray 1: the "), "{error}");
+        }
+    }
 }
 
 #[test]

@@ -8,4 +8,4 @@ pub mod surface;
 
 mod ray;
 
-pub use ray::Ray;
+pub use ray::{Ray, RayError, RayPart};

@@ -1,6 +1,7 @@
 //! A straight line in space with a time along it.
 
 use rayweave_math::{Affine, Vec3};
+use std::fmt;
 
 /// `r(t) = origin + t * direction`; the direction need not be of unit length, and `t` is counted in units of
 /// it.
@@ -8,12 +9,94 @@ use rayweave_math::{Affine, Vec3};
 pub struct Ray {
     /// The point at t = 0.
     pub origin: Vec3,
-    /// The displacement per unit of t; finite, not zero.
+    /// The displacement per unit of t.
     pub direction: Vec3,
 }
 
+/// The origin or the direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayPart {
+    /// Where t = 0.
+    Origin,
+    /// The displacement per unit of t.
+    Direction,
+}
+
+impl fmt::Display for RayPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            RayPart::Origin => "origin",
+            RayPart::Direction => "direction",
+        })
+    }
+}
+
+/// Why a ray cannot be traced.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum RayError {
+    /// A component is NaN or infinite.
+    #[error("the {part} is {} (its components must be finite)", text(.vector))]
+    NotFinite {
+        /// Which of the two.
+        part: RayPart,
+        /// What it is.
+        vector: Vec3,
+    },
+    /// A component is beyond [`Ray::MOST`].
+    #[error("the {part} is {} (beyond 1e100 squares overflow) is the unit far too small?", text(.vector))]
+    TooLarge {
+        /// Which of the two.
+        part: RayPart,
+        /// What it is.
+        vector: Vec3,
+    },
+    /// The direction is zero.
+    #[error("the direction is zero (a ray must go somewhere)")]
+    NoDirection,
+    /// All components of the direction are below [`Ray::LEAST`].
+    #[error("the direction is {} (below 1e-100 its square vanishes) give it a length near 1?", text(.direction))]
+    TooShort {
+        /// What it is.
+        direction: Vec3,
+    },
+}
+
+fn text(v: &Vec3) -> String {
+    format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
+}
+
 impl Ray {
-    /// The ray from `origin` along `direction`.
+    /// The greatest component of an origin or a direction, in absolute value: its square, and the product of it with that
+    /// of a surface of any sensible size, are far from the end of the range of f64.
+    pub const MOST: f64 = 1e100;
+
+    /// The least that the largest component of a direction may be: its square, and the inverse of that, are far from the
+    /// ends of the range of f64.
+    pub const LEAST: f64 = 1.0 / Ray::MOST;
+
+    /// Whether the ray is one that can be traced: finite, its components at most [`Ray::MOST`], the largest of its
+    /// direction at least [`Ray::LEAST`]. This is checked once, where rays come in.
+    ///
+    /// # Errors
+    /// [`RayError`] says what is wrong.
+    pub fn check(&self) -> Result<(), RayError> {
+        // NaN is in no range
+        let is_in_range = |v: Vec3| v.to_array().iter().all(|x| (-Ray::MOST..=Ray::MOST).contains(x));
+        for (part, vector) in [(RayPart::Origin, self.origin), (RayPart::Direction, self.direction)] {
+            match () {
+                () if is_in_range(vector) => {}
+                () if vector.is_finite() => return Err(RayError::TooLarge { part, vector }),
+                () => return Err(RayError::NotFinite { part, vector }),
+            }
+        }
+        match self.direction.abs().max_element() {
+            0.0 => Err(RayError::NoDirection),
+            length if length < Ray::LEAST => Err(RayError::TooShort { direction: self.direction }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The ray from `origin` along `direction`; see [`Ray::check`] for those that can be traced.
     pub fn new(origin: Vec3, direction: Vec3) -> Ray {
         Ray { origin, direction }
     }
@@ -49,5 +132,29 @@ impl Ray {
     /// The time at which the ray is closest to a point.
     pub fn closest_time(&self, point: Vec3) -> f64 {
         (point - self.origin).dot(self.direction) / self.direction.length_squared()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_out_of_range_are_refused_with_a_reason() {
+        let check = |o: [f64; 3], d: [f64; 3]| Ray::new(o.into(), d.into()).check();
+        let says = |o, d| check(o, d).unwrap_err().to_string();
+        let x = [1.0, 0.0, 0.0];
+        assert_eq!(
+            says([0.0, f64::NAN, 0.0], x),
+            "the origin is (0.0, NaN, 0.0) (its components must be finite)"
+        );
+        assert!(says(x, [0.0, 0.0, f64::INFINITY]).starts_with("the direction is (0.0, 0.0, inf) (its"));
+        assert!(says([0.0, -1e200, 0.0], x).starts_with("the origin is (0.0, -1e200, 0.0) (beyond"));
+        assert!(says(x, [1e101, 0.0, 0.0]).ends_with("is the unit far too small?"));
+        assert_eq!(check(x, [0.0, -0.0, 0.0]), Err(RayError::NoDirection));
+        assert!(says(x, [0.0, -9e-101, 5e-324]).ends_with("give it a length near 1?"));
+        for (o, d) in [([1e100, -1e100, 0.0], x), (x, [1e-100, 0.0, 0.0]), (x, [0.0, -1e100, 1e-300])] {
+            assert_eq!(check(o, d), Ok(()));
+        }
     }
 }

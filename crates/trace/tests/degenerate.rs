@@ -16,7 +16,7 @@ struct Bench<'a>(&'a dyn Fn(Arc<Program>, &[Ray]) -> Collected);
 fn bench<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) -> impl Fn(Arc<Program>, &[Ray]) -> Collected {
     move |program, rays| {
         let batch: RayBatch = rays.iter().copied().collect();
-        make(program).collect(batch.rays(), &Query::default())
+        make(program).collect(batch.rays(), &Query::default()).unwrap()
     }
 }
 

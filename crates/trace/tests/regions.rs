@@ -28,8 +28,8 @@ fn model(regions: &[(&Solid, u32)]) -> Arc<Program> {
 
 fn along_x(program: &Arc<Program>) -> Vec<Crossing> {
     let ray = Ray::new(Vec3::new(-10.0, 0.1, 0.2), Vec3::X);
-    let weave = Weave::new(program.clone()).one(ray, &Query::default());
-    assert_eq!(weave, Reference::new(program.clone()).one(ray, &Query::default()));
+    let weave = Weave::new(program.clone()).one(ray, &Query::default()).unwrap();
+    assert_eq!(weave, Reference::new(program.clone()).one(ray, &Query::default()).unwrap());
     weave.crossings
 }
 
@@ -66,7 +66,7 @@ fn a_gap_of_rounding_size_is_no_gap() {
         for regions in [[(a, 1), (b, 2)], [(b, 2), (a, 1)]] {
             let program = model(&regions);
             let ray = Ray::new(Vec3::new(-1.0, 0.01, 0.02), Vec3::new(1.0, 0.003, 0.001));
-            let found = Weave::new(program.clone()).one(ray, &Query::default()).crossings;
+            let found = Weave::new(program.clone()).one(ray, &Query::default()).unwrap().crossings;
             let media: Vec<_> =
                 found.iter().map(|c| (program.medium_of(c.before), program.medium_of(c.after))).collect();
             assert_eq!(media, [(0, 1), (1, 2), (2, 0)]);
@@ -113,7 +113,7 @@ fn an_unbounded_region_starts_inside() {
     let water = Solid::plenum();
     let program = model(&[(&water, 1), (&cube("a", 0.0), 2)]);
     let ray = Ray::new(Vec3::new(-10.0, 0.0, 0.0), Vec3::X);
-    let found = Weave::new(program).one(ray, &Query::default());
+    let found = Weave::new(program).one(ray, &Query::default()).unwrap();
     assert_eq!(found.starts[0].0, 1);
     assert_eq!(passes(&found.crossings), [(-1.0, 1, 2), (1.0, 2, 1)]);
 }

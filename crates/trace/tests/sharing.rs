@@ -14,8 +14,8 @@ fn ball() -> Solid {
 fn times(solid: &Solid) -> Vec<f64> {
     let program = Arc::new(Program::compile(solid).unwrap());
     let ray = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
-    let found = Weave::new(program.clone()).one(ray, &Query::default());
-    assert_eq!(found, Reference::new(program).one(ray, &Query::default()));
+    let found = Weave::new(program.clone()).one(ray, &Query::default()).unwrap();
+    assert_eq!(found, Reference::new(program).one(ray, &Query::default()).unwrap());
     found.crossings.iter().map(|c| c.t).collect()
 }
 

@@ -415,8 +415,8 @@ fn placed_solids_are_asked_in_their_turn() {
     let eight = (four ^ ball("d", 4.0)).place(pair(20.0));
     let program = Arc::new(Program::compile(&eight).unwrap());
     let ray = Ray::new(Vec3::new(-5.0, 0.25, 0.0), Vec3::X);
-    let found = single_hit(program.clone()).one(ray, &Query::default());
-    assert_eq!(found, Reference::new(program).one(ray, &Query::default()));
+    let found = single_hit(program.clone()).one(ray, &Query::default()).unwrap();
+    assert_eq!(found, Reference::new(program).one(ray, &Query::default()).unwrap());
     assert!(found.crossings.len() >= 16, "{}", found.crossings.len());
 }
 
@@ -484,7 +484,7 @@ fn explanations_hold_every_decision_and_end_in_the_answer() {
         let limit = rng.pick(&[Limit::All, Limit::First]);
         let query = Query { window, limit, starts: None };
         let told = evaluator.explain(ray, &query);
-        let answer = evaluator.one(ray, &query);
+        let answer = evaluator.one(ray, &query).unwrap();
         assert_eq!(told.start, answer.starts[0]);
         let crossings: Vec<Crossing> = told.crossings.iter().map(|found| found.crossing).collect();
         assert_eq!(crossings, answer.crossings, "seed {seed}");

@@ -14,8 +14,8 @@ fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
 
 fn ask(solid: &Solid, ray: Ray) -> Collected {
     let program = Arc::new(Program::compile(solid).unwrap());
-    let weave = Weave::new(program.clone()).one(ray, &Query::default());
-    assert_eq!(weave, Reference::new(program).one(ray, &Query::default()));
+    let weave = Weave::new(program.clone()).one(ray, &Query::default()).unwrap();
+    assert_eq!(weave, Reference::new(program).one(ray, &Query::default()).unwrap());
     weave
 }
 
@@ -76,7 +76,7 @@ fn deep_chain() {
     assert!(s.to_string().len() > 1_000_000);
     let program = Arc::new(Program::compile(&s).unwrap());
     let x = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
-    let found = Weave::new(program).one(x, &Query::default());
+    let found = Weave::new(program).one(x, &Query::default()).unwrap();
     assert!(found.crossings.len() > 100_000);
     let _ = Primitive::example("sphere");
 }

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::terminal::{self, short, short_point};
 use clap::Args;
 use rayweave::model::{Collected, Face, dress};
+use rayweave::shape::RayError;
 use rayweave::{AnyEvaluator, Compiled, Crossing, Evaluator, Query, Ray, Vec3, Window};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -52,8 +53,12 @@ impl Probe {
             false => Window::ALL,
         };
         let query = Query { window, ..Query::default() };
-        let found =
-            Found { unit: scene.unit.symbol(), compiled: &compiled, ray, answer: evaluator.one(ray, &query) };
+        let found = Found {
+            unit: scene.unit.symbol(),
+            compiled: &compiled,
+            ray,
+            answer: evaluator.one(ray, &query)?,
+        };
         if let Some(path) = &self.timeline {
             let solid = self.subject.solid.as_deref();
             let mut drawing = rayweave::timeline(&scene, solid, &compiled, ray)?;
@@ -71,17 +76,16 @@ impl Probe {
 
     fn ray(&self) -> Result<Ray, Failure> {
         let (from, to) = (Vec3::from(self.from), Vec3::from(self.to));
-        let direction = to - from;
-        match () {
-            () if direction == Vec3::ZERO => Err(Failure::Usage(
-                "--from and --to are the same point (the direction of the ray is from one to the other)"
-                    .to_owned(),
-            )),
-            () if !direction.is_finite() => {
-                Err(Failure::Usage("--from and --to are too far apart (their distance overflows)".to_owned()))
+        let ray = Ray::new(from, to - from);
+        let problem = match ray.check() {
+            Ok(()) => return Ok(ray),
+            _ if !ray.direction.is_finite() => "are too far apart (their distance overflows)".to_owned(),
+            Err(RayError::NoDirection) => {
+                "are the same point (the direction of the ray is from one to the other)".to_owned()
             }
-            () => Ok(Ray::new(from, direction)),
-        }
+            Err(error) => format!("give a ray that cannot be traced: {error}"),
+        };
+        Err(Failure::Usage(format!("--from and --to {problem}")))
     }
 
     fn heading(&self) -> String {

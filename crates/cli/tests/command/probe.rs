@@ -125,6 +125,14 @@ fn a_ray_needs_a_direction() {
     );
     let far = ["probe", "ball.toml", "--from", "-1e308,0,0", "--to", "1e308,0,0"];
     assert!(bench.fails(2, &far).contains("too far apart"));
+    let huge = ["probe", "ball.toml", "--from", "1e200,0,0", "--to", "0,0,0"];
+    assert_eq!(
+        bench.fails(2, &huge),
+        "error: --from and --to give a ray that cannot be traced: the origin is (1e200, 0.0, 0.0) (beyond 1e100 \
+         squares overflow) is the unit far too small?\n"
+    );
+    let tiny = ["probe", "ball.toml", "--from", "0,0,0", "--to", "0,1e-200,0"];
+    assert!(bench.fails(2, &tiny).contains("the direction is (0.0, 1e-200, 0.0) (below 1e-100"));
 }
 
 #[test]

@@ -5,25 +5,21 @@ use super::scrutiny::scrutiny;
 use super::shrink::smaller_models;
 use super::tree::regions;
 use super::{Count, Exact, Line, Map, Part, Span, draw};
-use crate::{Effort, Random, list};
+use crate::{Asked, Maker, Random, list};
 use rayweave_math::{Affine, Mat3, Vec3};
-use rayweave_model::{Ball, Crossing, Evaluator, Limit, Program, Query, RayBatch, RegionId, Window};
+use rayweave_model::{Ball, Crossing, Limit, Program, Query, RayBatch, Window};
 use rayweave_shape::Ray;
+use std::ops::Range;
 use std::sync::Arc;
 
-/// How many models and rays for each.
-fn size(effort: Effort) -> (u64, usize) {
-    match effort {
-        Effort::Short => (1100, 50),
-        Effort::Long => (200_000, 50),
-    }
-}
+/// Rays of a model.
+const RAYS: usize = 50;
 
 /// A model in both forms.
-struct Subject<E> {
+struct Subject {
     parts: Vec<Part>,
     exact: Exact,
-    evaluator: E,
+    evaluators: Vec<Box<dyn Asked>>,
     ball: Ball,
     /// Where the engine's model stands.
     frame: Affine,
@@ -31,7 +27,7 @@ struct Subject<E> {
     numbered: bool,
 }
 
-impl<E> Subject<E> {
+impl Subject {
     /// True if the engine's surfaces are not quite the exact ones, or rounding decides what rays meet far out.
     fn is_windowed(&self) -> bool {
         self.frame != Affine::IDENTITY || self.exact.surfaces.iter().any(|s| s.is_rounded() || s.is_open())
@@ -47,11 +43,7 @@ impl<E> Subject<E> {
     }
 }
 
-fn subject<E: Evaluator>(
-    parts: &[Part],
-    frame: Affine,
-    make: &impl Fn(Arc<Program>) -> E,
-) -> Result<Subject<E>, String> {
+fn subject(parts: &[Part], frame: Affine, makers: &[Maker]) -> Result<Subject, String> {
     let program =
         |frame: &Affine| Program::compile_regions(&regions(parts, frame)).map_err(|e| e.to_string());
     // the ball belongs to the model where the exact answer is asked
@@ -61,21 +53,22 @@ fn subject<E: Evaluator>(
     let mut exact = Exact::new(parts);
     // tolerances are those of where the engine's model stands
     exact.surfaces.iter_mut().for_each(|s| s.reach += 2.0 * frame.translation.length());
-    Ok(Subject { parts: parts.to_vec(), exact, evaluator: make(Arc::new(compiled)), ball, frame, numbered })
+    let compiled = Arc::new(compiled);
+    let evaluators = makers.iter().map(|make| make(compiled.clone())).collect();
+    Ok(Subject { parts: parts.to_vec(), exact, evaluators, ball, frame, numbered })
 }
 
 /// Models on a dyadic grid, asked as they are: numbers of crossings, regions before and after, times.
-pub fn planted<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) -> Count {
-    let (models, rays) = size(effort);
+pub fn planted(makers: &[Maker], seeds: Range<u64>) -> Count {
     let mut count = Count::default();
-    for seed in 0..models {
+    for seed in seeds {
         let mut rng = Random::new(seed);
         let (parts, stage) = (draw::parts(&mut rng), draw::stage(&mut rng));
         let parts: Vec<Part> = parts.into_iter().map(|part| on_stage(part, &stage)).collect();
-        let Ok(subject) = subject(&parts, Affine::IDENTITY, &make) else { continue };
-        let drawn = (0..rays).map(|_| draw::ray(&mut rng));
+        let Ok(subject) = subject(&parts, Affine::IDENTITY, makers) else { continue };
+        let drawn = (0..RAYS).map(|_| draw::ray(&mut rng));
         let rays: Vec<Ray> = drawn.filter_map(|ray| draw::staged(ray, &stage)).collect();
-        compare_all(&subject, &rays, seed, &mut count, &make);
+        compare_all(&subject, &rays, seed, &mut count, makers);
     }
     count
 }
@@ -85,16 +78,15 @@ fn on_stage(part: Part, stage: &[Map]) -> Part {
 }
 
 /// The same models turned by a rotation from an integer quaternion, rounded, and shifted.
-pub fn turned<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) -> Count {
-    let (models, rays) = size(effort);
+pub fn turned(makers: &[Maker], seeds: Range<u64>) -> Count {
     let mut count = Count::default();
-    for seed in 0..models {
+    for seed in seeds {
         let mut rng = Random::new(1 << 40 | seed);
         let parts = draw::parts(&mut rng);
         let frame = rotation(&mut rng);
-        let Ok(subject) = subject(&parts, frame, &make) else { continue };
-        let rays: Vec<Ray> = (0..rays).map(|_| draw::ray(&mut rng)).collect();
-        compare_all(&subject, &rays, seed, &mut count, &make);
+        let Ok(subject) = subject(&parts, frame, makers) else { continue };
+        let rays: Vec<Ray> = (0..RAYS).map(|_| draw::ray(&mut rng)).collect();
+        compare_all(&subject, &rays, seed, &mut count, makers);
     }
     count
 }
@@ -116,21 +108,16 @@ fn rotation(rng: &mut Random) -> Affine {
     Affine { linear: Mat3::from_cols(x, y, z), translation: shift }
 }
 
-fn compare_all<E: Evaluator>(
-    subject: &Subject<E>,
-    rays: &[Ray],
-    seed: u64,
-    count: &mut Count,
-    make: &impl Fn(Arc<Program>) -> E,
-) {
+fn compare_all(subject: &Subject, rays: &[Ray], seed: u64, count: &mut Count, makers: &[Maker]) {
     for ray in rays {
         let verdict = judge(subject, *ray);
         tally(&verdict, count);
         if let Verdict::Wrong(what) = verdict {
             count.wrong += 1;
-            if count.messages.len() < 5 {
-                let small = shrink(subject, *ray, make);
-                count.messages.push(format!("seed {seed}: {what}\n{small}"));
+            // one message for each model
+            if count.messages.last().is_none_or(|(last, _)| *last != seed) {
+                let small = shrink(subject, *ray, makers);
+                count.messages.push((seed, format!("{what}\n{small}")));
             }
         }
     }
@@ -174,7 +161,7 @@ fn tally(verdict: &Verdict, count: &mut Count) {
     }
 }
 
-fn judge<E: Evaluator>(subject: &Subject<E>, ray: Ray) -> Verdict {
+fn judge(subject: &Subject, ray: Ray) -> Verdict {
     let line = Line::new(ray);
     let Ok(expected) = answer(&subject.exact, &line, &subject.span()) else { return Verdict::Doubtful };
     let turned = subject.frame != Affine::IDENTITY;
@@ -182,7 +169,8 @@ fn judge<E: Evaluator>(subject: &Subject<E>, ray: Ray) -> Verdict {
         return Verdict::Exempt;
     }
     let expected = if subject.is_windowed() { expected.within(far(&ray)) } else { expected };
-    let wrong = differences(subject, ray, &expected);
+    let mut evaluators = subject.evaluators.iter();
+    let wrong = evaluators.find_map(|evaluator| differences(subject, &**evaluator, ray, &expected));
     let look = || scrutiny(&subject.exact, &line, &subject.span());
     if turned {
         match look() {
@@ -205,7 +193,7 @@ fn far(ray: &Ray) -> f64 {
 }
 
 /// What differs between an evaluator and the exact answer.
-fn differences<E: Evaluator>(subject: &Subject<E>, ray: Ray, expected: &Answer) -> Option<String> {
+fn differences(subject: &Subject, evaluator: &dyn Asked, ray: Ray, expected: &Answer) -> Option<String> {
     let turned = subject.frame != Affine::IDENTITY;
     let window = match subject.is_windowed() {
         true => Window::new(-far(&ray), far(&ray)).unwrap_or_default(),
@@ -213,10 +201,10 @@ fn differences<E: Evaluator>(subject: &Subject<E>, ray: Ray, expected: &Answer) 
     };
     let ray = if turned { ray.transformed(&subject.frame) } else { ray };
     let batch: RayBatch = [ray].into_iter().collect();
-    let found = subject.evaluator.collect(batch.rays(), &Query { window, ..Query::default() });
+    let found = evaluator.ask(batch.rays(), &Query { window, ..Query::default() });
     let crossings = found.of(0);
     let wrong = |what: &str| {
-        let name = subject.evaluator.name();
+        let name = evaluator.name();
         let start = found.starts[0].0;
         Some(format!("{what}: {name} from {start} {}\nexact {}", list(crossings), told(expected)))
     };
@@ -238,7 +226,7 @@ fn differences<E: Evaluator>(subject: &Subject<E>, ray: Ray, expected: &Answer) 
     if subject.numbered && !pairs().all(|(c, e)| e.leaves.contains(&c.face.leaf.index())) {
         return wrong("another leaf");
     }
-    if nearest_differs(subject, &batch, crossings) {
+    if nearest_differs(evaluator, &batch, crossings) {
         return wrong("another nearest crossing");
     }
     let start = subject.is_windowed() || found.starts[0].index() == expected.start;
@@ -255,7 +243,7 @@ fn in_time(crossing: &Crossing, expected: &Expected, slack: f64) -> bool {
 }
 
 /// True if the crossing after a time between two crossings is not the next one.
-fn nearest_differs<E: Evaluator>(subject: &Subject<E>, rays: &RayBatch, crossings: &[Crossing]) -> bool {
+fn nearest_differs(evaluator: &dyn Asked, rays: &RayBatch, crossings: &[Crossing]) -> bool {
     let Some(pair) = crossings.windows(2).last() else { return false };
     // not the middle, where slivers that are welded away are planted
     let t_min = pair[0].t + 0.37 * (pair[1].t - pair[0].t);
@@ -263,7 +251,7 @@ fn nearest_differs<E: Evaluator>(subject: &Subject<E>, rays: &RayBatch, crossing
     if !(pair[0].t < t_min && t_min < pair[1].t) {
         return false;
     }
-    let found = subject.evaluator.collect(rays.rays(), &Query { window, limit: Limit::First, starts: None });
+    let found = evaluator.ask(rays.rays(), &Query { window, limit: Limit::First, starts: None });
     found.of(0).first().map(|c| (c.t, c.after)) != Some((pair[1].t, pair[1].after))
 }
 
@@ -275,10 +263,10 @@ fn told(answer: &Answer) -> String {
 }
 
 /// A smaller model that is answered wrongly along the same ray, with the answers.
-fn shrink<E: Evaluator>(subject: &Subject<E>, ray: Ray, make: &impl Fn(Arc<Program>) -> E) -> String {
+fn shrink(subject: &Subject, ray: Ray, makers: &[Maker]) -> String {
     let mut parts = subject.parts.clone();
     let fails = |parts: &[Part]| {
-        let smaller = self::subject(parts, subject.frame, make).ok()?;
+        let smaller = self::subject(parts, subject.frame, makers).ok()?;
         match judge(&smaller, ray) {
             Verdict::Wrong(what) => Some(what),
             _ => None,
@@ -294,14 +282,13 @@ fn shrink<E: Evaluator>(subject: &Subject<E>, ray: Ray, make: &impl Fn(Arc<Progr
 }
 
 /// Points of the grid and others: the region that holds them, on surfaces the side along w.
-pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) -> Count {
-    let (models, rays) = size(effort);
+pub fn points(makers: &[Maker], seeds: Range<u64>) -> Count {
     let mut count = Count::default();
-    for seed in 0..models {
+    for seed in seeds {
         let mut rng = Random::new(2 << 40 | seed);
         let parts = draw::parts(&mut rng);
-        let Ok(subject) = subject(&parts, Affine::IDENTITY, &make) else { continue };
-        for _ in 0..rays {
+        let Ok(subject) = subject(&parts, Affine::IDENTITY, makers) else { continue };
+        for _ in 0..RAYS {
             let ray = draw::ray(&mut rng);
             point(&subject, ray.at(rng.below(3) as f64), seed, &mut count);
         }
@@ -309,19 +296,17 @@ pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) ->
     count
 }
 
-fn point<E: Evaluator>(subject: &Subject<E>, point: Vec3, seed: u64, count: &mut Count) {
+fn point(subject: &Subject, point: Vec3, seed: u64, count: &mut Count) {
     let Some(expected) = region_at(&subject.exact, point) else {
         count.redrawn += 1;
         return;
     };
-    let mut region = [RegionId(0)];
-    let (x, y, z) = (point.x, point.y, point.z);
-    subject.evaluator.regions_at([&[x], &[y], &[z]], &mut subject.evaluator.scratch(), &mut region);
     count.rays += 1;
-    if region[0].index() != expected {
+    let wrong = |evaluator: &&Box<dyn Asked>| evaluator.region_at(point).index() != expected;
+    if let Some(evaluator) = subject.evaluators.iter().find(wrong) {
         count.wrong += 1;
-        let message =
-            || format!("seed {seed}: {point:?} is in {expected}, not {:?}\n{:?}", region[0], subject.parts);
-        count.messages.extend((count.messages.len() < 5).then(message));
+        let (name, found) = (evaluator.name(), evaluator.region_at(point));
+        let parts = &subject.parts;
+        count.messages.push((seed, format!("{point:?} is in {expected}, not {found:?} ({name})\n{parts:?}")));
     }
 }

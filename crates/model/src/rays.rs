@@ -1,0 +1,104 @@
+//! Rays on their way in.
+
+use rayweave_math::Vec3;
+use rayweave_shape::{Ray, RayError};
+
+/// A ray of a batch that cannot be traced.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("ray {ray}: {problem}")]
+pub struct BadRay {
+    /// The number of the ray in its batch.
+    pub ray: usize,
+    /// What is wrong with it.
+    pub problem: RayError,
+}
+
+/// Rays as a structure of arrays: component k of ray i is `origins[k][i]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays<'a> {
+    /// The components of the origins.
+    pub origins: [&'a [f64]; 3],
+    /// The components of the directions.
+    pub directions: [&'a [f64]; 3],
+}
+
+impl Rays<'_> {
+    /// The number of rays.
+    pub fn len(&self) -> usize {
+        self.origins[0].len()
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Ray number `i`.
+    pub fn get(&self, i: usize) -> Ray {
+        let at = |columns: &[&[f64]; 3]| Vec3::new(columns[0][i], columns[1][i], columns[2][i]);
+        Ray::new(at(&self.origins), at(&self.directions))
+    }
+
+    /// Whether every ray is in the range that is traced: see [`Ray::check`].
+    ///
+    /// # Errors
+    /// [`BadRay`] for the first that is not.
+    pub fn check(&self) -> Result<(), BadRay> {
+        let check = |ray: usize| self.get(ray).check().map_err(|problem| BadRay { ray, problem });
+        (0..self.len()).try_for_each(check)
+    }
+}
+
+/// Rays that own their arrays.
+#[derive(Clone, Debug, Default)]
+pub struct RayBatch {
+    origins: [Vec<f64>; 3],
+    directions: [Vec<f64>; 3],
+}
+
+impl RayBatch {
+    /// Appends a ray.
+    pub fn push(&mut self, ray: Ray) {
+        for k in 0..3 {
+            self.origins[k].push(ray.origin[k]);
+            self.directions[k].push(ray.direction[k]);
+        }
+    }
+
+    /// Forgets all rays and keeps the memory.
+    pub fn clear(&mut self) {
+        self.origins.iter_mut().chain(&mut self.directions).for_each(Vec::clear);
+    }
+
+    /// The rays as slices.
+    pub fn rays(&self) -> Rays<'_> {
+        let [ox, oy, oz] = &self.origins;
+        let [dx, dy, dz] = &self.directions;
+        Rays { origins: [ox, oy, oz], directions: [dx, dy, dz] }
+    }
+}
+
+impl FromIterator<Ray> for RayBatch {
+    fn from_iter<I: IntoIterator<Item = Ray>>(rays: I) -> Self {
+        let mut batch = RayBatch::default();
+        rays.into_iter().for_each(|ray| batch.push(ray));
+        batch
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_bad_ray_is_named() {
+        let good = Ray::new(Vec3::ZERO, Vec3::X);
+        let bad = |x: f64| Ray::new(Vec3::new(x, 0.0, 0.0), Vec3::X);
+        let batch = RayBatch::from_iter([good, bad(1e101), bad(f64::NAN)]);
+        let found = batch.rays().check().unwrap_err();
+        assert_eq!((found.ray, found.problem), (1, bad(1e101).check().unwrap_err()));
+        assert!(found.to_string().starts_with("ray 1: the origin is (1e101, 0.0, 0.0)"), "{found}");
+        assert_eq!(RayBatch::from_iter([good, good]).rays().check(), Ok(()));
+        assert_eq!(RayBatch::default().rays().check(), Ok(()));
+    }
+}
