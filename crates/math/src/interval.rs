@@ -44,6 +44,34 @@ impl Interval {
         self.lo <= 0.0 && self.hi >= 0.0
     }
 
+    /// True if `x` is in the interval.
+    pub fn contains(self, x: f64) -> bool {
+        self.lo <= x && x <= self.hi
+    }
+
+    /// The largest magnitude of a number of the interval.
+    pub fn magnitude(self) -> f64 {
+        self.lo.abs().max(self.hi.abs())
+    }
+
+    /// Numbers that are in both intervals; where there is none, those of `self`.
+    pub fn narrowed(self, other: Interval) -> Interval {
+        let (lo, hi) = (self.lo.max(other.lo), self.hi.min(other.hi));
+        if lo <= hi { Interval { lo, hi } } else { self }
+    }
+
+    /// The square roots of the numbers of the interval that are not negative.
+    pub fn sqrt(self) -> Interval {
+        let root = |x: f64| x.max(0.0).sqrt();
+        Interval::new(root(self.lo).next_down().max(0.0), root(self.hi).next_up())
+    }
+
+    /// One over every number of an interval of positive numbers, zero among them as a limit.
+    pub fn positive_recip(self) -> Interval {
+        let lo = (1.0 / self.hi).next_down().max(0.0);
+        Interval::new(lo, if self.lo > 0.0 { (1.0 / self.lo).next_up() } else { f64::INFINITY })
+    }
+
     /// The square, which is nowhere negative.
     pub fn square(self) -> Interval {
         let (a, b) = (self.lo * self.lo, self.hi * self.hi);
@@ -94,7 +122,8 @@ impl Mul<f64> for Interval {
     type Output = Interval;
 
     fn mul(self, factor: f64) -> Interval {
-        self * Interval::point(factor)
+        let (a, b) = (self.lo * factor, self.hi * factor);
+        if factor < 0.0 { Interval::outward(b, a) } else { Interval::outward(a, b) }
     }
 }
 
@@ -102,27 +131,35 @@ impl Mul<f64> for Interval {
 mod tests {
     use super::*;
 
-    fn holds(interval: Interval, x: f64) -> bool {
-        interval.lo <= x && x <= interval.hi
-    }
-
     #[test]
     fn results_hold_what_members_give() {
         let (a, b) = (Interval::new(-1.5, 0.1), Interval::new(0.3, 7.0));
         for x in [a.lo, 0.0, a.hi] {
             for y in [b.lo, 2.0, b.hi] {
-                assert!(holds(a + b, x + y) && holds(a - b, x - y) && holds(a * b, x * y));
+                assert!((a + b).contains(x + y) && (a - b).contains(x - y) && (a * b).contains(x * y));
+                assert!((a * y).contains(x * y) && (a * -y).contains(x * -y));
+                assert!(b.sqrt().contains(y.sqrt()) && b.positive_recip().contains(1.0 / y));
             }
-            assert!(holds(a.square(), x * x) && holds(-a, -x));
+            assert!(a.square().contains(x * x) && (-a).contains(-x) && x.abs() <= a.magnitude());
         }
         assert_eq!(a.square().lo, 0.0);
         assert!(b.square().lo > 0.0);
+        assert_eq!(Interval::new(-1.0, 4.0).sqrt().lo, 0.0);
+        assert_eq!(Interval::new(0.0, 2.0).positive_recip().hi, f64::INFINITY);
+    }
+
+    #[test]
+    fn narrowing_never_leaves_nothing() {
+        let a = Interval::new(0.0, 2.0);
+        assert_eq!(a.narrowed(Interval::new(1.0, 3.0)), Interval::new(1.0, 2.0));
+        assert_eq!(a.narrowed(Interval::new(3.0, 4.0)), a);
     }
 
     #[test]
     fn nonsense_is_every_number() {
         assert_eq!(Interval::new(f64::NAN, 1.0), Interval::ALL);
         assert_eq!(Interval::ALL * Interval::point(0.0), Interval::ALL);
+        assert_eq!(Interval::ALL * 0.0, Interval::ALL);
         assert_eq!(Interval::ALL - Interval::ALL, Interval::ALL);
     }
 }

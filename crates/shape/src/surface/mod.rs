@@ -18,6 +18,7 @@ mod cone;
 mod cylinder;
 mod plane;
 mod quadric;
+mod ranges;
 mod share;
 mod sphere;
 mod tolerance;
@@ -25,6 +26,7 @@ mod torus;
 mod torus_line;
 
 pub use affine_torus::AffineTorus;
+pub use along::quadratic_crossings;
 pub use cone::Cone;
 pub use cylinder::Cylinder;
 pub use plane::Plane;
