@@ -1,11 +1,29 @@
 //! Trajectories r(t) in R^d, each kind in its own file; and those of a user, who implements [`Curve`].
 
+mod arc;
 mod error;
+mod helix;
+mod line;
+mod mapped;
+mod parabola;
+mod spline;
+mod vector;
 
+pub use arc::Arc;
 pub use error::CurveError;
+pub use helix::Helix;
+pub use line::Line;
+pub use mapped::Mapped;
+pub use parabola::Parabola;
+pub use spline::{Spline, SplineEnds};
 
 use crate::Point;
 use crate::point::length;
+
+/// How far a curve may be from what it promises, relative to its [`Curve::size`], before it counts as broken. A promise is
+/// meant up to rounding, and a user's functions may lose digits; a curve that is off by less than this is followed
+/// all the same, with roots that are off by as much.
+pub(crate) const TRUST: f64 = 1e-11;
 
 /// A trajectory whose second derivative is bounded.
 ///

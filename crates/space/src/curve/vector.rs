@@ -1,0 +1,51 @@
+//! Checks of vectors that curves are made from, and unit vectors in space.
+
+use crate::point::{dot, is_finite, length};
+use crate::{CurveError, Point};
+
+/// Refuses NaN and infinities in an argument.
+pub fn finite<const D: usize>(what: &'static str, v: &Point<D>) -> Result<(), CurveError> {
+    let why = "it has a number that is NaN or infinite";
+    if is_finite(v) { Ok(()) } else { Err(CurveError::BadInput { what, why }) }
+}
+
+/// A unit vector in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction(Point<3>);
+
+impl Direction {
+    /// The direction of a vector of any length but 0.
+    pub fn new(what: &'static str, v: &Point<3>) -> Result<Direction, CurveError> {
+        finite(what, v)?;
+        // the largest component first: exact along coordinate axes, and no square over- or underflows
+        let largest = v.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        if largest == 0.0 {
+            return Err(CurveError::BadInput { what, why: "a vector of length 0 has no direction" });
+        }
+        let scaled = v.map(|x| x / largest);
+        let length = length(&scaled);
+        Ok(Direction(scaled.map(|x| x / length)))
+    }
+
+    /// The part of a vector along the direction, as a number.
+    pub fn dot(&self, v: &Point<3>) -> f64 {
+        dot(&self.0, v)
+    }
+
+    /// The direction times a number.
+    pub fn times(&self, s: f64) -> Point<3> {
+        self.0.map(|x| s * x)
+    }
+
+    /// The part of a vector perpendicular to the direction.
+    pub fn across(&self, v: &Point<3>) -> Point<3> {
+        let s = self.dot(v);
+        std::array::from_fn(|k| v[k] - s * self.0[k])
+    }
+
+    /// The cross product, the direction first.
+    pub fn cross(&self, v: &Point<3>) -> Point<3> {
+        let u = &self.0;
+        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    }
+}
