@@ -2,7 +2,8 @@
 //!
 //! [`render`] draws a model as people see it: shaded ([`Style`]), with dark lines where something begins or ends ([`Lines`]),
 //! anti-aliased, lit and shadowed if asked. [`depth`], [`normals`] and [`ids`] give what the picture is made from as plain
-//! numbers. [`png`] turns all of them into files in memory. [`Timeline`] draws what happens along one ray.
+//! numbers. [`png`] turns all of them into files in memory. [`Timeline`] draws what happens along one ray, with the elements
+//! of [`svg`].
 //!
 //! Pixels are counted from the upper left corner; z is up in every [`View`]. The same model, camera and settings give the
 //! same bits for any number of threads.
@@ -28,6 +29,7 @@ mod settings;
 mod shade;
 mod shadow;
 mod survey;
+pub mod svg;
 mod timeline;
 mod view;
 

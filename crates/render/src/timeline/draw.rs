@@ -1,8 +1,8 @@
 //! The layout of time lines.
 
 use super::axis::{Axis, number};
-use super::svg::{Anchor, Pixels, Svg};
 use super::{Bands, Row, Timeline, Wave};
+use crate::svg::{Anchor, INK, Pixels, Svg};
 use crate::{PALETTE, Rgba};
 use rayweave_rootray::{Side, SurfaceCount};
 use std::fmt::Write;
@@ -29,26 +29,15 @@ const STEP: f64 = 13.0;
 const STEPS: f64 = 78.0;
 
 const STYLE: &str = "\
-text { font-family: 'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif; fill: #1d2733 }
-.paper { fill: #ffffff }
-.title { font-size: 15px; font-weight: 600 }
-.name { font-size: 13px }
-.result { font-size: 13px; font-weight: 700 }
-.number { font-size: 10.5px; fill: #46525f; stroke: #ffffff; stroke-width: 3; paint-order: stroke }
 .band { font-size: 11.5px }
-.tick { font-size: 11px; fill: #6b7683 }
-.axis { stroke: #8d97a3; stroke-width: 1; fill: none }
-.guide { stroke: #e3e7ec; stroke-width: 1; fill: none }
 .tied { stroke: #d55e00; stroke-width: 1; stroke-dasharray: 3 3; fill: none }
-.base { stroke: #cbd2da; stroke-width: 1; fill: none }
 .wave { fill: none; stroke-width: 2; stroke-linejoin: round }
 .area { stroke: none; fill-opacity: 0.22 }
 .solid { stroke: none; fill-opacity: 0.5 }
 .arrow { stroke: none }
 ";
 
-/// The colour of counts and of results.
-const INK: Rgba = Rgba::opaque(29, 39, 51);
+/// The colour of results.
 const RESULT: Rgba = Rgba::opaque(213, 94, 0);
 
 pub fn drawing(timeline: &Timeline) -> String {
@@ -73,7 +62,7 @@ pub fn drawing(timeline: &Timeline) -> String {
     pen.axis();
     let title = if timeline.title.is_empty() { "time line" } else { &timeline.title };
     let height = pen.y + AXIS;
-    pen.svg.finish(WIDTH, height, title, STYLE)
+    pen.svg.finish([WIDTH, height], title, "", STYLE)
 }
 
 /// The height of all rows.
@@ -182,7 +171,7 @@ impl Drawing {
         let steps: Vec<(f64, f64)> = (wave.ray.crossings())
             .map(|(root, side)| (root.t, levels[usize::from(side.is_inside())]))
             .collect();
-        self.staircase(levels[first], &steps, colour);
+        self.staircase(levels[first], &steps, &paint(colour));
         self.arrows(wave, top, &fill);
         let times: Vec<f64> = wave.ray.times().collect();
         self.numbers(&times, top - 4.0);
@@ -202,14 +191,14 @@ impl Drawing {
     }
 
     /// A line that goes from level to level at some times.
-    fn staircase(&mut self, first: f64, steps: &[(f64, f64)], colour: Rgba) {
+    fn staircase(&mut self, first: f64, steps: &[(f64, f64)], stroke: &str) {
         let before = steps.iter().take_while(|step| step.0 <= self.axis.t_min).last();
         let mut path = format!("M{} {}", Pixels(self.axis.left), Pixels(before.map_or(first, |step| step.1)));
         for &(t, level) in steps.iter().filter(|step| self.axis.shows(step.0)) {
             let _ = write!(path, "H{}V{}", Pixels(self.axis.place(t)), Pixels(level));
         }
         let _ = write!(path, "H{}", Pixels(self.axis.right));
-        self.svg.path("wave", path, &format!(r#" stroke="{}""#, paint(colour)));
+        self.svg.path("wave", path, &format!(r#" stroke="{stroke}""#));
     }
 
     /// Arrows at the ends of a wave that is inside for ever.

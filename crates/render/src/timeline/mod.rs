@@ -2,7 +2,6 @@
 
 mod axis;
 mod draw;
-mod svg;
 
 use rayweave_rootray::{RootRay, Side, SurfaceCount, surface_count};
 

@@ -1,18 +1,61 @@
-//! The few elements of SVG that drawings need.
+//! Drawings as SVG 1.1: the few elements that are needed, a sheet of paper, and a style that follows the reader's choice
+//! of light or dark.
+//!
+//! ```
+//! use rayweave_render::svg::{Anchor, Svg};
+//!
+//! let mut svg = Svg::default();
+//! svg.circle("axis", [20.0, 20.0], 10.0, "");
+//! svg.text("name", [40.0, 24.0], Anchor::Start, "a & b", "a & b");
+//! let document = svg.finish([120.0, 40.0], "a circle", "One circle with a name.", "");
+//! assert!(document.starts_with("<svg ") && document.contains("a &amp; b"));
+//! ```
 
 use std::fmt::{Display, Write};
 
-/// The body of a drawing.
-#[derive(Default)]
+/// The body of a drawing. Lengths are in pixels, x to the right and y down; what elements look like is said by classes.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Svg(String);
 
 /// Where a text stands relative to its place.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
+    /// It begins there.
     Start,
+    /// Its middle is there.
     Middle,
+    /// It ends there.
     End,
 }
+
+/// The paint of lines and texts that have no colour of their own: dark on light paper, light on dark.
+pub const INK: &str = "currentColor";
+
+/// What all drawings share. The paper is always drawn, so that a drawing can be read on a page of any colour.
+const STYLE: &str = "\
+svg { color: #1d2733 }
+text { font-family: 'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif; fill: currentColor }
+.paper { fill: #ffffff }
+.title { font-size: 15px; font-weight: 600 }
+.name { font-size: 13px }
+.result { font-size: 13px; font-weight: 700 }
+.number { font-size: 10.5px; fill: #46525f; stroke: #ffffff; stroke-width: 3; paint-order: stroke }
+.tick { font-size: 11px; fill: #6b7683 }
+.axis { stroke: #8d97a3; stroke-width: 1; fill: none }
+.guide { stroke: #e3e7ec; stroke-width: 1; fill: none }
+.base { stroke: #cbd2da; stroke-width: 1; fill: none }
+";
+
+/// The same for readers who like it dark.
+const DARK: &str = "\
+svg { color: #e4e9ee }
+.paper { fill: #14191f }
+.number { fill: #b8c2cc; stroke: #14191f }
+.tick { fill: #98a3ae }
+.axis { stroke: #76818c }
+.guide { stroke: #2a323a }
+.base { stroke: #3b444e }
+";
 
 impl Svg {
     /// A path with a class of the style sheet.
@@ -20,9 +63,16 @@ impl Svg {
         self.line(format_args!(r#"<path class="{class}" d="{path}"{extra}/>"#));
     }
 
+    /// A rectangle: left, top, width, height.
     pub fn rectangle(&mut self, class: &str, [x, y, w, h]: [f64; 4], extra: &str) {
         let (x, y, w, h) = (Pixels(x), Pixels(y), Pixels(w), Pixels(h));
         self.line(format_args!(r#"<rect class="{class}" x="{x}" y="{y}" width="{w}" height="{h}"{extra}/>"#));
+    }
+
+    /// A circle.
+    pub fn circle(&mut self, class: &str, centre: [f64; 2], radius: f64, extra: &str) {
+        let (x, y, r) = (Pixels(centre[0]), Pixels(centre[1]), Pixels(radius));
+        self.line(format_args!(r#"<circle class="{class}" cx="{x}" cy="{y}" r="{r}"{extra}/>"#));
     }
 
     /// A rectangle of a colour whose name shows under the pointer.
@@ -53,18 +103,25 @@ impl Svg {
         let _ = writeln!(self.0, "{line}");
     }
 
-    /// The whole document.
-    pub fn finish(self, width: f64, height: f64, title: &str, style: &str) -> String {
+    /// The whole document: width and height, a title and a description for those who do not see it (an empty description
+    /// is left out), and the style of the classes that this drawing adds to the common ones.
+    pub fn finish(self, [width, height]: [f64; 2], title: &str, description: &str, style: &str) -> String {
         let (w, h, title, body) = (Pixels(width), Pixels(height), escaped(title), self.0);
         let size = format!(r#"width="{w}" height="{h}" viewBox="0 0 {w} {h}""#);
+        let description = match description {
+            "" => String::new(),
+            text => format!("<desc>{}</desc>\n", escaped(text)),
+        };
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" {size} role=\"img\">\n<title>{title}</title>\n\
-             <style>\n{style}</style>\n<rect class=\"paper\" width=\"{w}\" height=\"{h}\"/>\n{body}</svg>\n"
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" {size} role=\"img\">\n<title>{title}</title>\n{description}\
+             <style>\n{STYLE}{style}@media (prefers-color-scheme: dark) {{\n{DARK}}}\n</style>\n\
+             <rect class=\"paper\" width=\"{w}\" height=\"{h}\"/>\n{body}</svg>\n"
         )
     }
 }
 
 /// A length in the drawing, to a hundredth of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixels(pub f64);
 
 impl Display for Pixels {
