@@ -1,4 +1,4 @@
-//! `cargo xtask golden`: compares the pictures of all models with those that somebody has looked at, or accepts them.
+//! `cargo xtask golden`: compares the pictures of models and pages with those that somebody has looked at, or accepts them.
 
 use std::process::Command;
 
@@ -22,13 +22,14 @@ pub fn run(repository: &Repository, mut arguments: lexopt::Parser) -> Outcome {
     let mut cargo = Command::new("cargo");
     // pictures are drawn several times faster by the release build, which is to give the same bits
     cargo.current_dir(&repository.root).args(["test", "--package", "rayweave", "--test", "golden"]);
+    cargo.args(["--test", "concepts"]);
     cargo.arg("--release").env_remove(ACCEPT);
     if accept {
         cargo.env(ACCEPT, "1");
     }
     process::run(&mut cargo)?;
     if accept {
-        println!("accepted: look at what 'git status' lists under models/ and tests/golden/");
+        println!("accepted: look at what 'git status' lists under models/, tests/golden/ and docs/");
     }
     Ok(())
 }

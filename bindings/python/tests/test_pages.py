@@ -1,0 +1,34 @@
+"""The Python on the pages: every block is run, in order, page by page."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PAGES = sorted([ROOT / "README.md", ROOT / "bindings/python/README.md", *ROOT.glob("docs/**/*.md")])
+
+
+def blocks(page: Path) -> list[tuple[int, str]]:
+    """The blocks of a page, each with the line that it begins on."""
+    text = page.read_text(encoding="utf-8")
+    return [(text.count("\n", 0, match.start(1)) + 1, match[1]) for match in BLOCK.finditer(text)]
+
+
+WITH_PYTHON = [page for page in PAGES if blocks(page)]
+
+
+def test_pages_are_found():
+    names = {page.relative_to(ROOT).as_posix() for page in WITH_PYTHON}
+    assert {"README.md", "docs/concepts/algebra.md"} <= names
+
+
+@pytest.mark.parametrize("page", WITH_PYTHON, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_python_of_a_page(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = {"__name__": "page"}
+    for line, block in blocks(page):
+        # lines are counted as in the page, so that a failure names its place there
+        code = compile("\n" * (line - 1) + block, str(page), "exec")
+        exec(code, names)
