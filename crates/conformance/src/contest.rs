@@ -91,7 +91,7 @@ fn score(evaluator: &dyn Asked, rays: &[Ray], truth: &Collected, seed: u64) -> S
         Score { name: evaluator.name(), rays: count, answers: count, crossings, ..Score::default() };
     let found = evaluator.ask(batch(rays).rays(), &Query::default());
     compare(&mut score, truth, &found, usize::MAX, rays, seed);
-    if seed % 5 == 0 {
+    if seed.is_multiple_of(5) {
         score.answers += count;
         let query = Query { limit: Limit::First, ..Query::default() };
         let found = evaluator.ask(batch(rays).rays(), &query);

@@ -23,6 +23,7 @@
 
 use rayweave_model::{Crossing, Face};
 
+mod contender;
 mod random;
 mod tally;
 
@@ -40,6 +41,7 @@ pub mod respawn;
 pub mod sampled;
 pub mod touching;
 
+pub use contender::{Asked, Maker, contender};
 pub use models::{Model, Style};
 pub use random::Random;
 pub use tally::Tally;

@@ -4,7 +4,8 @@
 //! rays each (0 100000 are 1e8 rays). A seed always stands for the same model and rays, so a run may be cut
 //! anywhere; the line of a chunk says how far it is done. Exits with 1 if any answer differs.
 
-use rayweave_conformance::contest::{Maker, Score, contender, contest};
+use rayweave_conformance::contest::{Score, contest};
+use rayweave_conformance::{Maker, contender};
 use rayweave_trace::{Reference, SingleHit, Weave};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,6 +1,7 @@
 //! All evaluators at once against the reference, in small; `examples/contest.rs` does it at any length.
 
-use rayweave_conformance::contest::{contender, contest};
+use rayweave_conformance::contender;
+use rayweave_conformance::contest::contest;
 use rayweave_trace::{Reference, SingleHit, Weave};
 
 #[test]

@@ -1,49 +1,62 @@
 //! Evaluators against exact arithmetic: no wrong side, no crossing too many or too few.
+//!
+//! The oracle answers each ray once, and every evaluator is compared with that. The long forms take as many rays as
+//! `examples/exact.rs` is told to.
 
-use rayweave_conformance::{Effort, exact};
-use rayweave_trace::{Reference, Weave};
+use rayweave_conformance::{Maker, contender, exact};
+use rayweave_trace::{Reference, SingleHit, Weave};
+
+/// Models of the short form: fifty rays each.
+const SHORT: std::ops::Range<u64> = 0..1100;
+
+/// Of the long form: 1e7 rays.
+const LONG: std::ops::Range<u64> = 0..200_000;
+
+fn evaluators() -> Vec<Maker> {
+    vec![
+        contender(Reference::new),
+        contender(Weave::new),
+        contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
+    ]
+}
 
 /// Half of the rays at least meet a coincidence.
-fn enough(count: exact::Count, what: &str, least: u64) {
-    assert!(2 * count.plain <= count.rays, "{what}: {} of {} rays are plain", count.plain, count.rays);
-    count.finish(what, least);
+fn planted(seeds: std::ops::Range<u64>, least: u64) {
+    let count = exact::planted(&evaluators(), seeds);
+    assert!(2 * count.plain <= count.rays, "{} of {} rays are plain", count.plain, count.rays);
+    count.finish("planted", least);
 }
 
 #[test]
-fn weave_on_planted_coincidences() {
-    enough(exact::planted(Weave::new, Effort::Short), "weave, planted", 45_000);
-}
-
-#[test]
-fn reference_on_planted_coincidences() {
-    enough(exact::planted(Reference::new, Effort::Short), "reference, planted", 45_000);
+fn planted_coincidences() {
+    planted(SHORT, 45_000);
 }
 
 #[test]
 fn turned_models() {
-    exact::turned(Weave::new, Effort::Short).finish("weave, turned", 20_000);
+    exact::turned(&evaluators(), SHORT).finish("turned", 20_000);
 }
 
 #[test]
 fn points() {
-    exact::points(Weave::new, Effort::Short).finish("weave, points", 45_000);
+    exact::points(&evaluators(), SHORT).finish("points", 45_000);
 }
 
-/// Some 1e7 rays each: `cargo test --release -p rayweave-trace --test exact -- --ignored --nocapture long_`.
+/// `cargo test --release -p rayweave-trace --test exact -- --ignored --nocapture long_`.
 #[test]
 #[ignore = "long"]
-fn long_weave_on_planted_coincidences() {
-    enough(exact::planted(Weave::new, Effort::Long), "weave, planted", 9_000_000);
-}
-
-#[test]
-#[ignore = "long"]
-fn long_reference_on_planted_coincidences() {
-    enough(exact::planted(Reference::new, Effort::Long), "reference, planted", 9_000_000);
+fn long_planted_coincidences() {
+    planted(LONG, 9_000_000);
 }
 
 #[test]
 #[ignore = "long"]
 fn long_turned_models() {
-    exact::turned(Weave::new, Effort::Long).finish("weave, turned", 4_000_000);
+    exact::turned(&evaluators(), LONG).finish("turned", 4_000_000);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_points() {
+    exact::points(&evaluators(), LONG).finish("points", 9_000_000);
 }

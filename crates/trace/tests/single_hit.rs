@@ -2,7 +2,7 @@
 //! answers against the reference.
 
 use rayweave_conformance::rays::rays;
-use rayweave_conformance::{Effort, Model, Random, Style, exact};
+use rayweave_conformance::{Model, Random, Style};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{
     Crossing, Edge, Evaluator, Gate, LeafId, Limit, NodeId, Program, PrototypeId, Query, Rule, Solid, Window,
@@ -382,28 +382,6 @@ fn ball(name: &str, x: f64) -> Solid {
 
 fn single_hit(program: Arc<Program>) -> SingleHit {
     SingleHit::new(program).unwrap()
-}
-
-#[test]
-fn planted_coincidences_are_judged_exactly() {
-    exact::planted(single_hit, Effort::Short).finish("single_hit, planted", 50_000);
-}
-
-#[test]
-fn turned_models_are_judged_exactly() {
-    exact::turned(single_hit, Effort::Short).finish("single_hit, turned", 20_000);
-}
-
-/// Some 1e7 rays: `cargo test --release -p rayweave-trace --test single_hit -- --ignored --nocapture long_exact`.
-#[test]
-#[ignore = "long"]
-fn long_exact() {
-    exact::planted(single_hit, Effort::Long).finish("single_hit, planted", 9_000_000);
-    exact::turned(single_hit, Effort::Long).finish("single_hit, turned", 4_000_000);
-}
-
-mod conformance {
-    rayweave_conformance::conformance_tests!(super::single_hit, rayweave_trace::Reference::new);
 }
 
 /// Placements in placements in placements: questions within questions.

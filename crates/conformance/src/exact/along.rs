@@ -1,9 +1,10 @@
 //! A surface along a ray: where it is crossed, or on which side of it the whole ray is.
 
 use super::root::{Root, SignChanges, sign_changes};
-use super::{Dyadic, Exact, Line, Surface};
-use rayweave_math::UNIT_ROUNDOFF;
+use super::{Dyadic, Line, Surface};
+use rayweave_math::{Affine, UNIT_ROUNDOFF};
 use rayweave_model::Ball;
+use rayweave_shape::Ray;
 
 /// The direction along which rays that lie in a surface are moved in thought.
 const W: [f64; 3] = [1.0, 0.7548776662466927, 0.5698402909980532];
@@ -22,38 +23,31 @@ pub enum Doubt {
     Side,
 }
 
-/// What says how long a ray has to keep to a surface to lie in it.
-#[derive(Clone, Copy, Debug)]
-pub struct Span {
-    /// The ball of the compiled model.
-    pub ball: Ball,
-    /// True if parts of the model are placed, each with a ball of its own: then only rays that lie in a surface
-    /// over any such length, or over none, have a certain answer.
-    pub placed: bool,
-}
+/// What says how long a ray has to keep to a surface to lie in it: for each ball of the compiled model, the
+/// middle of the ray's chord and half its length, in times.
+///
+/// The model itself has a ball, and each solid placed in it one of its own. Which surface belongs to which is not
+/// asked: only rays that lie in a surface over all of these chords, or over none, have a certain answer.
+#[derive(Clone, Debug)]
+pub struct Span(Vec<(f64, f64)>);
 
-/// The part of the ray that says whether it lies in a surface: its middle, the ends of the shortest part that
-/// may be meant, and those of the longest.
-pub(super) struct Chord {
-    middle: Dyadic,
-    short: [Dyadic; 2],
-    long: [Dyadic; 2],
-}
-
-impl Chord {
-    pub(super) fn new(exact: &Exact, line: &Line, span: &Span) -> Chord {
-        let (ray, ball) = (&line.ray, &span.ball);
-        let middle = (ball.centre - ray.origin).dot(ray.direction) / ray.direction.length_squared();
-        let lengths = [ball.radius, (ray.origin - ball.centre).length(), ray.direction.length()];
-        let length = lengths.into_iter().find(|&length| length > 0.0).unwrap_or(0.0);
-        let size = exact.surfaces.iter().fold(length, |size, s| size.max(s.reach));
-        let (short, long) =
-            if span.placed { (length.min(1e-3 * size), 8.0 * size) } else { (length, length) };
-        let ends = |length: f64| {
-            let half = length / ray.direction.length();
-            [middle - half, middle + half].map(Dyadic::from)
+impl Span {
+    /// For a ray, and balls with the maps into the frames in which they are given.
+    pub fn new(ray: &Ray, balls: &[(Affine, Ball)]) -> Span {
+        let chord = |(map, ball): &(Affine, Ball)| {
+            let (origin, direction) = (map.point(ray.origin), map.vector(ray.direction));
+            let middle = (ball.centre - origin).dot(direction) / direction.length_squared();
+            let lengths = [ball.radius, (origin - ball.centre).length(), direction.length()];
+            let length = lengths.into_iter().find(|&length| length > 0.0).unwrap_or(0.0);
+            (middle, length / direction.length())
         };
-        Chord { middle: Dyadic::from(middle), short: ends(short), long: ends(long) }
+        let mut chords: Vec<(f64, f64)> = balls.iter().map(chord).collect();
+        chords.dedup();
+        Span(chords)
+    }
+
+    fn middles(&self) -> impl Iterator<Item = Dyadic> {
+        self.0.iter().map(|chord| Dyadic::from(chord.0))
     }
 }
 
@@ -86,25 +80,45 @@ pub(super) fn depth(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, 
 }
 
 impl Along {
-    pub(super) fn new(surface: &Surface, line: &Line, chord: &Chord) -> Result<Along, Doubt> {
+    pub(super) fn new(surface: &Surface, line: &Line, span: &Span) -> Result<Along, Doubt> {
         let coefficients = surface.along(line);
         let lies = coefficients.iter().all(Dyadic::is_zero)
-            || Self::nearly_lies(surface, &coefficients, line, chord)?;
+            || Self::nearly_lies(surface, &coefficients, line, span)?;
         let changes = match lies {
-            true => SignChanges { starts_negative: side_along_w(surface, line, chord)?, roots: Vec::new() },
+            true => SignChanges { starts_negative: side_along_w(surface, line, span)?, roots: Vec::new() },
             false => sign_changes(&coefficients),
         };
         Ok(Along { coefficients, changes, lies })
     }
 
-    fn nearly_lies(surface: &Surface, c: &[Dyadic; 3], line: &Line, chord: &Chord) -> Result<bool, Doubt> {
-        let deepest =
-            |times: &[Dyadic; 2]| times.iter().map(|t| depth(surface, c, line, t)).fold(0.0, f64::max);
-        let middle = depth(surface, c, line, &chord.middle);
-        if middle > GREY || middle.max(deepest(&chord.short)) > GREY {
+    fn nearly_lies(surface: &Surface, c: &[Dyadic; 3], line: &Line, span: &Span) -> Result<bool, Doubt> {
+        let mut verdicts = span.0.iter().map(|&chord| Self::keeps_to(surface, c, line, chord));
+        let first = verdicts.next().unwrap_or(Ok(false))?;
+        verdicts.try_fold(first, |all, verdict| if verdict? == all { Ok(all) } else { Err(Doubt::Lying) })
+    }
+
+    /// True if the chord lies in the surface: in its middle, at its ends and, where the tolerance is smallest,
+    /// about the start of the ray.
+    fn keeps_to(
+        surface: &Surface,
+        c: &[Dyadic; 3],
+        line: &Line,
+        (middle, half): (f64, f64),
+    ) -> Result<bool, Doubt> {
+        let depth = |t: f64| depth(surface, c, line, &Dyadic::from(t));
+        let inner = depth(middle);
+        if inner > GREY {
             return Ok(false);
         }
-        if middle.max(deepest(&chord.long)) * GREY < 1.0 { Ok(true) } else { Err(Doubt::Lying) }
+        let (a, b) = (middle - half, middle + half);
+        let length = (line.ray.origin.length() + surface.reach) / line.ray.direction.length();
+        let start = 0.0f64.clamp(a, b);
+        let times = [a, b, start, (start - length).max(a), (start + length).min(b)];
+        match times.into_iter().map(depth).fold(inner, f64::max) {
+            deepest if deepest > GREY => Ok(false),
+            deepest if deepest * GREY < 1.0 => Ok(true),
+            _ => Err(Doubt::Lying),
+        }
     }
 
     /// The greatest time by which a root may move if the surface moves by `by`.
@@ -128,27 +142,27 @@ impl Along {
     }
 }
 
-/// True (negative) if moving along w makes f negative. In placed parts the middle of the chord may be another:
-/// then the side must be the same all along.
-fn side_along_w(surface: &Surface, line: &Line, chord: &Chord) -> Result<bool, Doubt> {
-    let side = side_at(surface, line, &chord.middle)?;
-    let elsewhere = chord.long.iter().filter(|_| chord.short != chord.long);
-    for t in elsewhere {
-        if side_at(surface, line, t)? != side {
-            return Err(Doubt::Side);
-        }
-    }
-    Ok(side)
+/// True (negative) if moving along w makes f negative, in the middle of each chord.
+fn side_along_w(surface: &Surface, line: &Line, span: &Span) -> Result<bool, Doubt> {
+    let mut sides = span.middles().map(|t| {
+        // the middle is rounded: where surfaces meet themselves the gradient is 0, and beside it anything
+        let slack = surface.bend() * delta(surface, line, t.to_f64());
+        side_at(surface, line, &t, slack)
+    });
+    let first = sides.next().unwrap_or(Err(Doubt::Side))?;
+    sides.try_fold(first, |all, side| if side? == all { Ok(all) } else { Err(Doubt::Side) })
 }
 
-pub(super) fn side_at(surface: &Surface, line: &Line, t: &Dyadic) -> Result<bool, Doubt> {
+/// The same at a time; the gradient is known to within `slack`.
+pub(super) fn side_at(surface: &Surface, line: &Line, t: &Dyadic, slack: f64) -> Result<bool, Doubt> {
     let gradient = surface.gradient(&line.at(t));
     let w = W.map(Dyadic::from);
     let slope = (0..3).fold(Dyadic::ZERO, |sum, k| &sum + &(&w[k] * &gradient[k]));
     let size = gradient.iter().fold(0.0, |size: f64, g| size.max(g.to_f64().abs()));
-    if slope.is_zero() {
+    if slope.is_zero() && slack < 1e-9 * size {
         let first = gradient.iter().find(|g| !g.is_zero());
         return first.map(|g| g.sign() < 0).ok_or(Doubt::Side);
     }
-    if slope.to_f64().abs() > 1e-9 * size { Ok(slope.sign() < 0) } else { Err(Doubt::Side) }
+    let certain = slope.to_f64().abs() > 1e-9 * size + slack;
+    if certain { Ok(slope.sign() < 0) } else { Err(Doubt::Side) }
 }

@@ -1,7 +1,7 @@
 //! What a ray meets, decided without rounding, by the rules of coincidence: equal times flip together, a ray in
 //! a surface is moved along the fixed direction w in thought, pieces within the tolerance are welded once.
 
-use super::along::{Along, Chord, Doubt, GREY, Span, delta, depth, side_at};
+use super::along::{Along, Doubt, GREY, Span, delta, depth, side_at};
 use super::{Dyadic, Exact, Line, Root, Surface};
 use rayweave_math::Vec3;
 
@@ -81,9 +81,8 @@ pub fn answer(exact: &Exact, line: &Line, span: &Span) -> Result<Answer, Doubt> 
 
 impl<'a> Work<'a> {
     pub(super) fn new(exact: &'a Exact, line: &'a Line, span: &Span) -> Result<Work<'a>, Doubt> {
-        let chord = Chord::new(exact, line, span);
         let along =
-            exact.surfaces.iter().map(|s| Along::new(s, line, &chord)).collect::<Result<Vec<_>, _>>()?;
+            exact.surfaces.iter().map(|s| Along::new(s, line, span)).collect::<Result<Vec<_>, _>>()?;
         let mut work = Work { exact, line, along, moments: Vec::new(), start: (Vec::new(), 0) };
         work.sweep();
         Ok(work)
@@ -237,7 +236,7 @@ impl<'a> Work<'a> {
     /// The leaves that a crossing may be said to belong to. Where several surfaces meet, rounding may let any
     /// leaf that owns one of them flip, and flip back; where all is one surface, only the lowest leaf whose
     /// flip alone changes the medium before, or whose flip undone changes the one after, or if there is none
-    /// the lowest that flips.
+    /// the first that changes it when they flip one after the other.
     fn owners(&self, run: &[usize], times: (f64, f64)) -> Vec<usize> {
         let about = self.moments.iter().filter(|m| times.0 <= m.root.t() && m.root.t() <= times.1);
         let surfaces: Vec<usize> = about.flat_map(|m| m.surfaces.clone()).collect();
@@ -262,7 +261,16 @@ impl<'a> Work<'a> {
             self.medium(self.region(&flipped)) != self.medium(self.region(state))
         };
         let candidate = |leaf: &&usize| changes(**leaf, &before) || changes(**leaf, &leaves);
-        *moment.leaves.iter().find(candidate).unwrap_or(&moment.leaves[0])
+        if let Some(&leaf) = moment.leaves.iter().find(candidate) {
+            return leaf;
+        }
+        let mut now = before;
+        let in_turn = moment.leaves.iter().find(|&&leaf| {
+            let matters = changes(leaf, &now);
+            now[leaf] = !now[leaf];
+            matters
+        });
+        *in_turn.unwrap_or(&moment.leaves[0])
     }
 
     fn traits(&self) -> Traits {
@@ -288,7 +296,7 @@ pub fn region_at(exact: &Exact, point: Vec3) -> Option<usize> {
             if surface.is_rounded() {
                 return None;
             }
-            return side_at(surface, &line, &Dyadic::ZERO).ok();
+            return side_at(surface, &line, &Dyadic::ZERO, 0.0).ok();
         }
         let clear =
             value.to_f64().abs() > surface.slope(&line.at(&Dyadic::ZERO)) * delta(surface, &line, 0.0);

@@ -23,16 +23,33 @@ pub struct Count {
     pub torn: u64,
     /// Wrong.
     pub wrong: u64,
-    /// The first wrong ones.
-    pub messages: Vec<String>,
+    /// The first wrong one of each model, by its seed.
+    pub messages: Vec<(u64, String)>,
 }
 
 impl Count {
+    /// Adds what another part of a run counted.
+    pub fn add(&mut self, other: Count) {
+        self.rays += other.rays;
+        self.lying += other.lying;
+        self.ties += other.ties;
+        self.touching += other.touching;
+        self.plain += other.plain;
+        self.crossings += other.crossings;
+        self.redrawn += other.redrawn;
+        self.near_edges.0 += other.near_edges.0;
+        self.near_edges.1 += other.near_edges.1;
+        self.torn += other.torn;
+        self.wrong += other.wrong;
+        self.messages.extend(other.messages);
+    }
+
     /// Panics if anything was wrong or too few rays were asked.
     pub fn finish(self, what: &str, least: u64) {
         let summary = Count { messages: Vec::new(), ..self.clone() };
         println!("{what}: {summary:?}");
-        assert!(self.wrong == 0, "{what}: {summary:?}\n{}", self.messages.join("\n---\n"));
+        let told = self.messages.iter().take(5).map(|(seed, what)| format!("\nseed {seed}: {what}\n---"));
+        assert!(self.wrong == 0, "{what}: {summary:?}{}", told.collect::<String>());
         assert!(self.rays >= least, "{what}: only {} rays", self.rays);
     }
 }

@@ -7,7 +7,7 @@ use super::tree::regions;
 use super::{Count, Exact, Line, Map, Part, Span, draw};
 use crate::{Asked, Maker, Random, list};
 use rayweave_math::{Affine, Mat3, Vec3};
-use rayweave_model::{Ball, Crossing, Limit, Program, Query, RayBatch, Window};
+use rayweave_model::{Ball, Crossing, Limit, PlacementId, Program, Query, RayBatch, Window};
 use rayweave_shape::Ray;
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,7 +20,8 @@ struct Subject {
     parts: Vec<Part>,
     exact: Exact,
     evaluators: Vec<Box<dyn Asked>>,
-    ball: Ball,
+    /// The balls of the model and of all solids placed in it, each with the map into its frame.
+    balls: Vec<(Affine, Ball)>,
     /// Where the engine's model stands.
     frame: Affine,
     /// True if the engine numbers leaves as the exact model does.
@@ -33,11 +34,6 @@ impl Subject {
         self.frame != Affine::IDENTITY || self.exact.surfaces.iter().any(|s| s.is_rounded() || s.is_open())
     }
 
-    /// What a ray is asked with.
-    fn span(&self) -> Span {
-        Span { ball: self.ball, placed: !self.numbered }
-    }
-
     fn medium(&self, region: usize) -> u32 {
         if region == 0 { 0 } else { self.parts[region - 1].medium }
     }
@@ -46,8 +42,8 @@ impl Subject {
 fn subject(parts: &[Part], frame: Affine, makers: &[Maker]) -> Result<Subject, String> {
     let program =
         |frame: &Affine| Program::compile_regions(&regions(parts, frame)).map_err(|e| e.to_string());
-    // the ball belongs to the model where the exact answer is asked
-    let ball = program(&Affine::IDENTITY)?.prototypes()[0].ball;
+    // the balls belong to the model where the exact answer is asked
+    let balls = balls(&program(&Affine::IDENTITY)?);
     let compiled = program(&frame)?;
     let numbered = compiled.prototypes().len() == 1;
     let mut exact = Exact::new(parts);
@@ -55,7 +51,17 @@ fn subject(parts: &[Part], frame: Affine, makers: &[Maker]) -> Result<Subject, S
     exact.surfaces.iter_mut().for_each(|s| s.reach += 2.0 * frame.translation.length());
     let compiled = Arc::new(compiled);
     let evaluators = makers.iter().map(|make| make(compiled.clone())).collect();
-    Ok(Subject { parts: parts.to_vec(), exact, evaluators, ball, frame, numbered })
+    Ok(Subject { parts: parts.to_vec(), exact, evaluators, balls, frame, numbered })
+}
+
+fn balls(program: &Program) -> Vec<(Affine, Ball)> {
+    let placements = 0..program.prototypes()[0].placements;
+    let ball = |k: u32| {
+        let (world_from_local, group) = program.placement(PlacementId(k));
+        let map = world_from_local.inverse().unwrap_or(Affine::IDENTITY);
+        (map, program.prototype(group).ball)
+    };
+    placements.map(ball).collect()
 }
 
 /// Models on a dyadic grid, asked as they are: numbers of crossings, regions before and after, times.
@@ -163,7 +169,8 @@ fn tally(verdict: &Verdict, count: &mut Count) {
 
 fn judge(subject: &Subject, ray: Ray) -> Verdict {
     let line = Line::new(ray);
-    let Ok(expected) = answer(&subject.exact, &line, &subject.span()) else { return Verdict::Doubtful };
+    let span = Span::new(&ray, &subject.balls);
+    let Ok(expected) = answer(&subject.exact, &line, &span) else { return Verdict::Doubtful };
     let turned = subject.frame != Affine::IDENTITY;
     if turned && expected.traits.lies {
         return Verdict::Exempt;
@@ -171,7 +178,7 @@ fn judge(subject: &Subject, ray: Ray) -> Verdict {
     let expected = if subject.is_windowed() { expected.within(far(&ray)) } else { expected };
     let mut evaluators = subject.evaluators.iter();
     let wrong = evaluators.find_map(|evaluator| differences(subject, &**evaluator, ray, &expected));
-    let look = || scrutiny(&subject.exact, &line, &subject.span());
+    let look = || scrutiny(&subject.exact, &line, &span);
     if turned {
         match look() {
             Ok(scrutiny) if scrutiny.clearance < 1e-9 => return Verdict::NearEdge(wrong.is_none()),
@@ -302,10 +309,9 @@ fn point(subject: &Subject, point: Vec3, seed: u64, count: &mut Count) {
         return;
     };
     count.rays += 1;
-    let wrong = |evaluator: &&Box<dyn Asked>| evaluator.region_at(point).index() != expected;
-    if let Some(evaluator) = subject.evaluators.iter().find(wrong) {
+    let mut answers = subject.evaluators.iter().map(|e| (e.name(), e.region_at(point)));
+    if let Some((name, found)) = answers.find(|(_, region)| region.index() != expected) {
         count.wrong += 1;
-        let (name, found) = (evaluator.name(), evaluator.region_at(point));
         let parts = &subject.parts;
         count.messages.push((seed, format!("{point:?} is in {expected}, not {found:?} ({name})\n{parts:?}")));
     }

@@ -112,6 +112,12 @@ impl Surface {
         Vec3::from_array(self.gradient(point).map(|g| g.to_f64())).length()
     }
 
+    /// The most by which the gradient along w changes over a unit of length: |w| < 2 times that of the gradient.
+    pub fn bend(&self) -> f64 {
+        let squares = self.rounded[..3].iter().flat_map(|row| &row[..3]).map(|entry| entry * entry);
+        4.0 * squares.sum::<f64>().sqrt()
+    }
+
     /// True if there are rays with one crossing or none that all rays near them cross far out, so that rounding
     /// decides what they meet there: for all but planes, ellipsoids and cylinders over ellipses.
     pub fn is_open(&self) -> bool {

@@ -1,0 +1,65 @@
+//! All evaluators against the oracle without rounding.
+//!
+//! `cargo run --release -p rayweave-trace --example exact -- planted|turned|points FROM TO`: the models of the seeds
+//! FROM..TO, fifty rays each (0 200000 are 1e7 rays). A seed always stands for the same model and rays. Prints what
+//! was counted and each wrong model, shrunk; exits with 1 if there is one.
+
+use rayweave_conformance::exact::{self, Count};
+use rayweave_conformance::{Maker, contender};
+use rayweave_trace::{Reference, SingleHit, Weave};
+use std::ops::Range;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Seeds that a thread takes at a time.
+const CHUNK: u64 = 100;
+
+type Suite = fn(&[Maker], Range<u64>) -> Count;
+
+fn evaluators() -> Vec<Maker> {
+    vec![
+        contender(Weave::new),
+        contender(Reference::new),
+        contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
+    ]
+}
+
+fn run(suite: Suite, from: u64, to: u64) -> Count {
+    let (next, sum) = (AtomicU64::new(from), Mutex::new(Count::default()));
+    let work = || {
+        let evaluators = evaluators();
+        loop {
+            let first = next.fetch_add(CHUNK, Ordering::Relaxed);
+            if first >= to {
+                return;
+            }
+            let count = suite(&evaluators, first..to.min(first + CHUNK));
+            count.messages.iter().for_each(|(seed, what)| println!("seed {seed}: {what}\n---"));
+            sum.lock().unwrap_or_else(PoisonError::into_inner).add(Count { messages: Vec::new(), ..count });
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+    sum.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let (suite, from, to): (Suite, _, _) = match words[..] {
+        ["planted", from, to] => (exact::planted, from, to),
+        ["turned", from, to] => (exact::turned, from, to),
+        ["points", from, to] => (exact::points, from, to),
+        _ => return usage(),
+    };
+    let (Ok(from), Ok(to)) = (from.parse(), to.parse()) else { return usage() };
+    let count = run(suite, from, to);
+    println!("{}, seeds {from}..{to}: {count:?}", words[0]);
+    ExitCode::from(u8::from(count.wrong > 0))
+}
+
+fn usage() -> ExitCode {
+    eprintln!("exact planted|turned|points FROM TO");
+    ExitCode::from(2)
+}
