@@ -190,3 +190,8 @@ pub use timeline::timeline;
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// The Rust of the page about the algebra, likewise.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/concepts/algebra.md")]
+struct Algebra;
