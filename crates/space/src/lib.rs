@@ -8,6 +8,7 @@ pub mod curve;
 mod field;
 mod lie;
 mod point;
+pub mod polygon;
 
 pub use curve::{Curve, CurveError};
 pub use field::Field;
