@@ -3,9 +3,8 @@
 use crate::gate::Network;
 use crate::lower::{Content, Group, RawLeaf, lower};
 use crate::program::{Leaf, LeafFacet, LeafKind, MARGIN, Program, Prototype, RegionInfo, SurfaceEntry};
-use crate::{
-    Ball, CompileError, CompileProblem, Edge, Gate, LeafId, PrototypeId, Region, Rule, Solid, SurfaceId,
-};
+use crate::simplify::{Formula, Watch, bounds, leaf_needs, output_bounds, prepare_watched as prepare};
+use crate::{Ball, CompileError, CompileProblem, Expression, LeafId, PrototypeId, Region, Solid, SurfaceId};
 use rayweave_math::{Bounds, Transform, Vec3};
 use rayweave_shape::primitive::{Lowered, Primitive};
 use rayweave_shape::surface::share;
@@ -14,15 +13,23 @@ impl Program {
     /// Compiles one solid. Its inside is region 1 of medium 1, everything else the world.
     pub fn compile(solid: &Solid) -> Result<Program, CompileError> {
         let regions = vec![RegionInfo { name: solid_name(solid), medium: 1 }];
-        compile(&[solid], regions)
+        compile(&[solid], regions, |_, _| ())
     }
 
     /// Compiles an ordered list of regions: where they overlap, the later one wins.
     pub fn compile_regions(regions: &[Region]) -> Result<Program, CompileError> {
-        let solids: Vec<&Solid> = regions.iter().map(|region| &region.solid).collect();
-        let infos = regions.iter().map(|r| RegionInfo { name: r.name.clone(), medium: r.medium }).collect();
-        compile(&solids, infos)
+        compile_watched(regions, |_, _| ())
     }
+}
+
+/// Compiles regions; for each group, in the order of compilation, `watch` makes what looks on while it is prepared.
+pub(crate) fn compile_watched<W: Watch>(
+    regions: &[Region],
+    watch: impl FnMut(usize, &Group) -> W,
+) -> Result<Program, CompileError> {
+    let solids: Vec<&Solid> = regions.iter().map(|region| &region.solid).collect();
+    let infos = regions.iter().map(|r| RegionInfo { name: r.name.clone(), medium: r.medium }).collect();
+    compile(&solids, infos, watch)
 }
 
 fn solid_name(solid: &Solid) -> String {
@@ -32,7 +39,11 @@ fn solid_name(solid: &Solid) -> String {
     }
 }
 
-fn compile(solids: &[&Solid], regions: Vec<RegionInfo>) -> Result<Program, CompileError> {
+fn compile<W: Watch>(
+    solids: &[&Solid],
+    regions: Vec<RegionInfo>,
+    mut watch: impl FnMut(usize, &Group) -> W,
+) -> Result<Program, CompileError> {
     let groups = lower(solids)?;
     let order = inner_first(&groups);
     let mut compiler = Compiler {
@@ -61,7 +72,8 @@ fn compile(solids: &[&Solid], regions: Vec<RegionInfo>) -> Result<Program, Compi
         let Some(group) = groups[id].take() else {
             continue;
         };
-        tables[id] = Some(compiler.group(id, group, firsts[id])?);
+        let mut watch = watch(id, &group);
+        tables[id] = Some(compiler.group(id, group, firsts[id], &mut watch)?);
     }
     compiler.assemble(tables)
 }
@@ -121,7 +133,13 @@ struct Compiler {
 }
 
 impl Compiler {
-    fn group(&mut self, id: usize, group: Group, first_leaf: u32) -> Result<GroupTables, CompileError> {
+    fn group(
+        &mut self,
+        id: usize,
+        group: Group,
+        first_leaf: u32,
+        watch: &mut impl Watch,
+    ) -> Result<GroupTables, CompileError> {
         let mut tables = Tables::default();
         for raw in &group.leaves {
             let added = match &raw.content {
@@ -135,17 +153,18 @@ impl Compiler {
         tables.share(&group)?;
         let ball = tables.ball();
         tables.add_margins(&ball);
-        let (bounds, sure) = tables.bound(&group);
+        let (formula, bounds, sure) = tables.prepare(&group, watch);
+        let expression = Expression::new(&formula);
         let prototype = Prototype {
             leaves: first_leaf..first_leaf + group.leaves.len() as u32,
-            network: Network::new(&group.expression, &group.outputs, group.leaves.len()),
+            network: Network::new(&expression, formula.outputs(), group.leaves.len()),
             bounds,
             ball,
             condition: tables.condition,
             placements: tables.placements,
             instances: tables.instances.iter().map(|&(p, leaf)| (p, LeafId(first_leaf + leaf))).collect(),
-            expression: group.expression,
-            outputs: group.outputs,
+            expression,
+            outputs: formula.outputs().to_vec(),
         };
         let margin = tables.leaves.iter().map(|leaf| leaf.margin).fold(0.0, f64::max);
         let (placements, condition) = (prototype.placements, prototype.condition);
@@ -308,56 +327,24 @@ impl Tables {
         }
     }
 
-    /// A box around what is asked of the group, from the boxes of its leaves; and for each leaf the part of
-    /// its box where it can matter.
-    ///
-    /// Upwards: the intersection for a gate that needs all its operands, else the union; complements are
-    /// unbounded. Downwards: a gate is outside wherever its box is not, whatever its operands are there, so an
-    /// operand matters only in the boxes of its users. (If some leaves are taken for outside where they
-    /// cannot matter, a gate can still be inside only in its own box, by induction over the gates; and there
-    /// its operands are right.)
-    ///
-    /// The second box is the same as the first one, but grown and of what is sure alone.
-    fn bound(&mut self, group: &Group) -> (Bounds, Bounds) {
-        let nodes = group.expression.nodes();
-        let exact = self.node_boxes(group, |leaf| leaf.bounds);
-        let outputs = |boxes: &[Bounds]| {
-            group.outputs.iter().fold(Bounds::EMPTY, |all, &edge| all.union(&edge_box(boxes, edge)))
-        };
+    /// Prepares the formula of the group, and finds for each leaf the part of its box where it can matter. Answers
+    /// with two boxes around what is asked of the group, too: one from the boxes of the leaves, one that is grown
+    /// and of what is sure alone.
+    fn prepare(&mut self, group: &Group, watch: &mut impl Watch) -> (Formula, Bounds, Bounds) {
         // grown by more than rounding, so that parts that only touch are not taken for apart
-        let boxes = self.node_boxes(group, |leaf| leaf.matters.grown(leaf.margin));
-        let mut matters = vec![Bounds::EMPTY; nodes.len()];
-        group.outputs.iter().for_each(|edge| matters[edge.node().index()] = Bounds::ALL);
-        for (node, gate) in nodes.iter().enumerate().rev() {
-            let here = boxes[node].intersection(&matters[node]);
-            match gate {
-                Gate::Join(_, operands) => operands.iter().for_each(|edge| {
-                    let below = &mut matters[edge.node().index()];
-                    *below = below.union(&here);
-                }),
-                Gate::Leaf(leaf) => self.leaves[leaf.index()].matters = here,
-                Gate::Vacuum | Gate::Plenum => {}
-            }
+        let sure: Vec<Bounds> = self.leaves.iter().map(|leaf| leaf.matters.grown(leaf.margin)).collect();
+        let formula = prepare(&group.formula, &sure, watch);
+        let exact: Vec<Bounds> = self.leaves.iter().map(|leaf| leaf.bounds).collect();
+        let tight = output_bounds(&formula, &bounds(&formula, &exact));
+        watch.finish(&group.formula, &formula, &exact, tight);
+        drop(exact);
+        let nodes = bounds(&formula, &sure);
+        let needs = leaf_needs(&formula, &nodes, self.leaves.len());
+        for (leaf, here) in self.leaves.iter_mut().zip(needs) {
+            leaf.matters = here;
         }
-        (outputs(&exact), outputs(&boxes))
-    }
-
-    fn node_boxes(&self, group: &Group, leaf_box: impl Fn(&Leaf) -> Bounds) -> Vec<Bounds> {
-        let mut boxes: Vec<Bounds> = Vec::with_capacity(group.expression.nodes().len());
-        for gate in group.expression.nodes() {
-            boxes.push(match gate {
-                Gate::Vacuum => Bounds::EMPTY,
-                Gate::Plenum => Bounds::ALL,
-                Gate::Leaf(leaf) => leaf_box(&self.leaves[leaf.index()]),
-                Gate::Join(rule, operands) if *rule == Rule::AtLeast(operands.len() as u32) => {
-                    operands.iter().fold(Bounds::ALL, |all, &edge| all.intersection(&edge_box(&boxes, edge)))
-                }
-                Gate::Join(_, operands) => {
-                    operands.iter().fold(Bounds::EMPTY, |all, &edge| all.union(&edge_box(&boxes, edge)))
-                }
-            });
-        }
-        boxes
+        let sure = output_bounds(&formula, &nodes);
+        (formula, tight, sure)
     }
 
     /// The ball around the finite leaves and the anchors of the surfaces of the others.
@@ -381,10 +368,6 @@ impl Tables {
 /// a time of 1e16 or so, at no certain place.
 fn sure(bounds: Bounds) -> Bounds {
     if bounds.is_finite() || bounds.is_empty() { bounds } else { Bounds::ALL }
-}
-
-fn edge_box(boxes: &[Bounds], edge: Edge) -> Bounds {
-    if edge.is_complemented() { Bounds::ALL } else { boxes[edge.node().index()] }
 }
 
 fn transform_of(raw: &RawLeaf) -> Result<Transform, CompileProblem> {

@@ -10,6 +10,7 @@
 pub mod dress;
 pub mod drive;
 pub mod gate;
+pub mod simplify;
 pub mod weld;
 
 mod chord;

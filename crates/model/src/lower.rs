@@ -1,10 +1,10 @@
-//! From the tree that people build to the boolean expressions of its groups.
+//! From the tree that people build to the boolean formulas of its groups, as they were written.
 //!
-//! One walk with an explicit stack: transforms are composed on the way down, complements are pushed to the
-//! leaves (De Morgan), and chains of one operator become one n-ary gate, so that a union built in a loop is
-//! as flat as one built from a list. Shared sub-trees are walked once per placement.
+//! One walk with an explicit stack: transforms are composed on the way down, leaves and operators are numbered in the
+//! order in which they are met. Shared sub-trees are walked once per placement.
 
-use crate::{CompileError, CompileProblem, Edge, Expression, LeafId, Node, PrototypeId, Solid};
+use crate::simplify::{Formula, Op};
+use crate::{CompileError, CompileProblem, Edge, LeafId, Node, PrototypeId, Solid};
 use rayweave_math::Affine;
 use rayweave_shape::primitive::{Lowered, Primitive};
 use std::collections::HashMap;
@@ -12,9 +12,10 @@ use std::sync::Arc;
 
 /// A group of leaves in one frame, with the solids asked of it.
 pub(crate) struct Group {
-    pub expression: Expression,
-    /// One per solid asked for.
-    pub outputs: Vec<Edge>,
+    /// As it was written, with an output for each solid asked for.
+    pub formula: Formula,
+    /// The names of compounds, by the number of their node in the formula.
+    pub names: HashMap<u32, Arc<str>>,
     pub leaves: Vec<RawLeaf>,
     contexts: Vec<Context>,
 }
@@ -87,24 +88,17 @@ struct Context {
     way: f64,
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Op {
-    Any,
-    All,
-    Odd,
-    /// The frame of the whole group, which collects the outputs.
-    Root,
-}
+/// A node and the context of a visit.
+type Key = (usize, u32);
 
-/// A node, the context of a visit, and whether its complement is meant.
-type Key = (usize, u32, bool);
-
-/// A gate whose operands are being collected.
+/// An operator whose operands are being collected.
 struct Frame {
     op: Op,
     complemented: bool,
-    operands: Vec<Edge>,
+    /// Where its operands begin.
+    first: usize,
     key: Option<Key>,
+    name: Option<Arc<str>>,
 }
 
 /// A node to be walked.
@@ -125,14 +119,17 @@ enum Task<'a> {
 
 struct Lowering<'p, 'a> {
     prototypes: &'p mut Prototypes<'a>,
-    expression: Expression,
+    formula: Formula,
+    names: HashMap<u32, Arc<str>>,
     leaves: Vec<RawLeaf>,
     contexts: Vec<Context>,
     context_of: HashMap<(u32, usize), u32>,
-    leaf_of: HashMap<(usize, u32), (LeafId, bool)>,
+    leaf_of: HashMap<Key, Edge>,
     done: HashMap<Key, Edge>,
     tasks: Vec<Task<'a>>,
     frames: Vec<Frame>,
+    /// What is not yet taken by an operator.
+    operands: Vec<Edge>,
 }
 
 impl<'p, 'a> Lowering<'p, 'a> {
@@ -147,7 +144,8 @@ impl<'p, 'a> Lowering<'p, 'a> {
         };
         Lowering {
             prototypes,
-            expression: Expression::default(),
+            formula: Formula::default(),
+            names: HashMap::new(),
             leaves: Vec::new(),
             contexts: vec![root],
             context_of: HashMap::new(),
@@ -155,149 +153,111 @@ impl<'p, 'a> Lowering<'p, 'a> {
             done: HashMap::new(),
             tasks: Vec::new(),
             frames: Vec::new(),
+            operands: Vec::new(),
         }
     }
 
     fn run(mut self, solids: &[&'a Solid]) -> Result<Group, CompileError> {
-        self.open(Op::Root, false, None);
-        self.visit_all(solids.iter().map(|&solid| (solid, false)), 0, false);
+        self.visit_all(solids.iter().copied(), 0);
         while let Some(task) = self.tasks.pop() {
             match task {
                 Task::Visit(visit) => self.visit(visit)?,
                 Task::Close => self.close(),
             }
         }
-        let outputs = self.frames.pop().map(|frame| frame.operands).unwrap_or_default();
-        Ok(Group { expression: self.expression, outputs, leaves: self.leaves, contexts: self.contexts })
+        self.operands.iter().for_each(|&output| self.formula.ask(output));
+        let Lowering { formula, names, leaves, contexts, .. } = self;
+        Ok(Group { formula, names, leaves, contexts })
     }
 
     /// Puts operands on the stack so that they are visited in order.
-    fn visit_all(
-        &mut self,
-        operands: impl DoubleEndedIterator<Item = (&'a Solid, bool)>,
-        context: u32,
-        shared: bool,
-    ) {
-        let visits = operands.rev().map(|(solid, complemented)| {
-            Task::Visit(Visit { solid, context, complemented, shared: shared || solid.is_shared() })
-        });
-        self.tasks.extend(visits);
+    fn visit_all(&mut self, operands: impl DoubleEndedIterator<Item = &'a Solid>, context: u32) {
+        let visit =
+            |solid: &'a Solid| Visit { solid, context, complemented: false, shared: solid.is_shared() };
+        self.tasks.extend(operands.rev().map(|solid| Task::Visit(visit(solid))));
     }
 
     fn visit(&mut self, visit: Visit<'a>) -> Result<(), CompileError> {
-        let Visit { solid, context, complemented, shared } = visit;
-        let (union, intersection) = if complemented { (Op::All, Op::Any) } else { (Op::Any, Op::All) };
+        let Visit { solid, context, complemented, .. } = visit;
         match solid.node() {
-            Node::Vacuum => self.operand(if complemented { Edge::PLENUM } else { Edge::VACUUM }),
-            Node::Plenum => self.operand(if complemented { Edge::VACUUM } else { Edge::PLENUM }),
-            Node::Primitive(primitive) => self.shape(solid, primitive, context, complemented)?,
-            Node::Complement(inner) => {
-                self.visit_all([(inner, !complemented)].into_iter(), context, shared);
-            }
+            Node::Vacuum => self.operand(Edge::VACUUM, complemented),
+            Node::Plenum => self.operand(Edge::PLENUM, complemented),
+            Node::Primitive(primitive) => self.shape(visit, primitive)?,
+            Node::Complement(inner) => self.pass(inner, Visit { complemented: !complemented, ..visit }),
             Node::Transformed(map, inner) => {
                 let context = self.moved(context, solid, map)?;
-                self.visit_all([(inner, complemented)].into_iter(), context, shared);
+                self.pass(inner, Visit { context, ..visit });
             }
             Node::Named(name, inner) => {
                 let context = self.named(context, solid, name);
-                self.visit_all([(inner, complemented)].into_iter(), context, shared);
+                self.pass(inner, Visit { context, ..visit });
             }
-            Node::Union(all) => self.join(union, visit, all.iter().map(|s| (s, complemented))),
-            Node::Intersection(all) => {
-                self.join(intersection, visit, all.iter().map(|s| (s, complemented)));
-            }
-            Node::Difference(a, b) => {
-                let operands = [(a, complemented), (b, !complemented)].into_iter();
-                self.join(intersection, visit, operands);
-            }
-            Node::SymmetricDifference(all) => {
-                self.join(Op::Odd, visit, all.iter().map(|s| (s, false)));
-            }
+            Node::Union(all) => self.join(Op::Union, visit, all.iter()),
+            Node::Intersection(all) => self.join(Op::Intersection, visit, all.iter()),
+            Node::Difference(a, b) => self.join(Op::Difference, visit, [a, b].into_iter()),
+            Node::SymmetricDifference(all) => self.join(Op::SymmetricDifference, visit, all.iter()),
             Node::Placed(inner, maps) => self.placed(visit, inner, maps)?,
         }
         Ok(())
     }
 
-    fn top(&mut self) -> &mut Frame {
-        self.frames.last_mut().expect("the root frame is open for the whole walk")
+    fn operand(&mut self, edge: Edge, complemented: bool) {
+        self.operands.push(if complemented { edge.complement() } else { edge });
     }
 
-    fn operand(&mut self, edge: Edge) {
-        self.top().operands.push(edge);
+    /// Goes on with the only operand of a node that is none in the formula.
+    fn pass(&mut self, inner: &'a Solid, visit: Visit<'a>) {
+        let shared = visit.shared || inner.is_shared();
+        self.tasks.push(Task::Visit(Visit { solid: inner, shared, ..visit }));
     }
 
-    fn open(&mut self, op: Op, complemented: bool, key: Option<Key>) {
-        self.frames.push(Frame { op, complemented, operands: Vec::new(), key });
-    }
-
-    /// A gate of the given kind: merged into the gate above where that is of the same kind, looked up where
-    /// the node was met before, else opened. Shared nodes are never merged: they would be walked, and their
-    /// operands counted, once per use, which is quadratic in a chain whose every member is used, and
-    /// exponential where uses are nested.
-    fn join(
-        &mut self,
-        op: Op,
-        visit: Visit<'a>,
-        operands: impl DoubleEndedIterator<Item = (&'a Solid, bool)>,
-    ) {
+    /// An operator: looked up where it was met before, else opened.
+    fn join(&mut self, op: Op, visit: Visit<'a>, operands: impl DoubleEndedIterator<Item = &'a Solid>) {
         let Visit { solid, context, complemented, shared } = visit;
-        self.undirect(context);
-        let frame = self.top();
-        if frame.op == op && !shared {
-            frame.complemented ^= complemented && op == Op::Odd;
-            return self.visit_all(operands, context, false);
-        }
-        let key = (solid.address(), context, complemented);
+        let name = self.undirect(context);
+        let key = (solid.address(), context);
         if let Some(&edge) = shared.then(|| self.done.get(&key)).flatten() {
-            return self.operand(edge);
+            return self.operand(edge, complemented);
         }
-        self.open(op, complemented && op == Op::Odd, shared.then_some(key));
+        let (first, key) = (self.operands.len(), shared.then_some(key));
+        self.frames.push(Frame { op, complemented, first, key, name });
         self.tasks.push(Task::Close);
-        self.visit_all(operands, context, false);
+        self.visit_all(operands, context);
     }
 
     fn close(&mut self) {
-        let Some(frame) = self.frames.pop() else {
+        let Some(Frame { op, complemented, first, key, name }) = self.frames.pop() else {
             return;
         };
-        let edge = match frame.op {
-            Op::Any => self.expression.any(frame.operands),
-            Op::All => self.expression.all(frame.operands),
-            Op::Odd | Op::Root => self.expression.odd(frame.operands),
-        };
-        let edge = if frame.complemented { edge.complement() } else { edge };
-        if let Some(key) = frame.key {
+        let edge = self.formula.join(op, &self.operands[first..]);
+        self.operands.truncate(first);
+        if let Some(name) = name {
+            self.names.insert(edge.node().0, name);
+        }
+        if let Some(key) = key {
             self.done.insert(key, edge);
         }
-        self.operand(edge);
+        self.operand(edge, complemented);
     }
 
-    fn shape(
-        &mut self,
-        solid: &Solid,
-        primitive: &Primitive,
-        context: u32,
-        complemented: bool,
-    ) -> Result<(), CompileError> {
+    fn shape(&mut self, visit: Visit<'a>, primitive: &Primitive) -> Result<(), CompileError> {
+        let Visit { solid, context, complemented, .. } = visit;
         let key = (solid.address(), context);
-        let (leaf, inverted) = match self.leaf_of.get(&key) {
+        let edge = match self.leaf_of.get(&key) {
             Some(&known) => known,
             None => {
                 let lowered = primitive.lower();
                 let inverted = lowered.complement;
-                let name = self.leaf_name(context, primitive.name());
-                let leaf = self.leaf(
-                    name,
-                    context,
-                    primitive.name(),
-                    Content::Shape(Box::new((primitive.clone(), lowered))),
-                )?;
-                self.leaf_of.insert(key, (leaf, inverted));
-                (leaf, inverted)
+                let (name, what) = (self.leaf_name(context, primitive.name()), primitive.name());
+                let content = Content::Shape(Box::new((primitive.clone(), lowered)));
+                let leaf = self.leaf(name, context, what, content)?;
+                let edge = self.formula.leaf(leaf);
+                let edge = if inverted { edge.complement() } else { edge };
+                self.leaf_of.insert(key, edge);
+                edge
             }
         };
-        let edge = self.expression.leaf(leaf);
-        self.operand(if complemented ^ inverted { edge.complement() } else { edge });
+        self.operand(edge, complemented);
         Ok(())
     }
 
@@ -324,22 +284,22 @@ impl<'p, 'a> Lowering<'p, 'a> {
         inner: &'a Solid,
         maps: &'a Arc<[Affine]>,
     ) -> Result<(), CompileError> {
-        let Visit { solid, context, complemented, shared } = visit;
+        let Visit { solid, context, complemented, .. } = visit;
         match maps[..] {
             // no group of its own: one that nothing places would have no place in the program
-            [] => self.operand(if complemented { Edge::PLENUM } else { Edge::VACUUM }),
+            [] => self.operand(Edge::VACUUM, complemented),
             [ref map] => {
                 let context = self.moved(context, solid, map)?;
-                self.visit_all([(inner, complemented)].into_iter(), context, shared);
+                self.pass(inner, Visit { context, ..visit });
             }
             _ => {
-                let key = (solid.address(), context, false);
+                let key = (solid.address(), context);
                 let edge = match self.done.get(&key) {
                     Some(&edge) => edge,
                     None => self.instances(context, inner, maps)?,
                 };
                 self.done.insert(key, edge);
-                self.operand(if complemented { edge.complement() } else { edge });
+                self.operand(edge, complemented);
             }
         }
         Ok(())
@@ -362,9 +322,9 @@ impl<'p, 'a> Lowering<'p, 'a> {
             let leaf = self.leaf(name, place, "place", Content::Instance(prototype))?;
             self.contexts.pop();
             self.leaves[leaf.index()].context = context;
-            edges.push(self.expression.leaf(leaf));
+            edges.push(self.formula.leaf(leaf));
         }
-        Ok(self.expression.any(edges))
+        Ok(self.formula.join(Op::Union, &edges))
     }
 
     /// The context under a map, the same for each visit of the node.
@@ -402,9 +362,11 @@ impl<'p, 'a> Lowering<'p, 'a> {
         context
     }
 
-    /// From here on the innermost name belongs to a compound, not to one leaf.
-    fn undirect(&mut self, context: u32) {
-        self.contexts[context as usize].direct = false;
+    /// From here on the innermost name belongs to a compound, not to one leaf; the first time, answers with it.
+    fn undirect(&mut self, context: u32) -> Option<Arc<str>> {
+        let context = &mut self.contexts[context as usize];
+        let direct = std::mem::replace(&mut context.direct, false);
+        context.leaf_name.clone().filter(|_| direct)
     }
 
     /// The name of a leaf: the name given to it, or its kind after the name of the compound that it is in.

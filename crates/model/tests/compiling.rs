@@ -9,9 +9,14 @@ fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
     Solid::from(build(name, &arguments).unwrap())
 }
 
-/// Unit spheres two apart along x.
+/// Unit spheres two apart along x: neighbours touch.
 fn balls<const N: usize>() -> [Solid; N] {
-    std::array::from_fn(|k| shape("sphere", &[("radius", 1.0)]).translate([2.0 * k as f64, 0.0, 0.0]))
+    row(2.0)
+}
+
+/// Unit spheres along x.
+fn row<const N: usize>(step: f64) -> [Solid; N] {
+    std::array::from_fn(|k| shape("sphere", &[("radius", 1.0)]).translate([step * k as f64, 0.0, 0.0]))
 }
 
 #[track_caller]
@@ -22,7 +27,7 @@ fn check(solid: &Solid, expected: &str) {
 
 #[test]
 fn chains_are_flat_and_complements_at_the_leaves() {
-    let [a, b, c, d] = balls();
+    let [a, b, c, d] = row(0.25);
     check(&(&a | &b | &c | &d), "any{0, 1, 2, 3}");
     check(&(&a | (&b | (&c | &d))), "any{0, 1, 2, 3}");
     check(&(&a - &b - &c), "all{0, ~1, ~2}");
@@ -47,8 +52,24 @@ fn constants_vanish() {
 }
 
 #[test]
+fn what_bounds_show_not_to_matter_is_not_asked() {
+    let [a, b, c, d] = balls();
+    // neighbours touch, and touching is not apart
+    check(&(&a - &b - &c - &d), "all{0, ~1}");
+    check(&(&a & &b), "all{0, 1}");
+    check(&(&a & &c), "vacuum");
+    check(&((&a & &c) | &b), "2");
+    check(&(!&a | (&c & &d)), "~0");
+    check(&((&a | &b | &c) & &d), "all{2, 3}");
+    let program = Program::compile(&(&a - &c)).unwrap();
+    assert_eq!(program.leaves().len(), 2);
+    assert!(program.leaves()[1].matters.is_empty());
+    assert_eq!(program.surfaces().len(), 2);
+}
+
+#[test]
 fn a_solid_used_twice_is_one_leaf() {
-    let [a, b, c] = balls();
+    let [a, b, c] = row(0.25);
     check(&((&a & &b) | (&a & &c)), "any{all{0, 1}, all{0, 2}}");
     // doubled forty times over: linear in the number of steps
     let mut twice = a;

@@ -311,6 +311,7 @@ impl<'e> Builder<'e> {
 mod tests {
     use super::*;
     use crate::LeafId;
+    use crate::simplify::{Formula, Op, share};
 
     /// A small deterministic stream of numbers for random networks.
     struct Stream(u64);
@@ -324,8 +325,8 @@ mod tests {
 
     /// A random expression over `leaves` leaves; `deep` makes chains, `shared` uses nodes several times.
     fn random(stream: &mut Stream, leaves: usize, deep: bool, shared: bool) -> (Expression, Vec<Edge>) {
-        let mut e = Expression::default();
-        let mut pool: Vec<Edge> = (0..leaves).map(|k| e.leaf(LeafId::from(k))).collect();
+        let mut formula = Formula::default();
+        let mut pool: Vec<Edge> = (0..leaves).map(|k| formula.leaf(LeafId::from(k))).collect();
         while pool.len() > 3 {
             let arity = if deep { 2 } else { 2 + stream.below(3) };
             let operands: Vec<Edge> = (0..arity.min(pool.len()))
@@ -335,14 +336,12 @@ mod tests {
                     if stream.below(3) == 0 { edge.complement() } else { edge }
                 })
                 .collect();
-            let joined = match stream.below(3) {
-                0 => e.any(operands),
-                1 => e.all(operands),
-                _ => e.odd(operands),
-            };
-            pool.push(joined);
+            let op = [Op::Union, Op::Intersection, Op::SymmetricDifference][stream.below(3)];
+            pool.push(formula.join(op, &operands));
         }
-        (e, pool)
+        pool.into_iter().for_each(|edge| formula.ask(edge));
+        let formula = share(&formula);
+        (Expression::new(&formula), formula.outputs().to_vec())
     }
 
     fn check(seed: u64, leaves: usize, deep: bool, shared: bool) {

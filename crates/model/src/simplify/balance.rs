@@ -1,0 +1,95 @@
+//! Nodes of many operands as binary trees.
+
+use super::formula::{Formula, Op, Renumbered, Term};
+
+/// A step in the building of a binary tree with a stack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Put the operand of this number on the stack.
+    Operand(usize),
+    /// Take two off, first the second one, and put them back as one.
+    Join,
+}
+
+/// Promise: the steps that join `count` operands, in order, to a binary tree of the least height.
+///
+/// Each node halves what is below it, so that the height is log2 of the count, rounded up.
+pub fn balanced(count: usize) -> Vec<Step> {
+    let mut steps = Vec::with_capacity((2 * count).saturating_sub(1));
+    let mut waiting = vec![Ok(0..count)];
+    while let Some(next) = waiting.pop() {
+        match next {
+            Ok(range) if range.is_empty() => {}
+            Ok(range) if range.len() == 1 => steps.push(Step::Operand(range.start)),
+            Ok(range) => {
+                let middle = range.start + range.len() / 2;
+                waiting.extend([Err(Step::Join), Ok(middle..range.end), Ok(range.start..middle)]);
+            }
+            Err(join) => steps.push(join),
+        }
+    }
+    steps
+}
+
+/// Promise: the same answer and the same order of leaves, with nodes of many operands as balanced binary trees.
+///
+/// "At least k of n" is no chain of an operation on two operands: such nodes stay as they are, where neither one nor
+/// all operands are enough. Of a difference the first operand stands alone: `a - (b | c)`.
+pub fn balance(formula: &Formula) -> Formula {
+    let uses = formula.uses();
+    let mut out = Formula::like(formula);
+    let mut to = Renumbered::new(formula);
+    let (mut operands, mut stack) = (Vec::new(), Vec::new());
+    for (node, term, all) in formula.nodes() {
+        let tag = formula.tag(node);
+        operands.clear();
+        operands.extend(all.iter().map(|&edge| to.edge(edge)));
+        let edge = match term {
+            _ if uses[node.index()] == 0 => continue,
+            Term::Vacuum | Term::Plenum => continue,
+            Term::Leaf(_) => out.tagged(term, &[], tag),
+            Term::Join(_) if operands.len() < 3 => out.tagged(term, &operands, tag),
+            Term::Join(Op::Difference) => {
+                let rest = binary(&mut out, Op::Union, &operands[1..], tag, &mut stack);
+                out.tagged(term, &[operands[0], rest], tag)
+            }
+            Term::Join(op) => match pairwise(op, operands.len()) {
+                Some(op) => binary(&mut out, op, &operands, tag, &mut stack),
+                None => out.tagged(term, &operands, tag),
+            },
+        };
+        to.set(node, edge);
+    }
+    to.ask_all(formula, &mut out);
+    out
+}
+
+/// The operation on two operands of which one on many is a chain.
+fn pairwise(op: Op, count: usize) -> Option<Op> {
+    match op {
+        Op::AtLeast(1) => Some(Op::Union),
+        Op::AtLeast(least) if least as usize == count => Some(Op::Intersection),
+        Op::AtLeast(_) => None,
+        op => Some(op),
+    }
+}
+
+/// The root of the balanced tree over at least one operand.
+fn binary(
+    out: &mut Formula,
+    op: Op,
+    operands: &[crate::Edge],
+    tag: u32,
+    stack: &mut Vec<crate::Edge>,
+) -> crate::Edge {
+    for step in balanced(operands.len()) {
+        match step {
+            Step::Operand(k) => stack.push(operands[k]),
+            Step::Join => {
+                let pair = stack.split_off(stack.len() - 2);
+                stack.push(out.tagged(Term::Join(op), &pair, tag));
+            }
+        }
+    }
+    stack.pop().unwrap_or(crate::Edge::VACUUM)
+}

@@ -1,0 +1,129 @@
+//! Constants, idempotence, contradiction.
+
+use super::formula::{Formula, Op, Renumbered, Term};
+use crate::Edge;
+
+/// Promise: the same answer, without constants, repeated operands and operands beside their own complement.
+///
+/// `a | vacuum` and `a & a` turn into `a`, `a - a` into vacuum, `a ^ a ^ b` into `b`; what that makes constant vanishes in
+/// turn. Operands are put into the order of their numbers, which is that of their first leaves as far as nodes are
+/// numbered in the order of declaration.
+pub fn fold(formula: &Formula) -> Formula {
+    let uses = formula.uses();
+    let mut out = Formula::like(formula);
+    let mut to = Renumbered::new(formula);
+    let mut operands = Vec::new();
+    for (node, term, all) in formula.nodes() {
+        match term {
+            _ if uses[node.index()] == 0 => {}
+            Term::Vacuum | Term::Plenum => {}
+            Term::Leaf(_) => to.set(node, out.tagged(term, &[], formula.tag(node))),
+            Term::Join(op) => {
+                operands.clear();
+                operands.extend(all.iter().map(|&edge| to.edge(edge)));
+                let edge = match fold_join(op, &mut operands) {
+                    Folded::Edge(edge) => edge,
+                    Folded::Join { op, complemented } => {
+                        let edge = out.tagged(Term::Join(op), &operands, formula.tag(node));
+                        if complemented { edge.complement() } else { edge }
+                    }
+                };
+                to.set(node, edge);
+            }
+        }
+    }
+    to.ask_all(formula, &mut out);
+    out
+}
+
+/// What a node is folded to.
+pub(super) enum Folded {
+    /// One of its operands, or a constant.
+    Edge(Edge),
+    /// A node with the operands that are left.
+    Join { op: Op, complemented: bool },
+}
+
+/// The rules for one node. Its operands are sorted, and those that are not needed are taken out.
+pub(super) fn fold_join(op: Op, operands: &mut Vec<Edge>) -> Folded {
+    match op {
+        Op::Union => fold_chain(op, operands, Edge::VACUUM),
+        Op::Intersection => fold_chain(op, operands, Edge::PLENUM),
+        Op::Difference if operands.is_empty() => Folded::Edge(Edge::VACUUM),
+        Op::Difference => {
+            operands[1..].iter_mut().for_each(|edge| *edge = edge.complement());
+            fold_chain(Op::Intersection, operands, Edge::PLENUM)
+        }
+        Op::SymmetricDifference => fold_odd(operands),
+        Op::AtLeast(least) => fold_count(least, operands),
+    }
+}
+
+fn fold_chain(op: Op, operands: &mut Vec<Edge>, neutral: Edge) -> Folded {
+    let absorbing = neutral.complement();
+    operands.sort_unstable();
+    operands.dedup();
+    operands.retain(|&edge| edge != neutral);
+    // sorted, so an operand and its complement are neighbours
+    let contradiction = operands.windows(2).any(|pair| pair[0].complement() == pair[1]);
+    if contradiction || operands.contains(&absorbing) {
+        return Folded::Edge(absorbing);
+    }
+    match operands[..] {
+        [] => Folded::Edge(neutral),
+        [only] => Folded::Edge(only),
+        _ => Folded::Join { op, complemented: false },
+    }
+}
+
+/// Complements move to the result, and equal operands cancel.
+fn fold_odd(operands: &mut Vec<Edge>) -> Folded {
+    let mut complemented = false;
+    for edge in operands.iter_mut() {
+        if edge.is_complemented() || *edge == Edge::PLENUM {
+            complemented = !complemented;
+            *edge = edge.complement();
+        }
+    }
+    operands.retain(|&edge| edge != Edge::VACUUM);
+    operands.sort_unstable();
+    cancel(operands, |a, b| a == b);
+    match operands[..] {
+        [] if complemented => Folded::Edge(Edge::PLENUM),
+        [] => Folded::Edge(Edge::VACUUM),
+        [only] if complemented => Folded::Edge(only.complement()),
+        [only] => Folded::Edge(only),
+        _ => Folded::Join { op: Op::SymmetricDifference, complemented },
+    }
+}
+
+/// Takes out neighbours that cancel, and their neighbours in turn; answers with the number of pairs.
+fn cancel(operands: &mut Vec<Edge>, cancels: impl Fn(Edge, Edge) -> bool) -> u32 {
+    let (mut kept, mut pairs) = (0, 0);
+    for k in 0..operands.len() {
+        if kept > 0 && cancels(operands[kept - 1], operands[k]) {
+            (kept, pairs) = (kept - 1, pairs + 1);
+        } else {
+            operands[kept] = operands[k];
+            kept += 1;
+        }
+    }
+    operands.truncate(kept);
+    pairs
+}
+
+/// At least so many of the operands: of an operand and its complement exactly one counts, whatever its value.
+fn fold_count(least: u32, operands: &mut Vec<Edge>) -> Folded {
+    let full = operands.iter().filter(|&&edge| edge == Edge::PLENUM).count() as u32;
+    operands.retain(|&edge| edge != Edge::PLENUM && edge != Edge::VACUUM);
+    operands.sort_unstable();
+    let pairs = cancel(operands, |a, b| a.complement() == b);
+    let (least, count) = (least.saturating_sub(full + pairs), operands.len() as u32);
+    match least {
+        0 => Folded::Edge(Edge::PLENUM),
+        _ if least > count => Folded::Edge(Edge::VACUUM),
+        1 => fold_chain(Op::Union, operands, Edge::VACUUM),
+        _ if least == count => fold_chain(Op::Intersection, operands, Edge::PLENUM),
+        _ => Folded::Join { op: Op::AtLeast(least), complemented: false },
+    }
+}

@@ -1,0 +1,242 @@
+//! A boolean formula over leaves: a flat list of nodes, operands before the nodes that use them.
+
+use crate::expression::{Writing, write_tree};
+use crate::{Edge, LeafId, NodeId};
+
+/// How a node is joined from its operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Op {
+    /// Inside any operand; of none: nothing.
+    Union,
+    /// Inside all operands; of none: all of space.
+    Intersection,
+    /// Inside the first operand and none of the others; of none: nothing.
+    Difference,
+    /// Inside an odd number of operands.
+    SymmetricDifference,
+    /// Inside at least so many operands.
+    AtLeast(u32),
+}
+
+impl Op {
+    /// The value for given values of the operands.
+    pub fn of(self, mut operands: impl Iterator<Item = bool>) -> bool {
+        match self {
+            Op::Union => operands.any(|inside| inside),
+            Op::Intersection => operands.all(|inside| inside),
+            Op::Difference => operands.next().unwrap_or(false) && !operands.any(|inside| inside),
+            Op::SymmetricDifference => operands.fold(false, |odd, inside| odd ^ inside),
+            Op::AtLeast(least) => operands.filter(|&inside| inside).count() >= least as usize,
+        }
+    }
+}
+
+/// What a node is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Term {
+    /// Never inside; node 0.
+    Vacuum,
+    /// Always inside; node 1.
+    Plenum,
+    /// A leaf, by its number in the group.
+    Leaf(LeafId),
+    /// A boolean function of other nodes.
+    Join(Op),
+}
+
+/// A formula with one or more outputs.
+///
+/// Node 0 is vacuum, node 1 plenum, and operands stand before their users. A complement is a mark on an operand
+/// ([`Edge`]). A part that is used more than once may be stored once. Each node has a *tag*, which the passes hand
+/// on: from what node of the formula as it was written it comes.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    terms: Vec<Term>,
+    /// Where the operands of each node end.
+    ends: Vec<u32>,
+    operands: Vec<Edge>,
+    tags: Vec<u32>,
+    outputs: Vec<Edge>,
+}
+
+impl Default for Formula {
+    fn default() -> Self {
+        Formula::with_capacity(0, 0)
+    }
+}
+
+impl Formula {
+    /// The two constants, with room for more.
+    pub fn with_capacity(nodes: usize, operands: usize) -> Formula {
+        let mut formula = Formula {
+            terms: Vec::with_capacity(nodes + 2),
+            ends: Vec::with_capacity(nodes + 2),
+            operands: Vec::with_capacity(operands),
+            tags: Vec::with_capacity(nodes + 2),
+            outputs: Vec::new(),
+        };
+        formula.push(Term::Vacuum, 0);
+        formula.push(Term::Plenum, 1);
+        formula
+    }
+
+    /// Room for about as much as another formula holds.
+    pub(super) fn like(other: &Formula) -> Formula {
+        Formula::with_capacity(other.terms.len(), other.operands.len())
+    }
+
+    fn push(&mut self, term: Term, tag: u32) -> Edge {
+        let node = NodeId::from(self.terms.len());
+        self.terms.push(term);
+        self.ends.push(self.operands.len() as u32);
+        self.tags.push(tag);
+        Edge::new(node, false)
+    }
+
+    /// Appends a leaf.
+    pub fn leaf(&mut self, leaf: LeafId) -> Edge {
+        let tag = self.terms.len() as u32;
+        self.push(Term::Leaf(leaf), tag)
+    }
+
+    /// Appends a node with its operands, just as they are.
+    pub fn join(&mut self, op: Op, operands: &[Edge]) -> Edge {
+        let tag = self.terms.len() as u32;
+        self.tagged(Term::Join(op), operands, tag)
+    }
+
+    /// Appends a node that comes from the same place as another one.
+    pub(super) fn tagged(&mut self, term: Term, operands: &[Edge], tag: u32) -> Edge {
+        debug_assert!(operands.iter().all(|edge| edge.node().index() < self.terms.len()));
+        self.operands.extend_from_slice(operands);
+        self.push(term, tag)
+    }
+
+    /// Adds an output.
+    pub fn ask(&mut self, output: Edge) {
+        self.outputs.push(output);
+    }
+
+    /// What is asked of the formula.
+    pub fn outputs(&self) -> &[Edge] {
+        &self.outputs
+    }
+
+    /// The number of nodes, the two constants included.
+    pub fn node_count(&self) -> usize {
+        self.terms.len()
+    }
+
+    /// What a node is.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn term(&self, node: NodeId) -> Term {
+        self.terms[node.index()]
+    }
+
+    /// The operands of a node; none of a leaf or a constant.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn operands(&self, node: NodeId) -> &[Edge] {
+        let begin = node.index().checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.operands[begin as usize..self.ends[node.index()] as usize]
+    }
+
+    /// From what node of the formula as it was written a node comes.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn tag(&self, node: NodeId) -> u32 {
+        self.tags[node.index()]
+    }
+
+    /// All nodes in order.
+    pub fn nodes(&self) -> impl DoubleEndedIterator<Item = (NodeId, Term, &[Edge])> {
+        (0..self.terms.len()).map(|k| {
+            let node = NodeId::from(k);
+            (node, self.terms[k], self.operands(node))
+        })
+    }
+
+    /// How often each node is used, by nodes that are asked for and by outputs; 0 where it is not asked for.
+    pub fn uses(&self) -> Vec<u32> {
+        let mut uses = vec![0; self.terms.len()];
+        self.outputs.iter().for_each(|edge| uses[edge.node().index()] += 1);
+        for (node, _, operands) in self.nodes().rev() {
+            if uses[node.index()] > 0 {
+                operands.iter().for_each(|edge| uses[edge.node().index()] += 1);
+            }
+        }
+        uses
+    }
+
+    /// The value of every node for given values of the leaves: the plain meaning of the formula.
+    pub fn evaluate(&self, inside: impl Fn(LeafId) -> bool, values: &mut Vec<bool>) {
+        values.clear();
+        for (_, term, operands) in self.nodes() {
+            let value = match term {
+                Term::Vacuum => false,
+                Term::Plenum => true,
+                Term::Leaf(leaf) => inside(leaf),
+                Term::Join(op) => {
+                    op.of(operands.iter().map(|e| values[e.node().index()] ^ e.is_complemented()))
+                }
+            };
+            values.push(value);
+        }
+    }
+
+    /// What is below an edge as text: leaves by number, `~` complement, `any{..}`, `all{..}`, `minus{..}`,
+    /// `odd{..}`, `at_least_2{..}`. Linear in the size of the text, which writes shared nodes out wherever
+    /// they are used.
+    pub fn text(&self, edge: Edge) -> String {
+        self.text_by(edge, |leaf| leaf.0.to_string(), usize::MAX)
+    }
+
+    /// The same with names for leaves, cut off where it gets longer than `most` bytes.
+    pub(super) fn text_by(&self, edge: Edge, leaf_name: impl Fn(LeafId) -> String, most: usize) -> String {
+        let writing = |node| match self.term(node) {
+            Term::Vacuum => Writing::Text("vacuum".into()),
+            Term::Plenum => Writing::Text("plenum".into()),
+            Term::Leaf(leaf) => Writing::Text(leaf_name(leaf)),
+            Term::Join(op) => Writing::Join(name(op), self.operands(node)),
+        };
+        write_tree(edge, writing, most)
+    }
+}
+
+fn name(op: Op) -> String {
+    match op {
+        Op::Union => "any".into(),
+        Op::Intersection => "all".into(),
+        Op::Difference => "minus".into(),
+        Op::SymmetricDifference => "odd".into(),
+        Op::AtLeast(least) => format!("at_least_{least}"),
+    }
+}
+
+/// Where the nodes of a formula are in the next one, as edges: a node may turn into a complement.
+pub(super) struct Renumbered(Vec<Edge>);
+
+impl Renumbered {
+    pub fn new(formula: &Formula) -> Renumbered {
+        let mut to = vec![Edge::VACUUM; formula.node_count()];
+        to[1] = Edge::PLENUM;
+        Renumbered(to)
+    }
+
+    pub fn set(&mut self, node: NodeId, edge: Edge) {
+        self.0[node.index()] = edge;
+    }
+
+    pub fn edge(&self, edge: Edge) -> Edge {
+        let to = self.0[edge.node().index()];
+        if edge.is_complemented() { to.complement() } else { to }
+    }
+
+    pub fn ask_all(&self, from: &Formula, to: &mut Formula) {
+        from.outputs().iter().for_each(|&output| to.ask(self.edge(output)));
+    }
+}

@@ -1,0 +1,127 @@
+//! Positive form (De Morgan).
+
+use super::formula::{Formula, Op, Term};
+use crate::{Edge, NodeId};
+
+/// Promise: the same answer, with complements at leaves and on symmetric differences only, and no difference left.
+///
+/// `~(a | b)` turns into `~a & ~b`, `a - b` into `a & ~b`, "not at least k of n" into "at least n - k + 1 of the
+/// complements" (De Morgan, 1847). A symmetric difference passes its operands' complements to its own. A node that
+/// is used both ways is written out twice, so that the result has at most twice the nodes.
+pub fn positive(formula: &Formula) -> Formula {
+    let needed = needed(formula);
+    let mut out = Formula::like(formula);
+    // the edges for a node and for its complement
+    let mut to = vec![[Edge::VACUUM, Edge::PLENUM]; formula.node_count()];
+    to[1] = [Edge::PLENUM, Edge::VACUUM];
+    let mut operands = Vec::new();
+    for (node, term, _) in formula.nodes() {
+        let [plain, complemented] = needed[node.index()];
+        match term {
+            Term::Vacuum | Term::Plenum => {}
+            _ if !(plain || complemented) => {}
+            Term::Leaf(_) | Term::Join(Op::SymmetricDifference) => {
+                let odd = collect_odd(formula, node, &to, &mut operands);
+                let edge = out.tagged(term, &operands, formula.tag(node));
+                let edge = if odd { edge.complement() } else { edge };
+                to[node.index()] = [edge, edge.complement()];
+            }
+            Term::Join(op) => {
+                for side in [false, true] {
+                    if needed[node.index()][usize::from(side)] {
+                        let op = collect(formula, node, op, side, &to, &mut operands);
+                        let edge = out.tagged(Term::Join(op), &operands, formula.tag(node));
+                        to[node.index()][usize::from(side)] = edge;
+                    }
+                }
+            }
+        }
+    }
+    for &output in formula.outputs() {
+        out.ask(to[output.node().index()][usize::from(output.is_complemented())]);
+    }
+    out
+}
+
+/// True if there is nothing to do for [`positive`].
+pub(super) fn is_positive(formula: &Formula) -> bool {
+    let uses = formula.uses();
+    let keeps = |edge: &Edge| !edge.is_complemented() || keeps_complements(formula.term(edge.node()));
+    let mut asked = formula.nodes().filter(|(node, ..)| uses[node.index()] > 0);
+    asked.all(|(_, term, operands)| term != Term::Join(Op::Difference) && operands.iter().all(keeps))
+        && formula.outputs().iter().all(keeps)
+}
+
+/// True if complements stay at a node.
+pub(super) fn keeps_complements(term: Term) -> bool {
+    !matches!(term, Term::Join(op) if op != Op::SymmetricDifference)
+}
+
+/// Whether each node is needed as it is, and as its complement.
+fn needed(formula: &Formula) -> Vec<[bool; 2]> {
+    let mut needed = vec![[false; 2]; formula.node_count()];
+    let mark = |needed: &mut Vec<[bool; 2]>, edge: Edge, complemented: bool| {
+        needed[edge.node().index()][usize::from(edge.is_complemented() ^ complemented)] = true;
+    };
+    formula.outputs().iter().for_each(|&edge| mark(&mut needed, edge, false));
+    for (node, term, operands) in formula.nodes().rev() {
+        let [plain, complemented] = needed[node.index()];
+        match term {
+            Term::Join(Op::SymmetricDifference) if plain || complemented => {
+                operands.iter().for_each(|&edge| mark(&mut needed, edge, edge.is_complemented()));
+            }
+            Term::Join(op) => {
+                for side in [false, true] {
+                    if needed[node.index()][usize::from(side)] {
+                        for (k, &edge) in operands.iter().enumerate() {
+                            mark(&mut needed, edge, side ^ (op == Op::Difference && k > 0));
+                        }
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    needed
+}
+
+/// The operands of a symmetric difference without complements; true if an odd number of them had one.
+fn collect_odd(formula: &Formula, node: NodeId, to: &[[Edge; 2]], operands: &mut Vec<Edge>) -> bool {
+    operands.clear();
+    let mut odd = false;
+    for &edge in formula.operands(node) {
+        let plain = to[edge.node().index()][0];
+        let (plain, turned) =
+            if plain.is_complemented() { (plain.complement(), true) } else { (plain, false) };
+        odd ^= edge.is_complemented() ^ turned;
+        operands.push(plain);
+    }
+    odd
+}
+
+/// The operands of a node, or of its complement, with the operation that joins them.
+fn collect(
+    formula: &Formula,
+    node: NodeId,
+    op: Op,
+    side: bool,
+    to: &[[Edge; 2]],
+    operands: &mut Vec<Edge>,
+) -> Op {
+    operands.clear();
+    let all = formula.operands(node);
+    operands.extend(all.iter().enumerate().map(|(k, edge)| {
+        let complemented = edge.is_complemented() ^ side ^ (op == Op::Difference && k > 0);
+        to[edge.node().index()][usize::from(complemented)]
+    }));
+    match (op, side) {
+        (Op::Union, false) | (Op::Intersection, true) => Op::Union,
+        // nothing, less nothing, is nothing
+        (Op::Difference, false) if all.is_empty() => Op::Union,
+        (Op::Difference, true) if all.is_empty() => Op::Intersection,
+        (Op::Difference, true) => Op::Union,
+        (Op::AtLeast(least), true) => Op::AtLeast((all.len() as u32 + 1).saturating_sub(least)),
+        (Op::AtLeast(least), false) => Op::AtLeast(least),
+        _ => Op::Intersection,
+    }
+}

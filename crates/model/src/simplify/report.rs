@@ -1,0 +1,316 @@
+//! What the preparation of a model did, for people.
+
+use super::bounds::{Beyond, bounds};
+use super::formula::{Formula, Op, Term};
+use super::positive::keeps_complements;
+use super::prune::{Cut, Reason, reason};
+use super::{Pass, Watch, balance, height};
+use crate::compile::compile_watched;
+use crate::lower::Group;
+use crate::{CompileError, Edge, LeafId, PrototypeId, Region};
+use rayweave_math::Bounds;
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// What the preparation of one group did: of the model itself, or of a placed solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preparation {
+    /// The group.
+    pub group: PrototypeId,
+    /// The passes in order; each starts from what the one before it left.
+    pub passes: Vec<PassReport>,
+    /// What bounds showed not to matter.
+    pub removals: Vec<Removal>,
+    /// The names of the leaves that are not asked any more, whatever the reason.
+    pub unasked: Vec<String>,
+    /// As binary trees, as the single-hit evaluator has them.
+    pub balanced: Size,
+    /// The formula as it was written, by the names of leaves; cut off if it is long.
+    pub written: String,
+    /// The formula as it is kept, likewise.
+    pub kept: String,
+    /// The union of the boxes of all leaves.
+    pub loose: Bounds,
+    /// The box that follows from how they are joined.
+    pub tight: Bounds,
+}
+
+/// What a pass did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PassReport {
+    /// Which.
+    pub pass: Pass,
+    /// The size of the formula before it.
+    pub before: Size,
+    /// The size after it.
+    pub after: Size,
+}
+
+/// How large a formula is; shared nodes count once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Size {
+    /// The number of different leaves.
+    pub leaves: usize,
+    /// The number of operators.
+    pub operators: usize,
+    /// The number of operands that are complements of operators other than symmetric differences.
+    pub complements: usize,
+    /// The number of operators on the longest way from an output to a leaf.
+    pub height: u32,
+}
+
+/// A part that is not asked any more, because bounds show that it does not matter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Removal {
+    /// What it is called.
+    pub part: String,
+    /// Why it does not matter.
+    pub why: String,
+    /// What the operand is replaced by: plenum or vacuum.
+    pub inside: bool,
+}
+
+impl Preparation {
+    /// Compiles a model, and tells what the preparation of each of its groups did, the model itself first.
+    ///
+    /// # Errors
+    /// As [`crate::Program::compile_regions`].
+    pub fn of_regions(regions: &[Region]) -> Result<Vec<Preparation>, CompileError> {
+        let reports = RefCell::new(Vec::new());
+        compile_watched(regions, |id, group| Reporter::new(id, group, &reports))?;
+        let mut reports = reports.into_inner();
+        reports.sort_by_key(|report: &Preparation| report.group);
+        Ok(reports)
+    }
+
+    /// The formula as it was written, and as it is kept.
+    pub fn sizes(&self) -> (Size, Size) {
+        let first = self.passes.first().map(|pass| pass.before).unwrap_or_default();
+        (first, self.passes.last().map_or(first, |pass| pass.after))
+    }
+
+    /// The report as text, with at most so many removed parts.
+    pub fn text(&self, most: usize) -> String {
+        let (written, kept) = self.sizes();
+        let mut text = format!("as written  {}\nas kept     {}\n\n", self.written, self.kept);
+        text += "pass      operators       height    it makes sure of\n";
+        for PassReport { pass, before, after } in &self.passes {
+            let (operators, heights) =
+                (arrow(before.operators, after.operators), arrow(before.height, after.height));
+            text += &format!("{:<8}  {operators:<14}  {heights:<8}  {}\n", pass.name(), pass.promise());
+        }
+        let (operators, heights) =
+            (arrow(kept.operators, self.balanced.operators), arrow(kept.height, self.balanced.height));
+        text += &format!(
+            "{:<8}  {operators:<14}  {heights:<8}  {}\n\n",
+            "balance", "operators on two, for the single-hit evaluator alone"
+        );
+        text += &format!("leaves      {} of {} are asked\n", kept.leaves, kept.leaves + self.unasked.len());
+        text += &format!(
+            "complements {} of operators as written, {} as kept\n",
+            written.complements, kept.complements
+        );
+        text += &format!("bounds      {} around all leaves\n", bounds_text(&self.loose));
+        text += &format!("            {} around what is asked for\n", bounds_text(&self.tight));
+        self.removed(most, &mut text);
+        text
+    }
+
+    fn removed(&self, most: usize, text: &mut String) {
+        if self.removals.is_empty() {
+            return;
+        }
+        *text += "\nnot asked, as bounds show that it does not matter:\n";
+        for Removal { part, why, .. } in self.removals.iter().take(most) {
+            *text += &format!("  {part}: {why}\n");
+        }
+        if self.removals.len() > most {
+            *text += &format!("  ... and {} more\n", self.removals.len() - most);
+        }
+    }
+}
+
+impl fmt::Display for Preparation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text(20))
+    }
+}
+
+fn arrow<T: PartialEq + fmt::Display>(before: T, after: T) -> String {
+    if before == after { before.to_string() } else { format!("{before} -> {after}") }
+}
+
+fn bounds_text(bounds: &Bounds) -> String {
+    let corner = |p: rayweave_math::Vec3| format!("({}, {}, {})", short(p.x), short(p.y), short(p.z));
+    if bounds.is_empty() {
+        "nothing".into()
+    } else {
+        format!("{} to {}", corner(bounds.lo), corner(bounds.hi))
+    }
+}
+
+/// A number to six digits.
+fn short(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+impl Size {
+    /// The size of what is asked for of a formula.
+    pub fn of(formula: &Formula) -> Size {
+        let uses = formula.uses();
+        let mut size = Size { height: height(formula), ..Size::default() };
+        let mut leaves = Vec::new();
+        let sinks = |edge: &&Edge| edge.is_complemented() && !keeps_complements(formula.term(edge.node()));
+        let complements = |edges: &[Edge]| edges.iter().filter(sinks).count();
+        for (node, term, operands) in formula.nodes() {
+            match term {
+                _ if uses[node.index()] == 0 => {}
+                Term::Leaf(leaf) => leaves.push(leaf),
+                Term::Join(_) => {
+                    size.operators += 1;
+                    size.complements += complements(operands);
+                }
+                Term::Vacuum | Term::Plenum => {}
+            }
+        }
+        leaves.sort_unstable();
+        leaves.dedup();
+        Size { leaves: leaves.len(), complements: size.complements + complements(formula.outputs()), ..size }
+    }
+}
+
+/// Looks on while a group is prepared, and writes its report.
+struct Reporter<'r> {
+    names: Names,
+    report: Preparation,
+    reports: &'r RefCell<Vec<Preparation>>,
+}
+
+impl<'r> Reporter<'r> {
+    fn new(id: usize, group: &Group, reports: &'r RefCell<Vec<Preparation>>) -> Self {
+        let leaves: Vec<Arc<str>> = group.leaves.iter().map(|leaf| leaf.name.clone()).collect();
+        let report = Preparation {
+            group: PrototypeId::from(id),
+            passes: Vec::new(),
+            removals: Vec::new(),
+            unasked: Vec::new(),
+            balanced: Size::default(),
+            written: String::new(),
+            kept: String::new(),
+            loose: Bounds::EMPTY,
+            tight: Bounds::EMPTY,
+        };
+        Reporter { names: Names { leaves, compounds: group.names.clone() }, report, reports }
+    }
+}
+
+impl Watch for Reporter<'_> {
+    fn pass(&mut self, pass: Pass, before: &Formula, after: &Formula) {
+        self.report.passes.push(PassReport { pass, before: Size::of(before), after: Size::of(after) });
+    }
+
+    fn cuts(&mut self, formula: &Formula, leaves: &[Bounds], cuts: &[Cut]) {
+        let nodes = bounds(formula, leaves);
+        let removal = |&cut: &Cut| {
+            let part = self.names.plain(formula, cut.part);
+            Removal { part, why: self.names.why(formula, &nodes, cut), inside: cut.inside }
+        };
+        self.report.removals = cuts.iter().map(removal).collect();
+    }
+
+    fn finish(&mut self, written: &Formula, kept: &Formula, leaves: &[Bounds], tight: Bounds) {
+        let mut asked = vec![false; leaves.len()];
+        let uses = kept.uses();
+        for (node, term, _) in kept.nodes() {
+            if let Term::Leaf(leaf) = term {
+                asked[leaf.index()] |= uses[node.index()] > 0;
+            }
+        }
+        let unasked = self.names.leaves.iter().zip(&asked).filter(|(_, asked)| !**asked);
+        self.report.unasked = unasked.map(|(name, _)| name.to_string()).collect();
+        self.report.balanced = Size::of(&balance(kept));
+        self.report.written = self.names.outputs(written);
+        self.report.kept = self.names.outputs(kept);
+        self.report.loose = leaves.iter().fold(Bounds::EMPTY, |all, leaf| all.union(leaf));
+        self.report.tight = tight;
+        self.reports.borrow_mut().push(self.report.clone());
+    }
+}
+
+/// What parts are called.
+struct Names {
+    leaves: Vec<Arc<str>>,
+    /// By tag.
+    compounds: HashMap<u32, Arc<str>>,
+}
+
+/// Formulas longer than this are cut off, in bytes.
+const LONG: usize = 160;
+
+/// Descriptions of parts longer than this are replaced by counts, in bytes.
+const WORDY: usize = 48;
+
+impl Names {
+    fn leaf(&self, leaf: LeafId) -> &str {
+        self.leaves.get(leaf.index()).map_or("", |name| &**name)
+    }
+
+    fn outputs(&self, formula: &Formula) -> String {
+        let mut texts = Vec::new();
+        let mut left = LONG;
+        for &output in formula.outputs() {
+            let text = formula.text_by(output, |leaf| self.leaf(leaf).to_owned(), left);
+            left = left.saturating_sub(text.len());
+            texts.push(text);
+            if left == 0 {
+                break;
+            }
+        }
+        let rest = formula.outputs().len() - texts.len();
+        let more = if rest > 0 { format!("; and {rest} more") } else { String::new() };
+        format!("{}{more}", texts.join("; "))
+    }
+
+    /// A part, complemented or not, without its complement.
+    fn plain(&self, formula: &Formula, edge: Edge) -> String {
+        let node = edge.node();
+        let op = match formula.term(node) {
+            Term::Leaf(leaf) => return self.leaf(leaf).to_owned(),
+            Term::Vacuum => return "vacuum".to_owned(),
+            Term::Plenum => return "plenum".to_owned(),
+            Term::Join(op) => op,
+        };
+        if let Some(name) = self.compounds.get(&formula.tag(node)) {
+            return name.to_string();
+        }
+        let text = formula.text_by(Edge::new(node, false), |leaf| self.leaf(leaf).to_owned(), WORDY);
+        if text.len() <= WORDY {
+            return text;
+        }
+        let count = formula.operands(node).len();
+        match op {
+            Op::Union => format!("a union of {count}"),
+            Op::Intersection | Op::Difference => format!("an intersection of {count}"),
+            Op::SymmetricDifference => format!("a symmetric difference of {count}"),
+            Op::AtLeast(least) => format!("at least {least} of {count}"),
+        }
+    }
+
+    fn why(&self, formula: &Formula, nodes: &[Beyond], cut: Cut) -> String {
+        let name = |edge: Edge| self.plain(formula, edge);
+        match reason(formula, nodes, cut) {
+            Reason::Constant(pair) => {
+                let what = if nodes[cut.part.node().index()].inside { "everywhere" } else { "nowhere" };
+                let why = |(a, b)| format!(", as the bounds of {} and {} are disjoint", name(a), name(b));
+                format!("it is {what}{}", pair.map_or_else(String::new, why))
+            }
+            Reason::Apart(from) => format!("it lies outside {} (A - B with disjoint bounds)", name(from)),
+            Reason::Absorbed(by) => {
+                format!("it is absorbed by the complement of {}, which it lies outside of", name(by))
+            }
+            Reason::Decided => "it lies where the rest decides".to_owned(),
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Equal sub-trees.
+
+use super::fold::{Folded, fold_join};
+use super::formula::{Formula, Renumbered, Term};
+use crate::{Edge, NodeId};
+use std::collections::HashMap;
+use std::hash::{BuildHasher, RandomState};
+
+/// Promise: the same answer, with equal sub-trees stored once.
+///
+/// Value numbering from the leaves upwards (hash-consing: Ershov, 1958). Where operands turn out to be equal, the
+/// rules of [`fold`](super::fold()) apply again.
+pub fn share(formula: &Formula) -> Formula {
+    let uses = formula.uses();
+    let mut shared = Shared { out: Formula::like(formula), ..Shared::default() };
+    let mut to = Renumbered::new(formula);
+    let mut operands = Vec::new();
+    for (node, term, all) in formula.nodes() {
+        let tag = formula.tag(node);
+        match term {
+            _ if uses[node.index()] == 0 => {}
+            Term::Vacuum | Term::Plenum => {}
+            Term::Leaf(_) => to.set(node, shared.insert(term, &[], tag)),
+            Term::Join(op) => {
+                operands.clear();
+                operands.extend(all.iter().map(|&edge| to.edge(edge)));
+                let edge = match fold_join(op, &mut operands) {
+                    Folded::Edge(edge) => edge,
+                    Folded::Join { op, complemented } => {
+                        let edge = shared.insert(Term::Join(op), &operands, tag);
+                        if complemented { edge.complement() } else { edge }
+                    }
+                };
+                to.set(node, edge);
+            }
+        }
+    }
+    to.ask_all(formula, &mut shared.out);
+    shared.out
+}
+
+/// Nodes with the same hash are chained.
+#[derive(Default)]
+struct Shared {
+    out: Formula,
+    hasher: RandomState,
+    newest: HashMap<u64, NodeId>,
+    /// For each node the one before it of the same hash; node 0 ends the chain.
+    older: Vec<NodeId>,
+}
+
+impl Shared {
+    fn insert(&mut self, term: Term, operands: &[Edge], tag: u32) -> Edge {
+        let hash = self.hasher.hash_one((term, operands));
+        let newest = self.newest.get(&hash).copied().unwrap_or(NodeId(0));
+        let mut node = newest;
+        while node != NodeId(0) {
+            if self.out.term(node) == term && self.out.operands(node) == operands {
+                return Edge::new(node, false);
+            }
+            node = self.older[node.index()];
+        }
+        let edge = self.out.tagged(term, operands, tag);
+        self.older.resize(edge.node().index(), NodeId(0));
+        self.older.push(newest);
+        self.newest.insert(hash, edge.node());
+        edge
+    }
+}
