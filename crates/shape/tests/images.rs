@@ -88,6 +88,29 @@ fn similarities_keep_the_kind_and_the_identity_all_bits() {
     }
 }
 
+/// A stretch along the axis keeps cylinders and cones circular: such images share their faces with plain ones.
+#[test]
+fn a_stretch_along_the_axis_keeps_the_kind() {
+    let mut rng = rng(14);
+    for round in 0..200 {
+        let turn = Affine::rotation(unit_vector(&mut rng), if round % 2 == 0 { 0.0 } else { 77.0 });
+        let (along, across) = (size(&mut rng, 0.25, 4.0), size(&mut rng, 0.25, 4.0));
+        let maps = [Affine::scale(Vec3::new(across, -across, along)).then(&turn)];
+        let cylinder = check_image(&Surface::cylinder(Vec3::X, Vec3::Z, 0.4), &maps, &mut rng);
+        let Surface::Cylinder(c) = cylinder else { panic!("{cylinder:?} is no cylinder") };
+        assert!((c.radius - 0.4 * across).abs() <= 1e-15 * across, "{c:?}");
+        let cone = check_image(&Surface::cone(Vec3::Y, Vec3::Z, 0.5), &maps, &mut rng);
+        let Surface::Cone(c) = cone else { panic!("{cone:?} is no cone") };
+        assert!((c.slope - 0.5 * across / along).abs() <= 1e-14 * c.slope, "{c:?}");
+        // any other stretch makes them elliptic
+        let other = [Affine::scale(Vec3::new(across, 1.001 * across, along)).then(&turn)];
+        for surface in [Surface::cylinder(Vec3::X, Vec3::Z, 0.4), Surface::cone(Vec3::Y, Vec3::Z, 0.5)] {
+            let image = check_image(&surface, &other, &mut rng);
+            assert!(matches!(image, Surface::Quadric(_)), "{image:?}");
+        }
+    }
+}
+
 #[test]
 fn a_stretch_undone_gives_back_a_torus() {
     let stretch = Affine::scale(Vec3::new(2.0, 1.0, 0.5));

@@ -180,21 +180,21 @@ fn round(rng: &mut Random) -> Shape {
 
 /// Surfaces of all other kinds, many of which hold straight lines of the grid.
 fn general(rng: &mut Random) -> Shape {
-    let mut matrix = [[0.0; 4]; 4];
-    let mut set = |i: usize, j: usize, x: f64| (matrix[i][j], matrix[j][i]) = (x, x);
-    match rng.below(9) {
+    let (entries, size): (&[(usize, usize, f64)], f64) = match rng.below(9) {
         k @ 0..3 => return hyperboloid([1.0, -1.0, 0.0][k]),
         // saddles: x y < z, x^2 - y^2 < z
-        3 => [(0, 1, 0.5), (2, 3, -0.5)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
-        4 => [(0, 0, 1.0), (1, 1, -1.0), (2, 3, -0.5)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
+        3 => (&[(0, 1, 0.5), (2, 3, -0.5)], 2.0),
+        4 => (&[(0, 0, 1.0), (1, 1, -1.0), (2, 3, -0.5)], 1.0),
         // cylinders over a parabola and over a hyperbola
-        5 => [(0, 0, 1.0), (2, 3, -0.5)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
-        6 => [(0, 0, 1.0), (1, 1, -1.0), (3, 3, -0.25)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
+        5 => (&[(0, 0, 1.0), (2, 3, -0.5)], 1.0),
+        6 => (&[(0, 0, 1.0), (1, 1, -1.0), (3, 3, -0.25)], 0.5),
         // two planes that cross, and a cone about a slanted axis: x y < 0, z^2 < x y
-        7 => set(0, 1, 0.5),
-        _ => [(0, 1, -0.5), (2, 2, 1.0)].into_iter().for_each(|(i, j, x)| set(i, j, x)),
-    }
-    Shape::Quadric(matrix, 0.5)
+        7 => (&[(0, 1, 0.5)], 0.0),
+        _ => (&[(0, 1, -0.5), (2, 2, 1.0)], 0.0),
+    };
+    let mut matrix = [[0.0; 4]; 4];
+    entries.iter().for_each(|&(i, j, x)| (matrix[i][j], matrix[j][i]) = (x, x));
+    Shape::Quadric(matrix, size)
 }
 
 /// x^2 + y^2 < z^2 + level: of one sheet, of two, or the double cone between them.

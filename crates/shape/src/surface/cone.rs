@@ -1,11 +1,11 @@
 //! The double cone `|perp(p - apex)| = slope |h|` with h the height above the apex, inside both nappes.
 
 use super::along::{Coefficients, Departure, quadratic_crossings, recentred};
-use super::cylinder::perpendicular;
+use super::cylinder::{circular, perpendicular};
 use super::{Quadric, Surface};
 use crate::Ray;
 use rayweave_math::roots::Crossings;
-use rayweave_math::{Transform, Vec3, any_perpendicular, unit};
+use rayweave_math::{Transform, UNIT_ROUNDOFF, Vec3, any_perpendicular, unit};
 
 /// An unbounded circular double cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +64,8 @@ impl Cone {
         (offset.length_squared() - radius * radius, 2.0 * (offset - (self.slope * radius) * self.axis))
     }
 
-    /// The image: a cone again under a similarity, else an elliptic one.
+    /// The image: a cone again under a similarity or where only lengths along the axis change otherwise, else an
+    /// elliptic one.
     pub fn transformed(&self, to: &Transform) -> Surface {
         let map = &to.world_from_local;
         if map.similarity().is_some() {
@@ -72,6 +73,13 @@ impl Cone {
         }
         let side = any_perpendicular(self.axis);
         let rows = [side, self.axis.cross(side), self.slope * self.axis];
+        let turned = to.local_from_world.linear.transpose();
+        let [a, b, axis] = [rows[0], rows[1], self.axis].map(|row| turned * row);
+        if let Some(shrink) = circular(a, b)
+            && a.dot(axis).abs().max(b.dot(axis).abs()) <= 64.0 * UNIT_ROUNDOFF * shrink * axis.length()
+        {
+            return Surface::Cone(Cone::new(map.point(self.apex), axis, self.slope * axis.length() / shrink));
+        }
         let here = Quadric::from_squares(self.apex, rows, [1.0, 1.0, -1.0], Vec3::ZERO, 0.0);
         Surface::Quadric(Box::new(here.transformed(to)))
     }

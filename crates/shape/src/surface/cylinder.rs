@@ -4,7 +4,7 @@ use super::along::Departure;
 use super::{Quadric, Surface};
 use crate::Ray;
 use rayweave_math::roots::Crossings;
-use rayweave_math::{Bounds, Transform, Vec3, any_perpendicular, unit};
+use rayweave_math::{Bounds, Transform, UNIT_ROUNDOFF, Vec3, any_perpendicular, unit};
 
 /// An unbounded circular cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +66,8 @@ impl Cylinder {
         Bounds::centred(self.point, half)
     }
 
-    /// The image: a cylinder again under a similarity, else an elliptic one.
+    /// The image: a cylinder again under a similarity or where only lengths along the axis change otherwise, else
+    /// an elliptic one.
     pub fn transformed(&self, to: &Transform) -> Surface {
         let map = &to.world_from_local;
         if let Some(scale) = map.similarity() {
@@ -78,12 +79,26 @@ impl Cylinder {
         }
         let side = any_perpendicular(self.axis);
         let rows = [side, self.axis.cross(side), self.axis];
+        // n . q is (L^-T n) . p in the image
+        let turned = to.local_from_world.linear.transpose();
+        if let Some(shrink) = circular(turned * rows[0], turned * rows[1]) {
+            let (point, axis) = (map.point(self.point), map.vector(self.axis));
+            return Surface::Cylinder(Cylinder::new(point, axis, self.radius / shrink));
+        }
         let here =
             Quadric::from_squares(self.point, rows, [1.0, 1.0, 0.0], Vec3::ZERO, -self.radius * self.radius);
         let there = here.transformed(to);
         let axis = unit(map.vector(self.axis));
         Surface::Quadric(Box::new(Quadric { centre: perpendicular(there.centre, axis), ..there }))
     }
+}
+
+/// The length of two vectors if `(a . p)^2 + (b . p)^2` is the same for all p at equal distances from the origin in
+/// their plane: they are perpendicular and equally long within 64 roundings, the bound for similarities.
+pub(super) fn circular(a: Vec3, b: Vec3) -> Option<f64> {
+    let (square, other) = (a.length_squared(), b.length_squared());
+    let off = (square - other).abs().max(2.0 * a.dot(b).abs());
+    (off <= 64.0 * UNIT_ROUNDOFF * square).then(|| square.sqrt())
 }
 
 /// The part of `v` perpendicular to a unit vector.
