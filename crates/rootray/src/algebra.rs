@@ -1,24 +1,6 @@
 //! The exact boolean algebra of root-rays: one sweep over the merged roots, with a counter of the solids inside.
 
-use crate::{Root, RootRay, Side};
-
-/// A boolean function that depends only on how many of its operands are inside.
-#[derive(Clone, Copy)]
-enum Gate {
-    /// At least so many operands are inside: 1 is union, all of them is intersection.
-    AtLeast(usize),
-    /// An odd number of operands is inside: symmetric difference.
-    Odd,
-}
-
-impl Gate {
-    fn is_inside(self, count: usize) -> bool {
-        match self {
-            Self::AtLeast(threshold) => count >= threshold,
-            Self::Odd => count % 2 == 1,
-        }
-    }
-}
+use crate::{CountRule, Root, RootRay, Side};
 
 /// One operand as the sweep sees it; a complement borrows the roots of its operand.
 struct Operand<'a, S> {
@@ -34,7 +16,7 @@ struct Flip<'a, S> {
 
 /// The state of the sweep between two distinct times.
 struct Counter {
-    gate: Gate,
+    rule: CountRule,
     /// For each operand, whether the trajectory is inside it.
     inside: Vec<bool>,
     /// How many operands it is inside of.
@@ -42,14 +24,14 @@ struct Counter {
 }
 
 impl Counter {
-    fn new<S>(gate: Gate, operands: &[Operand<'_, S>]) -> Self {
+    fn new<S>(rule: CountRule, operands: &[Operand<'_, S>]) -> Self {
         let inside: Vec<bool> = operands.iter().map(|operand| operand.start.is_inside()).collect();
         let count = inside.iter().filter(|&&inside| inside).count();
-        Self { gate, inside, count }
+        Self { rule, inside, count }
     }
 
     fn is_inside(&self) -> bool {
-        self.gate.is_inside(self.count)
+        self.rule.is_inside(self.count)
     }
 
     /// Flips all operands of one time together; the flip that the crossing is attributed to, if this is a crossing.
@@ -58,7 +40,7 @@ impl Counter {
         for flip in tied {
             self.flip(flip.operand);
         }
-        if self.gate.is_inside(before) == self.is_inside() {
+        if self.rule.is_inside(before) == self.is_inside() {
             return None;
         }
         tied.iter().find(|flip| self.decides(flip.operand, before)).or(tied.first())
@@ -74,8 +56,8 @@ impl Counter {
         let inside_after = self.inside[operand];
         let alone = toggled(before, !inside_after);
         let undone = toggled(self.count, inside_after);
-        self.gate.is_inside(alone) != self.gate.is_inside(before)
-            || self.gate.is_inside(undone) != self.gate.is_inside(self.count)
+        self.rule.is_inside(alone) != self.rule.is_inside(before)
+            || self.rule.is_inside(undone) != self.rule.is_inside(self.count)
     }
 }
 
@@ -85,8 +67,8 @@ fn toggled(count: usize, inside: bool) -> usize {
 }
 
 /// O(n log n) for n roots in all; O(n log k) when k operands hold them, because sorted stretches are merged whole.
-fn sweep<S: Clone>(gate: Gate, operands: &[Operand<'_, S>]) -> RootRay<S> {
-    let mut counter = Counter::new(gate, operands);
+fn sweep<S: Clone>(rule: CountRule, operands: &[Operand<'_, S>]) -> RootRay<S> {
+    let mut counter = Counter::new(rule, operands);
     let start = Side::from_inside(counter.is_inside());
     let roots = merged(operands)
         .chunk_by(|a, b| a.root.t == b.root.t)
@@ -138,7 +120,7 @@ impl<S: Clone> RootRay<S> {
     pub fn difference(&self, other: &Self) -> Self {
         let complement = Operand { start: !other.start(), roots: other.roots() };
         let own = Operand { start: self.start(), roots: self.roots() };
-        sweep(Gate::AtLeast(2), &[own, complement])
+        sweep(CountRule::AtLeast(2), &[own, complement])
     }
 
     /// Inside where exactly one is inside.
@@ -161,7 +143,7 @@ impl<S: Clone> RootRay<S> {
         S: 'a,
     {
         let operands = operands(rays);
-        sweep(Gate::AtLeast(operands.len()), &operands)
+        sweep(CountRule::AtLeast(operands.len()), &operands)
     }
 
     /// Inside where an odd number of `rays` is inside; of none, vacuum. O(n log n) for n roots in all.
@@ -169,7 +151,7 @@ impl<S: Clone> RootRay<S> {
     where
         S: 'a,
     {
-        sweep(Gate::Odd, &operands(rays))
+        sweep(CountRule::Odd, &operands(rays))
     }
 
     /// Inside where at least `threshold` of `rays` are inside. O(n log n) for n roots in all.
@@ -177,6 +159,6 @@ impl<S: Clone> RootRay<S> {
     where
         S: 'a,
     {
-        sweep(Gate::AtLeast(threshold), &operands(rays))
+        sweep(CountRule::AtLeast(threshold), &operands(rays))
     }
 }

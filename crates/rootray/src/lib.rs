@@ -25,6 +25,7 @@
 //! Invariants of absence: this crate knows no vectors, no surfaces, no files, no threads.
 
 mod algebra;
+mod count_rule;
 mod error;
 pub mod hit_array;
 mod min_sep;
@@ -37,6 +38,7 @@ mod validate;
 mod weld;
 mod window;
 
+pub use count_rule::CountRule;
 pub use error::{Problem, RootRayError};
 pub use min_sep::min_sep;
 pub use root_ray::{Root, RootRay};

@@ -4,6 +4,7 @@
 //! - [`Weave`]: gathers the flips of the leaves that the ray can touch, sorts them once and sweeps the boolean
 //!   network, stopping early where one crossing is enough.
 //! - [`SingleHit`]: asks what is next after t, from crossing to crossing; the evaluator that can explain itself.
+//! - [`Spans`]: combines whole hit arrays of many rays, gate by gate, from the leaves up.
 //!
 //! All give the same answers, bit for bit.
 
@@ -12,7 +13,9 @@ mod reference;
 mod weave;
 
 pub mod single_hit;
+pub mod spans;
 
 pub use reference::Reference;
 pub use single_hit::SingleHit;
+pub use spans::Spans;
 pub use weave::Weave;

@@ -5,7 +5,7 @@
 use rayweave_conformance::rays::{batch, rays};
 use rayweave_conformance::{Model, Random, Style};
 use rayweave_model::{Evaluator, Limit, Program, Query, RayAnswer, RegionId};
-use rayweave_trace::{SingleHit, Weave};
+use rayweave_trace::{SingleHit, Spans, Weave};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use std::alloc::System;
 use std::sync::Arc;
@@ -46,6 +46,9 @@ fn no_ray_and_no_point_allocates() {
         let Ok(program): Result<Arc<Program>, _> = model.compile() else { continue };
         let weave = second_round(&Weave::new(program.clone()), seed, &model);
         assert_eq!(weave.0, 0, "weave, model {seed}");
+        let spans = second_round(&Spans::new(program.clone()), seed, &model);
+        assert_eq!(spans.0, 0, "spans, model {seed}");
+        assert_eq!(spans.1, weave.1);
         let single_hit = second_round(&SingleHit::new(program).unwrap(), seed, &model);
         assert_eq!(single_hit.0, 0, "single_hit, model {seed}");
         assert_eq!(single_hit.1, weave.1);

@@ -2,7 +2,7 @@
 
 use rayweave_conformance::conformance_tests;
 use rayweave_model::Program;
-use rayweave_trace::{Reference, SingleHit, Weave};
+use rayweave_trace::{Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
 mod weave {
@@ -23,4 +23,9 @@ mod single_hit {
     }
 
     conformance_tests!(single_hit, Reference::new);
+}
+
+mod spans {
+    use super::*;
+    conformance_tests!(Spans::new, Reference::new);
 }

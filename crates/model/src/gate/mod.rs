@@ -14,7 +14,8 @@ use crate::{Edge, Expression, Gate, Rule};
 use heavy::HeavyPaths;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use winner::Winner;
+
+pub use winner::Winner;
 
 /// Trees deeper than this are swept by heavy paths. A flip by counters costs a few nanoseconds a level and
 /// one by heavy paths some hundred at once, so the border is not critical.

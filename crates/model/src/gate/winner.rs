@@ -2,7 +2,7 @@
 
 /// A set of small numbers that finds its largest member in O(log64 n).
 #[derive(Clone, Debug, Default)]
-pub(super) struct Winner {
+pub struct Winner {
     /// Level 0 holds the members; bit k of the next level says that word k of this one is not empty.
     levels: Vec<Vec<u64>>,
 }
@@ -21,10 +21,12 @@ impl Winner {
         }
     }
 
+    /// True if a number is in the set.
     pub fn get(&self, member: u32) -> bool {
         self.levels[0][member as usize / 64] >> (member % 64) & 1 == 1
     }
 
+    /// Puts a number into the set or takes it out.
     pub fn set(&mut self, member: u32, present: bool) {
         let (mut at, mut bit) = (member as usize / 64, 1u64 << (member % 64));
         for level in &mut self.levels {

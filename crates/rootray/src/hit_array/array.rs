@@ -27,6 +27,11 @@ impl<'a, T: Real> HitArray<'a, T> {
         Self { data: column, rows: column.len(), columns: 1 }
     }
 
+    /// The array with this shape, which holds all of the data.
+    pub(super) const fn whole(data: &'a [T], rows: usize, columns: usize) -> Self {
+        Self { data, rows, columns }
+    }
+
     /// Number of hits per ray, H.
     pub const fn rows(&self) -> usize {
         self.rows

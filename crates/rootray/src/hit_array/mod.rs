@@ -16,6 +16,9 @@
 //! union and intersection do not commute. [`Regularize`] removes them: equal times flip together, as in
 //! [`RootRay`](crate::RootRay)'s algebra, and pieces shorter than a given length may be welded.
 //!
+//! For whole expressions there is [`combine`]: any number of operands, complemented or not, into a [`HitArrayBuf`] whose
+//! memory is used again and which is no higher than its fullest column. It is always exact.
+//!
 //! ```
 //! use rayweave_rootray::hit_array::{CsgOptions, Operation, Regularize, array_csg_1d};
 //!
@@ -31,16 +34,22 @@
 //! ```
 
 mod array;
+mod buffer;
 mod column;
+mod combine;
 mod count;
 mod csg;
 mod error;
 mod kernel;
+mod merged;
 mod real;
 
 pub use array::HitArray;
+pub use buffer::HitArrayBuf;
 pub use column::{column_len, from_column, to_column, write_column};
+pub use combine::combine;
 pub use count::{CountArray, count_array};
 pub use csg::{CsgOptions, Operation, Regularize, array_csg, array_csg_1d, array_csg_into};
 pub use error::HitArrayError;
+pub use merged::{MergedHit, MergedHits};
 pub use real::Real;

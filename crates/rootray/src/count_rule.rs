@@ -1,0 +1,20 @@
+//! Boolean functions of many operands that ask only how many of them are inside.
+
+/// A boolean function that depends only on how many of its operands are inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CountRule {
+    /// At least so many operands are inside: 1 is union, all of them is intersection.
+    AtLeast(usize),
+    /// An odd number of operands is inside: symmetric difference.
+    Odd,
+}
+
+impl CountRule {
+    /// The value where `count` operands are inside.
+    pub fn is_inside(self, count: usize) -> bool {
+        match self {
+            Self::AtLeast(threshold) => count >= threshold,
+            Self::Odd => count % 2 == 1,
+        }
+    }
+}

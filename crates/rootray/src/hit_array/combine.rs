@@ -1,0 +1,55 @@
+//! A boolean function of any number of hit arrays.
+
+use super::merged::MergedHit;
+use super::{HitArrayBuf, MergedHits};
+use crate::CountRule;
+
+/// The hits of a boolean function of many solids, exact: entries with equal times flip together.
+///
+/// An operand is an array of so many columns and `true` if its complement is meant. This is the surface count of the code by
+/// Frazier for any number of operands: +1 where a ray enters one of them, -1 where it leaves; a complement counts 1 from the
+/// start and the other way round. A time is kept where the function of the count changes over all its entries together.
+///
+/// O(H N) for H rows of N columns in all operands, and O(n log n) for the n entries of each column. Nothing is allocated once
+/// `merged` and `out` have grown to their size.
+pub fn combine<'a>(
+    rule: CountRule,
+    columns: usize,
+    operands: impl Iterator<Item = (&'a HitArrayBuf, bool)> + Clone,
+    merged: &mut MergedHits,
+    out: &mut HitArrayBuf,
+) {
+    let complements = operands.clone().filter(|operand| operand.1).count();
+    merged.merge(columns, operands.map(|(array, complemented)| (array, u32::from(complemented))));
+    out.reset(columns);
+    for column in 0..columns {
+        keep(rule, complements, merged.column(column), |row, t| out.put(row, column, t));
+    }
+}
+
+/// Writes the entries of one column that are kept, each with its row.
+fn keep(rule: CountRule, complements: usize, entries: &[MergedHit], mut put: impl FnMut(usize, f64)) {
+    let unbounded = entries.partition_point(|entry| entry.t == f64::NEG_INFINITY);
+    let (starts, crossings) = entries.split_at(unbounded);
+    let mut count = starts.iter().fold(complements, counted);
+    let mut inside = rule.is_inside(count);
+    let mut rows = 0..;
+    let mut write = |t: f64| rows.next().into_iter().for_each(|row| put(row, t));
+    if inside {
+        write(f64::NEG_INFINITY);
+    }
+    for tied in crossings.chunk_by(|a, b| a.t == b.t) {
+        count = tied.iter().fold(count, counted);
+        if rule.is_inside(count) != inside {
+            inside = !inside;
+            // no negative zero: the bits shall not depend on which operand it came from
+            write(tied[0].t + 0.0);
+        }
+    }
+}
+
+/// The count after an entry. Between entries of one time it may be anything, so it wraps.
+fn counted(count: usize, entry: &MergedHit) -> usize {
+    let complemented = entry.tag == 1;
+    if entry.enters != complemented { count.wrapping_add(1) } else { count.wrapping_sub(1) }
+}

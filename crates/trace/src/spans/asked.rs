@@ -1,0 +1,71 @@
+//! What columns of hit arrays stand for: rays, or points.
+
+use crate::accel::Accel;
+use rayweave_math::Transform;
+use rayweave_model::{
+    GroupPoint, GroupRay, LeafEvents, LeafFacet, PlacementId, Program, Prototype, Query, facets_contain,
+    leaf_events,
+};
+
+/// Something that leaves can be asked about, in the frame of a group.
+pub(super) trait Asked: Copy {
+    /// The leaves that it can touch.
+    fn touched(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>);
+
+    /// The side at the start, and the flips, of a leaf that is a conjunction of facets.
+    fn leaf(&self, program: &Program, facets: &[LeafFacet], query: &Query<'_>, events: &mut LeafEvents);
+
+    /// The same as a solid placed in the group sees it; `placement` is counted from that of the group.
+    fn placed(&self, place: &Transform, inner: &Prototype, placement: u32) -> Self;
+
+    /// The placement of the group.
+    fn placement(&self) -> PlacementId;
+}
+
+/// A ray of a batch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AskedRay {
+    /// The ray, without its start list.
+    pub ray: GroupRay<'static>,
+    /// Its number in the batch, for its start list.
+    pub number: usize,
+}
+
+impl Asked for AskedRay {
+    fn touched(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>) {
+        accel.touched(&self.ray, query.window, out);
+    }
+
+    fn leaf(&self, program: &Program, facets: &[LeafFacet], query: &Query<'_>, events: &mut LeafEvents) {
+        let starts = query.starts.map_or(&[][..], |lists| lists.of(self.number));
+        leaf_events(program, facets, &GroupRay { starts, ..self.ray }, events);
+    }
+
+    fn placed(&self, place: &Transform, inner: &Prototype, placement: u32) -> Self {
+        AskedRay { ray: self.ray.placed(place, inner, placement), number: self.number }
+    }
+
+    fn placement(&self) -> PlacementId {
+        self.ray.placement
+    }
+}
+
+/// A point is a ray that crosses nothing: its side is that at the start.
+impl Asked for GroupPoint {
+    fn touched(&self, accel: &Accel, _: &Query<'_>, out: &mut Vec<u32>) {
+        accel.around(self, out);
+    }
+
+    fn leaf(&self, program: &Program, facets: &[LeafFacet], _: &Query<'_>, events: &mut LeafEvents) {
+        events.flips.clear();
+        events.starts_inside = facets_contain(program, facets, self);
+    }
+
+    fn placed(&self, place: &Transform, _: &Prototype, _: u32) -> Self {
+        GroupPoint::placed(self, place)
+    }
+
+    fn placement(&self) -> PlacementId {
+        PlacementId(0)
+    }
+}

@@ -1,0 +1,71 @@
+//! When the winning output of a group changes along a ray, from the hit arrays of all outputs.
+
+use rayweave_model::gate::Winner;
+use rayweave_rootray::hit_array::MergedHit;
+
+/// A change of the winning output: the number of the last output that is inside, from 1, or 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Switch {
+    pub t: f64,
+    pub before: u32,
+    pub after: u32,
+}
+
+/// The changes of one ray, in order of time.
+pub(super) struct Changes<'a> {
+    /// The entries of all outputs, each with its output as its tag.
+    hits: &'a [MergedHit],
+    winner: &'a mut Winner,
+    done: usize,
+}
+
+impl<'a> Changes<'a> {
+    /// `winner` has the outputs that are inside where no array has an entry, and gets that back in the end.
+    pub fn new(hits: &'a [MergedHit], winner: &'a mut Winner) -> Self {
+        let mut changes = Changes { hits, winner, done: 0 };
+        changes.pass(hits.partition_point(|hit| hit.t == f64::NEG_INFINITY));
+        changes
+    }
+
+    /// The winner now: before any call of `next`, at t = -inf.
+    pub fn now(&self) -> u32 {
+        self.winner.last()
+    }
+
+    /// True if no entry is left.
+    pub fn is_over(&self) -> bool {
+        self.done == self.hits.len()
+    }
+
+    /// Lets the next entries flip their outputs.
+    fn pass(&mut self, count: usize) {
+        self.hits[self.done..][..count].iter().for_each(|hit| flip(self.winner, hit.tag));
+        self.done += count;
+    }
+}
+
+impl Iterator for Changes<'_> {
+    type Item = Switch;
+
+    fn next(&mut self) -> Option<Switch> {
+        while let Some(&MergedHit { t, .. }) = self.hits.get(self.done) {
+            let before = self.now();
+            self.pass(self.hits[self.done..].iter().take_while(|hit| hit.t == t).count());
+            let after = self.now();
+            if before != after {
+                return Some(Switch { t, before, after });
+            }
+        }
+        None
+    }
+}
+
+impl Drop for Changes<'_> {
+    fn drop(&mut self) {
+        self.hits[..self.done].iter().for_each(|hit| flip(self.winner, hit.tag));
+    }
+}
+
+fn flip(winner: &mut Winner, output: u32) {
+    winner.set(output, !winner.get(output));
+}

@@ -1,0 +1,170 @@
+//! The evaluator of compiled models.
+
+use super::WIDTH;
+use super::asked::AskedRay;
+use super::changes::Changes;
+use super::group::At;
+use super::room::{Rest, Room};
+use super::schedule::Schedule;
+use super::sides::Sweep;
+use crate::accel::Accel;
+use rayweave_math::Vec3;
+use rayweave_model::weld::{Change, Weld};
+use rayweave_model::{
+    Crossing, Evaluator, Event, GroupPoint, GroupRay, Limit, Program, PrototypeId, Query, RayAnswer, Rays,
+    RegionId, Sink, State,
+};
+use rayweave_rootray::hit_array::MergedHit;
+use rayweave_shape::Ray;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The evaluator that works on whole arrays: hits of many rays with one leaf, then with one gate, and so on up the expression.
+///
+/// Every leaf gives a hit array, one column per ray; every gate makes one from those of its operands, by counting the operands
+/// that are inside; what is left at the end is welded and attributed as everywhere. This is the way of S. D. Roth, "Ray
+/// casting for modeling solids", Computer Graphics and Image Processing 18 (1982), who combines the spans inside of solids
+/// from the leaves up, for whole batches of rays as in array languages. Its answers are those of every other evaluator, bit for bit.
+///
+/// A chunk of N rays costs O(G) for G gates and, at each gate with operands of H rows in all, O(H N) and the sorting of each
+/// ray's entries: good for models of few leaves that most rays meet, where others pay for every ray what is here paid for a
+/// chunk. A gate's array is dropped after its last use, so at most as many are kept as the expression is wide, O(log n) for
+/// a balanced tree with n leaves; beside them, the flips of all leaves of the rays in the chunk, for attribution.
+#[derive(Clone, Debug)]
+pub struct Spans {
+    pub(super) program: Arc<Program>,
+    /// For each group, a hierarchy over its leaves and the order of its gates.
+    pub(super) groups: Vec<(Accel, Schedule)>,
+}
+
+/// Memory of a thread.
+#[derive(Clone, Debug, Default)]
+pub struct SpansScratch {
+    rays: Room<AskedRay>,
+    points: Room<GroupPoint>,
+    crossings: Vec<Crossing>,
+}
+
+impl Spans {
+    /// An evaluator of a compiled model.
+    pub fn new(program: Arc<Program>) -> Spans {
+        let groups = program
+            .prototypes()
+            .iter()
+            .map(|group| (Accel::new(&program, group), Schedule::new(&group.expression, &group.outputs)));
+        Spans { groups: groups.collect(), program }
+    }
+
+    /// Runs the changes of region of one ray through the weld; the region at the start.
+    fn report(
+        &self,
+        asked: Question<'_>,
+        hits: &[MergedHit],
+        flips: &[Event],
+        rest: &mut Rest,
+        out: &mut Vec<Crossing>,
+    ) -> RegionId {
+        let changes = Changes::new(hits, &mut rest.outputs);
+        let mut start = changes.now();
+        if changes.is_over() {
+            return RegionId(start);
+        }
+        let mut sweep = Sweep::new(&self.program.prototype(PrototypeId(0)).network, &mut rest.leaves, flips);
+        let mut weld = Weld::new(&self.program, asked.ray, sweep.events());
+        for switch in changes.take_while(|switch| switch.t < asked.query.window.t_max()) {
+            if asked.query.is_past(switch.t, asked.has_starts) {
+                start = switch.after;
+                continue;
+            }
+            let Range { start: first, end } = sweep.go(switch.t);
+            let (before, after) = (self.state(switch.before), self.state(switch.after));
+            let change = Change { t: switch.t, first, end, before, after };
+            out.extend(weld.change(change, &mut sweep.sides));
+            if asked.query.limit == Limit::First && !out.is_empty() {
+                break;
+            }
+        }
+        if asked.query.limit == Limit::All || out.is_empty() {
+            out.extend(weld.finish(sweep.position(), &mut sweep.sides));
+        }
+        sweep.sides.rest();
+        RegionId(start)
+    }
+
+    fn state(&self, winner: u32) -> State {
+        let region = RegionId(winner);
+        State { region, medium: self.program.medium_of(region) }
+    }
+}
+
+/// What is asked of one ray.
+#[derive(Clone, Copy)]
+struct Question<'a> {
+    ray: Ray,
+    query: &'a Query<'a>,
+    has_starts: bool,
+}
+
+impl Evaluator for Spans {
+    type Scratch = SpansScratch;
+
+    fn name(&self) -> &'static str {
+        "spans"
+    }
+
+    fn program(&self) -> &Program {
+        &self.program
+    }
+
+    fn scratch(&self) -> SpansScratch {
+        SpansScratch::default()
+    }
+
+    fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut SpansScratch, sink: &mut dyn Sink) {
+        let SpansScratch { rays: room, crossings, .. } = scratch;
+        let mut level = room.take_level(0);
+        let mut rest = room.take_rest(self.program.prototypes(), PrototypeId(0));
+        let mut begin = 0;
+        while begin < rays.len() {
+            level.asked.clear();
+            level.asked.extend((begin..rays.len()).take(WIDTH).map(|number| AskedRay {
+                ray: GroupRay::world(&self.program, rays.get(number), &[]),
+                number,
+            }));
+            let columns = self.chunk(At::model(query), &mut level, room);
+            for column in 0..columns {
+                let i = begin + column;
+                let has_starts = query.starts.is_some_and(|lists| !lists.of(i).is_empty());
+                crossings.clear();
+                let asked = Question { ray: rays.get(i), query, has_starts };
+                let flips = level.flips.column(column);
+                let start = self.report(asked, level.merged.column(column), flips, &mut rest, crossings);
+                sink.ray(RayAnswer { ray: i, start, crossings });
+            }
+            begin += columns;
+        }
+        room.levels[0] = Some(level);
+        room.rests[0] = Some(rest);
+    }
+
+    fn regions_at(&self, points: [&[f64]; 3], scratch: &mut SpansScratch, out: &mut [RegionId]) {
+        let room = &mut scratch.points;
+        let mut level = room.take_level(0);
+        let mut rest = room.take_rest(self.program.prototypes(), PrototypeId(0));
+        let mut begin = 0;
+        while begin < out.len() {
+            let ahead = (begin..out.len()).take(WIDTH);
+            let point = |i: usize| GroupPoint::world(Vec3::new(points[0][i], points[1][i], points[2][i]));
+            level.asked.clear();
+            level.asked.extend(ahead.map(point));
+            let columns = self.chunk(At::model(&Query::default()), &mut level, room);
+            for column in 0..columns {
+                let changes = Changes::new(level.merged.column(column), &mut rest.outputs);
+                out[begin + column] = RegionId(changes.now());
+            }
+            begin += columns;
+        }
+        room.levels[0] = Some(level);
+        room.rests[0] = Some(rest);
+    }
+}

@@ -1,0 +1,176 @@
+//! The hit arrays of a group for a chunk of columns.
+
+use super::Spans;
+use super::asked::Asked;
+use super::changes::Changes;
+use super::level::Level;
+use super::room::{Rest, Room};
+use super::schedule::What;
+use super::sides::Sweep;
+use rayweave_model::weld::{Flips, attribute};
+use rayweave_model::{Event, Face, LeafId, LeafKind, PlacementId, PrototypeId, Query, SurfaceId, Window};
+use rayweave_rootray::Side;
+use rayweave_rootray::hit_array::{HitArrayBuf, combine};
+use std::ops::Range;
+
+/// Which group is asked, and what.
+#[derive(Clone, Copy)]
+pub(super) struct At<'a> {
+    pub group: PrototypeId,
+    /// How many groups are around it.
+    pub depth: usize,
+    pub query: Query<'a>,
+    /// The first of what is asked that belongs to the chunk.
+    pub begin: usize,
+}
+
+impl<'a> At<'a> {
+    /// The model itself, from the first ray or point on.
+    pub fn model(query: &Query<'a>) -> At<'a> {
+        At { group: PrototypeId(0), depth: 0, query: *query, begin: 0 }
+    }
+
+    /// A solid placed in the group. What it is does not depend on the part of it that is asked about.
+    fn inside(&self, group: PrototypeId) -> At<'a> {
+        let query = Query { window: Window::ALL, ..self.query };
+        At { group, depth: self.depth + 1, query, begin: 0 }
+    }
+}
+
+/// Stands beside t = -inf, where no face is crossed.
+const NO_FACE: Face = Face { leaf: LeafId(0), facet: 0, surface: SurfaceId(0), placement: PlacementId(0) };
+
+impl Spans {
+    /// Computes the arrays of the group's outputs for the next chunk; the number of its columns.
+    pub(super) fn chunk<P: Asked>(&self, at: At<'_>, level: &mut Level<P>, room: &mut Room<P>) -> usize {
+        let (accel, schedule) = &self.groups[at.group.index()];
+        let leaves = self.program.prototype(at.group).leaves.len();
+        let columns = level.touched.fill(&level.asked[at.begin..], accel, leaves, &at.query);
+        level.flips.clear();
+        if level.arrays.len() < schedule.slots() {
+            level.arrays.resize_with(schedule.slots(), HitArrayBuf::default);
+        }
+        for step in &schedule.steps {
+            let mut out = std::mem::take(&mut level.arrays[step.slot as usize]);
+            out.reset(columns);
+            match &step.what {
+                What::Constant(inside) => constant(*inside, &mut out),
+                What::Leaf(leaf) => self.leaf(at, *leaf, level, room, &mut out),
+                What::Join(rule, range) => {
+                    let operands = schedule.operands(range).iter();
+                    let arrays = operands.map(|o| (&level.arrays[o.slot as usize], o.complemented));
+                    combine(*rule, columns, arrays, &mut level.merged, &mut out);
+                }
+            }
+            level.arrays[step.slot as usize] = out;
+        }
+        let outputs = schedule.outputs().iter().map(|output| &level.arrays[output.slot as usize]);
+        level.merged.merge(columns, outputs.zip(0..));
+        level.flips.sort(columns);
+        columns
+    }
+
+    /// The hit array of a leaf, for those columns that can touch it, and its flips.
+    fn leaf<P: Asked>(
+        &self,
+        at: At<'_>,
+        leaf: u32,
+        level: &mut Level<P>,
+        room: &mut Room<P>,
+        out: &mut HitArrayBuf,
+    ) {
+        if level.touched.columns(leaf).is_empty() {
+            return;
+        }
+        let id = LeafId(self.program.prototype(at.group).leaves.start + leaf);
+        match &self.program.leaf(id).kind {
+            LeafKind::Shape { facets, .. } => self.shape(at, leaf, id, facets, level, out),
+            LeafKind::Instance { prototype, placement } => {
+                let mut inner = room.take_level(at.depth + 1);
+                let place = &self.program.leaf(id).transform;
+                inner.asked.clear();
+                inner.asked.extend(level.touched.columns(leaf).iter().map(|&column| {
+                    let asked = &level.asked[at.begin + column as usize];
+                    asked.placed(place, self.program.prototype(*prototype), *placement)
+                }));
+                self.instance(at.inside(*prototype), leaf, &mut inner, level, room, out);
+                room.levels[at.depth + 1] = Some(inner);
+            }
+        }
+    }
+
+    fn shape<P: Asked>(
+        &self,
+        at: At<'_>,
+        leaf: u32,
+        id: LeafId,
+        facets: &Range<u32>,
+        level: &mut Level<P>,
+        out: &mut HitArrayBuf,
+    ) {
+        let table = &self.program.facets()[facets.start as usize..facets.end as usize];
+        let Level { asked, touched, leaf: found, flips, .. } = level;
+        for &column in touched.columns(leaf) {
+            let asked = &asked[at.begin + column as usize];
+            asked.leaf(&self.program, table, &at.query, found);
+            let mark = flips.len();
+            if found.starts_inside {
+                flips.push(column, Event { t: f64::NEG_INFINITY, leaf, face: NO_FACE });
+            }
+            for &(t, facet) in &found.flips {
+                let surface = table[facet as usize].surface;
+                let face = Face { leaf: id, facet, surface, placement: asked.placement() };
+                flips.push(column, Event { t, leaf, face });
+            }
+            flips.fill_column(mark, column, out);
+        }
+    }
+
+    /// A placed solid, asked about in its own frame, as one leaf of the group around it.
+    fn instance<P: Asked>(
+        &self,
+        at: At<'_>,
+        leaf: u32,
+        inner: &mut Level<P>,
+        level: &mut Level<P>,
+        room: &mut Room<P>,
+        out: &mut HitArrayBuf,
+    ) {
+        let network = &self.program.prototype(at.group).network;
+        let mut rest = room.take_rest(self.program.prototypes(), at.group);
+        let mut begin = 0;
+        while begin < inner.asked.len() {
+            let columns = self.chunk(At { begin, ..at }, inner, room);
+            for column in 0..columns {
+                let outer = level.touched.columns(leaf)[begin + column];
+                let mark = level.flips.len();
+                let Rest { outputs, leaves } = &mut *rest;
+                let changes = Changes::new(inner.merged.column(column), outputs);
+                let sweep = Sweep::new(network, leaves, inner.flips.column(column));
+                faces(changes, sweep, |t, face| level.flips.push(outer, Event { t, leaf, face }));
+                level.flips.fill_column(mark, outer, out);
+            }
+            begin += columns;
+        }
+        room.rests[at.group.index()] = Some(rest);
+    }
+}
+
+/// The changes of a solid that is a group's only output, each with its face; one at t = -inf if it is inside from the start.
+fn faces(changes: Changes<'_>, mut sweep: Sweep<'_>, mut each: impl FnMut(f64, Face)) {
+    if changes.now() != 0 {
+        each(f64::NEG_INFINITY, NO_FACE);
+    }
+    for switch in changes {
+        let range = sweep.go(switch.t);
+        let (events, end) = (sweep.events(), range.end);
+        each(switch.t, attribute(events, range, end, &mut sweep.sides, |f| u32::from(f.output(0))));
+    }
+    sweep.sides.rest();
+}
+
+fn constant(inside: bool, out: &mut HitArrayBuf) {
+    if inside {
+        (0..out.columns()).for_each(|column| out.fill_column(column, Side::Inside, []));
+    }
+}

@@ -1,0 +1,150 @@
+//! The memory for one group and a chunk of columns.
+
+use super::{MOST_PAIRS, WIDTH};
+use crate::accel::Accel;
+use crate::spans::asked::Asked;
+use rayweave_model::{Event, LeafEvents, Query};
+use rayweave_rootray::Side;
+use rayweave_rootray::hit_array::{HitArrayBuf, MergedHits};
+use std::ops::Range;
+
+/// The buffers of one level of nesting.
+#[derive(Clone, Debug)]
+pub(super) struct Level<P> {
+    /// What is asked of the group, in its frame.
+    pub asked: Vec<P>,
+    pub touched: Touched,
+    /// A hit array for each slot of the schedule.
+    pub arrays: Vec<HitArrayBuf>,
+    /// Entries of the operands of a gate; in the end those of the outputs, each with its output as its tag.
+    pub merged: MergedHits,
+    pub leaf: LeafEvents,
+    pub flips: FlipLists,
+}
+
+impl<P> Default for Level<P> {
+    fn default() -> Self {
+        Level {
+            asked: Vec::new(),
+            touched: Touched::default(),
+            arrays: Vec::new(),
+            merged: MergedHits::default(),
+            leaf: LeafEvents::default(),
+            flips: FlipLists::default(),
+        }
+    }
+}
+
+/// Which columns can touch which leaf.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Touched {
+    /// (leaf, column), column by column.
+    pairs: Vec<(u32, u32)>,
+    leaves: Vec<u32>,
+    /// The columns of each leaf, one after the other, and where those of a leaf end.
+    columns: Vec<u32>,
+    ends: Vec<u32>,
+}
+
+impl Touched {
+    /// Takes as many columns as make a chunk; their number.
+    pub fn fill(&mut self, asked: &[impl Asked], accel: &Accel, leaves: usize, query: &Query<'_>) -> usize {
+        self.pairs.clear();
+        let mut width = 0;
+        for asked in asked.iter().take(WIDTH) {
+            self.leaves.clear();
+            asked.touched(accel, query, &mut self.leaves);
+            if width > 0 && self.pairs.len() + self.leaves.len() > MOST_PAIRS {
+                break;
+            }
+            self.pairs.extend(self.leaves.iter().map(|&leaf| (leaf, width as u32)));
+            width += 1;
+        }
+        self.by_leaf(leaves);
+        width
+    }
+
+    fn by_leaf(&mut self, leaves: usize) {
+        self.ends.clear();
+        self.ends.resize(leaves, 0);
+        self.pairs.iter().for_each(|pair| self.ends[pair.0 as usize] += 1);
+        let mut total = 0;
+        for end in &mut self.ends {
+            (*end, total) = (total, total + *end);
+        }
+        self.columns.clear();
+        self.columns.resize(total as usize, 0);
+        for &(leaf, column) in &self.pairs {
+            let end = &mut self.ends[leaf as usize];
+            self.columns[*end as usize] = column;
+            *end += 1;
+        }
+    }
+
+    /// The columns that can touch a leaf, in order.
+    pub fn columns(&self, leaf: u32) -> &[u32] {
+        let first = leaf.checked_sub(1).map_or(0, |before| self.ends[before as usize]);
+        &self.columns[first as usize..self.ends[leaf as usize] as usize]
+    }
+}
+
+/// The flips of leaves, by column.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FlipLists {
+    /// As they are found, leaf by leaf.
+    found: Vec<(u32, Event)>,
+    events: Vec<Event>,
+    ends: Vec<usize>,
+}
+
+impl FlipLists {
+    pub fn clear(&mut self) {
+        self.found.clear();
+    }
+
+    /// Enters a flip; one at t = -inf stands for a leaf that is inside from the start.
+    pub fn push(&mut self, column: u32, event: Event) {
+        self.found.push((column, event));
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    /// Makes a column of a hit array from the flips entered since there were `mark` of them.
+    pub fn fill_column(&self, mark: usize, column: u32, out: &mut HitArrayBuf) {
+        let times = self.found[mark..].iter().map(|(_, event)| event.t);
+        out.fill_column(column as usize, Side::Outside, times);
+    }
+
+    /// Sorts all flips by column.
+    pub fn sort(&mut self, columns: usize) {
+        self.ends.clear();
+        self.ends.resize(columns, 0);
+        self.found.iter().for_each(|(column, _)| self.ends[*column as usize] += 1);
+        let mut total = 0;
+        for end in &mut self.ends {
+            (*end, total) = (total, total + *end);
+        }
+        self.events.clear();
+        let Some(&(_, any)) = self.found.first() else { return };
+        self.events.resize(total, any);
+        for (column, event) in &self.found {
+            let end = &mut self.ends[*column as usize];
+            self.events[*end] = *event;
+            *end += 1;
+        }
+    }
+
+    /// The flips of a column, by time, then leaf, after [`FlipLists::sort`].
+    pub fn column(&mut self, column: usize) -> &[Event] {
+        let events = &mut self.events[range(&self.ends, column)];
+        events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+        events
+    }
+}
+
+fn range(ends: &[usize], column: usize) -> Range<usize> {
+    column.checked_sub(1).map_or(0, |before| ends[before])..ends[column]
+}

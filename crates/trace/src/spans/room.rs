@@ -1,0 +1,51 @@
+//! The memory of a thread for columns of one kind.
+
+use super::level::Level;
+use rayweave_model::gate::{NetworkState, Winner};
+use rayweave_model::{Prototype, PrototypeId};
+
+/// Memory for columns of one kind.
+#[derive(Clone, Debug)]
+pub(super) struct Room<P> {
+    /// Buffers for each level of nesting: at most 31, as a placed solid has at least two placements.
+    pub levels: Vec<Option<Box<Level<P>>>>,
+    /// The outputs and leaves of each group, made when they are first needed; always at rest between columns.
+    pub rests: Vec<Option<Box<Rest>>>,
+}
+
+/// A group on a column that touches nothing.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    pub outputs: Winner,
+    pub leaves: NetworkState,
+}
+
+impl<P> Default for Room<P> {
+    fn default() -> Self {
+        Room { levels: Vec::new(), rests: Vec::new() }
+    }
+}
+
+impl<P> Room<P> {
+    pub fn take_level(&mut self, depth: usize) -> Box<Level<P>> {
+        if self.levels.len() <= depth {
+            self.levels.resize_with(depth + 1, || None);
+        }
+        self.levels[depth].take().unwrap_or_default()
+    }
+
+    pub fn take_rest(&mut self, groups: &[Prototype], group: PrototypeId) -> Box<Rest> {
+        self.rests.resize_with(groups.len(), || None);
+        self.rests[group.index()].take().unwrap_or_else(|| Box::new(Rest::new(&groups[group.index()])))
+    }
+}
+
+impl Rest {
+    fn new(group: &Prototype) -> Rest {
+        let mut outputs = Winner::new(group.outputs.len());
+        for (k, edge) in group.outputs.iter().enumerate() {
+            outputs.set(k as u32, edge.is_complemented());
+        }
+        Rest { outputs, leaves: group.network.start() }
+    }
+}

@@ -1,0 +1,255 @@
+//! The order in which the nodes of an expression are computed, and where each result is kept.
+
+use rayweave_model::{Edge, Expression, Gate, Rule};
+use rayweave_rootray::CountRule;
+use std::ops::Range;
+
+/// What to compute one after the other, each result into a numbered slot that is used again once its last user is done.
+///
+/// Of the operands of a gate the one that needs most slots comes first (R. Sethi, J. D. Ullman, "The generation of optimal
+/// code for arithmetic expressions", J. ACM 17, 1970), so that a tree of n nodes needs O(log n) slots and its widest gate's
+/// number of operands, a chain two, however deep they are. Nodes with several users keep their slot up to the last of them.
+#[derive(Clone, Debug)]
+pub(super) struct Schedule {
+    pub steps: Vec<Step>,
+    operands: Vec<Operand>,
+    outputs: Vec<Operand>,
+    slots: u32,
+}
+
+/// The computation of one node.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Step {
+    pub what: What,
+    /// Where the result goes.
+    pub slot: u32,
+}
+
+/// What a node is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum What {
+    /// Outside (`false`) or inside everywhere.
+    Constant(bool),
+    /// A leaf, by its number in the group.
+    Leaf(u32),
+    /// A gate over a range of operands.
+    Join(CountRule, Range<u32>),
+}
+
+/// A result as an operand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Operand {
+    pub slot: u32,
+    pub complemented: bool,
+}
+
+impl Schedule {
+    /// The schedule for all nodes that the outputs depend on.
+    pub fn new(expression: &Expression, outputs: &[Edge]) -> Schedule {
+        let nodes = expression.nodes();
+        let mut builder = Builder {
+            nodes,
+            needs: needs(nodes),
+            uses: uses(nodes, outputs),
+            slots: vec![None; nodes.len()],
+            free: Vec::new(),
+            schedule: Schedule { steps: Vec::new(), operands: Vec::new(), outputs: Vec::new(), slots: 0 },
+        };
+        outputs.iter().for_each(|edge| builder.visit(edge.node().index()));
+        builder.schedule.outputs = outputs.iter().map(|&edge| builder.operand(edge)).collect();
+        builder.schedule
+    }
+
+    /// The operands of a gate.
+    pub fn operands(&self, range: &Range<u32>) -> &[Operand] {
+        &self.operands[range.start as usize..range.end as usize]
+    }
+
+    /// Where the results asked for are, in the end.
+    pub fn outputs(&self) -> &[Operand] {
+        &self.outputs
+    }
+
+    /// The number of slots, the most results that are kept at a time.
+    pub fn slots(&self) -> usize {
+        self.slots as usize
+    }
+}
+
+/// How many users each node has that is reached from an output; 0 if it is not.
+fn uses(nodes: &[Gate], outputs: &[Edge]) -> Vec<u32> {
+    let mut uses = vec![0; nodes.len()];
+    outputs.iter().for_each(|edge| uses[edge.node().index()] += 1);
+    for (node, gate) in nodes.iter().enumerate().rev() {
+        if uses[node] > 0 {
+            operands_of(gate).iter().for_each(|edge| uses[edge.node().index()] += 1);
+        }
+    }
+    uses
+}
+
+/// How many slots each node needs if nothing is shared: while operand k, in falling order of need, is computed,
+/// the results of k others are kept.
+fn needs(nodes: &[Gate]) -> Vec<u32> {
+    let (mut needs, mut below) = (Vec::with_capacity(nodes.len()), Vec::<u32>::new());
+    for gate in nodes {
+        let operands = operands_of(gate);
+        below.clear();
+        below.extend(operands.iter().map(|edge| needs[edge.node().index()]));
+        below.sort_unstable_by(|a, b| b.cmp(a));
+        let most = below.iter().zip(0..).map(|(need, kept)| need + kept).max();
+        needs.push(most.unwrap_or(0).max(operands.len() as u32 + 1));
+    }
+    needs
+}
+
+fn operands_of(gate: &Gate) -> &[Edge] {
+    match gate {
+        Gate::Join(_, operands) => operands,
+        _ => &[],
+    }
+}
+
+struct Builder<'e> {
+    nodes: &'e [Gate],
+    needs: Vec<u32>,
+    uses: Vec<u32>,
+    /// Where each node's result is, once it has been computed.
+    slots: Vec<Option<u32>>,
+    free: Vec<u32>,
+    schedule: Schedule,
+}
+
+/// What is left to do.
+enum Task {
+    Visit(usize),
+    Compute(usize),
+}
+
+impl Builder<'_> {
+    /// Schedules a node, after all that it depends on.
+    fn visit(&mut self, node: usize) {
+        let mut tasks = vec![Task::Visit(node)];
+        while let Some(task) = tasks.pop() {
+            match task {
+                Task::Visit(node) if self.slots[node].is_none() => {
+                    tasks.push(Task::Compute(node));
+                    let below = tasks.len();
+                    let operands = operands_of(&self.nodes[node]).iter().map(|edge| edge.node().index());
+                    tasks.extend(operands.map(Task::Visit));
+                    // the last one is taken first
+                    tasks[below..].sort_by_key(|task| match task {
+                        Task::Visit(node) | Task::Compute(node) => self.needs[*node],
+                    });
+                }
+                Task::Visit(_) => {}
+                Task::Compute(node) => self.compute(node),
+            }
+        }
+    }
+
+    fn compute(&mut self, node: usize) {
+        // taken before the operands are let go, so that a result never overwrites what it is made from
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.schedule.slots += 1;
+            self.schedule.slots - 1
+        });
+        let what = match &self.nodes[node] {
+            Gate::Vacuum => What::Constant(false),
+            Gate::Plenum => What::Constant(true),
+            Gate::Leaf(leaf) => What::Leaf(leaf.0),
+            Gate::Join(rule, operands) => self.join(*rule, operands),
+        };
+        self.slots[node] = Some(slot);
+        self.schedule.steps.push(Step { what, slot });
+    }
+
+    fn join(&mut self, rule: Rule, operands: &[Edge]) -> What {
+        let first = self.schedule.operands.len() as u32;
+        for &edge in operands {
+            let operand = self.operand(edge);
+            self.schedule.operands.push(operand);
+        }
+        for edge in operands {
+            let node = edge.node().index();
+            self.uses[node] -= 1;
+            if self.uses[node] == 0 {
+                self.free.extend(self.slots[node]);
+            }
+        }
+        let rule = match rule {
+            Rule::AtLeast(least) => CountRule::AtLeast(least as usize),
+            Rule::Odd => CountRule::Odd,
+        };
+        What::Join(rule, first..self.schedule.operands.len() as u32)
+    }
+
+    fn operand(&self, edge: Edge) -> Operand {
+        // operands are computed first: there is always a slot
+        Operand { slot: self.slots[edge.node().index()].unwrap_or(0), complemented: edge.is_complemented() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayweave_model::LeafId;
+
+    /// Runs a schedule on plain sides and compares the outputs with the plain meaning of the expression.
+    fn check(expression: &Expression, outputs: &[Edge], leaves: u32) -> Schedule {
+        let schedule = Schedule::new(expression, outputs);
+        for pattern in 0..1u32 << leaves {
+            let inside = |leaf: u32| pattern >> leaf & 1 == 1;
+            let mut slots = vec![false; schedule.slots()];
+            let value = |slots: &[bool], o: &Operand| slots[o.slot as usize] ^ o.complemented;
+            for step in &schedule.steps {
+                slots[step.slot as usize] = match &step.what {
+                    What::Constant(inside) => *inside,
+                    What::Leaf(leaf) => inside(*leaf),
+                    What::Join(rule, range) => rule.is_inside(
+                        schedule.operands(range).iter().filter(|operand| value(&slots, operand)).count(),
+                    ),
+                };
+            }
+            let mut values = Vec::new();
+            expression.evaluate(|leaf| inside(leaf.0), &mut values);
+            let expected = outputs.iter().map(|edge| values[edge.node().index()] ^ edge.is_complemented());
+            assert!(schedule.outputs().iter().map(|output| value(&slots, output)).eq(expected));
+        }
+        schedule
+    }
+
+    #[test]
+    fn a_chain_needs_three_slots_and_a_tree_its_height() {
+        let mut e = Expression::default();
+        let x: Vec<Edge> = (0..16).map(|k| e.leaf(LeafId(k))).collect();
+        // operands are sorted by number, so the deep one stands last
+        let chain = x.iter().skip(1).enumerate().fold(x[0], |below, (k, &next)| match k % 2 {
+            0 => e.any(vec![next, below]),
+            _ => e.all(vec![next, below.complement()]),
+        });
+        assert_eq!(check(&e, &[chain], 16).slots(), 3);
+        let mut level = x;
+        while level.len() > 1 {
+            let odd = level.len() % 4 == 0;
+            let pairs =
+                level.chunks(2).map(|pair| if odd { e.odd(pair.to_vec()) } else { e.all(pair.to_vec()) });
+            level = pairs.collect();
+        }
+        assert_eq!(check(&e, &level, 16).slots(), 6);
+    }
+
+    #[test]
+    fn shared_nodes_are_computed_once_and_kept() {
+        let mut e = Expression::default();
+        let x: Vec<Edge> = (0..4).map(|k| e.leaf(LeafId(k))).collect();
+        let shared = e.any(vec![x[0], x[1]]);
+        let left = e.all(vec![shared, x[2]]);
+        let right = e.odd(vec![shared, x[3]]);
+        let top = e.any(vec![left, right.complement()]);
+        let outputs = [top, shared.complement(), Edge::VACUUM, Edge::PLENUM, x[2], top.complement()];
+        let schedule = check(&e, &outputs, 4);
+        let joins = schedule.steps.iter().filter(|step| matches!(step.what, What::Join(..)));
+        assert_eq!(joins.count(), 4);
+    }
+}
