@@ -146,34 +146,50 @@ fn earlier(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
     if b.0 < a.0 { b } else { a }
 }
 
-/// The same where some facet is inside in more than one piece: all flips in order, counting the facets that
-/// do not hold.
+/// The same where some facet is inside in more than one piece.
 fn general_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, events: &mut LeafEvents) {
-    let LeafEvents { flips, unsorted, holds, starts_inside } = events;
-    unsorted.clear();
-    holds.clear();
-    for (k, facet) in facets.iter().enumerate() {
-        let crossings = ray.crossings(program, facet);
-        holds.push(crossings.starts_negative());
-        unsorted.extend(crossings.times().iter().map(|&t| (t, k as u32)));
-    }
-    unsorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut failing = holds.iter().filter(|&&holds| !holds).count();
-    *starts_inside = failing == 0;
-    let mut inside = *starts_inside;
-    let mut rest = &unsorted[..];
-    while let Some(&(t, first)) = rest.first() {
-        let same = rest.iter().take_while(|event| event.0 == t).count();
-        for &(_, facet) in &rest[..same] {
-            let holds = &mut holds[facet as usize];
-            *holds = !*holds;
-            failing = if *holds { failing - 1 } else { failing + 1 };
+    events.conjunction(facets.len(), |k, flip| {
+        let crossings = ray.crossings(program, &facets[k]);
+        crossings.times().iter().for_each(|&t| flip(t));
+        crossings.starts_negative()
+    });
+}
+
+impl LeafEvents {
+    /// The changes of a conjunction of `count` facets that may each be crossed any number of times: all flips in
+    /// order, counting the facets that do not hold. `crossings(k, flip)` passes the times at which facet `k`
+    /// flips to `flip` and says whether it holds at the start. Of facets that flip at the same time the lowest
+    /// is named.
+    pub fn conjunction(
+        &mut self,
+        count: usize,
+        mut crossings: impl FnMut(usize, &mut dyn FnMut(f64)) -> bool,
+    ) {
+        let LeafEvents { flips, unsorted, holds, starts_inside } = self;
+        flips.clear();
+        unsorted.clear();
+        holds.clear();
+        for k in 0..count {
+            holds.push(crossings(k, &mut |t| unsorted.push((t, k as u32))));
         }
-        if inside != (failing == 0) {
-            inside = !inside;
-            flips.push((t, first));
+        unsorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut failing = holds.iter().filter(|&&holds| !holds).count();
+        *starts_inside = failing == 0;
+        let mut inside = *starts_inside;
+        let mut rest = &unsorted[..];
+        while let Some(&(t, first)) = rest.first() {
+            let same = rest.iter().take_while(|event| event.0 == t).count();
+            for &(_, facet) in &rest[..same] {
+                let holds = &mut holds[facet as usize];
+                *holds = !*holds;
+                failing = if *holds { failing - 1 } else { failing + 1 };
+            }
+            if inside != (failing == 0) {
+                inside = !inside;
+                flips.push((t, first));
+            }
+            rest = &rest[same..];
         }
-        rest = &rest[same..];
     }
 }
 

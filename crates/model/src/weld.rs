@@ -19,6 +19,20 @@ pub trait Flips {
     fn output(&mut self, k: u32) -> bool;
 }
 
+/// What runs through a model: a ray, or whatever else can tell where it keeps to a surface.
+pub trait Trajectory {
+    /// True if the piece between two times lies within `delta` of the surface of a face all along.
+    fn hugs(&self, program: &Program, face: Face, a: f64, b: f64) -> bool;
+}
+
+impl Trajectory for Ray {
+    fn hugs(&self, program: &Program, face: Face, a: f64, b: f64) -> bool {
+        let entry = program.surface(face.surface);
+        let (ray, reach) = local_ray(program, self, face.placement);
+        hugs(&entry.surface, entry.reach + reach, &ray, a, b)
+    }
+}
+
 /// A time at which the state of the model changes.
 #[derive(Clone, Copy, Debug)]
 pub struct Change {
@@ -64,24 +78,24 @@ struct Quiet {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Paused(Option<Run>, Option<Quiet>);
 
-/// Welds the changes of one ray as they come.
-pub struct Weld<'a> {
+/// Welds the changes along one trajectory as they come.
+pub struct Weld<'a, T = Ray> {
     program: &'a Program,
-    ray: Ray,
+    path: T,
     events: &'a [Event],
     pending: Option<Run>,
     quiet: Option<Quiet>,
 }
 
-impl<'a> Weld<'a> {
-    /// For one ray with all its events in order of time.
-    pub fn new(program: &'a Program, ray: Ray, events: &'a [Event]) -> Self {
-        Weld { program, ray, events, pending: None, quiet: None }
+impl<'a, T: Trajectory> Weld<'a, T> {
+    /// For one trajectory with all its events in order of time.
+    pub fn new(program: &'a Program, path: T, events: &'a [Event]) -> Self {
+        Weld { program, path, events, pending: None, quiet: None }
     }
 
     /// Goes on after a pause; `events` may have got more at its end since.
-    pub fn resume(program: &'a Program, ray: Ray, events: &'a [Event], paused: Paused) -> Self {
-        Weld { program, ray, events, pending: paused.0, quiet: paused.1 }
+    pub fn resume(program: &'a Program, path: T, events: &'a [Event], paused: Paused) -> Self {
+        Weld { program, path, events, pending: paused.0, quiet: paused.1 }
     }
 
     /// Lets go of the events.
@@ -137,13 +151,8 @@ impl<'a> Weld<'a> {
 
     /// True if the piece between two changes lies in both their surfaces.
     fn welded(&self, (a, first): (f64, Face), (b, second): (f64, Face)) -> bool {
-        self.hugs(second, a, b) && (first == second || self.hugs(first, a, b))
-    }
-
-    fn hugs(&self, face: Face, a: f64, b: f64) -> bool {
-        let entry = self.program.surface(face.surface);
-        let (ray, reach) = local_ray(self.program, &self.ray, face.placement);
-        hugs(&entry.surface, entry.reach + reach, &ray, a, b)
+        let hugs = |face: Face| self.path.hugs(self.program, face, a, b);
+        hugs(second) && (first == second || hugs(first))
     }
 
     /// The crossing that a complete run amounts to: none if the medium is the same before and after.

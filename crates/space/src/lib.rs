@@ -6,11 +6,15 @@
 
 pub mod curve;
 mod field;
+pub mod isolate;
 mod lie;
+mod model;
 mod point;
 pub mod polygon;
 
 pub use curve::{Curve, CurveError};
 pub use field::Field;
+pub use isolate::isolate;
 pub use lie::{leads_inside, lie_direction};
+pub use model::{CurveTrace, curve_normal, curve_point, trace_curve};
 pub use point::Point;

@@ -1,0 +1,116 @@
+//! A straight curve through a compiled model meets what the reference evaluator finds on the ray.
+
+use rayweave_conformance::rays::rays;
+use rayweave_conformance::{Model, Random, Style};
+use rayweave_math::Vec3;
+use rayweave_model::dress::normal;
+use rayweave_model::weld::local_ray;
+use rayweave_model::{
+    Crossing, Evaluator, Face, LeafId, LeafKind, PlacementId, Program, PrototypeId, Query, RayBatch,
+    SurfaceId, Window,
+};
+use rayweave_shape::Ray;
+use rayweave_shape::surface::delta;
+use rayweave_space::curve::Line;
+use rayweave_space::trace_curve;
+use rayweave_trace::Reference;
+
+#[derive(Debug, Default)]
+struct Count {
+    lines: usize,
+    crossings: usize,
+    /// Lines that keep between a quarter of delta and four delta beside a surface, where both answers are right.
+    borderline: usize,
+    differ: Vec<String>,
+}
+
+/// The distance of a point of the ray from a surface, in units of delta.
+fn deltas(program: &Program, ray: &Ray, placement: PlacementId, surface: SurfaceId, t: f64) -> f64 {
+    let (local, reach) = local_ray(program, ray, placement);
+    let entry = program.surface(surface);
+    let (value, gradient) = entry.surface.value_and_gradient(local.at(t));
+    value.abs() / gradient.length() / delta(entry.reach + reach, &local, t)
+}
+
+/// True if the ray is near the border of lying in some surface of the model, all along or at the ends of the window.
+fn is_borderline(program: &Program, ray: &Ray, times: [f64; 3]) -> bool {
+    let placements = program.prototype(PrototypeId(0)).placements;
+    (0..placements).map(PlacementId).any(|placement| {
+        let leaves = &program.prototype(program.placement(placement).1).leaves;
+        leaves.clone().any(|leaf| match &program.leaf(LeafId(leaf)).kind {
+            LeafKind::Shape { facets, .. } => facets.clone().any(|facet| {
+                let surface = program.facets()[facet as usize].surface;
+                times.iter().any(|&t| (0.25..4.0).contains(&deltas(program, ray, placement, surface, t)))
+            }),
+            LeafKind::Instance { .. } => false,
+        })
+    })
+}
+
+/// The same crossing: at an edge, where the order of times that are equal but for rounding decides, any face of the edge.
+fn same(program: &Program, ray: &Ray, a: &Crossing, b: &Crossing) -> bool {
+    let slope = normal(program, ray, b).dot(ray.direction).abs();
+    let reach = program.surface(b.face.surface).reach + 3.0;
+    let slack = 2.0 * delta(reach, ray, b.t) / slope;
+    let face = |x: Face, y: Face| x == y || deltas(program, ray, x.placement, x.surface, b.t) < 4.0;
+    (a.t - b.t).abs() <= slack
+        && (a.before, a.after) == (b.before, b.after)
+        && face(a.face, b.face)
+        && face(a.left, b.left)
+        && face(a.entered, b.entered)
+}
+
+fn compare(reference: &Reference, ray: Ray, count: &mut Count, name: &str) {
+    let program = reference.program();
+    let line = Line::new(ray.origin.to_array(), ray.direction.to_array());
+    let (closest, half) = (ray.closest_time(Vec3::ZERO), 9.0 / ray.direction.length());
+    let (t0, t1) = (closest - half, closest + half);
+    let query = Query { window: Window::new(t0, t1).unwrap(), ..Query::default() };
+    let want = reference.collect(RayBatch::from_iter([ray]).rays(), &query).unwrap();
+    let got = trace_curve(program, &line, t0, t1).unwrap();
+    count.lines += 1;
+    count.crossings += want.crossings.len();
+    let equal = got.start == want.starts[0]
+        && got.crossings.len() == want.crossings.len()
+        && got.crossings.iter().zip(&want.crossings).all(|(a, b)| same(program, &ray, a, b));
+    if !equal && is_borderline(program, &ray, [t0, closest, t1]) {
+        count.borderline += 1;
+    } else if !equal {
+        count.differ.push(format!("{name}: {ray:?}\n{got:?}\n{want:?}"));
+    }
+}
+
+fn compare_all(seeds: std::ops::Range<u64>, lines: usize) -> Count {
+    let mut count = Count::default();
+    for seed in seeds {
+        let style = [Style::Generic, Style::Grid, Style::Planes][seed as usize % 3];
+        let mut rng = Random::new(seed);
+        let model = Model::random(&mut rng, style);
+        let Ok(program) = model.compile() else { continue };
+        let reference = Reference::new(program);
+        for ray in rays(&mut rng, style, &model.frame, lines) {
+            compare(&reference, ray, &mut count, &format!("model {seed}"));
+        }
+    }
+    count
+}
+
+fn expect_equal(count: Count) {
+    for text in count.differ.iter().take(3) {
+        println!("{text}\n");
+    }
+    println!("{} lines, {} crossings, {} borderline", count.lines, count.crossings, count.borderline);
+    assert!(count.differ.is_empty(), "{} of {} differ", count.differ.len(), count.lines);
+    assert!(count.crossings * 2 > count.lines && count.borderline * 200 < count.lines);
+}
+
+#[test]
+fn a_line_gives_what_the_reference_gives() {
+    expect_equal(compare_all(0..300, 20));
+}
+
+#[test]
+#[ignore = "long"]
+fn long_many_lines_give_what_the_reference_gives() {
+    expect_equal(compare_all(1000..11_000, 100));
+}
