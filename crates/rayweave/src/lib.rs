@@ -162,6 +162,7 @@
 mod compiled;
 mod error;
 mod evaluator;
+mod explain;
 mod timeline;
 
 pub mod files;
@@ -180,6 +181,7 @@ pub use rayweave_trace as trace;
 pub use compiled::Compiled;
 pub use error::{Error, ErrorKind};
 pub use evaluator::{AnyEvaluator, AnyScratch};
+pub use explain::explain;
 pub use rayweave_math::{Affine, Bounds, Vec3};
 pub use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Window};
 pub use rayweave_shape::Ray;

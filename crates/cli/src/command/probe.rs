@@ -33,6 +33,13 @@ pub struct Probe {
     #[arg(long)]
     segment: bool,
 
+    /// Also tell how the answer comes about, decision by decision, in at most so many lines ("all" for no limit)
+    #[arg(
+        long, value_name = "LINES", conflicts_with = "json", value_parser = lines,
+        num_args = 0..=1, require_equals = true, default_missing_value = "1000"
+    )]
+    explain: Option<usize>,
+
     /// Print JSON, with all digits
     #[arg(long)]
     json: bool,
@@ -68,9 +75,13 @@ impl Probe {
             }
             terminal::save(path, drawing.to_svg().as_bytes())?;
         }
-        terminal::print(&match self.json {
-            true => format!("{:#}\n", self.as_json(&found)),
-            false => self.as_text(&found),
+        terminal::print(&match (self.json, self.explain) {
+            (true, _) => format!("{:#}\n", self.as_json(&found)),
+            (false, None) => self.as_text(&found),
+            (false, Some(lines)) => {
+                let told = rayweave::explain(&compiled.program, ray, window)?;
+                format!("{}\n{}", self.as_text(&found), told.story(lines))
+            }
         })
     }
 
@@ -130,6 +141,17 @@ impl Probe {
             },
             "crossings": found.crossings().enumerate().map(|(k, c)| found.row_json(k, c)).collect::<Vec<_>>(),
         })
+    }
+}
+
+/// A number of lines from 1, or "all".
+fn lines(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) | Err(_) if text != "all" => {
+            Err("a number of lines is a whole number from 1, or all".to_owned())
+        }
+        Ok(number) => Ok(number),
+        Err(_) => Ok(usize::MAX),
     }
 }
 

@@ -173,3 +173,65 @@ fn time_lines() {
     let nowhere = [&["probe", "ball.toml", "--timeline", "nowhere/time.svg"], &HEAD_ON[..]].concat();
     assert!(bench.fails(1, &nowhere).contains("the folder nowhere does not exist"));
 }
+
+/// The chain of eight balls in the repository's models, in a row, and a ray along the row.
+const CHAIN: [&str; 7] = ["probe", "-D", "s=0", "--from", "-60,0,0", "--to", "60,0,0"];
+
+#[test]
+fn the_story_of_the_chain() {
+    let bench = Bench::new();
+    let chain = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/chain.toml");
+    let plain = bench.says(&[&CHAIN[..], &[chain]].concat());
+    let text = bench.says(&[&CHAIN[..], &[chain, "--explain"]].concat());
+    assert!(text.starts_with(&plain), "{text}");
+    for line in [
+        "The ray (-60, 0, 0) + t (120, 0, 0).",
+        "  rule 4: if not, the operands that have changed are asked again, from there on.",
+        "What is next after t = -inf?",
+        "        s1 is entered at 0.0375, through s1.side.",
+        "      s1 | s2 is entered at 0.0375: s1 is entered, and the ray is outside s2 until 0.145833. (rule 3)",
+        "  So the ray is in the world until t = 0.0375, then in chain.",
+        // what a table of nine entries gets wrong: both are left, but the later exit is not yet the answer
+        "      s1 | s2 stays inside at 0.204167: s1 is left, but the ray is inside s2 until 0.3125. So s1 is asked again. (rule 4)",
+        "    s1 | s2 | s3 | s4 stays inside at 0.3125: s1 | s2 is left, but the ray is inside s3 | s4 until 0.529167. So s1 | s2 is \
+         asked again. (rule 4)",
+        "  (s1 ... s4) | (s5 ... s8) stays inside at 0.529167: s1 | s2 | s3 | s4 is left, but the ray is inside s5 | s6 | s7 | s8 \
+         until 0.9625. So s1 | s2 | s3 | s4 is asked again. (rule 4)",
+        "    s1 | s2 | s3 | s4 is outside for good: the ray is outside s1 | s2 and s3 | s4 for good. (rule 1)",
+        "  So the ray is in chain until t = 0.9625, then in the world.",
+        "At t = 0.9625 it passes from chain into the world, through s8.side.",
+        "(3 questions, 93 steps.)",
+    ] {
+        assert!(text.lines().any(|found| found == line), "{line}\n{text}");
+    }
+    // every sphere overlaps the next: no other crossing, and no line is left out
+    assert_eq!(text.matches("  So the ray is in").count(), 3);
+    assert!(!text.contains("left out"), "{text}");
+}
+
+#[test]
+fn stories_of_parts_and_of_few_lines() {
+    let bench = Bench::new();
+    let line = ["--from", "-20,0.25,0.125", "--to", "-19,0.25,0.125"];
+    let text =
+        bench.says(&[&["probe", "cemented.toml", "--solid", "right", "--explain"], &line[..]].concat());
+    assert!(text.contains("right is entered at 20, through right.x-.\n"), "{text}");
+    assert!(!text.contains("bath"), "{text}");
+    let few = bench.says(&[&["probe", "cemented.toml", "--explain=3"], &line[..]].concat());
+    assert!(
+        few.contains(" lines are left out ...") && few.contains(" more questions are left out.\n"),
+        "{few}"
+    );
+    assert!(few.contains("At t = 20 it passes from left into right, through left.x+.\n"), "{few}");
+    let [all, many] = ["--explain=all", "--explain"]
+        .map(|explain| bench.says(&[&["probe", "cemented.toml", explain], &line[..]].concat()));
+    assert_eq!(all, many);
+    let segment = [&["probe", "ball.toml", "--segment", "--explain"], &HEAD_ON[..]].concat();
+    assert!(bench.says(&segment).contains("What is next after t = 0?"));
+    for wrong in ["--explain=0", "--explain=-1", "--explain=few"] {
+        let message = bench.fails(2, &[&["probe", "ball.toml", wrong], &HEAD_ON[..]].concat());
+        assert!(message.contains("a whole number from 1, or all"), "{message}");
+    }
+    let both = [&["probe", "ball.toml", "--explain", "--json"], &HEAD_ON[..]].concat();
+    assert!(bench.fails(2, &both).contains("cannot be used with"));
+}

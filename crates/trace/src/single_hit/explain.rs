@@ -1,4 +1,4 @@
-//! Why an answer is what it is: the record of every decision, as data and as a story.
+//! Why an answer is what it is: the record of every decision, as data. [`super::story`] tells it as text.
 
 use super::evaluator::WatchWalk;
 use super::names::Names;
@@ -7,18 +7,21 @@ use rayweave_model::{
     Crossing, Evaluator, Face, GroupRay, LeafId, Limit, Program, PrototypeId, Query, RegionId,
 };
 use rayweave_shape::Ray;
-use std::fmt;
-use std::ops::Range;
+use std::sync::Arc;
+
+/// So many entries are kept of one explanation; the others are counted. A model of ten thousand leaves has twice as
+/// many for each of its crossings.
+pub const MOST_ENTRIES: usize = 100_000;
 
 /// How the answer for one ray came about. Its `Display` tells it as a story.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
     /// The ray.
     pub ray: Ray,
+    /// What the regions are called, by their numbers: 0 is "the world".
+    pub regions: Vec<Arc<str>>,
     /// The region just after the beginning of the window; 0 is the world.
     pub start: RegionId,
-    /// The name of that region.
-    pub start_name: String,
     /// What the model was asked, in order.
     pub questions: Vec<Question>,
     /// The crossings: the answer.
@@ -33,12 +36,12 @@ pub struct Explanation {
 pub struct Question {
     /// The time that is asked from, which may be -inf.
     pub t_min: f64,
-    /// Every leaf asked and every decision made, in order.
+    /// Every leaf asked and every decision made, in order; [`MOST_ENTRIES`] of all questions together.
     pub entries: Vec<Entry>,
+    /// How many more there were.
+    pub left_out: usize,
     /// The answer: numbers of regions, 0 is the world.
     pub answer: Step,
-    /// The same with the names of the regions.
-    pub answer_text: String,
     /// True if the medium changes then, within the window.
     pub changes_medium: bool,
 }
@@ -50,10 +53,25 @@ pub struct Entry {
     pub node: usize,
     /// Where its sub-tree begins: all nodes from there on, up to itself, are below it.
     pub begin: usize,
-    /// What it is called.
-    pub name: String,
+    /// How far it lies below the root.
+    pub depth: u32,
+    /// What it is called, its complement not counted.
+    pub name: Arc<str>,
+    /// What its values stand for.
+    pub meaning: Meaning,
     /// What happened.
     pub what: What,
+}
+
+/// What the values of a node stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// Not 0: inside.
+    Solid,
+    /// So many operands that the ray is inside of.
+    Count,
+    /// The number of the region that wins; 0 is the world.
+    Region,
 }
 
 /// What happened at a node.
@@ -70,16 +88,16 @@ pub enum What {
         /// The face that it crosses next.
         face: Option<Face>,
         /// What the face is called.
-        face_name: Option<String>,
+        face_name: Option<Arc<str>>,
     },
     /// A gate decided from the answers of its operands.
     Gate {
         /// The operands.
         operands: [Operand; 2],
+        /// The value just after the time that the operands were asked from, before any complement.
+        value: u32,
         /// The decision, before any complement.
         verdict: Verdict,
-        /// The sentence that tells it.
-        text: String,
     },
 }
 
@@ -108,12 +126,24 @@ impl What {
 pub struct Operand {
     /// The node, by its place in the tree's post-order.
     pub node: usize,
-    /// What it is called.
-    pub name: String,
+    /// What it is called, its complement not counted.
+    pub name: Arc<str>,
+    /// What its values stand for.
+    pub meaning: Meaning,
     /// True if the gate takes its complement.
     pub complemented: bool,
     /// Its answer, as the gate takes it.
     pub answer: Step,
+}
+
+impl Operand {
+    /// What the operand says of itself, without the complement and the weight that the gate sees it with.
+    pub fn own_answer(&self) -> Step {
+        self.answer.map(|value| match self.meaning {
+            Meaning::Solid => u32::from((value != 0) != self.complemented),
+            Meaning::Count | Meaning::Region => value,
+        })
+    }
 }
 
 /// A crossing with names.
@@ -122,11 +152,7 @@ pub struct Found {
     /// The crossing.
     pub crossing: Crossing,
     /// The name of the face.
-    pub face: String,
-    /// The name of the region before.
-    pub before: String,
-    /// The name of the region after.
-    pub after: String,
+    pub face: Arc<str>,
 }
 
 impl Explanation {
@@ -143,18 +169,24 @@ impl Explanation {
             questions: Vec::new(),
             found: Vec::new(),
             t_max: query.window.t_max(),
+            room: MOST_ENTRIES,
         };
         let start = evaluator.walk(ray, query, !starts.is_empty(), &mut level, &mut scratch, &mut recorder);
-        let start_name = region_name(evaluator.program(), start).to_owned();
         let (questions, crossings) = (recorder.questions, recorder.found);
         let changes = questions.iter().filter(|question| question.changes_medium).count();
         let welded = if query.limit == Limit::All { changes.saturating_sub(crossings.len()) } else { 0 };
-        Explanation { ray, start, start_name, questions, crossings, welded }
+        Explanation { ray, regions: region_names(evaluator.program()), start, questions, crossings, welded }
+    }
+
+    /// How many leaves were asked and decisions made, those included that are not kept.
+    pub fn steps(&self) -> usize {
+        self.questions.iter().map(|question| question.entries.len() + question.left_out).sum()
     }
 }
 
-fn region_name(program: &Program, region: RegionId) -> &str {
-    region.index().checked_sub(1).map_or("the world", |k| &program.regions()[k].name)
+fn region_names(program: &Program) -> Vec<Arc<str>> {
+    let names = program.regions().iter().map(|region| region.name.as_str());
+    ["the world"].into_iter().chain(names).map(Arc::from).collect()
 }
 
 /// Writes a walk down.
@@ -164,124 +196,94 @@ struct Recorder<'a, F> {
     questions: Vec<Question>,
     found: Vec<Found>,
     t_max: f64,
+    /// How many entries are still taken.
+    room: usize,
 }
 
 impl<F> Recorder<'_, F> {
-    fn record(&mut self, node: usize, what: What) {
-        let (name, begin) = (self.names.of(node), self.names.node(node).begin as usize);
-        if let Some(question) = self.questions.last_mut() {
-            question.entries.push(Entry { node, begin, name, what });
+    /// False, and the entry is counted, if there is no room for it.
+    fn has_room(&mut self) -> bool {
+        match self.questions.last_mut() {
+            Some(_) if self.room > 0 => {
+                self.room -= 1;
+                true
+            }
+            Some(question) => {
+                question.left_out += 1;
+                false
+            }
+            None => false,
         }
     }
 
-    fn face_name(&self, face: Face) -> String {
+    fn record(&mut self, node: usize, what: What) {
+        let entry = Entry {
+            node,
+            begin: self.names.node(node).begin as usize,
+            depth: self.names.depth(node),
+            name: self.names.of(node),
+            meaning: self.names.meaning(node),
+            what,
+        };
+        if let Some(question) = self.questions.last_mut() {
+            question.entries.push(entry);
+        }
+    }
+
+    fn face_name(&self, face: Face) -> Arc<str> {
         let program = self.names.program();
-        program.facets()[program.face_number(face.leaf, face.facet) as usize].name.to_string()
+        program.facets()[program.face_number(face.leaf, face.facet) as usize].name.clone()
     }
 
     fn operand(&mut self, node: usize, answer: Step) -> Operand {
         let complemented = self.names.node(node).complemented;
-        Operand { node, name: self.names.of(node), complemented, answer }
+        Operand { node, name: self.names.of(node), meaning: self.names.meaning(node), complemented, answer }
     }
 }
 
 impl<F: Fn(u32, f64) -> Option<Face>> Watch for Recorder<'_, F> {
     fn leaf(&mut self, node: usize, t_min: f64, answer: Next) {
         let Some(number) = self.names.leaf(node) else { return };
-        let face = (self.next_face)(number, t_min);
-        let face_name = face.map(|face| self.face_name(face));
-        let leaf = self.names.leaf_id(number);
-        self.record(node, What::Leaf { leaf, t_min, answer, face, face_name });
+        if self.has_room() {
+            let face = (self.next_face)(number, t_min);
+            let face_name = face.map(|face| self.face_name(face));
+            let leaf = self.names.leaf_id(number);
+            self.record(node, What::Leaf { leaf, t_min, answer, face, face_name });
+        }
     }
 
     fn gate(&mut self, node: usize, operands: [Step; 2], verdict: Verdict) {
-        let places = self.names.operands(node);
-        let operands = [self.operand(places[0], operands[0]), self.operand(places[1], operands[1])];
-        let text = self.names.sentence(node, &operands, verdict);
-        self.record(node, What::Gate { operands, verdict, text });
+        if self.has_room() {
+            let value = self.names.gate_value(node, operands.map(|step| step.before));
+            let places = self.names.operands(node);
+            let operands = [self.operand(places[0], operands[0]), self.operand(places[1], operands[1])];
+            self.record(node, What::Gate { operands, value, verdict });
+        }
     }
 }
 
 impl<F: Fn(u32, f64) -> Option<Face>> WatchWalk for Recorder<'_, F> {
     fn question(&mut self, t_min: f64) {
+        let answer = Step::constant(0);
         self.questions.push(Question {
             t_min,
             entries: Vec::new(),
-            answer: Step::constant(0),
-            answer_text: String::new(),
+            left_out: 0,
+            answer,
             changes_medium: false,
         });
     }
 
     fn answer(&mut self, step: Step) {
         let program = self.names.program();
-        let name = |region: u32| region_name(program, RegionId(region));
-        let text = match step.settled() {
-            Some(region) => format!("in {} from here on", name(region)),
-            None => format!("in {} until t = {}, then in {}", name(step.before), step.t, name(step.after)),
-        };
         let medium = |region: u32| program.medium_of(RegionId(region));
         let changes_medium = step.t < self.t_max && medium(step.before) != medium(step.after);
         if let Some(question) = self.questions.last_mut() {
-            (question.answer, question.answer_text, question.changes_medium) = (step, text, changes_medium);
+            (question.answer, question.changes_medium) = (step, changes_medium);
         }
     }
 
     fn crossing(&mut self, crossing: &Crossing) {
-        let name = |region: RegionId| region_name(self.names.program(), region).to_owned();
-        let (before, after) = (name(crossing.before), name(crossing.after));
-        self.found.push(Found { crossing: *crossing, face: self.face_name(crossing.face), before, after });
-    }
-}
-
-/// What has been told to be so for good is not told again.
-impl fmt::Display for Explanation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (o, d) = (self.ray.origin, self.ray.direction);
-        writeln!(f, "The ray ({}, {}, {}) + t ({}, {}, {}).", o.x, o.y, o.z, d.x, d.y, d.z)?;
-        let mut settled: Vec<Range<usize>> = Vec::new();
-        for question in &self.questions {
-            writeln!(f, "\nWhat is next after t = {}?", question.t_min)?;
-            for entry in &question.entries {
-                if settled.iter().any(|range| range.contains(&entry.node)) {
-                    continue;
-                }
-                write!(f, "  {entry}")?;
-                if entry.what.is_settled() {
-                    settled.retain(|range| !(entry.begin..entry.node).contains(&range.start));
-                    settled.push(entry.begin..entry.node + 1);
-                }
-            }
-            writeln!(f, "  So the ray is {}.", question.answer_text)?;
-        }
-        self.summary(f)
-    }
-}
-
-impl Explanation {
-    fn summary(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\nThe ray starts in {}.", self.start_name)?;
-        for found in &self.crossings {
-            let Found { crossing, face, before, after } = found;
-            writeln!(f, "At t = {} it passes from {before} into {after}, by the face {face}.", crossing.t)?;
-        }
-        if self.welded > 0 {
-            let n = self.welded;
-            writeln!(f, "Changes welded because the ray keeps to both surfaces between them: {n}.")?;
-        }
-        let steps: usize = self.questions.iter().map(|question| question.entries.len()).sum();
-        writeln!(f, "({} questions, {steps} steps.)", self.questions.len())
-    }
-}
-
-impl fmt::Display for Entry {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.what {
-            What::Leaf { answer, face_name: Some(face), .. } => {
-                writeln!(f, "{} is {answer}, by its face {face}.", self.name)
-            }
-            What::Leaf { answer, .. } => writeln!(f, "{} is {answer}.", self.name),
-            What::Gate { text, .. } => writeln!(f, "{text} (rule {})", self.what.rule().unwrap_or_default()),
-        }
+        self.found.push(Found { crossing: *crossing, face: self.face_name(crossing.face) });
     }
 }

@@ -20,6 +20,7 @@ mod names;
 mod roots;
 mod rule;
 mod sides;
+mod story;
 mod tree;
 
 pub mod seed_view;
@@ -27,6 +28,7 @@ pub mod seed_view;
 pub use answer::{Next, Step};
 pub use ask::{LeafAnswers, NoWatch, Stacks, Watch};
 pub use evaluator::{SingleHit, SingleHitScratch};
-pub use explain::{Entry, Explanation, Found, Operand, Question, What};
+pub use explain::{Entry, Explanation, Found, MOST_ENTRIES, Meaning, Operand, Question, What};
 pub use rule::{Op, Verdict, decide};
+pub use story::{MOST_LINES, Story};
 pub use tree::{Kind, MOST_NODES, Node, TooLarge, Tree};

@@ -1,9 +1,10 @@
-//! What the nodes of a tree are called, and sentences about them.
+//! What the nodes of a tree are called.
 
-use super::explain::Operand;
-use super::{Kind, Node, Op, SingleHit, Step, Tree, Verdict};
+use super::explain::Meaning;
+use super::{Kind, Node, Op, SingleHit, Tree};
 use rayweave_model::{Evaluator, LeafId, Program, PrototypeId};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Operands over more nodes than this are not written out in a formula: three leaves.
 const WRITTEN_OUT: usize = 5;
@@ -14,8 +15,11 @@ pub(super) struct Names<'a> {
     tree: &'a Tree,
     /// How many leaves have the same name.
     namesakes: HashMap<&'a str, u32>,
-    /// The number of the output at a node.
-    outputs: HashMap<usize, usize>,
+    /// The nodes of the outputs with their numbers, sorted by node.
+    outputs: Vec<(usize, usize)>,
+    depths: Vec<u32>,
+    /// The names that have been asked for.
+    known: HashMap<usize, Arc<str>>,
 }
 
 impl<'a> Names<'a> {
@@ -27,7 +31,7 @@ impl<'a> Names<'a> {
             *namesakes.entry(&*leaf.name).or_insert(0) += 1;
         }
         let outputs = (0..program.regions().len()).map(|k| (tree.output(k as u32), k)).collect();
-        Names { program, tree, namesakes, outputs }
+        Names { program, tree, namesakes, outputs, depths: depths(tree), known: HashMap::new() }
     }
 
     pub fn program(&self) -> &'a Program {
@@ -54,8 +58,22 @@ impl<'a> Names<'a> {
         LeafId(self.program.prototype(PrototypeId(0)).leaves.start + leaf)
     }
 
+    /// How far a node lies below the root.
+    pub fn depth(&self, node: usize) -> u32 {
+        self.depths[node]
+    }
+
     /// The name of a node, its complement not counted: `a`, `a | b`, `(a ... k) - l`.
-    pub fn of(&self, node: usize) -> String {
+    pub fn of(&mut self, node: usize) -> Arc<str> {
+        if let Some(name) = self.known.get(&node) {
+            return name.clone();
+        }
+        let name: Arc<str> = self.name(node).into();
+        self.known.insert(node, name.clone());
+        name
+    }
+
+    fn name(&self, node: usize) -> String {
         match self.node(node).kind {
             Kind::Constant(0) => "vacuum".to_owned(),
             Kind::Constant(_) => "plenum".to_owned(),
@@ -74,14 +92,12 @@ impl<'a> Names<'a> {
     }
 
     fn regions_name(&self, node: usize) -> String {
-        let range = self.node(node).begin as usize..=node;
-        let mut inside: Vec<_> =
-            self.outputs.iter().filter(|(at, _)| range.contains(at)).map(|x| *x.1).collect();
-        inside.sort_unstable();
-        let name = |k: usize| &*self.program.regions()[k].name;
-        match inside[..] {
-            [first, last] => format!("{} then {}", name(first), name(last)),
-            [first, .., last] => format!("the regions {} to {}", name(first), name(last)),
+        let first = self.outputs.partition_point(|output| output.0 < self.node(node).begin as usize);
+        let inside = &self.outputs[first..self.outputs.partition_point(|output| output.0 <= node)];
+        let name = |output: &(usize, usize)| &*self.program.regions()[output.1].name;
+        match inside {
+            [first, last] => format!("{} and {}", name(first), name(last)),
+            [first, .., last] => format!("{} to {}", name(first), name(last)),
             _ => "the regions".to_owned(),
         }
     }
@@ -114,8 +130,10 @@ impl<'a> Names<'a> {
     fn bracketed(&self, node: usize, above: Option<Op>) -> String {
         match self.node(node).kind {
             Kind::Gate(_) if node + 1 - self.node(node).begin as usize > WRITTEN_OUT => self.ends(node),
-            Kind::Gate(op) if Some(op) != above || self.is_difference(node) => format!("({})", self.of(node)),
-            _ => self.of(node),
+            Kind::Gate(op) if Some(op) != above || self.is_difference(node) => {
+                format!("({})", self.name(node))
+            }
+            _ => self.name(node),
         }
     }
 
@@ -132,77 +150,32 @@ impl<'a> Names<'a> {
         format!("({} ... {})", first.unwrap_or_default(), last.unwrap_or_default())
     }
 
-    /// What a value of a node means.
-    fn value(&self, node: usize, value: u32) -> String {
-        match self.node(node).kind {
-            Kind::Gate(Op::Sum) => format!("at {value}"),
-            Kind::Gate(Op::Last) => match value.checked_sub(1) {
-                Some(region) => format!("in {}", self.program.regions()[region as usize].name),
-                None => "in the world".to_owned(),
-            },
-            _ if value == 0 => "outside".to_owned(),
-            _ => "inside".to_owned(),
-        }
-    }
-
-    /// What an answer of a node means; as a verb.
-    fn answer(&self, node: usize, answer: Step) -> String {
-        if let Kind::Gate(Op::Sum | Op::Last) = self.node(node).kind {
-            return match answer.settled() {
-                Some(value) => format!("is {} for good", self.value(node, value)),
-                None => format!("changes to {} at {}", self.value(node, answer.after), answer.t),
-            };
-        }
-        format!("is {}", answer.next())
-    }
-
-    /// The sentence about a decision.
-    pub fn sentence(&self, gate: usize, operands: &[Operand; 2], verdict: Verdict) -> String {
-        let name = self.of(gate);
-        match verdict {
-            Verdict::Fixed(value) => {
-                let [a, b] = operands.each_ref().map(|x| x.answer.settled().map(|_| self.own_answer(x)));
-                let reason = match (a, b) {
-                    (Some(a), Some(b)) => format!("{a}, and {b}"),
-                    (a, b) => format!("{}, whatever comes of the other", a.or(b).unwrap_or_default()),
-                };
-                format!("{name} {}: {reason}.", self.answer(gate, Step::constant(value)))
-            }
-            Verdict::Changes(step) => {
-                format!("{name} {}: {}.", self.answer(gate, step), self.who(operands, step.t))
-            }
-            Verdict::AskAgain { t, first, second } => {
-                let value = self.value(gate, self.gate_value(gate, operands));
-                let asked = operands.iter().zip([first, second]).filter(|x| x.1).map(|x| &*x.0.name);
-                let asked = asked.collect::<Vec<_>>().join(" and ");
-                let who = self.who(operands, t);
-                format!("{name} stays {value} at {t}: {who}, which changes nothing. Ask {asked} again.")
-            }
-        }
-    }
-
-    fn gate_value(&self, gate: usize, operands: &[Operand; 2]) -> u32 {
+    /// The value of a gate for values of its operands, before any complement.
+    pub fn gate_value(&self, gate: usize, [a, b]: [u32; 2]) -> u32 {
         match self.node(gate).kind {
-            Kind::Gate(op) => op.of(operands[0].answer.before, operands[1].answer.before),
+            Kind::Gate(op) => op.of(a, b),
             _ => 0,
         }
     }
 
-    /// Which operands change at a time.
-    fn who(&self, operands: &[Operand; 2], t: f64) -> String {
-        let names: Vec<&str> = operands.iter().filter(|x| x.answer.t == t).map(|x| &*x.name).collect();
-        match names[..] {
-            [only] => format!("{only} comes first"),
-            _ => format!("{} come together", names.join(" and ")),
+    /// What the values of a node stand for.
+    pub fn meaning(&self, node: usize) -> Meaning {
+        match self.node(node).kind {
+            Kind::Gate(Op::Sum) => Meaning::Count,
+            Kind::Gate(Op::Last) => Meaning::Region,
+            _ => Meaning::Solid,
         }
     }
+}
 
-    /// What an operand says of itself, without the complement and the weight that the gate sees it with.
-    fn own_answer(&self, operand: &Operand) -> String {
-        let own = operand.answer.map(|value| match self.node(operand.node).kind {
-            Kind::Gate(Op::Sum | Op::Last) => value,
-            _ => u32::from((value != 0) != operand.complemented),
-        });
-        format!("{} {}", operand.name, self.answer(operand.node, own))
+/// How far each node lies below the root.
+fn depths(tree: &Tree) -> Vec<u32> {
+    let mut depths = vec![0; tree.nodes().len()];
+    for node in (0..depths.len()).rev() {
+        if let Kind::Gate(_) = tree.nodes()[node].kind {
+            let below = depths[node] + 1;
+            tree.operands(node).into_iter().for_each(|operand| depths[operand] = below);
+        }
     }
+    depths
 }

@@ -1,0 +1,360 @@
+//! An explanation as text.
+
+use super::explain::{Entry, Explanation, Found, Meaning, Operand, Question, What};
+use super::{Next, Step, Verdict};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// So many lines of decisions are told if nobody asks for more or less.
+pub const MOST_LINES: usize = 1_000;
+
+/// One question takes no more than this part of all lines.
+const SHARE: usize = 10;
+
+/// So many crossings are told at the end.
+const MOST_CROSSINGS: usize = 100;
+
+/// Lines are moved to the right no further than for this depth.
+const DEEPEST: u32 = 12;
+
+const LEGEND: &str = "\
+Shapes say what is next of them. A node of the tree, on a line below those of its two operands and less far to the right,
+decides from their answers:
+  rule 1: operands that never change again settle it, if they can;
+  rule 2: else the earlier change counts, or both if they come together;
+  rule 3: if that changes the node, it is the node's answer;
+  rule 4: if not, the operands that have changed are asked again, from there on.
+";
+
+/// The text of an explanation, of bounded length: see [`Explanation::story`].
+#[derive(Clone, Debug)]
+pub struct Story<'a> {
+    told: &'a Explanation,
+    figures: Figures,
+    most_lines: usize,
+}
+
+impl Explanation {
+    /// The story in at most so many lines of decisions. A question takes no more than a tenth of them: of a
+    /// longer one the beginning and the end are told. What is left out is counted. `usize::MAX` tells all.
+    pub fn story(&self, most_lines: usize) -> Story<'_> {
+        Story { told: self, figures: Figures::new(self), most_lines }
+    }
+}
+
+/// What has been told to be so for good is not told again, and what follows from a decision is left out.
+impl fmt::Display for Explanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.story(MOST_LINES).fmt(f)
+    }
+}
+
+impl fmt::Display for Story<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (o, d) = (self.told.ray.origin, self.told.ray.direction);
+        let [ox, oy, oz, dx, dy, dz] = [o.x, o.y, o.z, d.x, d.y, d.z].map(full);
+        writeln!(f, "The ray ({ox}, {oy}, {oz}) + t ({dx}, {dy}, {dz}).\n\n{LEGEND}")?;
+        let mut settled = Settled::default();
+        let (mut room, mut untold) = (self.most_lines, 0);
+        for question in &self.told.questions {
+            if room == 0 {
+                untold += 1;
+                continue;
+            }
+            let shown = settled.shown(&question.entries);
+            room = room.saturating_sub(self.question(f, question, &shown, room)?);
+        }
+        if untold > 0 {
+            writeln!(f, "... {untold} more questions are left out.\n")?;
+        }
+        self.summary(f)
+    }
+}
+
+impl Story<'_> {
+    /// Tells a question; the number of lines that this took.
+    fn question(
+        &self,
+        f: &mut fmt::Formatter<'_>,
+        question: &Question,
+        shown: &[&Entry],
+        room: usize,
+    ) -> Result<usize, fmt::Error> {
+        writeln!(f, "What is next after t = {}?", self.figures.text(question.t_min))?;
+        let most = (self.most_lines / SHARE).max(2).min(room);
+        let (head, tail) = match shown.len() > most {
+            true => (most - most / 2, most / 2),
+            false => (shown.len(), 0),
+        };
+        shown[..head].iter().try_for_each(|entry| self.line(f, entry))?;
+        if shown.len() > most {
+            writeln!(f, "  ... {} lines are left out ...", shown.len() - head - tail)?;
+        }
+        shown[shown.len() - tail..].iter().try_for_each(|entry| self.line(f, entry))?;
+        if question.left_out > 0 {
+            writeln!(f, "  ... {} steps are not kept.", question.left_out)?;
+        }
+        writeln!(f, "  So the ray is {}.\n", self.answer(question.answer))?;
+        Ok(head + tail)
+    }
+
+    fn line(&self, f: &mut fmt::Formatter<'_>, entry: &Entry) -> fmt::Result {
+        let indent = 2 + 2 * entry.depth.min(DEEPEST) as usize;
+        write!(f, "{:indent$}{}", "", self.sentence(entry))?;
+        match entry.what.rule() {
+            Some(rule) => writeln!(f, " (rule {rule})"),
+            None => writeln!(f),
+        }
+    }
+
+    fn answer(&self, step: Step) -> String {
+        let name = |region: u32| self.region(region);
+        match step.settled() {
+            Some(region) => format!("in {} from here on", name(region)),
+            None => {
+                let t = self.figures.text(step.t);
+                format!("in {} until t = {t}, then in {}", name(step.before), name(step.after))
+            }
+        }
+    }
+
+    fn region(&self, region: u32) -> &str {
+        self.told.regions.get(region as usize).map_or("", |name| name)
+    }
+
+    fn summary(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "The ray starts in {}.", self.region(self.told.start.0))?;
+        let crossings = &self.told.crossings;
+        for Found { crossing, face } in crossings.iter().take(MOST_CROSSINGS) {
+            let [before, after] = [crossing.before, crossing.after].map(|region| self.region(region.0));
+            let t = self.figures.text(crossing.t);
+            writeln!(f, "At t = {t} it passes from {before} into {after}, through {face}.")?;
+        }
+        if crossings.len() > MOST_CROSSINGS {
+            writeln!(f, "... and so on: {} crossings in all.", crossings.len())?;
+        }
+        if self.told.welded > 0 {
+            let n = self.told.welded;
+            writeln!(f, "Changes welded because the ray keeps to both surfaces between them: {n}.")?;
+        }
+        let questions = match self.told.questions.len() {
+            1 => "1 question".to_owned(),
+            n => format!("{n} questions"),
+        };
+        writeln!(f, "({questions}, {} steps.)", self.told.steps())
+    }
+
+    /// What happened at a node, as a sentence.
+    pub fn sentence(&self, entry: &Entry) -> String {
+        match &entry.what {
+            What::Leaf { answer, face_name, .. } => {
+                let next = self.next(&entry.name, *answer);
+                match face_name {
+                    Some(face) => format!("{next}, through {face}."),
+                    None => format!("{next}."),
+                }
+            }
+            What::Gate { operands, value, verdict } => match *verdict {
+                Verdict::Fixed(value) => {
+                    format!("{}: {}.", self.for_good(entry, value), self.settled_by(operands))
+                }
+                Verdict::Changes(step) => {
+                    format!("{}: {}.", self.change(entry, step), self.events(operands, step.t, "and"))
+                }
+                Verdict::AskAgain { t, .. } => {
+                    let again = match operands.iter().filter(|x| x.answer.t == t).collect::<Vec<_>>()[..] {
+                        [only] => format!("{} is asked again", subject(only)),
+                        _ => "both are asked again".to_owned(),
+                    };
+                    let events = self.events(operands, t, "but");
+                    format!("{}: {events}. So {again}.", self.no_change(entry, *value, t))
+                }
+            },
+        }
+    }
+
+    fn next(&self, name: &str, answer: Next) -> String {
+        match answer {
+            Next::Enter(t) => format!("{name} is entered at {}", self.figures.text(t)),
+            Next::Exit(t) => format!("{name} is left at {}", self.figures.text(t)),
+            Next::Outside => format!("{name} is outside for good"),
+            Next::Inside => format!("{name} is inside for good"),
+        }
+    }
+
+    fn for_good(&self, Entry { name, meaning, .. }: &Entry, value: u32) -> String {
+        match meaning {
+            Meaning::Solid => self.next(name, Step::constant(value).next()),
+            Meaning::Count => format!("{name} is {value} for good"),
+            Meaning::Region => format!("among {name} the ray is in {} for good", self.region(value)),
+        }
+    }
+
+    fn change(&self, Entry { name, meaning, .. }: &Entry, step: Step) -> String {
+        match meaning {
+            Meaning::Solid => self.next(name, step.next()),
+            _ => format!("{} at {}", self.event(name, *meaning, step), self.figures.text(step.t)),
+        }
+    }
+
+    fn no_change(&self, Entry { name, meaning, .. }: &Entry, value: u32, t: f64) -> String {
+        let t = self.figures.text(t);
+        match meaning {
+            Meaning::Solid => format!("{name} stays {} at {t}", side(value)),
+            Meaning::Count => format!("{name} stays {value} at {t}"),
+            Meaning::Region => format!("among {name} the ray stays in {} at {t}", self.region(value)),
+        }
+    }
+
+    /// What happens then, and how the operand is that does not change then.
+    fn events(&self, operands: &[Operand; 2], t: f64, joint: &str) -> String {
+        let event = |operand: &Operand| self.event(&operand.name, operand.meaning, operand.own_answer());
+        let [a, b] = operands;
+        match [a.answer.t == t, b.answer.t == t] {
+            [true, false] => format!("{}, {joint} {}", event(a), self.state(b)),
+            [false, true] => format!("{}, {joint} {}", event(b), self.state(a)),
+            _ => format!("{} and {} at the same time", event(a), event(b)),
+        }
+    }
+
+    fn event(&self, name: &str, meaning: Meaning, step: Step) -> String {
+        match meaning {
+            Meaning::Solid if step.before == 0 => format!("{name} is entered"),
+            Meaning::Solid => format!("{name} is left"),
+            Meaning::Count => format!("{name} becomes {}", step.after),
+            Meaning::Region => {
+                let [before, after] = [step.before, step.after].map(|region| self.region(region));
+                format!("among {name} the ray passes from {before} into {after}")
+            }
+        }
+    }
+
+    /// How an operand is, and how long.
+    fn state(&self, operand: &Operand) -> String {
+        let (name, step) = (&operand.name, operand.own_answer());
+        let until = match step.settled() {
+            Some(_) => "for good".to_owned(),
+            None => format!("until {}", self.figures.text(step.t)),
+        };
+        match operand.meaning {
+            Meaning::Solid => format!("the ray is {} {name} {until}", side(step.before)),
+            Meaning::Count => format!("{name} is {} {until}", step.before),
+            Meaning::Region => format!("among {name} the ray is in {} {until}", self.region(step.before)),
+        }
+    }
+
+    /// Why nothing will ever change.
+    fn settled_by(&self, operands: &[Operand; 2]) -> String {
+        let [a, b] = operands;
+        match [a, b].map(|operand| operand.own_answer().settled()) {
+            [Some(x), Some(y)] if [a.meaning, b.meaning] == [Meaning::Solid; 2] => match x == y {
+                true => format!("the ray is {} {} and {} for good", side(x), a.name, b.name),
+                false => format!("the ray is {} {} and {} {} for good", side(x), a.name, side(y), b.name),
+            },
+            [Some(_), Some(_)] => format!("{}, and {}", self.state(a), self.state(b)),
+            [Some(_), None] => format!("{}, whatever comes of {}", self.state(a), subject(b)),
+            _ => format!("{}, whatever comes of {}", self.state(b), subject(a)),
+        }
+    }
+}
+
+fn side(value: u32) -> &'static str {
+    if value == 0 { "outside" } else { "inside" }
+}
+
+/// How a sentence names an operand.
+fn subject(operand: &Operand) -> Arc<str> {
+    match operand.meaning {
+        Meaning::Region => format!("the choice among {}", operand.name).into(),
+        Meaning::Solid | Meaning::Count => operand.name.clone(),
+    }
+}
+
+/// The sub-trees that are known never to change again: disjoint ranges of the post-order, by their beginnings.
+#[derive(Default)]
+struct Settled(BTreeMap<usize, usize>);
+
+impl Settled {
+    fn contains(&self, node: usize) -> bool {
+        self.0.range(..=node).next_back().is_some_and(|(_, &end)| node < end)
+    }
+
+    fn add(&mut self, begin: usize, end: usize) {
+        while let Some((&inner, _)) = self.0.range(begin..end).next() {
+            self.0.remove(&inner);
+        }
+        self.0.insert(begin, end);
+    }
+
+    /// The entries that are told: not those that are known, nor those that lead to nothing but a node that is
+    /// settled, too, right after them.
+    fn shown<'e>(&mut self, entries: &'e [Entry]) -> Vec<&'e Entry> {
+        let mut shown: Vec<&Entry> = Vec::new();
+        for entry in entries {
+            if self.contains(entry.node) {
+                continue;
+            }
+            if entry.what.is_settled() {
+                forget_settled(&mut shown, entry);
+                self.add(entry.begin, entry.node + 1);
+            }
+            shown.push(entry);
+        }
+        shown
+    }
+}
+
+/// Drops the lines below a settled node if they are about settled nodes only.
+fn forget_settled(shown: &mut Vec<&Entry>, node: &Entry) {
+    let is_below = |entry: &&Entry| (node.begin..node.node).contains(&entry.node);
+    let kept = shown.iter().rposition(|entry| !(entry.what.is_settled() && is_below(entry)));
+    if kept.is_none_or(|last| !is_below(&shown[last])) {
+        shown.truncate(kept.map_or(0, |last| last + 1));
+    }
+}
+
+/// How many digits times are told with: as few as tell them apart, but six.
+#[derive(Clone, Copy, Debug)]
+struct Figures {
+    digits: usize,
+}
+
+impl Figures {
+    /// Of all that are enough for a double.
+    const ALL: usize = 17;
+
+    fn new(told: &Explanation) -> Figures {
+        let mut times: Vec<f64> = told.crossings.iter().map(|found| found.crossing.t).collect();
+        for question in &told.questions {
+            times.extend([question.t_min, question.answer.t]);
+            times.extend(question.entries.iter().flat_map(|entry| match &entry.what {
+                What::Leaf { answer, .. } => [answer.time(); 2],
+                What::Gate { operands, .. } => operands.each_ref().map(|operand| operand.answer.t),
+            }));
+        }
+        times.retain(|t| t.is_finite());
+        times.sort_unstable_by(f64::total_cmp);
+        times.dedup();
+        let tells_apart = |digits: &usize| {
+            let figures = Figures { digits: *digits };
+            times.windows(2).all(|pair| figures.rounded(pair[0]) != figures.rounded(pair[1]))
+        };
+        Figures { digits: (6..Figures::ALL).find(tells_apart).unwrap_or(Figures::ALL) }
+    }
+
+    fn rounded(self, t: f64) -> f64 {
+        format!("{t:.*e}", self.digits - 1).parse().unwrap_or(t)
+    }
+
+    fn text(self, t: f64) -> String {
+        full(self.rounded(t))
+    }
+}
+
+/// A number with all its digits, but not more zeros than can be read.
+fn full(x: f64) -> String {
+    let is_plain = x == 0.0 || (1e-4..1e10).contains(&x.abs()) || !x.is_finite();
+    // + 0.0 makes -0 a 0
+    if is_plain { (x + 0.0).to_string() } else { format!("{x:e}") }
+}
