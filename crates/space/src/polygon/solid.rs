@@ -3,18 +3,25 @@
 use super::{HalfPlane, Operator, Polygons};
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
-use rayweave_shape::primitive::{HalfSpace, Primitive, ShapeError, Slab};
+use rayweave_rootray::Side;
+use rayweave_shape::primitive::{BoxFromCorners, HalfSpace, Primitive, ShapeError, Slab};
 
 impl Polygons {
-    /// The prism over the region, `lo < z < hi`, as a solid of space: one half-space for each edge, and a slab.
+    /// The prism over the region, `lo < z < hi`, as a solid of space: one half-space for each edge, and a box.
     ///
-    /// Half-spaces are called after the contour and the vertex where their edge begins, `contour0.edge3`.
+    /// Half-spaces are called after the contour and the vertex where their edge begins, `contour0.edge3`. The box is
+    /// called `ends`: its faces `z-` and `z+` are those of the prism; the others stand off from the region by a
+    /// quarter of its size and say only that it is bounded. (An unbounded region has a slab of that name.)
+    ///
+    /// A ray in a face is moved aside along the `w` of space, not that of the plane: where an edge's slope is between
+    /// the slopes of these two, such a ray and the line under it ([`Polygons::trace`]) are on different sides of
+    /// that edge.
     ///
     /// # Errors
     ///
     /// [`ShapeError`] if `lo < hi` does not hold, or one of them is not finite.
     pub fn extrude(&self, lo: f64, hi: f64) -> Result<Solid, ShapeError> {
-        let slab = Solid::from(Primitive::from(Slab::new(Vec3::Z, lo, hi)?)).named("ends");
+        let ends = Solid::from(self.ends(lo, hi)?).named("ends");
         let mut problem = None;
         let wall = |half_plane: HalfPlane| {
             let normal = Vec3::new(half_plane.normal[0], half_plane.normal[1], 0.0);
@@ -36,8 +43,19 @@ impl Polygons {
         });
         match problem {
             Some(error) => Err(error),
-            None => Ok(base & slab),
+            None => Ok(base & ends),
         }
+    }
+
+    /// What bounds the prism in z, and loosely in x and y if the region is bounded.
+    fn ends(&self, lo: f64, hi: f64) -> Result<Primitive, ShapeError> {
+        let [low, high] = self.corner_bounds();
+        if self.outside() == Side::Inside || self.edge_count() == 0 {
+            return Ok(Slab::new(Vec3::Z, lo, hi)?.into());
+        }
+        let margin = 0.25 * (high[0] - low[0]).max(high[1] - low[1]);
+        let corner = |at: [f64; 2], margin: f64, z| Vec3::new(at[0] + margin, at[1] + margin, z);
+        Ok(BoxFromCorners::new(corner(low, -margin, lo), corner(high, margin, hi))?.into())
     }
 
     fn edge_name(&self, edge: u32) -> String {

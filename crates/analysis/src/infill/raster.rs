@@ -1,0 +1,78 @@
+//! The grid of scan lines.
+
+use super::InfillError;
+use rayweave_math::sin_cos_degrees;
+use std::ops::Range;
+
+/// Parallel scan lines over all of the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Raster {
+    spacing: f64,
+    angle: f64,
+    phase: f64,
+}
+
+/// Numbers of scan lines are exact in f64 up to here.
+const MOST_NUMBER: f64 = 9_007_199_254_740_992.0; // 2^53
+
+impl Raster {
+    /// Scan lines at a distance of `spacing` > 0 from each other, `angle` degrees from +x towards +y, all shifted by
+    /// `phase` (0 to 1) of the spacing.
+    ///
+    /// # Errors
+    ///
+    /// `Spacing`, `Angle`, `Phase` for a number out of its range.
+    pub fn new(spacing: f64, angle: f64, phase: f64) -> Result<Raster, InfillError> {
+        match () {
+            () if !(spacing > 0.0 && spacing.is_finite()) => Err(InfillError::Spacing(spacing)),
+            () if !angle.is_finite() => Err(InfillError::Angle(angle)),
+            () if !(0.0..=1.0).contains(&phase) => Err(InfillError::Phase(phase)),
+            () => Ok(Raster { spacing, angle, phase }),
+        }
+    }
+
+    /// The same scan lines, turned about the origin by this many degrees more.
+    pub fn turned(&self, degrees: f64) -> Raster {
+        Raster { angle: self.angle + degrees, ..*self }
+    }
+
+    /// The distance of scan lines.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+
+    /// The direction of scan lines: a unit vector, exact at multiples of 90 degrees.
+    pub fn direction(&self) -> [f64; 2] {
+        let (sin, cos) = sin_cos_degrees(self.angle);
+        [cos, sin]
+    }
+
+    /// The point of scan line k that is nearest to the origin.
+    pub fn origin(&self, k: i64) -> [f64; 2] {
+        let [x, y] = self.direction();
+        let level = (k as f64 + self.phase) * self.spacing;
+        [-y * level, x * level]
+    }
+
+    /// The numbers of all scan lines that meet a box, given by its smallest and its largest coordinates, and of one
+    /// more on either side: so no rounding of the corners can lose any.
+    ///
+    /// # Errors
+    ///
+    /// `TooManyLines` if there are more than `most`, or their numbers are beyond 2^53.
+    pub fn scanlines(&self, [lo, hi]: [[f64; 2]; 2], most: u64) -> Result<Range<i64>, InfillError> {
+        let [x, y] = self.direction();
+        let level = |px: f64, py: f64| (x * py - y * px) / self.spacing - self.phase;
+        let levels = [level(lo[0], lo[1]), level(hi[0], lo[1]), level(lo[0], hi[1]), level(hi[0], hi[1])];
+        let first = levels.into_iter().fold(f64::INFINITY, f64::min).floor() - 1.0;
+        let last = levels.into_iter().fold(f64::NEG_INFINITY, f64::max).ceil() + 1.0;
+        let is_countable = first > -MOST_NUMBER && last < MOST_NUMBER;
+        match is_countable && last - first < most as f64 {
+            true => Ok(first as i64..last as i64 + 1),
+            false => {
+                let lines = if is_countable { last - first + 1.0 } else { last.abs().max(first.abs()) };
+                Err(InfillError::TooManyLines { spacing: self.spacing, lines, most })
+            }
+        }
+    }
+}

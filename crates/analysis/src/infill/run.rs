@@ -1,0 +1,235 @@
+//! Filling layer by layer, on all cores.
+
+use super::component::components;
+use super::region::Piece;
+use super::{Fillable, InfillError, Layers, Raster};
+use rayweave_math::Bounds;
+use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use std::num::NonZeroUsize;
+use std::ops::Range;
+
+/// The most scan lines of one run.
+const MOST_LINES: u64 = 10_000_000;
+
+/// The largest coordinate of what is filled: beyond, rays cannot be traced.
+const MOST_REACH: f64 = 1e60;
+
+/// Scan lines that a thread takes at a time.
+const LINES_PER_TASK: i64 = 512;
+
+/// How layers are filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filling {
+    /// The scan lines of layer 0.
+    pub raster: Raster,
+    /// By how many degrees each layer is turned about the origin from the one before.
+    pub turn: f64,
+    /// True if scan lines with an odd number are run backwards.
+    pub alternate: bool,
+}
+
+/// How a run is run.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    /// The number of threads; [`thread_count`] if it is not given.
+    pub threads: Option<NonZeroUsize>,
+    /// Stops the run.
+    pub cancel: Cancel,
+}
+
+/// One trace: the way of the tool on one scan line, from where it enters the region to where it leaves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trace {
+    /// The number of the scan line on the grid of its layer.
+    pub scanline: i64,
+    /// The number of the component of its layer that it belongs to.
+    pub component: u32,
+    /// Where it begins.
+    pub from: [f64; 2],
+    /// Where it ends.
+    pub to: [f64; 2],
+}
+
+impl Trace {
+    /// Its length.
+    pub fn length(&self) -> f64 {
+        let [x, y] = [0, 1].map(|k| self.to[k] - self.from[k]);
+        (x * x + y * y).sqrt()
+    }
+}
+
+/// All traces of a layer, in the order in which they are run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerTraces {
+    /// The number of the layer, from 0.
+    pub layer: usize,
+    /// Its height.
+    pub z: f64,
+    /// Its traces.
+    pub traces: Vec<Trace>,
+    /// The number of its components.
+    pub components: u32,
+}
+
+/// What a run did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// The number of layers.
+    pub layers: usize,
+    /// The numbers of the layers without any trace.
+    pub empty: Vec<usize>,
+    /// The number of traces.
+    pub traces: u64,
+    /// The length of all traces together.
+    pub length: f64,
+}
+
+/// Some scan lines of a layer.
+struct Task {
+    layer: usize,
+    lines: Range<i64>,
+    is_last: bool,
+}
+
+/// Fills the layers of something and hands them over in order.
+///
+/// Every run gives the same bits, whatever the number of threads. At most 10 million scan lines and 1 million layers
+/// are filled in one run.
+///
+/// # Errors
+///
+/// [`InfillError`] for settings out of range, something empty or unbounded, too many scan lines, a cancelled run;
+/// whatever error `take` answers, which ends the run.
+pub fn infill<F: Fillable, X: From<InfillError>>(
+    fillable: &F,
+    filling: &Filling,
+    layers: &Layers,
+    run: &Run,
+    mut take: impl FnMut(LayerTraces) -> Result<(), X>,
+) -> Result<Summary, X> {
+    let heights = plan(fillable, filling, layers)?;
+    let rasters: Vec<Raster> =
+        (0..heights.len()).map(|j| filling.raster.turned(j as f64 * filling.turn)).collect();
+    let tasks = tasks(&fillable.bounds(), &heights, &rasters)?;
+    let mut summary = Summary { layers: heights.len(), ..Summary::default() };
+    let mut pieces: Vec<Piece> = Vec::new();
+    let merge = |(task, found): (Task, Vec<Piece>)| {
+        pieces.extend(found);
+        if !task.is_last {
+            return Ok(());
+        }
+        let raster = &rasters[task.layer];
+        let done = finish(&pieces, raster, filling.alternate, task.layer, heights[task.layer]);
+        pieces.clear();
+        summary.add(&done);
+        take(done)
+    };
+    drive(
+        thread_count(run.threads),
+        &run.cancel,
+        tasks.into_iter(),
+        || fillable.scratch(),
+        |scratch, task| {
+            let found = match task.lines.is_empty() {
+                true => Vec::new(),
+                false => {
+                    fillable.pieces(&rasters[task.layer], heights[task.layer], task.lines.clone(), scratch)
+                }
+            };
+            (task, found)
+        },
+        merge,
+    )
+    .map_err(|stopped| match stopped {
+        Stopped::Cancelled => InfillError::Cancelled.into(),
+        Stopped::Failed(error) => error,
+    })?;
+    Ok(summary)
+}
+
+/// The heights of the layers, once it is certain that they can be filled.
+fn plan(fillable: &impl Fillable, filling: &Filling, layers: &Layers) -> Result<Vec<f64>, InfillError> {
+    let (name, bounds) = (fillable.name(), fillable.bounds());
+    if !filling.turn.is_finite() {
+        return Err(InfillError::Turn(filling.turn));
+    }
+    if bounds.is_empty() {
+        return Err(InfillError::Empty { name });
+    }
+    let unbounded: Vec<&str> = (0..2)
+        .filter(|&k| bounds.lo[k].is_infinite() || bounds.hi[k].is_infinite())
+        .map(|k| ["x", "y"][k])
+        .collect();
+    if !unbounded.is_empty() {
+        return Err(InfillError::Unbounded { name, axes: unbounded.join(" and ") });
+    }
+    let reach = bounds.lo.truncate().abs().max(bounds.hi.truncate().abs()).max_element();
+    if reach > MOST_REACH {
+        return Err(InfillError::TooFar { name, reach, most: MOST_REACH });
+    }
+    layers.heights(&name, &bounds)
+}
+
+/// The scan lines of all layers in pieces for threads; a layer beyond the bounds has one task without lines.
+fn tasks(bounds: &Bounds, heights: &[f64], rasters: &[Raster]) -> Result<Vec<Task>, InfillError> {
+    let corners = [bounds.lo, bounds.hi].map(|corner| [corner.x, corner.y]);
+    let (mut tasks, mut left) = (Vec::new(), MOST_LINES);
+    for (layer, (z, raster)) in heights.iter().zip(rasters).enumerate() {
+        if !(bounds.lo.z..=bounds.hi.z).contains(z) {
+            tasks.push(Task { layer, lines: 0..0, is_last: true });
+            continue;
+        }
+        let lines = raster.scanlines(corners, MOST_LINES)?;
+        let count = (lines.end - lines.start) as u64;
+        left = left.checked_sub(count).ok_or(InfillError::TooManyLines {
+            spacing: raster.spacing(),
+            lines: count as f64 * heights.len() as f64,
+            most: MOST_LINES,
+        })?;
+        let starts = lines.clone().step_by(LINES_PER_TASK as usize);
+        tasks.extend(starts.map(|start| {
+            let end = lines.end.min(start + LINES_PER_TASK);
+            Task { layer, lines: start..end, is_last: end == lines.end }
+        }));
+    }
+    Ok(tasks)
+}
+
+/// The traces of a layer from its pieces.
+fn finish(pieces: &[Piece], raster: &Raster, alternate: bool, layer: usize, z: f64) -> LayerTraces {
+    let roots = components(pieces);
+    let direction = raster.direction();
+    let mut number = vec![u32::MAX; pieces.len()];
+    let mut count = 0;
+    let mut traces = Vec::with_capacity(pieces.len());
+    let mut first = 0;
+    for line in pieces.chunk_by(|a, b| a.0 == b.0) {
+        let scanline = line[0].0;
+        let origin = raster.origin(scanline);
+        let at = |t: f64| [0, 1].map(|k| origin[k] + t * direction[k]);
+        let is_backwards = alternate && scanline % 2 != 0;
+        for k in 0..line.len() {
+            let k = if is_backwards { line.len() - 1 - k } else { k };
+            let own = &mut number[roots[first + k] as usize];
+            if *own == u32::MAX {
+                *own = count;
+                count += 1;
+            }
+            let ends = line[k].1.map(at);
+            let [from, to] = if is_backwards { [ends[1], ends[0]] } else { ends };
+            traces.push(Trace { scanline, component: *own, from, to });
+        }
+        first += line.len();
+    }
+    LayerTraces { layer, z, traces, components: count }
+}
+
+impl Summary {
+    fn add(&mut self, layer: &LayerTraces) {
+        if layer.traces.is_empty() {
+            self.empty.push(layer.layer);
+        }
+        self.traces += layer.traces.len() as u64;
+        self.length += layer.traces.iter().map(Trace::length).sum::<f64>();
+    }
+}
