@@ -32,6 +32,10 @@ const BOOLEAN: &[Law] = &[
     ("~(A ^ B) = ~A ^ B", |[a, b, _]| (!(a ^ b), !a ^ b)),
     ("A | (A & B) = A", |[a, b, _]| (a | (a & b), a.clone())),
     ("A & (A | B) = A", |[a, b, _]| (a & (a | b), a.clone())),
+    ("A | A = A", |[a, ..]| (a | &a.clone(), a.clone())),
+    ("A & A = A", |[a, ..]| (a & &a.clone(), a.clone())),
+    ("A - A = vacuum", |[a, ..]| (a - &a.clone(), Solid::vacuum())),
+    ("union(A, B, A) = A | B", |[a, b, _]| (Solid::union([a, b, a].map(Solid::clone)), a | b)),
     ("A | ~A = plenum", |[a, ..]| (a | !a, Solid::plenum())),
     ("A & ~A = vacuum", |[a, ..]| (a & !a, Solid::vacuum())),
     ("A ^ A = vacuum", |[a, ..]| (a ^ &a.clone(), Solid::vacuum())),
@@ -189,6 +193,35 @@ pub fn of_reversal<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
 
 fn reverse(c: &Crossing) -> Crossing {
     Crossing { t: -c.t, before: c.after, after: c.before, left: c.entered, entered: c.left, ..*c }
+}
+
+/// A ray cut in two: the list up to the cut and the list from there on are the whole list. Cuts do not lie in a run of
+/// welded crossings: rays are such that runs are short, and cuts are off the grid where they may be.
+pub fn of_cuts<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
+    let mut tally = Tally::new("rays cut in two");
+    for_models(effort, 8_000_000, |rng, _, model| {
+        let mut rays = plain_rays(rng);
+        rays.extend((0..20).map(|_| grid_ray(rng).transformed(&model.frame)));
+        let evaluator = make(model.compiled());
+        let whole = ask(&make, model, &rays);
+        for (i, ray) in rays.iter().enumerate() {
+            let cut = 0.5 * (rng.below(33) as f64 - 16.0) + rng.between(0.05, 0.2);
+            let part = |t_min: f64, t_max: f64| {
+                let window = Window::new(t_min, t_max).unwrap_or_default();
+                evaluator.one(*ray, &Query { window, ..Query::default() }).unwrap_or_default()
+            };
+            let (before, after) = (part(f64::NEG_INFINITY, cut), part(cut, f64::INFINITY));
+            let both = [before.of(0), after.of(0)].concat();
+            // a change of region within one medium is not reported, so the side at the cut is told by its medium
+            let side = before.of(0).last().map_or(before.starts[0], |c| c.after);
+            let medium = |region| evaluator.program().medium_of(region);
+            let same = before.starts[0] == whole.starts[i] && both == whole.of(i);
+            tally.check(same && medium(side) == medium(after.starts[0]), || {
+                format!("{ray:?} cut at {cut}\n{model}{}\nagainst{}", list(whole.of(i)), list(&both))
+            });
+        }
+    });
+    tally.finish(10_000 * effort.times());
 }
 
 /// Regions along a ray against the solids that they amount to: region k is its solid without all later ones.

@@ -6,7 +6,9 @@
 //! - [`sampled`]: at points between the crossings, the side that formulas give which share no code with any
 //!   evaluator;
 //! - [`closed`]: closed forms;
-//! - [`laws`]: boolean identities, motions, mirrors, scales, reversal, regions, placements;
+//! - [`laws`]: boolean identities, motions, mirrors, scales, reversal, cuts, regions, placements;
+//! - [`forms`]: trees of any shape and order, and their positive forms;
+//! - [`chords`]: mean lengths inside, by integral geometry;
 //! - [`touching`]: faces in common at any angle, made and placed in any way, in any order;
 //! - [`lying`]: rays in faces and along edges;
 //! - [`respawn`]: a thousand bounces in mirrors;
@@ -28,10 +30,12 @@ mod random;
 mod tally;
 
 pub mod agree;
+pub mod chords;
 pub mod closed;
 pub mod contest;
 pub mod deep;
 pub mod exact;
+pub mod forms;
 pub mod laws;
 pub mod lying;
 pub mod models;
@@ -109,6 +113,9 @@ macro_rules! conformance_tests {
         $crate::conformance_tests! { @ $make;
             sampled::with_formulas, formulas, long_formulas;
             laws::of_booleans, booleans, long_booleans;
+            laws::of_cuts, cuts, long_cuts;
+            forms::of_trees, forms, long_forms;
+            chords::mean_length, mean_chords, long_mean_chords;
             laws::of_scale, scale, long_scale;
             laws::of_motion, motion, long_motion;
             laws::of_reversal, reversal, long_reversal;
