@@ -2,6 +2,7 @@
 
 use crate::simplify::{Formula, Op, Term};
 use crate::{LeafId, NodeId};
+use std::borrow::Cow;
 
 /// When a gate is inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -105,13 +106,13 @@ impl Expression {
                 Gate::Leaf(leaf) => return Writing::Text(leaf.0.to_string()),
                 Gate::Join(rule, operands) => (*rule, operands),
             };
-            let name = match rule {
+            let name: Cow<'static, str> = match rule {
                 Rule::AtLeast(1) => "any".into(),
                 Rule::AtLeast(least) if least as usize == operands.len() => "all".into(),
-                Rule::AtLeast(least) => format!("at_least_{least}"),
+                Rule::AtLeast(least) => format!("at_least_{least}").into(),
                 Rule::Odd => "odd".into(),
             };
-            Writing::Join(name, operands)
+            Writing::Join(Brackets::named(name), operands)
         };
         write_tree(edge, writing, usize::MAX)
     }
@@ -153,10 +154,24 @@ fn join(op: Op, operands: &[Edge]) -> Gate {
     }
 }
 
+/// What stands before, between and after operands.
+pub(crate) struct Brackets {
+    pub open: Cow<'static, str>,
+    pub between: &'static str,
+    pub close: &'static str,
+}
+
+impl Brackets {
+    /// As `any{0, 1}`.
+    pub fn named(name: impl Into<Cow<'static, str>>) -> Brackets {
+        Brackets { open: name.into() + "{", between: ", ", close: "}" }
+    }
+}
+
 /// How a node is written.
 pub(crate) enum Writing<'a> {
     Text(String),
-    Join(String, &'a [Edge]),
+    Join(Brackets, &'a [Edge]),
 }
 
 /// What is below an edge as text, with an explicit stack; cut off where it gets longer than `most` bytes.
@@ -178,13 +193,12 @@ pub(crate) fn write_tree<'a>(edge: Edge, node: impl Fn(NodeId) -> Writing<'a>, m
         }
         match node(edge.node()) {
             Writing::Text(piece) => text.push_str(&piece),
-            Writing::Join(name, operands) => {
-                text.push_str(&name);
-                text.push('{');
-                tasks.push(Ok("}"));
+            Writing::Join(Brackets { open, between, close }, operands) => {
+                text.push_str(&open);
+                tasks.push(Ok(close));
                 for (k, &operand) in operands.iter().enumerate().rev() {
                     tasks.push(Err(operand));
-                    tasks.extend((k > 0).then_some(Ok(", ")));
+                    tasks.extend((k > 0).then_some(Ok(between)));
                 }
             }
         }

@@ -26,7 +26,17 @@ impl Group {
     pub fn path(&self, leaf: &RawLeaf) -> String {
         path(&self.contexts, leaf.context, leaf.what)
     }
+
+    /// The name around the one that a leaf is called by, if it is near.
+    pub fn outer_name(&self, leaf: &RawLeaf) -> Option<&str> {
+        let above = |&context: &u32| (context != 0).then(|| self.contexts[context as usize].parent);
+        let contexts = std::iter::successors(Some(leaf.context), above).take(NEAR);
+        contexts.filter_map(|context| self.contexts[context as usize].name.as_deref()).nth(1)
+    }
 }
+
+/// So many maps and names are looked through for a name, so that to name all leaves of a deep tree takes linear time.
+const NEAR: usize = 64;
 
 /// A leaf before its surfaces are brought into the group's frame.
 pub(crate) struct RawLeaf {

@@ -5,6 +5,7 @@ use crate::command::tree;
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
+use rayweave::model::simplify::{PassReport, Preparation, Removal, Size};
 use rayweave::model::{Leaf, LeafKind};
 use rayweave::scene::Scene;
 use rayweave::{Bounds, Compiled, Program};
@@ -20,11 +21,15 @@ pub struct Info {
     #[arg(long)]
     json: bool,
 
+    /// Tell how the model is prepared: what each pass over its tree does, and which parts are never asked, and why
+    #[arg(long)]
+    explain: bool,
+
     /// Show the tree so many levels deep
     #[arg(long, value_name = "N", default_value_t = 12)]
     depth: usize,
 
-    /// Show so many lines of the tree
+    /// Show so many lines of the tree, and of parts that are never asked
     #[arg(long, value_name = "N", default_value_t = 200)]
     lines: usize,
 }
@@ -33,9 +38,22 @@ impl Info {
     pub fn run(&self) -> Result<(), Failure> {
         let scene = self.model.load()?;
         let compiled = Compiled::new(&scene)?;
+        let preparations = match self.explain {
+            true => Preparation::of_regions(&scene.model_regions()).map_err(rayweave::Error::from)?,
+            false => Vec::new(),
+        };
         terminal::print(&match self.json {
-            true => format!("{:#}\n", self.as_json(&scene, &compiled)),
-            false => self.as_text(&scene, &compiled),
+            true => {
+                let mut json = self.as_json(&scene, &compiled);
+                if self.explain {
+                    json["preparation"] = preparations.iter().map(preparation_json).collect();
+                }
+                format!("{json:#}\n")
+            }
+            false => {
+                let texts = preparations.iter().map(|p| format!("\n{}", p.text(self.lines)));
+                self.as_text(&scene, &compiled) + &texts.collect::<String>()
+            }
         })
     }
 
@@ -168,6 +186,41 @@ fn bounds_json(bounds: &Bounds) -> Value {
         true => Value::Null,
         false => json!([bounds.lo.to_array(), bounds.hi.to_array()]),
     }
+}
+
+fn preparation_json(preparation: &Preparation) -> Value {
+    let size = |size: &Size| {
+        json!({
+            "leaves": size.leaves,
+            "operators": size.operators,
+            "complements": size.complements,
+            "height": size.height,
+        })
+    };
+    let pass = |report: &PassReport| {
+        json!({
+            "pass": report.pass.name(),
+            "promise": report.pass.promise(),
+            "before": size(&report.before),
+            "after": size(&report.after),
+        })
+    };
+    let removal = |removal: &Removal| {
+        let by = if removal.inside { "plenum" } else { "vacuum" };
+        json!({ "part": removal.part, "why": removal.why, "replaced_by": by })
+    };
+    json!({
+        "prototype": preparation.group.0,
+        "whose": preparation.whose,
+        "written": preparation.written,
+        "kept": preparation.kept,
+        "passes": preparation.passes.iter().map(pass).collect::<Vec<_>>(),
+        "balanced": size(&preparation.balanced),
+        "removed": preparation.removals.iter().map(removal).collect::<Vec<_>>(),
+        "unasked_leaves": preparation.unasked,
+        "bounds_of_leaves": bounds_json(&preparation.loose),
+        "bounds": bounds_json(&preparation.tight),
+    })
 }
 
 fn leaf_json(program: &Program, leaf: &Leaf) -> Value {

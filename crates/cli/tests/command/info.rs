@@ -84,3 +84,66 @@ fn solids_without_bounds_and_without_anything() {
     let none = bench.says(&["info", "none.toml"]);
     assert!(none.contains("0 regions, 0 solids, 0 media") && none.contains("nothing"), "{none}");
 }
+
+/// A plate with a hole in it and one beside it, and two parts that have nothing in common.
+const PLATE: &str = r#"
+rayweave = 1
+[solid.plate]
+box = { size = [40, 20, 2] }
+[solid.hole]
+cylinder = { radius = 2, height = 10 }
+[solid.hole_a]
+expr = "hole"
+transform = [{ translate = [10, 0, 0] }]
+[solid.hole_b]
+expr = "hole"
+transform = [{ translate = [60, 0, 0] }]
+[solid.lid]
+box = { size = [4, 4, 4] }
+transform = [{ translate = [0, 0, 30] }]
+[solid.bolt]
+expr = "lid & hole"
+[solid.whole]
+expr = "plate - (hole_a | hole_b) | bolt"
+"#;
+
+#[test]
+fn how_a_model_is_prepared() {
+    let bench = Bench::new();
+    bench.write("plate.toml", PLATE);
+    let text = bench.says(&["info", "plate.toml", "--explain"]);
+    for line in [
+        "as written  (plate - (hole_a/hole | hole_b/hole)) | (lid & bolt/hole)",
+        "as kept     plate & ~hole_a/hole",
+        "flatten   4 -> 3          0            3 -> 2    chains of one operator as one",
+        "prune     3 -> 1          0            2 -> 1    no parts that bounds show not to matter",
+        "leaves  2 of 5 are asked",
+        "bounds  (-20, -10, -5) to (62, 10, 32) of all leaves",
+        "        (-20, -10, -1) to (20, 10, 1) of what they are joined to",
+        "  hole_b/hole: it lies outside plate (A - B with disjoint bounds)",
+        "  bolt: it is nowhere, as the bounds of lid and bolt/hole are disjoint",
+    ] {
+        assert!(text.lines().any(|found| found == line), "{line}\n{text}");
+    }
+    assert!(!bench.says(&["info", "plate.toml"]).contains("as written"));
+    let short = bench.says(&["info", "plate.toml", "--explain", "--lines", "1"]);
+    assert!(short.contains("  ... and 1 more"), "{short}");
+}
+
+#[test]
+fn how_a_model_is_prepared_in_numbers() {
+    let bench = Bench::new();
+    bench.write("plate.toml", PLATE);
+    let facts = bench.json(&["info", "plate.toml", "--explain", "--json"]);
+    let model = &facts["preparation"][0];
+    assert_eq!(model["unasked_leaves"], json!(["hole_b/hole", "lid", "bolt/hole"]));
+    assert_eq!(model["removed"][0]["replaced_by"], "plenum");
+    let passes = model["passes"].as_array().unwrap();
+    let names: Vec<_> = passes.iter().map(|pass| pass["pass"].as_str().unwrap()).collect();
+    assert_eq!(names, ["positive", "flatten", "fold", "share", "prune"]);
+    assert_eq!(passes[0]["before"], json!({ "leaves": 5, "operators": 4, "complements": 0, "height": 3 }));
+    assert_eq!(passes[4]["after"], json!({ "leaves": 2, "operators": 1, "complements": 0, "height": 1 }));
+    assert_eq!(facts["bounds"], model["bounds"]);
+    assert_eq!(model["bounds_of_leaves"], json!([[-20.0, -10.0, -5.0], [62.0, 10.0, 32.0]]));
+    assert_eq!(bench.json(&["info", "plate.toml", "--json"])["preparation"], json!(null));
+}

@@ -1,7 +1,8 @@
 //! A boolean formula over leaves: a flat list of nodes, operands before the nodes that use them.
 
-use crate::expression::{Writing, write_tree};
+use crate::expression::{Brackets, Writing, write_tree};
 use crate::{Edge, LeafId, NodeId};
+use std::borrow::Cow;
 
 /// How a node is joined from its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -192,28 +193,58 @@ impl Formula {
     /// `odd{..}`, `at_least_2{..}`. Linear in the size of the text, which writes shared nodes out wherever
     /// they are used.
     pub fn text(&self, edge: Edge) -> String {
-        self.text_by(edge, |leaf| leaf.0.to_string(), usize::MAX)
+        let writing = |node| match self.term(node) {
+            Term::Vacuum => Writing::Text("vacuum".into()),
+            Term::Plenum => Writing::Text("plenum".into()),
+            Term::Leaf(leaf) => Writing::Text(leaf.0.to_string()),
+            Term::Join(op) => Writing::Join(Brackets::named(prefix(op)), self.operands(node)),
+        };
+        write_tree(edge, writing, usize::MAX)
     }
 
-    /// The same with names for leaves, cut off where it gets longer than `most` bytes.
-    pub(super) fn text_by(&self, edge: Edge, leaf_name: impl Fn(LeafId) -> String, most: usize) -> String {
+    /// The same as people write it, with names for leaves: `front & (back | ~rim)`; cut off where it gets longer than
+    /// `most` bytes.
+    pub(super) fn infix(&self, edge: Edge, leaf_name: impl Fn(LeafId) -> String, most: usize) -> String {
         let writing = |node| match self.term(node) {
             Term::Vacuum => Writing::Text("vacuum".into()),
             Term::Plenum => Writing::Text("plenum".into()),
             Term::Leaf(leaf) => Writing::Text(leaf_name(leaf)),
-            Term::Join(op) => Writing::Join(name(op), self.operands(node)),
+            Term::Join(op) if self.operands(node).is_empty() => {
+                let value = op.of(std::iter::empty());
+                Writing::Text(if value { "plenum" } else { "vacuum" }.into())
+            }
+            Term::Join(op) => {
+                let brackets = infix(op, node == edge.node() && !edge.is_complemented());
+                Writing::Join(brackets, self.operands(node))
+            }
         };
         write_tree(edge, writing, most)
     }
 }
 
-fn name(op: Op) -> String {
+fn prefix(op: Op) -> Cow<'static, str> {
     match op {
         Op::Union => "any".into(),
         Op::Intersection => "all".into(),
         Op::Difference => "minus".into(),
         Op::SymmetricDifference => "odd".into(),
-        Op::AtLeast(least) => format!("at_least_{least}"),
+        Op::AtLeast(least) => format!("at_least_{least}").into(),
+    }
+}
+
+fn infix(op: Op, outermost: bool) -> Brackets {
+    let between = match op {
+        Op::Union => " | ",
+        Op::Intersection => " & ",
+        Op::Difference => " - ",
+        Op::SymmetricDifference => " ^ ",
+        Op::AtLeast(least) => {
+            return Brackets { open: format!("at_least_{least}(").into(), between: ", ", close: ")" };
+        }
+    };
+    match outermost {
+        true => Brackets { open: "".into(), between, close: "" },
+        false => Brackets { open: "(".into(), between, close: ")" },
     }
 }
 

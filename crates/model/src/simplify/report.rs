@@ -7,7 +7,7 @@ use super::prune::{Cut, Reason, reason};
 use super::{Pass, Watch, balance, height};
 use crate::compile::compile_watched;
 use crate::lower::Group;
-use crate::{CompileError, Edge, LeafId, PrototypeId, Region};
+use crate::{CompileError, Edge, Leaf, LeafId, LeafKind, Program, PrototypeId, Region};
 use rayweave_math::Bounds;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -19,6 +19,8 @@ use std::sync::Arc;
 pub struct Preparation {
     /// The group.
     pub group: PrototypeId,
+    /// Which solid it is, for people: the model, or one placed under a name so many times.
+    pub whose: String,
     /// The passes in order; each starts from what the one before it left.
     pub passes: Vec<PassReport>,
     /// What bounds showed not to matter.
@@ -79,9 +81,10 @@ impl Preparation {
     /// As [`crate::Program::compile_regions`].
     pub fn of_regions(regions: &[Region]) -> Result<Vec<Preparation>, CompileError> {
         let reports = RefCell::new(Vec::new());
-        compile_watched(regions, |id, group| Reporter::new(id, group, &reports))?;
-        let mut reports = reports.into_inner();
-        reports.sort_by_key(|report: &Preparation| report.group);
+        let program = compile_watched(regions, |id, group| Reporter::new(id, group, &reports))?;
+        let mut reports: Vec<Preparation> = reports.into_inner();
+        reports.sort_by_key(|report| report.group);
+        reports.iter_mut().skip(1).for_each(|report| report.whose = placed(&program, report.group));
         Ok(reports)
     }
 
@@ -94,26 +97,19 @@ impl Preparation {
     /// The report as text, with at most so many removed parts.
     pub fn text(&self, most: usize) -> String {
         let (written, kept) = self.sizes();
-        let mut text = format!("as written  {}\nas kept     {}\n\n", self.written, self.kept);
-        text += "pass      operators       height    it makes sure of\n";
-        for PassReport { pass, before, after } in &self.passes {
-            let (operators, heights) =
-                (arrow(before.operators, after.operators), arrow(before.height, after.height));
-            text += &format!("{:<8}  {operators:<14}  {heights:<8}  {}\n", pass.name(), pass.promise());
+        let mut text = format!("preparation of {}\n\n", self.whose);
+        if written.operators == 0 {
+            return format!("{text}{}: there is nothing to prepare\n", self.kept);
         }
-        let (operators, heights) =
-            (arrow(kept.operators, self.balanced.operators), arrow(kept.height, self.balanced.height));
-        text += &format!(
-            "{:<8}  {operators:<14}  {heights:<8}  {}\n\n",
-            "balance", "operators on two, for the single-hit evaluator alone"
-        );
-        text += &format!("leaves      {} of {} are asked\n", kept.leaves, kept.leaves + self.unasked.len());
-        text += &format!(
-            "complements {} of operators as written, {} as kept\n",
-            written.complements, kept.complements
-        );
-        text += &format!("bounds      {} around all leaves\n", bounds_text(&self.loose));
-        text += &format!("            {} around what is asked for\n", bounds_text(&self.tight));
+        text += &format!("as written  {}\nas kept     {}\n\n", self.written, self.kept);
+        text += &row("pass", "operators", "complements", "height", "what it sees to");
+        for PassReport { pass, before, after } in &self.passes {
+            text += &sizes(pass.name(), *before, *after, pass.promise());
+        }
+        text += &sizes("balance", kept, self.balanced, "binary trees, for the single-hit evaluator alone");
+        text += &format!("\nleaves  {} of {} are asked\n", kept.leaves, kept.leaves + self.unasked.len());
+        text += &format!("bounds  {} of all leaves\n", bounds_text(&self.loose));
+        text += &format!("        {} of what they are joined to\n", bounds_text(&self.tight));
         self.removed(most, &mut text);
         text
     }
@@ -122,7 +118,7 @@ impl Preparation {
         if self.removals.is_empty() {
             return;
         }
-        *text += "\nnot asked, as bounds show that it does not matter:\n";
+        *text += "\nnot asked, as bounds show that they do not matter:\n";
         for Removal { part, why, .. } in self.removals.iter().take(most) {
             *text += &format!("  {part}: {why}\n");
         }
@@ -136,6 +132,25 @@ impl fmt::Display for Preparation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text(20))
     }
+}
+
+/// What a placed solid is called, and how often it is placed within the groups that use it.
+fn placed(program: &Program, group: PrototypeId) -> String {
+    let is_instance =
+        |leaf: &&Leaf| matches!(leaf.kind, LeafKind::Instance { prototype, .. } if prototype == group);
+    let mut instances = program.leaves().iter().filter(is_instance);
+    let name = instances.next().map_or("", |leaf| leaf.name.split('[').next().unwrap_or(""));
+    format!("the solid placed as {name}, {} times", 1 + instances.count())
+}
+
+fn row(pass: &str, operators: &str, complements: &str, height: &str, promise: &str) -> String {
+    format!("{pass:<8}  {operators:<14}  {complements:<11}  {height:<8}  {promise}\n")
+}
+
+fn sizes(pass: &str, before: Size, after: Size, promise: &str) -> String {
+    let operators = arrow(before.operators, after.operators);
+    let complements = arrow(before.complements, after.complements);
+    row(pass, &operators, &complements, &arrow(before.height, after.height), promise)
 }
 
 fn arrow<T: PartialEq + fmt::Display>(before: T, after: T) -> String {
@@ -153,7 +168,8 @@ fn bounds_text(bounds: &Bounds) -> String {
 
 /// A number to six digits.
 fn short(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
+    // no -0
+    format!("{x:.5e}").parse().unwrap_or(x) + 0.0
 }
 
 impl Size {
@@ -190,9 +206,9 @@ struct Reporter<'r> {
 
 impl<'r> Reporter<'r> {
     fn new(id: usize, group: &Group, reports: &'r RefCell<Vec<Preparation>>) -> Self {
-        let leaves: Vec<Arc<str>> = group.leaves.iter().map(|leaf| leaf.name.clone()).collect();
         let report = Preparation {
             group: PrototypeId::from(id),
+            whose: "the model".to_owned(),
             passes: Vec::new(),
             removals: Vec::new(),
             unasked: Vec::new(),
@@ -202,7 +218,8 @@ impl<'r> Reporter<'r> {
             loose: Bounds::EMPTY,
             tight: Bounds::EMPTY,
         };
-        Reporter { names: Names { leaves, compounds: group.names.clone() }, report, reports }
+        let names = Names { leaves: distinct_names(group), compounds: group.names.clone() };
+        Reporter { names, report, reports }
     }
 }
 
@@ -239,6 +256,29 @@ impl Watch for Reporter<'_> {
     }
 }
 
+/// The names of the leaves; those that are called the same by the name around them, too, or else by a number.
+fn distinct_names(group: &Group) -> Vec<Arc<str>> {
+    let count = |names: &[Arc<str>]| {
+        let mut counts: HashMap<Arc<str>, usize> = HashMap::new();
+        names.iter().for_each(|name| *counts.entry(name.clone()).or_default() += 1);
+        counts
+    };
+    let mut names: Vec<Arc<str>> = group.leaves.iter().map(|leaf| leaf.name.clone()).collect();
+    let counts = count(&names);
+    for (name, leaf) in names.iter_mut().zip(&group.leaves).filter(|(name, _)| counts[&**name] > 1) {
+        if let Some(outer) = group.outer_name(leaf) {
+            *name = format!("{outer}/{name}").into();
+        }
+    }
+    let (counts, mut numbers) = (count(&names), HashMap::<Arc<str>, usize>::new());
+    for name in names.iter_mut().filter(|name| counts[&***name] > 1) {
+        let number = numbers.entry(name.clone()).or_default();
+        *number += 1;
+        *name = format!("{name}#{number}").into();
+    }
+    names
+}
+
 /// What parts are called.
 struct Names {
     leaves: Vec<Arc<str>>,
@@ -261,7 +301,7 @@ impl Names {
         let mut texts = Vec::new();
         let mut left = LONG;
         for &output in formula.outputs() {
-            let text = formula.text_by(output, |leaf| self.leaf(leaf).to_owned(), left);
+            let text = formula.infix(output, |leaf| self.leaf(leaf).to_owned(), left);
             left = left.saturating_sub(text.len());
             texts.push(text);
             if left == 0 {
@@ -285,7 +325,7 @@ impl Names {
         if let Some(name) = self.compounds.get(&formula.tag(node)) {
             return name.to_string();
         }
-        let text = formula.text_by(Edge::new(node, false), |leaf| self.leaf(leaf).to_owned(), WORDY);
+        let text = formula.infix(Edge::new(node, false), |leaf| self.leaf(leaf).to_owned(), WORDY);
         if text.len() <= WORDY {
             return text;
         }
