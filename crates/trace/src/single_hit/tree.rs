@@ -1,9 +1,9 @@
 //! The expression of a group as one binary tree in post-order: the evaluator's own layout.
 
 use super::Op;
+use rayweave_model::simplify::{Step, balanced};
 use rayweave_model::{Edge, Gate, Rule};
 use std::fmt;
-use std::ops::Range;
 
 /// More nodes than this (2^22) are refused, over all groups of a model: 128 MiB of tree, and stacks of at
 /// most as much again for each thread where the tree is nothing but depth.
@@ -171,15 +171,11 @@ fn joined_size(sizes: &[u64], operands: &[Edge]) -> u64 {
 }
 
 /// What is still to be written, last first.
-enum Task<'a> {
-    /// The outputs with these numbers, joined by [`Op::Last`].
-    Outputs(Range<usize>),
+enum Task {
     /// The last node so far is the root of the next output.
     Mark,
     /// An operand; a value of 1 counts as `weight`.
     Operand(Edge, u32),
-    /// Operands joined by an operation; the top gate has more to it and comes after.
-    Parts(&'a [Edge], Op),
     /// A gate over the two sub-trees before it.
     Gate { op: Op, complemented: bool, weight: u32 },
 }
@@ -195,7 +191,7 @@ struct Open {
 struct Builder<'a> {
     gates: &'a [Gate],
     outputs: &'a [Edge],
-    tasks: Vec<Task<'a>>,
+    tasks: Vec<Task>,
     nodes: Vec<Node>,
     open: Vec<Open>,
     output_nodes: Vec<u32>,
@@ -203,31 +199,27 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn run(&mut self) {
-        self.tasks.push(Task::Outputs(0..self.outputs.len()));
+        self.outputs();
         while let Some(task) = self.tasks.pop() {
             match task {
-                Task::Outputs(range) => self.outputs(range),
                 Task::Mark => self.output_nodes.push(self.nodes.len() as u32 - 1),
                 Task::Operand(edge, weight) => self.operand(edge, weight),
-                Task::Parts(operands, op) => {
-                    self.parts(operands, op, Task::Gate { op, complemented: false, weight: 1 })
-                }
                 Task::Gate { op, complemented, weight } => self.gate(op, complemented, weight),
             }
         }
     }
 
-    fn outputs(&mut self, range: Range<usize>) {
-        match range.len() {
-            0 => self.leaf(Kind::Constant(0), false, 1),
-            1 => {
-                let weight = range.start as u32 + 1;
-                self.tasks.extend([Task::Mark, Task::Operand(self.outputs[range.start], weight)]);
-            }
-            n => {
-                let middle = range.start + n / 2;
-                self.tasks.push(Task::Gate { op: Op::Last, complemented: false, weight: 1 });
-                self.tasks.extend([Task::Outputs(middle..range.end), Task::Outputs(range.start..middle)]);
+    /// All outputs as a balanced tree; each marks its root.
+    fn outputs(&mut self) {
+        if self.outputs.is_empty() {
+            return self.leaf(Kind::Constant(0), false, 1);
+        }
+        for step in balanced(self.outputs.len()).into_iter().rev() {
+            match step {
+                Step::Operand(k) => {
+                    self.tasks.extend([Task::Mark, Task::Operand(self.outputs[k], k as u32 + 1)]);
+                }
+                Step::Join => self.tasks.push(Task::Gate { op: Op::Last, complemented: false, weight: 1 }),
             }
         }
     }
@@ -268,14 +260,15 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Operands in two halves below a gate; the halves are joined by `part`.
-    fn parts(&mut self, operands: &'a [Edge], part: Op, gate: Task<'a>) {
-        match operands {
-            &[only] => self.tasks.push(Task::Operand(only, 1)),
-            _ => {
-                let (first, second) = operands.split_at(operands.len() / 2);
-                self.tasks.extend([gate, Task::Parts(second, part), Task::Parts(first, part)]);
-            }
+    /// Two or more operands as a balanced tree below a gate; the gates between are `part`.
+    fn parts(&mut self, operands: &[Edge], part: Op, gate: Task) {
+        self.tasks.push(gate);
+        // the last step is the gate itself
+        for step in balanced(operands.len()).into_iter().rev().skip(1) {
+            self.tasks.push(match step {
+                Step::Operand(k) => Task::Operand(operands[k], 1),
+                Step::Join => Task::Gate { op: part, complemented: false, weight: 1 },
+            });
         }
     }
 
