@@ -365,3 +365,46 @@ fn windows_that_are_refused() {
     let error = isolate(&sphere, &spline, 0.0, 1.5).unwrap_err();
     assert_eq!(error, CurveError::OutsideDomain { t0: 0.0, t1: 1.5, first: 0.0, last: 1.0 });
 }
+
+/// Curves that run beside a surface for long, at any distance: no crossing, and no end of work.
+#[test]
+fn curves_beside_surfaces() {
+    let mut rng = Random::new(9);
+    let cylinder = Surface::cylinder(Vec3::ZERO, Vec3::Z, 1.0);
+    let torus = Surface::torus(Vec3::ZERO, Vec3::Z, 2.0, 0.5);
+    for decade in [0, 2, 4, 6, 8, 9, 10, 11, 13, 15, 17] {
+        let off = if rng.chance(0.5) { 0.3 } else { -0.3 } * libm::pow(10.0, -f64::from(decade));
+        let map = rayweave_conformance::models::motion(&mut rng);
+        let place = rayweave_math::Transform::from_affine(map).unwrap();
+        let wound = Helix::about([0.0; 3], [0.0, 0.0, 1.0], [1.0 + off, 0.0, 0.0], 0.7).unwrap();
+        let ruling = Line::new([0.0, 1.0 + off, 0.0], [0.0, 0.0, 1.0]);
+        let r = 0.5 + off;
+        let meridian = Arc::new([2.0, 0.0, 0.0], [[r, 0.0, 0.0], [0.0, 0.0, r]], 1.0).unwrap();
+        let cases: [(&Surface, &dyn Curve<3>); 3] =
+            [(&cylinder, &wound), (&cylinder, &ruling), (&torus, &meridian)];
+        for (k, (surface, curve)) in cases.into_iter().enumerate() {
+            let (surface, curve) = (surface.transformed(&place), Mapped::new(curve, map));
+            let got = isolate(&surface, &curve, -3.0, 5.0).unwrap();
+            assert_eq!(times(&got), [], "{k} {off}");
+            if decade < 12 {
+                assert_eq!(got.start().is_inside(), off < 0.0, "{k} {off}");
+            }
+        }
+    }
+}
+
+/// Crests where halving looks, and roots between: a wave that only seems to run beside the plane.
+#[test]
+fn waves_with_crests_where_halving_looks() {
+    let plane = Surface::plane(Vec3::Y, 0.0);
+    for (amplitude, log) in [(1.0, 5), (1e-7, 9), (1e-9, 12), (1e-11, 9), (1e-12, 12)] {
+        let rate = TAU * libm::pow(2.0, f64::from(log));
+        let curve = Own {
+            position: move |t: f64| [t, amplitude * libm::cos(rate * t), 0.0],
+            velocity: move |t: f64| [1.0, -amplitude * rate * libm::sin(rate * t), 0.0],
+            bound: move |_, _| amplitude * rate * rate,
+        };
+        let got = isolate(&plane, &curve, 0.0, 1.0).unwrap();
+        assert_eq!(got.roots().len(), 2 << log, "{amplitude} {log}");
+    }
+}

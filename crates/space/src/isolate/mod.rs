@@ -12,26 +12,31 @@
 //!    by Newton's steps safeguarded by bisection, to the last bit that the rounding of values allows;
 //! 3. if the curve *hugs* the surface over the piece, that is, keeps within `delta = 64 u (size of r + reach)` of it,
 //!    no sign there means anything, and the piece is joined with its neighbours of the same kind;
-//! 4. else it is halved.
+//! 4. if the curve runs *beside* the surface, so near that bounds do not part the two, the piece has no crossing;
+//! 5. else it is halved.
 //!
-//! *Hugging* is judged at the ends, the middle and the quarter points of a piece: there `|f| <= delta |grad f|` and also
-//! `|g'| h <= 4 delta |grad f|`, and the piece is so short that between these points the curve cannot leave its tangent
-//! by more than `A h^2 / 2 <= 2^-20 (size of r + reach)`. A stretch of hugging pieces keeps the side that the curve has
-//! before it; if it has another one after it, there is one crossing in the stretch, where the computed sign changes. So a
-//! double root is no crossing, as on straight lines. A window at whose beginning the curve hugs starts on the side that it
-//! has after that stretch; one that hugs all over is on the side into which [`lie_direction`](crate::lie_direction)
-//! leads from the middle of the window.
+//! Hugging and running beside are judged at nine points of a piece: its ends, its middle and six between them, not in
+//! equal steps. *Hugging*: at each of them `|f| <= delta |grad f|` and `|g'| h <= 4 delta |grad f|`, and the piece is so short that
+//! between them the curve cannot leave its tangent by more than `A h^2 / 2 <= 2^-20 (size of r + reach)`. *Beside*: all on
+//! one side, `|g'| h <= |g| / 4`, and the curve cannot leave its tangent by more than 2^-30 of those lengths.
 //!
-//! *Guarantee*: let the curve keep its promises (see [`Curve`]) and the field's bounds hold. Two neighbouring crossings of
-//! which none is reported have the curve within `2^-20 (size of r + reach)` of the surface between them; and within
-//! delta, unless the curve is made to hide in the 2^-20 between five points, touching the surface at each of them. All
-//! others are reported, in number, order and direction. *Not guaranteed*: what happens within delta of the surface,
-//! where two crossings and none cannot be told apart.
+//! A stretch of hugging pieces keeps the side that the curve has before it; if it has another one after it, there is one
+//! crossing in the stretch, where the computed sign changes. So a double root is no crossing, as on straight lines. A window
+//! at whose beginning the curve hugs starts on the side that it has after that stretch; one that hugs all over is on the
+//! side into which [`lie_direction`](crate::lie_direction) leads from the middle of the window.
+//!
+//! *Guarantee*: let the curve keep its promises (see [`Curve`]) and the field's bounds hold. Every crossing is reported, in
+//! order and with its direction, but for pairs of neighbours between which the curve stays within delta of the surface. The
+//! guarantee is by bounds, and so unconditional, for pairs between which the curve goes farther from the surface than 2^-20
+//! (size of r + reach); nearer than that it holds unless the curve is made to hide: to wiggle across the surface between
+//! nine points of a piece, all of which say that it hugs, or, within 2^-30, runs beside it. *Not guaranteed*: what happens
+//! within delta, where two crossings and none cannot be told apart.
 //!
 //! *Cost*: a transversal crossing costs the few pieces down to the size at which the curve is straight against the surface,
-//! and about five evaluations of the curve; a tangency some twenty halvings, of one or two pieces each; a curve that lies
-//! in the surface 2^9 pieces per unit of `t sqrt(A / size)`. A curve of many turns costs so much per turn. No more than
-//! [`MOST_PIECES`] pieces are examined, and none is halved more than [`MOST_HALVINGS`] times.
+//! and about five evaluations of the curve; a tangency some twenty halvings, of one or two pieces each; a curve that lies in
+//! the surface 2^9 pieces per unit of `t sqrt(A / size)`, and one that runs beside it at a small distance d up to
+//! `sqrt(size / d)` of them, 2^14 at most. A curve of many turns costs so much per turn. No more than [`MOST_PIECES`] pieces
+//! are examined, and none is halved more than [`MOST_HALVINGS`] times.
 
 mod path;
 mod walk;

@@ -14,6 +14,12 @@ const ROUNDING: f64 = 8.0 * UNIT_ROUNDOFF;
 /// Between the points at which hugging is judged, a curve may leave its tangent by this times the lengths involved.
 const STRAY: f64 = 1.0 / (1 << 20) as f64;
 
+/// The same for a curve that runs beside the surface, too near for bounds.
+const STRAY_BESIDE: f64 = 1.0 / (1 << 30) as f64;
+
+/// Where a piece is looked at beside its ends and its middle, in half lengths: not in step with anything that repeats.
+const BETWEEN: [f64; 6] = [-0.81, -0.5, -0.23, 0.37, 0.5, 0.66];
+
 /// Two functions of which one is asked along the other.
 pub struct Path<'a, const D: usize, F: ?Sized, C: ?Sized> {
     field: &'a F,
@@ -150,8 +156,15 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Path<'a, D,
         if !value.contains_zero() {
             return Ok(Verdict::Clear { inside: value.hi < 0.0 });
         }
-        let hugging = stray <= STRAY * m.size && self.hugs(piece, &m, h)?;
-        Ok(if hugging { Verdict::Hugging } else { Verdict::Undecided(m) })
+        if stray <= STRAY * m.size && self.all(piece, &m, |s| self.near(s, h))? {
+            return Ok(Verdict::Hugging);
+        }
+        let inside = m.inside();
+        let beside = |s: &Sample<D>| s.inside() == inside && self.beside(s, h);
+        if stray <= STRAY_BESIDE * m.size && self.all(piece, &m, beside)? {
+            return Ok(Verdict::Clear { inside });
+        }
+        Ok(Verdict::Undecided(m))
     }
 
     /// Bounds of g' from those of grad f and of the velocity, which turns by no more than `turn`.
@@ -160,18 +173,33 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Path<'a, D,
         (0..D).fold(Interval::point(0.0), |sum, k| sum + gradient[k] * Interval::around(m.velocity[k], turn))
     }
 
-    /// True if a piece of half length h keeps to the surface at five points.
-    fn hugs(&self, piece: &Piece<D>, m: &Sample<D>, h: f64) -> Result<bool, CurveError> {
-        if !(self.near(m, h) && self.near(&piece.a, h) && self.near(&piece.b, h)) {
+    /// True if something holds at all points at which a piece is looked at.
+    fn all(
+        &self,
+        piece: &Piece<D>,
+        m: &Sample<D>,
+        holds: impl Fn(&Sample<D>) -> bool,
+    ) -> Result<bool, CurveError> {
+        if !(holds(m) && holds(&piece.a) && holds(&piece.b)) {
             return Ok(false);
         }
-        for end in [piece.a.t, piece.b.t] {
-            let quarter = self.sample(0.5 * end + 0.5 * m.t)?;
-            if !self.near(&quarter, h) {
+        for part in BETWEEN {
+            let end = if part < 0.0 { piece.a.t } else { piece.b.t };
+            if !holds(&self.sample(m.t + part.abs() * (end - m.t))?) {
                 return Ok(false);
             }
         }
         Ok(true)
+    }
+
+    /// True if the curve is off the surface at a time, as parallel to it as its distance is from changing by half
+    /// over a piece of half length h.
+    ///
+    /// Where g is a parabola with a root or its vertex in the piece this is false at one end at least: at x from
+    /// the vertex `|g' / g| >= 2 / x`, and x is no more than 2 h.
+    fn beside(&self, s: &Sample<D>, h: f64) -> bool {
+        // half of delta, so that a curve about delta from the surface is one or the other, whatever is rounded
+        s.value.abs() > 0.5 * self.tolerance(s) && s.slope.abs() * h <= 0.25 * s.value.abs()
     }
 
     /// True if the curve is on the surface at a time, and leaves it within h by no more than it may. A parabola
@@ -243,7 +271,7 @@ impl<const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Path<'_, D, F, 
         }
         let bound = self.bound(piece, &m)?;
         let h = (piece.b.t - t).max(t - piece.a.t);
-        let sure = 0.5 * bound * h * h <= STRAY * m.size && self.hugs(piece, &m, h)?;
+        let sure = 0.5 * bound * h * h <= STRAY * m.size && self.all(piece, &m, |s| self.near(s, h))?;
         Ok(if sure { Near::Yes } else { Near::Unsure(m) })
     }
 }
