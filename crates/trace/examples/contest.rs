@@ -6,7 +6,7 @@
 
 use rayweave_conformance::contest::{Score, contest};
 use rayweave_conformance::{Maker, contender};
-use rayweave_trace::{Reference, SingleHit, Weave};
+use rayweave_trace::{Reference, SingleHit, Spans, Weave};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -19,6 +19,7 @@ fn evaluators() -> Vec<Maker> {
     vec![
         contender(Weave::new),
         contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
+        contender(Spans::new),
     ]
 }
 

@@ -6,7 +6,7 @@
 
 use rayweave_conformance::exact::{self, Count};
 use rayweave_conformance::{Maker, contender};
-use rayweave_trace::{Reference, SingleHit, Weave};
+use rayweave_trace::{Reference, SingleHit, Spans, Weave};
 use std::ops::Range;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,6 +22,7 @@ fn evaluators() -> Vec<Maker> {
         contender(Weave::new),
         contender(Reference::new),
         contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
+        contender(Spans::new),
     ]
 }
 

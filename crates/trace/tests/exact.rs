@@ -4,7 +4,7 @@
 //! `examples/exact.rs` is told to.
 
 use rayweave_conformance::{Maker, contender, exact};
-use rayweave_trace::{Reference, SingleHit, Weave};
+use rayweave_trace::{Reference, SingleHit, Spans, Weave};
 
 /// Models of the short form: fifty rays each.
 const SHORT: std::ops::Range<u64> = 0..1100;
@@ -17,6 +17,7 @@ fn evaluators() -> Vec<Maker> {
         contender(Reference::new),
         contender(Weave::new),
         contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
+        contender(Spans::new),
     ]
 }
 

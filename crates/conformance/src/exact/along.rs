@@ -132,6 +132,21 @@ impl Along {
         if speed * speed >= 4.0 * bend * error { 2.0 * error / speed } else { 2.5 * (error / bend).sqrt() }
     }
 
+    /// The time at which a surface that is not crossed is touched within the tolerance, and by how much that moves if
+    /// the surface does.
+    pub(super) fn touch(&self, surface: &Surface, line: &Line) -> Option<(f64, f64)> {
+        let [a, b, _] = &self.coefficients;
+        if !self.changes.roots.is_empty() || a.is_zero() || self.lies {
+            return None;
+        }
+        let middle = (-b).over(&a.scaled(1));
+        let (t, error) = (middle.to_f64(), delta(surface, line, middle.to_f64()));
+        let slope = surface.slope(&line.at(&middle.rounded()));
+        let near = polynomial(&self.coefficients, &middle).to_f64().abs()
+            <= error * (slope + error * surface.bend());
+        near.then(|| (t, 2.5 * (error * (slope + error * surface.bend()) / a.to_f64().abs()).sqrt()))
+    }
+
     /// The distance between the surface and the ray where they are almost tangent.
     pub(super) fn extremum(&self, surface: &Surface, line: &Line) -> f64 {
         let [a, b, _] = &self.coefficients;

@@ -180,6 +180,29 @@ impl<'a> Work<'a> {
         Ok(last)
     }
 
+    /// True if different surfaces are crossed at a moment without any change of medium: rounding may cross them one
+    /// after the other, with a change and its undoing between.
+    fn is_balanced(&self, k: usize) -> bool {
+        let (moment, all) = (&self.moments[k], &self.exact.surfaces);
+        let first = moment.surfaces[0];
+        !self.is_change(k)
+            && moment.leaves.len() > 1
+            && moment.surfaces.iter().any(|&s| !all[s].is_same(&all[first]))
+    }
+
+    /// Balanced moments beside `k`, in the order given, that lie in the same surfaces as it does: where rounding tells
+    /// their crossings apart they are welded to it.
+    fn balanced_beside(&self, k: usize, order: impl Iterator<Item = usize>) -> Result<Vec<usize>, Doubt> {
+        let mut found = Vec::new();
+        for next in order.take_while(|&next| !self.is_change(next)).filter(|&next| self.is_balanced(next)) {
+            if !self.hug(k.min(next), k.max(next))? {
+                break;
+            }
+            found.push(next);
+        }
+        Ok(found)
+    }
+
     /// True if the piece between two moments lies within the tolerance of the surfaces at both its ends.
     fn hug(&self, i: usize, j: usize) -> Result<bool, Doubt> {
         let (a, b) = (&self.moments[i], &self.moments[j]);
@@ -221,7 +244,9 @@ impl<'a> Work<'a> {
         let before = self.moments[self.beside(first, (0..first).rev())?].regions.0;
         let after = self.moments[self.beside(last, last + 1..self.moments.len())?].regions.1;
         let mut times = (f64::INFINITY, f64::NEG_INFINITY);
-        for &k in run {
+        let earlier = self.balanced_beside(first, (0..first).rev())?;
+        let later = self.balanced_beside(last, last + 1..self.moments.len())?;
+        for &k in earlier.iter().chain(run).chain(&later) {
             let root = &self.moments[k].root;
             for s in self.crossed(&self.moments[k]) {
                 let surface = &self.exact.surfaces[s];
@@ -239,13 +264,23 @@ impl<'a> Work<'a> {
     /// the first that changes it when they flip one after the other.
     fn owners(&self, run: &[usize], times: (f64, f64)) -> Vec<usize> {
         let about = self.moments.iter().filter(|m| times.0 <= m.root.t() && m.root.t() <= times.1);
-        let surfaces: Vec<usize> = about.flat_map(|m| m.surfaces.clone()).collect();
+        let mut surfaces: Vec<usize> = about.flat_map(|m| m.surfaces.clone()).collect();
+        surfaces.extend(self.touched(times));
         let all = &self.exact.surfaces;
         if surfaces.iter().all(|&s| all[s].is_same(&all[surfaces[0]])) && run.len() == 1 {
             return vec![self.lowest(run[0])];
         }
         let meets = |leaf: &usize| self.exact.leaves[*leaf].facets.iter().any(|f| surfaces.contains(&f.0));
         (0..self.exact.leaves.len()).filter(meets).collect()
+    }
+
+    /// The surfaces that are touched, so nearly that rounding may cross them twice, in a range of times.
+    fn touched(&self, (from, to): (f64, f64)) -> Vec<usize> {
+        let touched = |&s: &usize| {
+            let (surface, along) = (&self.exact.surfaces[s], &self.along[s]);
+            along.touch(surface, self.line).is_some_and(|(t, play)| t - play <= to && from <= t + play)
+        };
+        (0..self.along.len()).filter(touched).collect()
     }
 
     fn lowest(&self, k: usize) -> usize {
