@@ -81,7 +81,7 @@ def test_partition_has_a_piece_for_each_medium(model):
     assert pieces.offsets[2] - last == 1
 
 
-@pytest.mark.parametrize("evaluator", ["weave", "reference", "single_hit"])
+@pytest.mark.parametrize("evaluator", ["weave", "reference", "single_hit", "spans"])
 def test_every_evaluator_gives_the_same(model, evaluator):
     rng = np.random.default_rng(3)
     origins, directions = rng.normal(size=(50, 3)) * 4, rng.normal(size=(50, 3))

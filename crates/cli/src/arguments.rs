@@ -87,7 +87,7 @@ pub struct SubjectArguments {
     #[arg(long, value_name = "NAME")]
     pub solid: Option<String>,
 
-    /// Who answers: weave (fast), reference (obvious) or single_hit (step by step); the answers are the same, bit for bit
+    /// Who answers: weave (fast), reference (obvious), single_hit (step by step) or spans (array by array); the answers are the same, bit for bit
     #[arg(long, value_name = "NAME", value_parser = rayweave::AnyEvaluator::NAMES)]
     pub evaluator: Option<String>,
 }

@@ -2,13 +2,13 @@
 
 use crate::Error;
 use rayweave_model::{Evaluator, Program, Query, Rays, RegionId, Sink};
-use rayweave_trace::{Reference, SingleHit, Weave};
+use rayweave_trace::{Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
 /// Any of the evaluators. They give the same answers, bit for bit, and differ in speed only.
 ///
-/// Code that knows which one it wants takes [`Weave`], [`Reference`] or [`SingleHit`] itself; this one is for doors
-/// through which the choice comes as text.
+/// Code that knows which one it wants takes [`Weave`], [`Reference`], [`SingleHit`] or [`Spans`] itself; this one is for
+/// doors through which the choice comes as text.
 #[derive(Clone, Debug)]
 pub enum AnyEvaluator {
     /// The one for daily use.
@@ -17,6 +17,8 @@ pub enum AnyEvaluator {
     Reference(Reference),
     /// The one that asks what is next, from crossing to crossing.
     SingleHit(SingleHit),
+    /// The one that combines whole arrays, from the leaves up.
+    Spans(Spans),
 }
 
 /// The memory of a thread for [`AnyEvaluator`].
@@ -28,11 +30,13 @@ pub enum AnyScratch {
     Reference(<Reference as Evaluator>::Scratch),
     /// For [`AnyEvaluator::SingleHit`].
     SingleHit(<SingleHit as Evaluator>::Scratch),
+    /// For [`AnyEvaluator::Spans`].
+    Spans(<Spans as Evaluator>::Scratch),
 }
 
 impl AnyEvaluator {
     /// The names to choose from; the first is the default.
-    pub const NAMES: [&str; 3] = ["weave", "reference", "single_hit"];
+    pub const NAMES: [&str; 4] = ["weave", "reference", "single_hit", "spans"];
 
     /// The evaluator of this name, or the default.
     ///
@@ -45,6 +49,7 @@ impl AnyEvaluator {
             "weave" => Ok(AnyEvaluator::Weave(Weave::new(program))),
             "reference" => Ok(AnyEvaluator::Reference(Reference::new(program))),
             "single_hit" => Ok(AnyEvaluator::SingleHit(SingleHit::new(program)?)),
+            "spans" => Ok(AnyEvaluator::Spans(Spans::new(program))),
             other => Err(Error::unknown("evaluator", other, AnyEvaluator::NAMES.into_iter())),
         }
     }
@@ -57,6 +62,7 @@ macro_rules! each {
             AnyEvaluator::Weave($evaluator) => $call,
             AnyEvaluator::Reference($evaluator) => $call,
             AnyEvaluator::SingleHit($evaluator) => $call,
+            AnyEvaluator::Spans($evaluator) => $call,
         }
     };
 }
@@ -71,6 +77,7 @@ macro_rules! each_with {
             (AnyEvaluator::Weave($evaluator), AnyScratch::Weave($scratch)) => $call,
             (AnyEvaluator::Reference($evaluator), AnyScratch::Reference($scratch)) => $call,
             (AnyEvaluator::SingleHit($evaluator), AnyScratch::SingleHit($scratch)) => $call,
+            (AnyEvaluator::Spans($evaluator), AnyScratch::Spans($scratch)) => $call,
             _ => unreachable!("the scratch was replaced"),
         }
     }};
@@ -83,6 +90,7 @@ impl AnyEvaluator {
             (AnyEvaluator::Weave(_), AnyScratch::Weave(_))
                 | (AnyEvaluator::Reference(_), AnyScratch::Reference(_))
                 | (AnyEvaluator::SingleHit(_), AnyScratch::SingleHit(_))
+                | (AnyEvaluator::Spans(_), AnyScratch::Spans(_))
         )
     }
 }
@@ -103,6 +111,7 @@ impl Evaluator for AnyEvaluator {
             AnyEvaluator::Weave(weave) => AnyScratch::Weave(weave.scratch()),
             AnyEvaluator::Reference(reference) => AnyScratch::Reference(reference.scratch()),
             AnyEvaluator::SingleHit(single_hit) => AnyScratch::SingleHit(single_hit.scratch()),
+            AnyEvaluator::Spans(spans) => AnyScratch::Spans(spans.scratch()),
         }
     }
 

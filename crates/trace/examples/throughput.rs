@@ -1,10 +1,10 @@
-//! Rays per second through a small lens and a die, on one thread.
+//! Rays per second through a small lens and a die, on one thread, by every evaluator.
 
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Limit, Program, Query, RayAnswer, RayBatch, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
-use rayweave_trace::Weave;
+use rayweave_trace::{Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -41,21 +41,34 @@ fn rays(count: usize, radius: f64, half: f64) -> RayBatch {
     .collect()
 }
 
+/// Rays per second, and the crossings of a ray.
+fn rate<E: Evaluator>(evaluator: &E, batch: &RayBatch, limit: Limit) -> (f64, f64) {
+    let mut scratch = evaluator.scratch();
+    let query = Query { limit, ..Query::default() };
+    let mut crossings = 0;
+    let started = Instant::now();
+    evaluator.crossings(batch.rays(), &query, &mut scratch, &mut |answer: RayAnswer<'_>| {
+        crossings += answer.crossings.len();
+    });
+    let rays = batch.rays().len() as f64;
+    (rays / started.elapsed().as_secs_f64(), crossings as f64 / rays)
+}
+
+fn report<E: Evaluator>(model: &str, evaluator: &E, batch: &RayBatch) {
+    for (what, limit) in [("all crossings", Limit::All), ("first crossing", Limit::First)] {
+        let (rays, crossings) = rate(evaluator, batch, limit);
+        let (name, rays) = (evaluator.name(), rays / 1e6);
+        println!("{model}: {name}: {what}: {rays:.2} Mray/s, {crossings:.2} crossings a ray");
+    }
+}
+
 fn main() {
-    for (name, solid, radius, half) in [("lens", lens(), 60.0, 10.0), ("die", die(), 5.0, 1.0)] {
-        let weave = Weave::new(Arc::new(Program::compile(&solid).expect("a valid solid")));
+    for (model, solid, radius, half) in [("lens", lens(), 60.0, 10.0), ("die", die(), 5.0, 1.0)] {
+        let program = Arc::new(Program::compile(&solid).expect("a valid solid"));
         let batch = rays(200_000, radius, half);
-        let mut scratch = weave.scratch();
-        for (what, limit) in [("all crossings", Limit::All), ("first crossing", Limit::First)] {
-            let query = Query { limit, ..Query::default() };
-            let mut crossings = 0;
-            let started = Instant::now();
-            weave.crossings(batch.rays(), &query, &mut scratch, &mut |answer: RayAnswer<'_>| {
-                crossings += answer.crossings.len();
-            });
-            let seconds = started.elapsed().as_secs_f64();
-            let rate = 200_000.0 / seconds / 1e6;
-            println!("{name}: {what}: {rate:.2} Mray/s, {:.2} crossings a ray", crossings as f64 / 200_000.0);
-        }
+        report(model, &Weave::new(program.clone()), &batch);
+        report(model, &Spans::new(program.clone()), &batch);
+        report(model, &SingleHit::new(program.clone()).expect("a small solid"), &batch);
+        report(model, &Reference::new(program), &batch);
     }
 }

@@ -6,7 +6,7 @@ use crate::CountRule;
 
 /// The hits of a boolean function of many solids, exact: entries with equal times flip together.
 ///
-/// An operand is an array of so many columns and `true` if its complement is meant. This is the surface count of the code by
+/// An operand is an array of so many columns (one of another width counts as empty) and `true` if its complement is meant. This is the surface count of the code by
 /// Frazier for any number of operands: +1 where a ray enters one of them, -1 where it leaves; a complement counts 1 from the
 /// start and the other way round. A time is kept where the function of the count changes over all its entries together.
 ///

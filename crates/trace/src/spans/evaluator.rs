@@ -4,6 +4,7 @@ use super::WIDTH;
 use super::asked::AskedRay;
 use super::changes::Changes;
 use super::group::At;
+use super::level::Level;
 use super::room::{Rest, Room};
 use super::schedule::Schedule;
 use super::sides::Sweep;
@@ -11,10 +12,9 @@ use crate::accel::Accel;
 use rayweave_math::Vec3;
 use rayweave_model::weld::{Change, Weld};
 use rayweave_model::{
-    Crossing, Evaluator, Event, GroupPoint, GroupRay, Limit, Program, PrototypeId, Query, RayAnswer, Rays,
-    RegionId, Sink, State,
+    Crossing, Evaluator, GroupPoint, GroupRay, Limit, Program, PrototypeId, Query, RayAnswer, Rays, RegionId,
+    Sink, State,
 };
-use rayweave_rootray::hit_array::MergedHit;
 use rayweave_shape::Ray;
 use std::ops::Range;
 use std::sync::Arc;
@@ -59,17 +59,18 @@ impl Spans {
     fn report(
         &self,
         asked: Question<'_>,
-        hits: &[MergedHit],
-        flips: &[Event],
+        column: usize,
+        level: &mut Level<AskedRay>,
         rest: &mut Rest,
         out: &mut Vec<Crossing>,
     ) -> RegionId {
-        let changes = Changes::new(hits, &mut rest.outputs);
+        let changes = Changes::new(level.merged.column(column), &mut rest.outputs);
         let mut start = changes.now();
         if changes.is_over() {
             return RegionId(start);
         }
-        let mut sweep = Sweep::new(&self.program.prototype(PrototypeId(0)).network, &mut rest.leaves, flips);
+        let network = &self.program.prototype(PrototypeId(0)).network;
+        let mut sweep = Sweep::new(network, &mut rest.leaves, level.flips.column(column));
         let mut weld = Weld::new(&self.program, asked.ray, sweep.events());
         for switch in changes.take_while(|switch| switch.t < asked.query.window.t_max()) {
             if asked.query.is_past(switch.t, asked.has_starts) {
@@ -137,8 +138,7 @@ impl Evaluator for Spans {
                 let has_starts = query.starts.is_some_and(|lists| !lists.of(i).is_empty());
                 crossings.clear();
                 let asked = Question { ray: rays.get(i), query, has_starts };
-                let flips = level.flips.column(column);
-                let start = self.report(asked, level.merged.column(column), flips, &mut rest, crossings);
+                let start = self.report(asked, column, &mut level, &mut rest, crossings);
                 sink.ray(RayAnswer { ray: i, start, crossings });
             }
             begin += columns;

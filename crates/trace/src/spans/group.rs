@@ -136,7 +136,6 @@ impl Spans {
         room: &mut Room<P>,
         out: &mut HitArrayBuf,
     ) {
-        let network = &self.program.prototype(at.group).network;
         let mut rest = room.take_rest(self.program.prototypes(), at.group);
         let mut begin = 0;
         while begin < inner.asked.len() {
@@ -144,29 +143,42 @@ impl Spans {
             for column in 0..columns {
                 let outer = level.touched.columns(leaf)[begin + column];
                 let mark = level.flips.len();
-                let Rest { outputs, leaves } = &mut *rest;
-                let changes = Changes::new(inner.merged.column(column), outputs);
-                let sweep = Sweep::new(network, leaves, inner.flips.column(column));
-                faces(changes, sweep, |t, face| level.flips.push(outer, Event { t, leaf, face }));
+                self.faces(at.group, column, inner, &mut rest, |t, face| {
+                    level.flips.push(outer, Event { t, leaf, face });
+                });
                 level.flips.fill_column(mark, outer, out);
             }
             begin += columns;
         }
         room.rests[at.group.index()] = Some(rest);
     }
-}
 
-/// The changes of a solid that is a group's only output, each with its face; one at t = -inf if it is inside from the start.
-fn faces(changes: Changes<'_>, mut sweep: Sweep<'_>, mut each: impl FnMut(f64, Face)) {
-    if changes.now() != 0 {
-        each(f64::NEG_INFINITY, NO_FACE);
+    /// The changes of a solid that is a group's only output along one column, each with its face; one at t = -inf if it is
+    /// inside from the start.
+    fn faces<P>(
+        &self,
+        group: PrototypeId,
+        column: usize,
+        level: &mut Level<P>,
+        rest: &mut Rest,
+        mut each: impl FnMut(f64, Face),
+    ) {
+        let changes = Changes::new(level.merged.column(column), &mut rest.outputs);
+        if changes.now() != 0 {
+            each(f64::NEG_INFINITY, NO_FACE);
+        }
+        if changes.is_over() {
+            return;
+        }
+        let network = &self.program.prototype(group).network;
+        let mut sweep = Sweep::new(network, &mut rest.leaves, level.flips.column(column));
+        for switch in changes {
+            let range = sweep.go(switch.t);
+            let (events, end) = (sweep.events(), range.end);
+            each(switch.t, attribute(events, range, end, &mut sweep.sides, |f| u32::from(f.output(0))));
+        }
+        sweep.sides.rest();
     }
-    for switch in changes {
-        let range = sweep.go(switch.t);
-        let (events, end) = (sweep.events(), range.end);
-        each(switch.t, attribute(events, range, end, &mut sweep.sides, |f| u32::from(f.output(0))));
-    }
-    sweep.sides.rest();
 }
 
 fn constant(inside: bool, out: &mut HitArrayBuf) {

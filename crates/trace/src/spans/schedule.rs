@@ -8,7 +8,7 @@ use std::ops::Range;
 ///
 /// Of the operands of a gate the one that needs most slots comes first (R. Sethi, J. D. Ullman, "The generation of optimal
 /// code for arithmetic expressions", J. ACM 17, 1970), so that a tree of n nodes needs O(log n) slots and its widest gate's
-/// number of operands, a chain two, however deep they are. Nodes with several users keep their slot up to the last of them.
+/// number of operands, a chain three, however deep they are. Nodes with several users keep their slot up to the last of them.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
     pub steps: Vec<Step>,
@@ -194,10 +194,12 @@ impl Builder<'_> {
 mod tests {
     use super::*;
     use rayweave_model::LeafId;
+    use rayweave_model::simplify::{Formula, Op};
 
-    /// Runs a schedule on plain sides and compares the outputs with the plain meaning of the expression.
-    fn check(expression: &Expression, outputs: &[Edge], leaves: u32) -> Schedule {
-        let schedule = Schedule::new(expression, outputs);
+    /// Runs a schedule on plain sides and compares the outputs with the plain meaning of the formula.
+    fn check(formula: &Formula, leaves: u32) -> Schedule {
+        let expression = Expression::new(formula);
+        let schedule = Schedule::new(&expression, formula.outputs());
         for pattern in 0..1u32 << leaves {
             let inside = |leaf: u32| pattern >> leaf & 1 == 1;
             let mut slots = vec![false; schedule.slots()];
@@ -212,44 +214,55 @@ mod tests {
                 };
             }
             let mut values = Vec::new();
-            expression.evaluate(|leaf| inside(leaf.0), &mut values);
-            let expected = outputs.iter().map(|edge| values[edge.node().index()] ^ edge.is_complemented());
+            formula.evaluate(|leaf| inside(leaf.0), &mut values);
+            let outputs = formula.outputs().iter();
+            let expected = outputs.map(|edge| values[edge.node().index()] ^ edge.is_complemented());
             assert!(schedule.outputs().iter().map(|output| value(&slots, output)).eq(expected));
         }
         schedule
     }
 
+    fn leaves(formula: &mut Formula, count: u32) -> Vec<Edge> {
+        (0..count).map(|k| formula.leaf(LeafId(k))).collect()
+    }
+
     #[test]
-    fn a_chain_needs_three_slots_and_a_tree_its_height() {
-        let mut e = Expression::default();
-        let x: Vec<Edge> = (0..16).map(|k| e.leaf(LeafId(k))).collect();
-        // operands are sorted by number, so the deep one stands last
+    fn a_chain_needs_three_slots() {
+        let mut f = Formula::default();
+        let x = leaves(&mut f, 12);
+        // the deep operand stands last, and is computed first
         let chain = x.iter().skip(1).enumerate().fold(x[0], |below, (k, &next)| match k % 2 {
-            0 => e.any(vec![next, below]),
-            _ => e.all(vec![next, below.complement()]),
+            0 => f.join(Op::Union, &[next, below]),
+            _ => f.join(Op::Difference, &[next, below]),
         });
-        assert_eq!(check(&e, &[chain], 16).slots(), 3);
-        let mut level = x;
-        while level.len() > 1 {
-            let odd = level.len() % 4 == 0;
-            let pairs =
-                level.chunks(2).map(|pair| if odd { e.odd(pair.to_vec()) } else { e.all(pair.to_vec()) });
-            level = pairs.collect();
+        f.ask(chain);
+        assert_eq!(check(&f, 12).slots(), 3);
+    }
+
+    #[test]
+    fn a_balanced_tree_needs_a_slot_more_than_its_height() {
+        let mut f = Formula::default();
+        let mut level = leaves(&mut f, 16);
+        for op in [Op::SymmetricDifference, Op::Intersection, Op::Union, Op::Difference] {
+            level = level.chunks(2).map(|pair| f.join(op, pair)).collect();
         }
-        assert_eq!(check(&e, &level, 16).slots(), 6);
+        f.ask(level[0]);
+        assert_eq!(check(&f, 16).slots(), 6);
     }
 
     #[test]
     fn shared_nodes_are_computed_once_and_kept() {
-        let mut e = Expression::default();
-        let x: Vec<Edge> = (0..4).map(|k| e.leaf(LeafId(k))).collect();
-        let shared = e.any(vec![x[0], x[1]]);
-        let left = e.all(vec![shared, x[2]]);
-        let right = e.odd(vec![shared, x[3]]);
-        let top = e.any(vec![left, right.complement()]);
-        let outputs = [top, shared.complement(), Edge::VACUUM, Edge::PLENUM, x[2], top.complement()];
-        let schedule = check(&e, &outputs, 4);
-        let joins = schedule.steps.iter().filter(|step| matches!(step.what, What::Join(..)));
-        assert_eq!(joins.count(), 4);
+        let mut f = Formula::default();
+        let x = leaves(&mut f, 4);
+        let shared = f.join(Op::Union, &[x[0], x[1]]);
+        let left = f.join(Op::AtLeast(2), &[shared, x[2], x[3].complement()]);
+        let right = f.join(Op::SymmetricDifference, &[shared, x[3]]);
+        let top = f.join(Op::Union, &[left, right.complement()]);
+        let unused = f.join(Op::Union, &[top, x[0]]);
+        assert_ne!(unused, top);
+        let asked = [top, shared.complement(), Edge::VACUUM, Edge::PLENUM, x[2], top.complement()];
+        asked.into_iter().for_each(|edge| f.ask(edge));
+        let schedule = check(&f, 4);
+        assert_eq!(schedule.steps.iter().filter(|step| matches!(step.what, What::Join(..))).count(), 4);
     }
 }
