@@ -6,6 +6,7 @@ mod arrays;
 mod crossings;
 mod engine;
 mod error;
+mod explain;
 mod hit_array;
 mod hits;
 mod model;
@@ -26,6 +27,8 @@ use pyo3::prelude::*;
 mod _core {
     #[pymodule_export]
     use crate::error::RayweaveError;
+    #[pymodule_export]
+    use crate::explain::PyExplanation;
     #[pymodule_export]
     use crate::hit_array::{array_csg, count_array};
     #[pymodule_export]

@@ -13,6 +13,7 @@ use rayweave::scene::{Diagnostics, Document, Scene, load, parse_with};
 
 use crate::engine::{Engine, How};
 use crate::error::{bad_type, bad_value};
+use crate::explain::{PyExplanation, explain};
 use crate::render::notebook_png;
 use crate::solid::{PySolid, bounds_array};
 use crate::{crossings, hits, pickle, points};
@@ -246,6 +247,19 @@ impl PyModel {
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let how = How::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
         points::contains(self.engine(points.py())?, points, &how)
+    }
+
+    /// How the crossings of one ray come about: every decision of the single-hit evaluator, and why. Print the answer to read
+    /// it as a story, or look into its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
+    #[pyo3(signature = (origin, direction, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY))]
+    fn explain(
+        &self,
+        origin: &Bound<'_, PyAny>,
+        direction: &Bound<'_, PyAny>,
+        t_min: f64,
+        t_max: f64,
+    ) -> PyResult<PyExplanation> {
+        explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
     }
 
     /// A box that holds all regions: float64 (2, 3), the least and the greatest coordinates.

@@ -14,6 +14,7 @@ use rayweave::scene::Document;
 
 use crate::engine::{Engine, How};
 use crate::error::{bad_type, bad_value};
+use crate::explain::{PyExplanation, explain};
 use crate::render::notebook_png;
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
 use crate::{crossings, hits, pickle, points};
@@ -200,6 +201,19 @@ impl PySolid {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
         crossings::ask(engine, [origins, directions], &how, true)?.into_python(origins.py(), engine)
+    }
+
+    /// How the crossings of one ray come about: every decision of the single-hit evaluator, and why. Print the answer to read
+    /// it as a story, or look into its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
+    #[pyo3(signature = (origin, direction, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY))]
+    fn explain(
+        &self,
+        origin: &Bound<'_, PyAny>,
+        direction: &Bound<'_, PyAny>,
+        t_min: f64,
+        t_max: f64,
+    ) -> PyResult<PyExplanation> {
+        explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
     }
 
     /// Whether points (N, 3) or (3,) are inside: bool (N,). Of a point on the surface, the side of a ray that lies in it.

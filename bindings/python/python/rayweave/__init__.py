@@ -3,6 +3,7 @@
 from rayweave import rootray
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._core import (
+    Explanation,
     Model,
     RayweaveError,
     RootRay,
@@ -15,6 +16,7 @@ from rayweave._core import (
     union,
     vacuum,
 )
+from rayweave._explain import Entry, Operand, Passage, Question
 from rayweave._hit_array import Operation, array_csg, count_array
 from rayweave._model import Medium, Region
 from rayweave._picture import Camera, render
@@ -40,11 +42,16 @@ from rayweave._timeline import Timeline, ray_timeline, timeline
 __all__ = [
     "Camera",
     "Crossings",
+    "Entry",
+    "Explanation",
     "Medium",
     "Model",
     "ModelCrossings",
+    "Operand",
     "Operation",
     "Partition",
+    "Passage",
+    "Question",
     "RayweaveError",
     "Region",
     "RootRay",

@@ -1,0 +1,170 @@
+//! How an answer comes about, as a Python class.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyTuple, PyType};
+use rayweave::model::{Program, Window};
+use rayweave::shape::Ray;
+use rayweave::trace::single_hit::{
+    Entry, Explanation, Found, MOST_LINES, Operand, Question, Step, Story, Verdict, What,
+};
+
+use crate::error::bad_value;
+use crate::vectors::{direction, vector};
+
+/// An instance of a class of `rayweave._explain`.
+macro_rules! record {
+    ($py:expr, $class:literal, $fields:expr) => {{
+        static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+        CLASS.import($py, "rayweave._explain", $class)?.call((), Some(&$fields))
+    }};
+}
+
+/// How the answer for one ray came about: printed, it is a story; its parts hold the same as data.
+#[pyclass(frozen, module = "rayweave", name = "Explanation")]
+pub struct PyExplanation {
+    told: Explanation,
+    questions: PyOnceLock<Py<PyTuple>>,
+}
+
+/// Explains the crossings of one ray.
+pub fn explain(
+    program: &Arc<Program>,
+    [origin, along]: [&Bound<'_, PyAny>; 2],
+    t_min: f64,
+    t_max: f64,
+) -> PyResult<PyExplanation> {
+    let window = Window::new(t_min, t_max)
+        .map_err(|error| bad_value(format!("t_min = {t_min}, t_max = {t_max}: {error}")))?;
+    let ray = Ray::new(vector(origin, "origin")?, direction(along, "direction")?);
+    let told = origin.py().detach(|| rayweave::explain(program, ray, window)).map_err(bad_value)?;
+    Ok(PyExplanation { told, questions: PyOnceLock::new() })
+}
+
+#[pymethods]
+impl PyExplanation {
+    /// The name of the region just after t_min: "the world" where there is none.
+    #[getter]
+    fn start(&self) -> String {
+        self.region(self.told.start.0).to_string()
+    }
+
+    /// What the model was asked, in order: see `Question`.
+    #[getter]
+    fn questions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let make = || -> PyResult<Py<PyTuple>> {
+            let story = self.told.story(usize::MAX);
+            let questions = self.told.questions.iter().map(|question| self.question(py, &story, question));
+            Ok(PyTuple::new(py, questions.collect::<PyResult<Vec<_>>>()?)?.unbind())
+        };
+        Ok(self.questions.get_or_try_init(py, make)?.bind(py).clone())
+    }
+
+    /// The crossings, which are the answer: see `Passage`.
+    #[getter]
+    fn crossings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let passage = |Found { crossing, face }: &Found| {
+            let fields = PyDict::new(py);
+            fields.set_item("t", crossing.t)?;
+            fields.set_item("before", &**self.region(crossing.before.0))?;
+            fields.set_item("after", &**self.region(crossing.after.0))?;
+            fields.set_item("face", &**face)?;
+            record!(py, "Passage", fields)
+        };
+        PyTuple::new(py, self.told.crossings.iter().map(passage).collect::<PyResult<Vec<_>>>()?)
+    }
+
+    /// How many changes of medium were joined with their neighbours, because the ray keeps to both surfaces between them.
+    #[getter]
+    fn welded(&self) -> usize {
+        self.told.welded
+    }
+
+    /// How many shapes were asked and decisions made, over all questions.
+    #[getter]
+    fn steps(&self) -> usize {
+        self.told.steps()
+    }
+
+    /// The story in at most so many lines of decisions, None for all of them; what is left out is counted.
+    #[pyo3(signature = (lines = Some(MOST_LINES)))]
+    fn story(&self, py: Python<'_>, lines: Option<usize>) -> PyResult<String> {
+        match lines {
+            Some(0) => Err(bad_value("lines is 0 (it must be at least 1)")),
+            lines => Ok(py.detach(|| self.told.story(lines.unwrap_or(usize::MAX)).to_string())),
+        }
+    }
+
+    fn __str__(&self) -> String {
+        self.told.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        let (questions, crossings) = (self.told.questions.len(), self.told.crossings.len());
+        format!("<Explanation: {questions} questions, {} steps, {crossings} crossings>", self.told.steps())
+    }
+}
+
+impl PyExplanation {
+    fn region(&self, number: u32) -> &Arc<str> {
+        &self.told.regions[number as usize]
+    }
+
+    fn question<'py>(
+        &self,
+        py: Python<'py>,
+        story: &Story<'_>,
+        question: &Question,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let entries = question.entries.iter().map(|entry| self::entry(py, story, entry));
+        let fields = PyDict::new(py);
+        fields.set_item("t_min", question.t_min)?;
+        fields.set_item("entries", PyTuple::new(py, entries.collect::<PyResult<Vec<_>>>()?)?)?;
+        fields.set_item("left_out", question.left_out)?;
+        fields.set_item("t", question.answer.t)?;
+        fields.set_item("before", &**self.region(question.answer.before))?;
+        fields.set_item("after", &**self.region(question.answer.after))?;
+        record!(py, "Question", fields)
+    }
+}
+
+fn entry<'py>(py: Python<'py>, story: &Story<'_>, entry: &Entry) -> PyResult<Bound<'py, PyAny>> {
+    let fields = PyDict::new(py);
+    fields.set_item("node", &*entry.name)?;
+    fields.set_item("depth", entry.depth)?;
+    fields.set_item("rule", entry.what.rule())?;
+    let (verdict, step, face, operands) = match &entry.what {
+        What::Leaf { answer, face_name, .. } => ("leaf", Step::from(*answer), face_name.as_deref(), &[][..]),
+        What::Gate { operands, value, verdict } => {
+            let (verdict, step) = match *verdict {
+                Verdict::Fixed(value) => ("settled", Step::constant(value)),
+                Verdict::Changes(step) => ("changes", step),
+                Verdict::AskAgain { t, .. } => ("ask again", Step { before: *value, after: *value, t }),
+            };
+            (verdict, step, None, &operands[..])
+        }
+    };
+    fields.set_item("verdict", verdict)?;
+    answer(&fields, step)?;
+    fields.set_item("face", face)?;
+    let operands = operands.iter().map(|operand| self::operand(py, operand));
+    fields.set_item("operands", PyTuple::new(py, operands.collect::<PyResult<Vec<_>>>()?)?)?;
+    fields.set_item("text", story.sentence(entry))?;
+    record!(py, "Entry", fields)
+}
+
+fn operand<'py>(py: Python<'py>, operand: &Operand) -> PyResult<Bound<'py, PyAny>> {
+    let fields = PyDict::new(py);
+    fields.set_item("node", &*operand.name)?;
+    fields.set_item("complemented", operand.complemented)?;
+    answer(&fields, operand.own_answer())?;
+    record!(py, "Operand", fields)
+}
+
+fn answer(fields: &Bound<'_, PyDict>, step: Step) -> PyResult<()> {
+    fields.set_item("before", step.before)?;
+    fields.set_item("after", step.after)?;
+    fields.set_item("t", step.t)
+}
