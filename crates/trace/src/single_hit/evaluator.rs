@@ -96,6 +96,10 @@ impl SingleHit {
         for leaf in 0..leaves.len() as u32 {
             let id = LeafId(leaves.start + leaf);
             match &self.program.leaf(id).kind {
+                // the tree does not ask it
+                _ if self.program.leaf(id).matters.is_empty() => {
+                    level.roots.enter(false, std::iter::empty());
+                }
                 LeafKind::Shape { facets, .. } => self.shape(id, facets, ray, &mut level),
                 LeafKind::Instance { prototype, placement } => {
                     let place = &self.program.leaf(id).transform;
