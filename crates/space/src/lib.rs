@@ -4,17 +4,31 @@
 //! (isolating the times at which a curve crosses a field's surface, solids in R^d, curves through compiled
 //! models) is made of these two.
 
+mod affine;
 pub mod curve;
+mod error;
 mod field;
 pub mod isolate;
 mod lie;
 mod model;
 mod point;
 pub mod polygon;
+mod prism;
+mod program;
+mod shape;
+mod solid;
+pub mod surface;
+mod trace;
+mod vector;
 
+pub use affine::Affine;
 pub use curve::{Curve, CurveError};
+pub use error::SpaceError;
 pub use field::Field;
 pub use isolate::isolate;
 pub use lie::{leads_inside, lie_direction};
 pub use model::{CurveTrace, curve_normal, curve_point, trace_curve};
 pub use point::Point;
+pub use program::Program;
+pub use solid::Solid;
+pub use trace::{Face, Tracer, trace, trace_along};

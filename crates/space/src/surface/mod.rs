@@ -1,0 +1,118 @@
+//! Surfaces of degree 1 and 2 in R^d, each written about its own centre; inside where `f < 0`.
+//!
+//! Roots along a line are a function of surface and line alone: +, -, *, / and square roots in a fixed order.
+
+mod plane;
+mod quadric;
+
+pub use plane::Plane;
+pub use quadric::Quadric;
+
+use crate::affine::Affine;
+use crate::curve::Line;
+use crate::point::length;
+use crate::{Curve, Field, Point};
+use rayweave_math::Interval;
+use rayweave_math::roots::Crossings;
+use rayweave_shape::surface::{delta_of, hugs_along, is_near};
+
+/// One surface, in canonical form: the kernel of the solids of this crate.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surface<const D: usize> {
+    /// A hyperplane.
+    Plane(Plane<D>),
+    /// A surface of degree 2 with a centre.
+    Quadric(Box<Quadric<D>>),
+}
+
+impl<const D: usize> Surface<D> {
+    /// Where the line crosses the surface: the side as t -> -inf (negative is inside) and at most two times.
+    pub fn crossings(&self, line: &Line<D>) -> Crossings<2> {
+        match self {
+            Surface::Plane(s) => s.crossings(line),
+            Surface::Quadric(s) => s.crossings(line),
+        }
+    }
+
+    /// A point that says where the surface is: its centre or the foot of the perpendicular from the origin.
+    pub fn anchor(&self) -> Point<D> {
+        match self {
+            Surface::Plane(s) => s.anchor(),
+            Surface::Quadric(s) => s.centre,
+        }
+    }
+
+    /// True if a straight line might lie in the surface.
+    pub fn is_ruled(&self) -> bool {
+        match self {
+            Surface::Plane(_) => true,
+            Surface::Quadric(s) => s.is_ruled(),
+        }
+    }
+
+    /// The image under a map, given with its inverse; inside stays inside, and the identity keeps all bits.
+    pub fn transformed(&self, map: &Affine<D>, inverse: &Affine<D>) -> Surface<D> {
+        match self {
+            _ if *map == Affine::identity() => self.clone(),
+            Surface::Plane(s) => Surface::Plane(s.transformed(map, inverse)),
+            Surface::Quadric(s) => Surface::Quadric(Box::new(s.transformed(map, inverse))),
+        }
+    }
+
+    /// True if no number of the surface is NaN or infinite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Surface::Plane(s) => s.is_finite(),
+            Surface::Quadric(s) => s.is_finite(),
+        }
+    }
+
+    fn degree(&self) -> u8 {
+        match self {
+            Surface::Plane(_) => 1,
+            Surface::Quadric(_) => 2,
+        }
+    }
+
+    /// Half of the most by which the gradient changes over a unit of length: the largest weight of a quadric is 1.
+    fn bend(&self) -> f64 {
+        match self {
+            Surface::Plane(_) => 0.0,
+            Surface::Quadric(_) => 1.0,
+        }
+    }
+
+    /// True if the piece of the line between two times lies in the surface: within `delta`, where `reach` is that
+    /// of the surface plus the lengths of all translations composed on its way.
+    pub(crate) fn hugs(&self, reach: f64, line: &Line<D>, a: f64, b: f64) -> bool {
+        let (from, speed) = (length(&line.origin), length(&line.direction));
+        let near = |t: f64| {
+            let (value, gradient) = self.value_and_gradient(&line.position(t));
+            is_near(value, length(&gradient), delta_of(from + t.abs() * speed + reach), self.bend())
+        };
+        hugs_along(near, (from + reach) / speed, self.degree(), a, b)
+    }
+}
+
+impl<const D: usize> Field<D> for Surface<D> {
+    fn value_and_gradient(&self, point: &Point<D>) -> (f64, Point<D>) {
+        match self {
+            Surface::Plane(s) => s.value_and_gradient(point),
+            Surface::Quadric(s) => s.value_and_gradient(point),
+        }
+    }
+
+    fn ranges(&self, cell: &[Interval; D]) -> (Interval, [Interval; D]) {
+        match self {
+            Surface::Plane(s) => s.ranges(cell),
+            Surface::Quadric(s) => s.ranges(cell),
+        }
+    }
+
+    fn reach(&self) -> f64 {
+        match self {
+            Surface::Plane(s) => s.offset.abs(),
+            Surface::Quadric(s) => s.reach(),
+        }
+    }
+}

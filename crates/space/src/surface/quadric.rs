@@ -1,0 +1,182 @@
+//! A surface of degree 2 with a centre, in its principal axes: `f = sum w_k (e_k . q)^2 + constant` with
+//! q = p - centre, orthonormal e_k where w_k is not 0, and the largest |w_k| = 1.
+//!
+//! The matrix itself is not kept: its entries, rounded, would move the far ends of a thin ellipsoid.
+
+use crate::Point;
+use crate::affine::Affine;
+use crate::curve::Line;
+use crate::point::{along, dot, is_finite, length, minus};
+use crate::vector::{axis_vector, times, unit};
+use rayweave_math::roots::Crossings;
+use rayweave_math::{Interval, UNIT_ROUNDOFF};
+use rayweave_shape::surface::quadratic_crossings;
+use std::array::from_fn;
+
+/// A quadric in principal axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quadric<const D: usize> {
+    /// The point about which the equation is written; of all centres the one nearest the origin.
+    pub centre: Point<D>,
+    /// The principal axes; zero where the weight is.
+    pub axes: [Point<D>; D],
+    /// The factor of the square along each axis.
+    pub weights: Point<D>,
+    /// The value at the centre.
+    pub constant: f64,
+}
+
+impl<const D: usize> Quadric<D> {
+    /// `sum w_k x_k^2 + constant`, about the origin and along the coordinate axes; some weight is not 0.
+    pub fn along_axes(weights: Point<D>, constant: f64) -> Self {
+        let axes = from_fn(|k| if weights[k] == 0.0 { [0.0; D] } else { axis_vector(k) });
+        Quadric { centre: [0.0; D], axes, weights, constant }.normalised()
+    }
+
+    fn normalised(self) -> Self {
+        let largest = crate::vector::largest(&self.weights);
+        Quadric { weights: self.weights.map(|w| w / largest), constant: self.constant / largest, ..self }
+    }
+
+    /// The coordinates of a vector along the principal axes.
+    fn coordinates(&self, v: &Point<D>) -> Point<D> {
+        self.axes.each_ref().map(|e| dot(e, v))
+    }
+
+    /// `sum w_k a_k b_k`.
+    fn product(&self, a: &Point<D>, b: &Point<D>) -> f64 {
+        (0..D).fold(0.0, |sum, k| sum + self.weights[k] * a[k] * b[k])
+    }
+
+    /// At most two roots. The coefficients are formed where the line is closest to the centre, measured along the
+    /// axes that count, so that no digits are lost to a distant origin.
+    pub(super) fn crossings(&self, line: &Line<D>) -> Crossings<2> {
+        let (x, v) =
+            (self.coordinates(&minus(&line.origin, &self.centre)), self.coordinates(&line.direction));
+        let closest = -dot(&x, &v) / dot(&v, &v);
+        let shift = if closest.is_finite() { closest } else { 0.0 };
+        let x = along(&x, shift, &v);
+        quadratic_crossings(shift, |s| {
+            let x = along(&x, s, &v);
+            [self.product(&v, &v), self.product(&x, &v), self.product(&x, &x) + self.constant]
+        })
+    }
+
+    pub(super) fn value_and_gradient(&self, point: &Point<D>) -> (f64, Point<D>) {
+        let x = self.coordinates(&minus(point, &self.centre));
+        let slope = |k: usize| 2.0 * self.weights[k] * x[k];
+        let gradient = (0..D).fold([0.0; D], |sum, k| along(&sum, slope(k), &self.axes[k]));
+        (self.product(&x, &x) + self.constant, gradient)
+    }
+
+    pub(super) fn ranges(&self, cell: &[Interval; D]) -> (Interval, [Interval; D]) {
+        let q: [Interval; D] = from_fn(|j| cell[j] - Interval::point(self.centre[j]));
+        let zero = Interval::point(0.0);
+        let coordinate = |e: &Point<D>| weighted_sum(zero, e.iter().zip(&q).map(|(&a, &x)| (a, x)));
+        let x = self.axes.each_ref().map(coordinate);
+        let squares = (0..D).map(|k| (self.weights[k], x[k].square()));
+        let value = weighted_sum(Interval::point(self.constant), squares);
+        let slope = |j: usize| (0..D).map(move |k| (k, self.axes[k][j]));
+        let gradient = from_fn(|j| {
+            // twice a weight is exact, the product with a component of an axis is not
+            weighted_sum(zero, slope(j).map(|(k, a)| (2.0 * self.weights[k], x[k] * a)))
+        });
+        (value, gradient)
+    }
+
+    /// True unless all weights have the same sign.
+    pub(super) fn is_ruled(&self) -> bool {
+        !(self.weights.iter().all(|&w| w > 0.0) || self.weights.iter().all(|&w| w < 0.0))
+    }
+
+    /// Distance of the centre from the origin plus the shortest half axis (longer ones need not count: an error
+    /// of u in the constant moves the surface by at most u |q| / 2).
+    pub(super) fn reach(&self) -> f64 {
+        length(&self.centre) + self.constant.abs().sqrt()
+    }
+
+    /// The image under any map: `e . q = (L^-T e) . L q`.
+    pub(super) fn transformed(&self, map: &Affine<D>, inverse: &Affine<D>) -> Self {
+        let centre = map.point(&self.centre);
+        if let Some(scale) = map.uniform_scale() {
+            return Quadric { centre, constant: scale * scale * self.constant, ..*self }.at_nearest_centre();
+        }
+        let signs = self.weights.map(|w| if w == 0.0 { 0.0 } else { w.signum() });
+        let row = |k: usize| inverse.covector(&times(self.weights[k].abs().sqrt(), &self.axes[k]));
+        let mut rows = from_fn(row);
+        make_perpendicular(&mut rows, &signs);
+        let weights = from_fn(|k| signs[k] * dot(&rows[k], &rows[k]));
+        let axes = from_fn(|k| if signs[k] == 0.0 { [0.0; D] } else { unit(&rows[k]).0 });
+        Quadric { centre, axes, weights, constant: self.constant }.normalised().at_nearest_centre()
+    }
+
+    /// Where some weight is 0 every point in these directions is a centre; far ones only cost digits.
+    fn at_nearest_centre(self) -> Self {
+        if self.weights.iter().all(|&w| w != 0.0) {
+            return self;
+        }
+        let part = |e: &Point<D>| dot(e, &self.centre);
+        let centre = self.axes.iter().fold([0.0; D], |sum, e| along(&sum, part(e), e));
+        Quadric { centre, ..self }
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        is_finite(&self.centre)
+            && self.axes.iter().all(is_finite)
+            && is_finite(&self.weights)
+            && self.constant.is_finite()
+    }
+}
+
+fn weighted_sum(start: Interval, terms: impl Iterator<Item = (f64, Interval)>) -> Interval {
+    // terms of factor 0 are left out: their interval may be infinite
+    terms.filter(|&(factor, _)| factor != 0.0).fold(start, |sum, (factor, x)| sum + x * factor)
+}
+
+/// One-sided Jacobi rotations, ordinary between rows of equal sign and hyperbolic between rows of opposite
+/// sign, until rows that count are perpendicular; they change no value of f (J. Demmel, K. Veselic, "Jacobi's
+/// method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992), and the hyperbolic form of K.
+/// Veselic, "A Jacobi eigenreduction algorithm for definite matrix pairs", Numer. Math. 64 (1993)).
+fn make_perpendicular<const D: usize>(rows: &mut [Point<D>; D], signs: &Point<D>) {
+    const SWEEPS: usize = 60;
+    for _ in 0..SWEEPS {
+        let mut done = true;
+        for i in 0..D {
+            for j in i + 1..D {
+                done &= !turn_pair(rows, (i, j), signs[i] * signs[j]);
+            }
+        }
+        if done {
+            return;
+        }
+    }
+}
+
+/// Makes two rows perpendicular; false if they are.
+fn turn_pair<const D: usize>(rows: &mut [Point<D>; D], (i, j): (usize, usize), sign: f64) -> bool {
+    let product = dot(&rows[i], &rows[j]);
+    let squares = (dot(&rows[i], &rows[i]), dot(&rows[j], &rows[j]));
+    if sign == 0.0 || product.abs() <= 4.0 * UNIT_ROUNDOFF * (squares.0 * squares.1).sqrt() {
+        return false;
+    }
+    let (c, s) = rotation(squares, product, sign);
+    let (a, b) = (rows[i], rows[j]);
+    rows[i] = along(&times(c, &a), -sign * s, &b);
+    rows[j] = along(&times(s, &a), c, &b);
+    true
+}
+
+/// Cosine and sine (sign > 0), or hyperbolic cosine and sine (sign < 0), of the rotation
+/// `(c a - sign s b, s a + c b)` that makes two rows perpendicular.
+fn rotation((aa, bb): (f64, f64), ab: f64, sign: f64) -> (f64, f64) {
+    if sign > 0.0 {
+        let cot = (bb - aa) / (2.0 * ab);
+        let tan = 1f64.copysign(cot) / (cot.abs() + (1.0 + cot * cot).sqrt());
+        let c = 1.0 / (1.0 + tan * tan).sqrt();
+        return (c, tan * c);
+    }
+    let ratio = 2.0 * ab / (aa + bb);
+    let tanh = -ratio / (1.0 + (1.0 - ratio * ratio).max(0.0).sqrt());
+    let c = 1.0 / (1.0 - tanh * tanh).sqrt();
+    (c, tanh * c)
+}

@@ -1,0 +1,298 @@
+//! Root-rays of solids in R^d.
+
+use crate::curve::Line;
+use crate::error::{SpaceError, check};
+use crate::isolate::{hugs, isolate};
+use crate::point::{dot, length, minus};
+use crate::program::{FaceEntry, Program};
+use crate::vector::{largest, times};
+use crate::{Curve, Field, Point, Solid};
+use rayweave_model::gate::{Network, NetworkState};
+use rayweave_model::weld::{Change, Flips, Trajectory, Weld};
+use rayweave_model::{Crossing, Event, LeafId, PlacementId, RegionId, State, SurfaceId};
+use rayweave_rootray::{Root, RootRay, Side};
+use std::sync::{Arc, LazyLock};
+
+/// What is crossed at a root: the face of a leaf, with its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face<const D: usize> {
+    /// The leaf, numbered in the order of declaration: see [`Program::leaf_name`].
+    pub leaf: u32,
+    /// The face of the leaf, numbered from 0: of a slab that at `lo`, then that at `hi`; of a box those of its slabs.
+    pub face: u32,
+    /// Where the trajectory crosses it.
+    pub point: Point<D>,
+    /// The unit normal, outward of the solid that was traced: against the trajectory where it enters.
+    pub normal: Point<D>,
+}
+
+/// The root-ray of the line through two points, with t = 0 at p and t = 1 at q, over all t.
+///
+/// To trace many lines through one solid, [`Tracer`] saves the memory for each.
+///
+/// # Errors
+/// `SamePoint` if p and q are equal; `NotFinite` or `Extreme` for a bad coordinate; and those of
+/// [`Solid::compile`].
+pub fn trace<const D: usize>(
+    p: Point<D>,
+    q: Point<D>,
+    solid: &Solid<D>,
+) -> Result<RootRay<Face<D>>, SpaceError> {
+    Tracer::new(solid)?.trace(p, q)
+}
+
+/// The root-ray of a curve strictly between two times: see [`Tracer::trace_curve`].
+///
+/// # Errors
+/// Those of [`Tracer::trace_curve`], and those of [`Solid::compile`].
+pub fn trace_along<const D: usize>(
+    curve: &impl Curve<D>,
+    t0: f64,
+    t1: f64,
+    solid: &Solid<D>,
+) -> Result<RootRay<Face<D>>, SpaceError> {
+    Tracer::new(solid)?.trace_curve(curve, t0, t1)
+}
+
+/// Traces lines and curves through one solid, with memory that is used again; one per thread.
+#[derive(Clone, Debug)]
+pub struct Tracer<const D: usize> {
+    program: Arc<Program<D>>,
+    sweep: Sweep,
+}
+
+impl<const D: usize> Tracer<D> {
+    /// For one solid.
+    ///
+    /// # Errors
+    /// Those of [`Solid::compile`].
+    pub fn new(solid: &Solid<D>) -> Result<Self, SpaceError> {
+        let program = solid.compile()?;
+        let sweep = Sweep { state: program.network.start(), events: Vec::new() };
+        Ok(Tracer { program, sweep })
+    }
+
+    /// The compiled solid.
+    pub fn program(&self) -> &Arc<Program<D>> {
+        &self.program
+    }
+
+    /// See [`trace`].
+    ///
+    /// # Errors
+    /// Those of [`trace`].
+    pub fn trace(&mut self, p: Point<D>, q: Point<D>) -> Result<RootRay<Face<D>>, SpaceError> {
+        let line = line_through(p, q)?;
+        let chord = self.program.chord(&line);
+        let path = OnLine { faces: &self.program.faces, line: &line };
+        self.sweep.begin();
+        for (k, entry) in self.program.faces.iter().enumerate() {
+            let inside = match entry.side_of_line_within(&line, chord) {
+                Some(inside) => inside,
+                None => {
+                    let crossings = entry.surface.crossings(&line);
+                    crossings.times().iter().for_each(|&t| self.sweep.push(t, k));
+                    crossings.starts_negative()
+                }
+            };
+            self.sweep.set(&self.program.network, k, inside);
+        }
+        let (start, crossings) = self.sweep.finish(&self.program, path);
+        self.dress(start, &crossings, &line)
+    }
+
+    /// The root-ray along a curve strictly between two times: the start side is that just after `t0`.
+    ///
+    /// # Errors
+    /// `Curve`: a window that is not finite, not in order or beyond the curve's domain, or a curve that breaks its
+    /// promises, where that is noticed.
+    pub fn trace_curve(
+        &mut self,
+        curve: &impl Curve<D>,
+        t0: f64,
+        t1: f64,
+    ) -> Result<RootRay<Face<D>>, SpaceError> {
+        let flips: Result<Vec<RootRay>, _> =
+            self.program.faces.iter().map(|entry| isolate(entry, curve, t0, t1)).collect();
+        self.sweep.begin();
+        for (k, flips) in flips?.iter().enumerate() {
+            flips.times().for_each(|t| self.sweep.push(t, k));
+            self.sweep.set(&self.program.network, k, flips.start().is_inside());
+        }
+        let path = OnCurve { faces: &self.program.faces, curve };
+        let (start, crossings) = self.sweep.finish(&self.program, path);
+        self.dress(start, &crossings, curve)
+    }
+
+    /// The root-ray with points and normals.
+    fn dress(
+        &self,
+        start: Side,
+        crossings: &[Crossing],
+        curve: &impl Curve<D>,
+    ) -> Result<RootRay<Face<D>>, SpaceError> {
+        let roots = crossings.iter().map(|crossing| Root::new(crossing.t, self.face(crossing, curve)));
+        Ok(RootRay::new(start, roots.collect())?)
+    }
+
+    fn face(&self, crossing: &Crossing, curve: &impl Curve<D>) -> Face<D> {
+        let number = crossing.face.surface.index();
+        let FaceEntry { surface, leaf, .. } = &self.program.faces[number];
+        let point = curve.position(crossing.t);
+        let normal = oriented(
+            &surface.value_and_gradient(&point).1,
+            &curve.velocity(crossing.t),
+            crossing.before == RegionId(0),
+        );
+        let face = number as u32 - self.program.leaves[*leaf as usize].first_face;
+        Face { leaf: *leaf, face, point, normal }
+    }
+}
+
+/// The unit normal along a gradient, against the velocity where it enters, else along it. Where there is no
+/// gradient (the apex of a cone) that of the velocity, so that it is never NaN.
+fn oriented<const D: usize>(gradient: &Point<D>, velocity: &Point<D>, enters: bool) -> Point<D> {
+    let sign = if enters { -1.0 } else { 1.0 };
+    let along = if length(gradient) > 0.0 { gradient } else { velocity };
+    let (normal, _) = crate::vector::unit(along);
+    let slope = dot(&normal, velocity);
+    let flip = if slope < 0.0 { -sign } else { sign };
+    times(flip, &normal)
+}
+
+/// The line through two points, t = 0 at p and t = 1 at q.
+fn line_through<const D: usize>(p: Point<D>, q: Point<D>) -> Result<Line<D>, SpaceError> {
+    check::point("p", &p)?;
+    check::point("q", &q)?;
+    let direction = minus(&q, &p);
+    if largest(&direction) > 0.0 { Ok(Line::new(p, direction)) } else { Err(SpaceError::SamePoint) }
+}
+
+/// A line among the faces of a program.
+struct OnLine<'a, const D: usize> {
+    faces: &'a [FaceEntry<D>],
+    line: &'a Line<D>,
+}
+
+impl<const D: usize> Trajectory for OnLine<'_, D> {
+    fn hugs(&self, _: &rayweave_model::Program, face: rayweave_model::Face, a: f64, b: f64) -> bool {
+        let entry = &self.faces[face.surface.index()];
+        entry.surface.hugs(entry.reach, self.line, a, b)
+    }
+}
+
+/// A curve among the faces of a program.
+struct OnCurve<'a, C, const D: usize> {
+    faces: &'a [FaceEntry<D>],
+    curve: &'a C,
+}
+
+impl<C: Curve<D>, const D: usize> Trajectory for OnCurve<'_, C, D> {
+    fn hugs(&self, _: &rayweave_model::Program, face: rayweave_model::Face, a: f64, b: f64) -> bool {
+        // a curve that fails here has failed in isolation already
+        hugs(&self.faces[face.surface.index()], self.curve, a, b).unwrap_or(false)
+    }
+}
+
+/// The sweep through the flips of all faces along one trajectory: the network follows them, the weld of all
+/// evaluators joins what only rounding keeps apart.
+#[derive(Clone, Debug)]
+struct Sweep {
+    /// All outside between two sweeps.
+    state: NetworkState,
+    events: Vec<Event>,
+}
+
+/// A solid is one region of one medium to the weld. (Media are all that it asks a model of space for.)
+static ONE_MEDIUM: LazyLock<rayweave_model::Program> = LazyLock::new(|| {
+    rayweave_model::Program::compile(&rayweave_model::Solid::vacuum()).expect("vacuum compiles")
+});
+
+impl Sweep {
+    fn begin(&mut self) {
+        self.events.clear();
+    }
+
+    /// Face number `face` flips at `t`.
+    fn push(&mut self, t: f64, face: usize) {
+        let named = rayweave_model::Face {
+            leaf: LeafId::from(face),
+            facet: 0,
+            surface: SurfaceId::from(face),
+            placement: PlacementId(0),
+        };
+        self.events.push(Event { t, leaf: face as u32, face: named });
+    }
+
+    /// Sets the side of a face at the start.
+    fn set(&mut self, network: &Network, face: usize, inside: bool) {
+        if inside {
+            network.flip(&mut self.state, face as u32);
+        }
+    }
+
+    /// The side at the start and the crossings that are left of all flips.
+    fn finish<const D: usize>(
+        &mut self,
+        program: &Program<D>,
+        path: impl Trajectory,
+    ) -> (Side, Vec<Crossing>) {
+        let Sweep { state, events } = self;
+        events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+        let mut flips = Following { network: &program.network, state };
+        let mut weld = Weld::new(&ONE_MEDIUM, path, events);
+        let mut crossings = Vec::new();
+        let mut now = flips.now();
+        let start = if now.region == RegionId(0) { Side::Outside } else { Side::Inside };
+        let mut first = 0;
+        while first < events.len() {
+            let t = events[first].t;
+            let end = first + events[first..].iter().take_while(|event| event.t == t).count();
+            events[first..end].iter().for_each(|event| flips.flip(event.leaf));
+            let before = std::mem::replace(&mut now, flips.now());
+            if before.region != now.region {
+                crossings.extend(weld.change(Change { t, first, end, before, after: now }, &mut flips));
+            }
+            first = end;
+        }
+        crossings.extend(weld.finish(events.len(), &mut flips));
+        flips.reset(program.faces.len());
+        (start, crossings)
+    }
+}
+
+/// A network with its state, as the weld flips it.
+struct Following<'a> {
+    network: &'a Network,
+    state: &'a mut NetworkState,
+}
+
+impl Following<'_> {
+    fn now(&self) -> State {
+        let winner = self.state.winner();
+        State { region: RegionId(winner), medium: winner }
+    }
+
+    /// Puts every leaf outside.
+    fn reset(&mut self, leaves: usize) {
+        for leaf in 0..leaves as u32 {
+            if self.state.leaf(leaf) {
+                self.network.flip(self.state, leaf);
+            }
+        }
+    }
+}
+
+impl Flips for Following<'_> {
+    fn flip(&mut self, leaf: u32) {
+        self.network.flip(self.state, leaf);
+    }
+
+    fn winner(&mut self) -> u32 {
+        self.state.winner()
+    }
+
+    fn output(&mut self, k: u32) -> bool {
+        self.state.output(k)
+    }
+}
