@@ -6,12 +6,12 @@
 //! `|r(t) - r(m) - v(m) (t - m)| <= A h^2 / 2` and `|r'(t) - v(m)| <= A h`, with A its acceleration bound on the piece. So it
 //! stays in a box, over which the field gives bounds of f and grad f, and
 //!
-//! 1. if the bounds of f, or those of the mean value theorem `g(m) + g'(piece) [-h, h]`, leave out 0, the piece has no
+//! 1. if the curve *hugs* the surface over the piece, that is, keeps within `delta = 64 u (size of r + reach)` of it, no sign
+//!    there means anything, and the piece is joined with its neighbours of the same kind;
+//! 2. if the bounds of f, or those of the mean value theorem `g(m) + g'(piece) [-h, h]`, leave out 0, the piece has no
 //!    crossing: the width of the second kind of bounds falls with the square of h;
-//! 2. if the bounds of g' leave out 0, the piece has one crossing if the signs at its ends differ, else none; it is found
+//! 3. if the bounds of g' leave out 0, the piece has one crossing if the signs at its ends differ, else none; it is found
 //!    by Newton's steps safeguarded by bisection, to the last bit that the rounding of values allows;
-//! 3. if the curve *hugs* the surface over the piece, that is, keeps within `delta = 64 u (size of r + reach)` of it,
-//!    no sign there means anything, and the piece is joined with its neighbours of the same kind;
 //! 4. if the curve runs *beside* the surface, so near that bounds do not part the two, the piece has no crossing;
 //! 5. else it is halved.
 //!

@@ -142,6 +142,10 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Path<'a, D,
         let h = (piece.b.t - t).max(t - piece.a.t).next_up();
         let noise = ROUNDING * m.size.max(piece.a.size).max(piece.b.size);
         let stray = 0.5 * bound * h * h;
+        // before any bounds: that a curve in a surface crosses it, for sure but within rounding, means nothing
+        if stray <= STRAY * m.size && self.all(piece, &m, |s| self.near(s, h))? {
+            return Ok(Verdict::Hugging);
+        }
         let cell: [Interval; D] =
             std::array::from_fn(|k| Interval::around(m.position[k], m.velocity[k].abs() * h + stray + noise));
         let (value, gradient) = self.field.ranges(&cell);
@@ -155,9 +159,6 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Path<'a, D,
         let value = Interval::point(m.value) + slope * Interval { lo: -h, hi: h };
         if !value.contains_zero() {
             return Ok(Verdict::Clear { inside: value.hi < 0.0 });
-        }
-        if stray <= STRAY * m.size && self.all(piece, &m, |s| self.near(s, h))? {
-            return Ok(Verdict::Hugging);
         }
         let inside = m.inside();
         let beside = |s: &Sample<D>| s.inside() == inside && self.beside(s, h);
