@@ -1,6 +1,6 @@
 //! The command line: its sub-commands and what they share.
 
-use crate::command::{Completions, Info, Man, Probe, Render, Schema, Shapes, Trace};
+use crate::command::{Completions, Infill, Info, Man, Probe, Render, Schema, Shapes, Trace};
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
 use rayweave::scene::{Scene, load};
@@ -48,6 +48,7 @@ pub enum Command {
     Render(Render),
     Probe(Probe),
     Trace(Trace),
+    Infill(Infill),
     Info(Info),
     Shapes(Shapes),
     Schema(Schema),

@@ -38,7 +38,11 @@ impl Failure {
     fn code(&self) -> u8 {
         match self {
             Failure::Library(error) => match error.kind() {
-                ErrorKind::ModelFile | ErrorKind::Compile | ErrorKind::Shape | ErrorKind::Input => 3,
+                ErrorKind::ModelFile
+                | ErrorKind::Compile
+                | ErrorKind::Shape
+                | ErrorKind::Solid
+                | ErrorKind::Input => 3,
                 ErrorKind::Name | ErrorKind::Value | ErrorKind::Format => 2,
                 ErrorKind::Cancelled => 130,
                 _ => 1,

@@ -1,11 +1,14 @@
 //! The one error of the library.
 
+use crate::files::ContourProblems;
+use rayweave_analysis::infill::InfillError;
 use rayweave_model::{BadRay, CompileError, WindowError};
 use rayweave_render::{CameraError, RenderError, TimelineError};
 use rayweave_rootray::RootRayError;
 use rayweave_scene::Diagnostics;
 use rayweave_shape::RayError;
 use rayweave_shape::primitive::ShapeError;
+use rayweave_space::polygon::{LineError, PolygonError};
 use rayweave_table::TableError;
 use rayweave_trace::single_hit::TooLarge;
 use std::fmt;
@@ -34,6 +37,8 @@ pub enum ErrorKind {
     Format,
     /// A value is out of range: a ray without direction, an empty window of time, a root that is NaN, a picture without pixels.
     Value,
+    /// A solid cannot be asked this, because it is empty or unbounded.
+    Solid,
     /// A name that nothing has.
     Name,
     /// Somebody asked the run to stop.
@@ -54,6 +59,10 @@ enum Cause {
     Camera(CameraError),
     Render(RenderError),
     Timeline(TimelineError),
+    Infill(InfillError),
+    Polygon(PolygonError),
+    Line(LineError),
+    Contours(ContourProblems),
     Name(String),
     Cancelled,
 }
@@ -68,16 +77,24 @@ impl Error {
             Cause::Input(TableError::Format { .. }) | Cause::Output(TableError::Format { .. }) => {
                 ErrorKind::Format
             }
-            Cause::Input(_) => ErrorKind::Input,
+            Cause::Input(_) | Cause::Contours(_) => ErrorKind::Input,
             Cause::Output(_) => ErrorKind::Output,
-            Cause::Render(RenderError::Cancelled) | Cause::Cancelled => ErrorKind::Cancelled,
+            Cause::Render(RenderError::Cancelled)
+            | Cause::Infill(InfillError::Cancelled)
+            | Cause::Cancelled => ErrorKind::Cancelled,
+            Cause::Infill(
+                InfillError::Empty { .. } | InfillError::Unbounded { .. } | InfillError::TooFar { .. },
+            ) => ErrorKind::Solid,
             Cause::Window(_)
             | Cause::Ray(_)
             | Cause::Rays(_)
             | Cause::RootRay(_)
             | Cause::Camera(_)
             | Cause::Render(_)
-            | Cause::Timeline(_) => ErrorKind::Value,
+            | Cause::Timeline(_)
+            | Cause::Infill(_)
+            | Cause::Polygon(_)
+            | Cause::Line(_) => ErrorKind::Value,
             Cause::Name(_) => ErrorKind::Name,
         }
     }
@@ -115,6 +132,11 @@ impl Error {
     /// True if a value is out of range.
     pub fn is_value(&self) -> bool {
         self.kind() == ErrorKind::Value
+    }
+
+    /// True if a solid cannot be asked this, because it is empty or unbounded.
+    pub fn is_solid(&self) -> bool {
+        self.kind() == ErrorKind::Solid
     }
 
     /// True if a name is unknown.
@@ -158,6 +180,11 @@ impl Error {
         Error(Box::new(Cause::Output(error)))
     }
 
+    /// A file of contours is at fault.
+    pub(crate) fn contours(problems: ContourProblems) -> Error {
+        Error(Box::new(Cause::Contours(problems)))
+    }
+
     /// There is no `what` of this name; the one that was probably meant is suggested.
     pub(crate) fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Error {
         let names: Vec<&str> = known.clone().collect();
@@ -196,6 +223,10 @@ impl fmt::Display for Error {
             Cause::Camera(error) => error.fmt(f),
             Cause::Render(error) => error.fmt(f),
             Cause::Timeline(error) => error.fmt(f),
+            Cause::Infill(error) => error.fmt(f),
+            Cause::Polygon(error) => error.fmt(f),
+            Cause::Line(error) => error.fmt(f),
+            Cause::Contours(problems) => problems.fmt(f),
             Cause::Name(text) => f.write_str(text),
             Cause::Cancelled => f.write_str("cancelled"),
         }
@@ -241,6 +272,9 @@ from! {
     CameraError => Camera,
     RenderError => Render,
     TimelineError => Timeline,
+    InfillError => Infill,
+    PolygonError => Polygon,
+    LineError => Line,
 }
 
 /// Problems with files of rays are those of an input, all others those of an output.

@@ -140,6 +140,10 @@
 //!
 //! [`files::trace_rays`] streams rays from CSV or NPY into a table of hits, on all cores and in constant memory.
 //!
+//! # Traces of a tool
+//!
+//! [`infill`] fills a region of the plane ([`polygon`]), or the layers of a solid, with parallel traces.
+//!
 //! # The algebra alone
 //!
 //! [`rootray`] knows no geometry: it combines the times at which a trajectory changes sides, for one ray or for arrays of
@@ -166,6 +170,7 @@ mod explain;
 mod timeline;
 
 pub mod files;
+pub mod infill;
 pub mod picture;
 pub mod shapes;
 
@@ -175,6 +180,8 @@ pub use rayweave_render as render;
 pub use rayweave_rootray as rootray;
 pub use rayweave_scene as scene;
 pub use rayweave_shape as shape;
+pub use rayweave_space as space;
+pub use rayweave_space::polygon;
 pub use rayweave_table as table;
 pub use rayweave_trace as trace;
 

@@ -1,6 +1,7 @@
 //! The sub-commands, one file each.
 
 mod completions;
+mod infill;
 mod info;
 mod man;
 mod probe;
@@ -11,6 +12,7 @@ mod trace;
 mod tree;
 
 pub use completions::Completions;
+pub use infill::Infill;
 pub use info::Info;
 pub use man::Man;
 pub use probe::Probe;
@@ -28,6 +30,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Render(render) => render.run(cli),
         Command::Probe(probe) => probe.run(),
         Command::Trace(trace) => trace.run(cli),
+        Command::Infill(infill) => infill.run(cli),
         Command::Info(info) => info.run(),
         Command::Shapes(shapes) => shapes.run(),
         Command::Schema(schema) => schema.run(),

@@ -2,6 +2,7 @@
 
 mod bench;
 
+mod infill;
 mod info;
 mod interrupt;
 mod memory;

@@ -1,7 +1,9 @@
 //! Files of rays in, tables of hits out, with memory that does not grow with the number of rays.
 
+mod contours;
 mod hits;
 
+pub use contours::{ContourProblems, read_region};
 pub use hits::HitTable;
 
 use crate::{Compiled, Error};
