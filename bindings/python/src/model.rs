@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 use rayweave::Compiled;
+use rayweave::model::simplify::Preparation;
 use rayweave::scene::{Diagnostics, Document, Scene, load, parse_with};
 
 use crate::engine::{Engine, How};
@@ -260,6 +261,15 @@ impl PyModel {
         t_max: f64,
     ) -> PyResult<PyExplanation> {
         explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
+    }
+
+    /// What is done to the tree of the model before it is asked, pass by pass, and which parts are never asked, and why: the text
+    /// of `rayweave info --explain`, with at most `lines` parts for each solid.
+    #[pyo3(signature = (*, lines = 200))]
+    fn preparation(&self, py: Python<'_>, lines: usize) -> PyResult<String> {
+        let regions = self.scene.model_regions();
+        let preparations = py.detach(|| Preparation::of_regions(&regions)).map_err(bad_value)?;
+        Ok(preparations.iter().map(|p| p.text(lines)).collect::<Vec<_>>().join("\n"))
     }
 
     /// A box that holds all regions: float64 (2, 3), the least and the greatest coordinates.

@@ -176,3 +176,22 @@ def test_models_of_the_repository(path, tmp_path):
 
 def test_there_are_models():
     assert len(MODELS) >= 10
+
+
+def test_the_preparation_is_told():
+    toml = """
+rayweave = 1
+[solid.plate]
+box = { size = [4, 4, 1] }
+[solid.hole]
+cylinder = { radius = 1, height = 2 }
+transform = [{ translate = [9, 0, 0] }]
+[solid.pin]
+cylinder = { radius = 1, height = 2 }
+[solid.part]
+expr = "plate - (hole | pin)"
+"""
+    text = rw.loads(toml).preparation()
+    assert "as written  plate - (hole | pin)\nas kept     plate & ~pin\n" in text
+    assert "  hole: it lies outside plate (A - B with disjoint bounds)\n" in text
+    assert "... and 1 more" in rw.loads(toml).preparation(lines=0)
