@@ -1,12 +1,22 @@
 //! A region as an ordinary solid: of the plane, or of space as a prism.
 
 use super::{HalfPlane, Operator, Polygons};
+use crate::SpaceError;
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_rootray::Side;
 use rayweave_shape::primitive::{BoxFromCorners, HalfSpace, Primitive, ShapeError, Slab};
 
 impl Polygons {
+    /// The region as a solid of the plane, for boolean operators, maps and curves: see [`crate::Solid::over_polygons`].
+    ///
+    /// # Errors
+    ///
+    /// None: corners are within the range of lengths that solids allow, and the plane has two dimensions.
+    pub fn to_solid(&self) -> Result<crate::Solid<2>, SpaceError> {
+        crate::Solid::over_polygons(self)
+    }
+
     /// The prism over the region, `lo < z < hi`, as a solid of space: one half-space for each edge, and a box.
     ///
     /// Half-spaces are called after the contour and the vertex where their edge begins, `contour0.edge3`. The box is

@@ -1,7 +1,7 @@
 //! The two ways of asking a region, against each other and against exact arithmetic on lattice points.
 
 use super::{HalfPlane, Operator, PolygonError, Polygons, from_polygons};
-use crate::{Point, lie_direction};
+use crate::{Point, Tracer, lie_direction};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng, seq::SliceRandom};
 use rayweave_model::{Evaluator, Program, Query};
 use rayweave_rootray::Side;
@@ -309,6 +309,28 @@ fn formulas_agree_with_points_in_whole_numbers() {
 
 fn height(half_plane: &HalfPlane, p: Point<2>) -> f64 {
     half_plane.normal[0] * p[0] + half_plane.normal[1] * p[1] - half_plane.offset
+}
+
+#[test]
+fn solids_of_the_plane_agree_with_lines() {
+    let mut rng = ChaCha8Rng::seed_from_u64(16);
+    let mut crossings = 0;
+    for (contours, outside) in regions(&mut rng) {
+        let region = region(&contours, outside).unwrap();
+        let mut tracer = Tracer::new(&region.to_solid().unwrap()).unwrap();
+        for (p, q) in lines(&mut rng, &contours) {
+            let (p, q) = (p.map(|x| x as f64), q.map(|x| x as f64));
+            let traced = region.trace(p, [q[0] - p[0], q[1] - p[1]]).unwrap();
+            let solid = tracer.trace(p, q).unwrap();
+            let near = |(a, b): (f64, f64)| (a - b).abs() <= 1e-10 * (1.0 + b.abs());
+            let agree = traced.start() == solid.start()
+                && traced.roots().len() == solid.roots().len()
+                && traced.times().zip(solid.times()).all(near);
+            assert!(agree, "{contours:?} {outside} {p:?} {q:?} {traced} {solid}");
+            crossings += traced.roots().len();
+        }
+    }
+    assert!(crossings > 5000, "{crossings}");
 }
 
 #[test]
