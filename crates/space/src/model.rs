@@ -42,6 +42,23 @@ pub struct CurveTrace {
 
 /// The crossings of a model by a curve strictly between `t0` and `t1`.
 ///
+/// ```
+/// use rayweave_model::{Program, RegionId, Solid};
+/// use rayweave_shape::primitive::{Value, build};
+/// use rayweave_space::curve::Helix;
+/// use rayweave_space::{curve_point, trace_curve};
+///
+/// let ball = Solid::from(build("sphere", &[("radius", Value::Number(2.0))])?);
+/// let program = Program::compile(&ball)?;
+/// // a particle of gyro frequency 1 that starts in the middle, with a gyro radius of 1
+/// let path = Helix::new([0.0; 3], [0.0, 1.0, 0.5], [0.0, 0.0, 1.0], 1.0)?;
+/// let found = trace_curve(&program, &path, 0.0, 20.0)?;
+/// assert_eq!((found.start, found.crossings.len()), (RegionId(1), 1));
+/// let at = curve_point(&path, &found.crossings[0]);
+/// assert!((at.iter().map(|x| x * x).sum::<f64>() - 4.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// A window that is not finite, not in order or beyond the curve's domain; a curve that breaks its promises, where that
 /// is noticed (see [`CurveError`]).

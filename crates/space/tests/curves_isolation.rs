@@ -276,6 +276,33 @@ fn curves_in_surfaces() {
     }
 }
 
+/// In the plane and in space-time as in space.
+#[test]
+fn circles_of_other_dimensions() {
+    let at = |inside: bool, want: &[f64], got: RootRay| {
+        assert_eq!(got.start().is_inside(), inside, "{got}");
+        assert_eq!(got.roots().len(), want.len(), "{got}");
+        assert!(times(&got).iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-14), "{got}");
+    };
+    let flat = Arc::new([0.5, 0.0], [[1.0, 0.0], [0.0, 1.0]], 2.0).unwrap();
+    // unit circles half a unit apart meet where cos 2t = -1/4
+    let half = 0.5 * libm::acos(-0.25);
+    at(
+        false,
+        &[half, PI - half],
+        isolate(&Ball { centre: [0.0, 0.0], radius: 1.0 }, &flat, 0.0, PI).unwrap(),
+    );
+    // the circle itself: in the middle of the window the gradient points along -x, and w along +x
+    at(true, &[], isolate(&Ball { centre: [0.5, 0.0], radius: 1.0 }, &flat, 0.0, PI).unwrap());
+    let a = [0.5, 0.5, 0.5, 0.5];
+    let great = Arc::new([0.0; 4], [a, [0.5, -0.5, 0.5, -0.5]], 1.0).unwrap();
+    at(false, &[], isolate(&Ball { centre: [0.0; 4], radius: 1.0 }, &great, -1.0, 1.0).unwrap());
+    // |a cos t + b sin t - a / 2|^2 = 5/4 - cos t < 1
+    let beside = Ball { centre: a.map(|x| 0.5 * x), radius: 1.0 };
+    let half = libm::acos(0.25);
+    at(false, &[-half, half], isolate(&beside, &great, -3.0, 3.0).unwrap());
+}
+
 /// Touching is no crossing, from either side.
 #[test]
 fn tangent_curves() {

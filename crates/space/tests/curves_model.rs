@@ -276,7 +276,7 @@ fn check_by_sampling(
             next += 1;
         }
         let near = |k: usize| got.crossings.get(k).is_some_and(|crossing| (crossing.t - t).abs() < 1e-9);
-        if !near(next) && !(next > 0 && near(next - 1)) {
+        if !(near(next) || next > 0 && near(next - 1)) {
             assert_eq!(program.medium_of(region), medium, "{what} at {t}: {got:?}");
         }
     }

@@ -75,8 +75,8 @@ pub enum CurveError {
     },
     /// Isolation gave up.
     #[error(
-        "the curve from t = {t0} to t = {t1} (its acceleration bound is so large that {pieces} pieces did not \
-         suffice) is the bound far above the true acceleration?"
+        "the curve from t = {t0} to t = {t1} (more than {pieces} pieces of it had to be looked at) is its acceleration \
+         bound far too large, or the window too long for a curve that keeps close to a surface?"
     )]
     TooMuchWork {
         /// The first time of the window.

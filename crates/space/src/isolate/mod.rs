@@ -32,11 +32,11 @@
 //! nine points of a piece, all of which say that it hugs, or, within 2^-30, runs beside it. *Not guaranteed*: what happens
 //! within delta, where two crossings and none cannot be told apart.
 //!
-//! *Cost*: a transversal crossing costs the few pieces down to the size at which the curve is straight against the surface,
-//! and about five evaluations of the curve; a tangency some twenty halvings, of one or two pieces each; a curve that lies in
-//! the surface 2^9 pieces per unit of `t sqrt(A / size)`, and one that runs beside it at a small distance d up to
-//! `sqrt(size / d)` of them, 2^14 at most. A curve of many turns costs so much per turn. No more than [`MOST_PIECES`] pieces
-//! are examined, and none is halved more than [`MOST_HALVINGS`] times.
+//! *Cost*: a transversal crossing costs about ten evaluations of the curve in all, the pieces down to the size at which the
+//! curve is straight against the surface and the steps to the root; a tangency some twenty halvings, of one or two pieces
+//! each; a curve that lies in the surface 2^9 pieces per unit of `t sqrt(A / size)`, with nine evaluations each; and one that
+//! runs beside it at a small distance d up to `sqrt(size / d)` of them, 2^14 at most. A curve of many turns costs so much
+//! per turn. No more than [`MOST_PIECES`] pieces are examined, and none is halved more than [`MOST_HALVINGS`] times.
 
 mod path;
 mod walk;
@@ -56,6 +56,19 @@ pub const MOST_HALVINGS: u32 = 128;
 
 /// The sign changes of a field along a curve, strictly between `t0` and `t1`; the start side is that just after `t0`,
 /// inside where the field is negative.
+///
+/// ```
+/// use rayweave_shape::surface::Surface;
+/// use rayweave_space::curve::Parabola;
+/// use rayweave_space::isolate;
+///
+/// // thrown upwards at 4 from the ground, with a gravity of 2
+/// let throw = Parabola::new([0.0, 0.0, 0.0], [1.0, 0.0, 4.0], [0.0, 0.0, -2.0]);
+/// let ground = Surface::plane([0.0, 0.0, 1.0].into(), 0.0);
+/// let roots = isolate(&ground, &throw, -1.0, 5.0)?;
+/// assert_eq!(roots.to_string(), "inside [0, 4]");
+/// # Ok::<(), rayweave_space::CurveError>(())
+/// ```
 ///
 /// # Errors
 /// A window that is not finite, not in order or beyond the curve's domain; a curve that breaks its promises, where that
