@@ -1,6 +1,7 @@
 //! Rays that leave a surface where they met it, a thousand times over: nothing is hit twice, nothing leaks.
 
-use crate::models::{compiled, motion, shape};
+use crate::models::{block, compiled, motion, shape};
+use crate::oracle::{Oracle, Probe, Side};
 use crate::rays::batch;
 use crate::{Effort, Random, Tally, list};
 use rayweave_math::{Affine, Vec3};
@@ -10,30 +11,38 @@ use rayweave_model::{
     Start, StartLists, dress,
 };
 use rayweave_shape::Ray;
+use rayweave_shape::primitive::Primitive;
 use rayweave_shape::surface::delta;
 use std::sync::Arc;
 
-/// Inside mirrors of sizes from 1e-8 to 1e8 (a box, a ball, a rod, a ring, each also placed as an instance): every
-/// bounce meets the wall from inside, at a place that is on it, and the box is seen as unfolded space.
+/// Inside mirrors of sizes from 1e-8 to 1e8: each of the shapes, boxes with rays into edges and corners, solids of
+/// parts that touch; each also placed as an instance. Every bounce meets the wall from inside, at a place that is on
+/// it, and no face between parts is seen.
 pub fn in_mirrors<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("bounces in mirrors");
-    for seed in 0..effort.of(120, 12_000) {
+    let rounds = effort.of(5, 500);
+    for seed in 0..rounds * KINDS {
         let mut rng = Random::new(12_000_000 + seed);
         let size = libm::pow(10.0, rng.between(-8.0, 8.0));
         let frame = Affine::scale(Vec3::splat(size)).then(&motion(&mut rng).scaled_translation(size));
-        let solid = mirror(&mut rng, seed);
+        let (solid, start) = mirror(&mut rng, seed % KINDS);
         let solid = match rng.chance(0.3) {
             // a second copy, far away
-            true => solid.place([frame, frame.then(&Affine::translate(Vec3::splat(30.0 * size)))]),
+            true => solid.place([frame, frame.then(&Affine::translate(Vec3::splat(300.0 * size)))]),
             false => solid.apply(frame),
         };
         let program = compiled(Program::compile(&solid));
-        let start = first_ray(&mut rng, seed).transformed(&frame);
         let walk = Walk { program: &program, evaluator: make(program.clone()), seed, size };
-        walk.run(start, 1000, &mut tally);
+        walk.run(start.transformed(&frame), 1000, &mut tally);
     }
-    tally.finish(effort.of(100_000, 10_000_000));
+    tally.finish(900 * rounds * KINDS);
 }
+
+/// The number of kinds of mirrors: arrangements and shapes.
+const KINDS: u64 = ARRANGED + 15;
+
+/// The number of arrangements among them.
+const ARRANGED: u64 = 10;
 
 trait ScaledTranslation {
     fn scaled_translation(self, by: f64) -> Self;
@@ -46,28 +55,74 @@ impl ScaledTranslation for Affine {
     }
 }
 
-fn mirror(rng: &mut Random, seed: u64) -> Solid {
-    match seed % 5 {
-        0 | 1 => shape("box", &[("size", 2.0)]).scale([1.0, rng.between(0.1, 3.0), 1.0]),
-        2 => shape("sphere", &[("radius", 1.0)]),
-        3 => shape("cylinder", &[("radius", 1.0), ("height", 1.5)]),
-        _ => shape("torus", &[("major", 1.0), ("minor", 0.4)]),
+/// A mirror from inside, and a ray in it.
+fn mirror(rng: &mut Random, kind: u64) -> (Solid, Ray) {
+    let ball = shape("sphere", &[("radius", 1.0)]);
+    let rod = shape("cylinder", &[("radius", 1.0), ("height", 1.5)]);
+    match kind {
+        0..4 => {
+            let half = Vec3::new(1.0, rng.between(0.1, 3.0), 1.0);
+            (block(-half, half), into_the_corner(rng, kind, half))
+        }
+        4 => (ball, ray_from(rng, Vec3::ZERO)),
+        5 => (rod, ray_from(rng, Vec3::ZERO)),
+        6 => (shape("torus", &[("major", 1.0), ("minor", 0.4)]), ray_from(rng, Vec3::X)),
+        // parts that touch: boxes in a row, sectors of a rod, a pin in its hole
+        7 => {
+            let half = Vec3::new(0.5, 1.0, 1.0);
+            let cells = [-1.0, 0.0, 1.0].map(|x| block(Vec3::X * x - half, Vec3::X * x + half));
+            (Solid::union(cells), into_the_corner(rng, 1, Vec3::new(1.5, 1.0, 1.0)))
+        }
+        8 => {
+            let sector = |start: f64| shape("wedge", &[("start_degrees", start), ("sweep_degrees", 120.0)]);
+            (
+                Solid::union([10.0, 130.0, 250.0].map(|start| sector(start) & &rod)),
+                ray_from(rng, Vec3::new(0.3, 0.2, 0.1)),
+            )
+        }
+        9 => {
+            let pin = shape("cylinder", &[("radius", 0.5), ("height", 2.0)]);
+            let cube = block(Vec3::splat(-1.0), Vec3::ONE);
+            ((cube - &pin) | pin, into_the_corner(rng, 1, Vec3::ONE))
+        }
+        _ => example(rng, (kind - ARRANGED) as usize),
     }
 }
 
-/// From inside; into edges and corners, along walls, anywhere.
-fn first_ray(rng: &mut Random, seed: u64) -> Ray {
-    if seed % 5 == 4 {
-        return Ray::new(Vec3::new(1.0, 0.0, 0.0), rng.direction());
-    }
-    let origin = if rng.chance(0.3) { Vec3::ZERO } else { 0.09 * rng.point(1.0) };
-    let direction = match rng.below(5) {
-        0 => Vec3::new(1.0, 1.0, 0.0),
-        1 => Vec3::new(1.0, rng.magnitude(-15.0, -3.0), rng.magnitude(-15.0, -3.0)),
-        2 => Vec3::ONE + rng.magnitude(-17.0, -12.0) * rng.direction(),
+/// The example of a shape, within a box if it is unbounded, and a ray from a point in it.
+fn example(rng: &mut Random, kind: usize) -> (Solid, Ray) {
+    let solid = Solid::from(Primitive::examples().swap_remove(kind));
+    let bounds = compiled(Program::compile(&solid)).bounds();
+    let sizes = [bounds.lo.to_array(), bounds.hi.to_array()].concat().into_iter().map(f64::abs);
+    let half = Vec3::splat(1.25 * sizes.filter(|x| x.is_finite()).fold(1.0, f64::max));
+    let solid = if bounds.is_finite() { solid } else { solid & block(-half, half) };
+    let inside = Oracle::new(&solid);
+    let drawn = std::iter::repeat_with(|| rng.point(half.x));
+    let point = drawn.take(100_000).find(|&point| inside.side(Probe { point, origin: 0.0 }) == Side::Inside);
+    let point = point.unwrap_or_else(|| panic!("no point is inside {solid:?}"));
+    (solid, Ray::new(point, rng.direction()))
+}
+
+/// From about a point: in any direction, or along an axis but for rounding.
+fn ray_from(rng: &mut Random, point: Vec3) -> Ray {
+    let origin = if rng.chance(0.3) { point } else { point + 0.09 * rng.point(1.0) };
+    let direction = match rng.below(3) {
+        0 => Vec3::new(1.0, rng.magnitude(-15.0, -3.0), rng.magnitude(-15.0, -3.0)),
         _ => rng.direction(),
     };
     Ray::new(origin, direction)
+}
+
+/// From the middle of a box into an edge or a corner, exactly or nearly; or along its walls; or anywhere.
+fn into_the_corner(rng: &mut Random, kind: u64, half: Vec3) -> Ray {
+    let signs = Vec3::new(rng.pick(&[1.0, -1.0]), rng.pick(&[1.0, -1.0]), rng.pick(&[1.0, -1.0]));
+    let corner = half * signs;
+    match kind {
+        0 => Ray::new(Vec3::ZERO, Vec3::new(corner.x, corner.y, rng.pick(&[0.0, 0.0, 0.3]))),
+        1 => Ray::new(Vec3::ZERO, corner),
+        2 => Ray::new(Vec3::ZERO, corner + rng.magnitude(-17.0, -12.0) * rng.direction()),
+        _ => ray_from(rng, Vec3::ZERO),
+    }
 }
 
 struct Walk<'p, E> {
@@ -102,7 +157,8 @@ impl<E: Evaluator> Walk<'_, E> {
                 true => listed(c.face),
                 false => self.is_on(c.face, &ray, c.t),
             });
-            let right = found.starts[0] == RegionId(1) && on_the_wall && at_once <= 3;
+            // at most once for each listed face
+            let right = found.starts[0] == RegionId(1) && on_the_wall && at_once <= starts.len();
             tally.check(right, || {
                 format!(
                     "seed {}, size {:e}, bounce {bounce}: {ray:?} from {starts:?}: {:?}{}",

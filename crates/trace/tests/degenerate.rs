@@ -431,6 +431,37 @@ fn empty_and_universal_operands(bench: &Bench) {
     bench.expect(&(&a & &empty), eye, X, NOTHING);
 }
 
+/// A rod along x that is solid in these pieces of it.
+fn pieces(all: &[[f64; 2]]) -> Solid {
+    Solid::union(all.iter().map(|[lo, hi]| block([*lo, -1.0, -1.0], [*hi, 1.0, 1.0])))
+}
+
+/// Operands in several pieces each, which have to be asked again in turns: both of them with intersections, the
+/// closer one with unions of which both are left.
+fn operands_in_pieces(bench: &Bench) {
+    let eye = [0.0; 3];
+    let (a, b) = (pieces(&[[9.338, 9.451], [10.733, 12.508]]), pieces(&[[6.245, 9.014], [9.823, 11.101]]));
+    bench.expect(&(&a & &b), eye, X, &[10.733, 11.101]);
+    bench.expect(&(&b & &a), eye, X, &[10.733, 11.101]);
+    bench.expect(&(&a ^ &b), eye, X, &[6.245, 9.014, 9.338, 9.451, 9.823, 10.733, 11.101, 12.508]);
+    // from inside both: the one that is left first is entered again before the other one is left
+    let (short, long) = (pieces(&[[-1.0, 1.0], [2.0, 8.0]]), pieces(&[[-2.0, 4.0]]));
+    for both in [&short | &long, &long | &short] {
+        bench.expect(&both, [-5.0, 0.0, 0.0], X, &[3.0, 13.0]);
+    }
+    bench.expect(&(&short - &long), [-5.0, 0.0, 0.0], X, &[9.0, 13.0]);
+    // A - (B - C) is A without B, and with what C gives back
+    let kept = pieces(&[[1.0, 9.0]]) - (pieces(&[[2.0, 8.0]]) - pieces(&[[4.0, 6.0]]));
+    bench.expect(&kept, eye, X, &[1.0, 2.0, 4.0, 6.0, 8.0, 9.0]);
+    let flush = pieces(&[[1.0, 9.0]]) - (pieces(&[[1.0, 8.0]]) - pieces(&[[4.0, 8.0]]));
+    bench.expect(&flush, eye, X, &[4.0, 9.0]);
+    // five that overlap in a row, and pieces that meet end to end
+    let row: Vec<[f64; 2]> = (0..5).map(|k| [1.0 + f64::from(k), 2.5 + f64::from(k)]).collect();
+    bench.expect(&pieces(&row), eye, X, &[1.0, 6.5]);
+    bench.expect(&pieces(&[[1.0, 2.0], [3.0, 4.0], [2.0, 3.0]]), eye, X, &[1.0, 4.0]);
+    bench.expect(&(pieces(&[[1.0, 2.0], [3.0, 4.0]]) & pieces(&[[2.0, 3.0], [4.0, 5.0]])), eye, X, NOTHING);
+}
+
 fn wedge_fans(bench: &Bench) {
     for count in [2u32, 3, 4, 5, 6, 12] {
         let sweep = 360.0 / f64::from(count);
@@ -551,6 +582,7 @@ bank! {
         deep_chains
         union_of_a_hundred_thousand
         empty_and_universal_operands
+        operands_in_pieces
         wedge_fans
         cylinder_caps_at_the_rim
         cemented_faces_at_grazing_angles
