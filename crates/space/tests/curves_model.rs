@@ -1,11 +1,13 @@
 //! Compiled models along curves: closed forms, coincidences, and an oracle that samples densely.
 
+mod curves_support;
+
 use rayweave_conformance::models::{block, half_space, motion, shape};
 use rayweave_conformance::{Model, Random, Style};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Crossing, Evaluator, Program, RegionId, Solid};
 use rayweave_space::curve::{Arc, Helix, Line, Mapped, Parabola, Spline, SplineEnds};
-use rayweave_space::{Curve, CurveTrace, Point, curve_normal, curve_point, trace_curve};
+use rayweave_space::{Curve, CurveError, CurveTrace, Point, curve_normal, curve_point, trace_curve};
 use rayweave_trace::Reference;
 use std::f64::consts::TAU;
 
@@ -228,6 +230,21 @@ fn tiles_in_contact() {
         let got = trace(&stack, &wavy, 0.0, 4.0);
         assert_eq!((got.start, got.crossings.len()), (RegionId(0), 2), "round {round}: {got:?}");
     }
+}
+
+/// A curve that breaks its promise is found out even where it misses everything.
+#[test]
+fn a_curve_that_lies_is_refused() {
+    let cube = Program::compile(&shape("box", &[("size", 1.0)])).unwrap();
+    let lying = curves_support::Own {
+        position: |t: f64| [5.0 + libm::cos(t), libm::sin(t), 0.0],
+        velocity: |t: f64| [-libm::sin(t), libm::cos(t), 0.0],
+        bound: |_: f64, _: f64| 0.1,
+    };
+    let error = trace_curve(&cube, &lying, 0.0, 6.0).unwrap_err();
+    assert!(matches!(error, CurveError::BoundBroken { bound: 0.1, .. }), "{error}");
+    let window = trace_curve(&cube, &lying, 0.0, f64::INFINITY).unwrap_err();
+    assert!(matches!(window, CurveError::Window { .. }), "{window}");
 }
 
 /// Every kind of curve through the space of the random models.

@@ -51,6 +51,9 @@ pub trait Curve<const D: usize> {
     /// a few unit roundoffs of it. The larger the size, the wider the zone around a surface in which the curve
     /// counts as being *on* it.
     ///
+    /// Functions that are less exact than that, off by e say, should have a size of e / 1e-15 at least, or a curve that
+    /// touches a surface may be told to cross it.
+    ///
     /// As long as it is not overridden it is `|r(t)| + |t| |r'(t)|`, which holds for everything that is computed
     /// from `t` and lengths of the size of the result.
     fn size(&self, t: f64) -> f64 {

@@ -38,9 +38,11 @@
 //! runs beside it at a small distance d up to `sqrt(size / d)` of them, 2^14 at most. A curve of many turns costs so much
 //! per turn. No more than [`MOST_PIECES`] pieces are examined, and none is halved more than [`MOST_HALVINGS`] times.
 
+mod motion;
 mod path;
 mod walk;
 
+pub(crate) use motion::{Motion, checked_bound};
 pub use path::hugs;
 
 use crate::{Curve, CurveError, Field, Point, leads_inside};

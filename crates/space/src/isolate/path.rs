@@ -1,8 +1,8 @@
 //! A field along a curve: values, bounds over pieces, and what hugging means.
 
-use crate::curve::TRUST;
+use crate::isolate::motion::{Motion, checked_bound};
 use crate::isolate::{MOST_HALVINGS, MOST_PIECES};
-use crate::point::{along, dot, is_finite, length, minus};
+use crate::point::{dot, length};
 use crate::{Curve, CurveError, Field, Point};
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
 use rayweave_shape::surface::delta_of;
@@ -33,8 +33,7 @@ pub struct Path<'a, const D: usize, F: ?Sized, C: ?Sized> {
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<const D: usize> {
     pub t: f64,
-    position: Point<D>,
-    velocity: Point<D>,
+    motion: Motion<D>,
     /// g.
     pub value: f64,
     /// grad f.
@@ -92,44 +91,18 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Path<'a, D,
 
     /// The curve and the field at one time.
     pub fn sample(&self, t: f64) -> Result<Sample<D>, CurveError> {
-        let (position, velocity) = (self.curve.position(t), self.curve.velocity(t));
-        let (value, gradient) = self.field.value_and_gradient(&position);
-        let slope = dot(&gradient, &velocity);
-        let size = self.curve.size(t) + self.reach;
-        if !(is_finite(&position) && is_finite(&velocity))
-            || value.is_nan()
-            || slope.is_nan()
-            || size.is_nan()
-        {
+        let motion = Motion::at(self.curve, t)?;
+        let (value, gradient) = self.field.value_and_gradient(&motion.position);
+        let slope = dot(&gradient, &motion.velocity);
+        if value.is_nan() || slope.is_nan() {
             return Err(CurveError::NotFinite { t });
         }
-        Ok(Sample { t, position, velocity, value, gradient, slope, size })
+        Ok(Sample { t, motion, value, gradient, slope, size: motion.size + self.reach })
     }
 
     /// The acceleration bound of a piece, checked.
-    fn bound(&self, piece: &Piece<D>, middle: &Sample<D>) -> Result<f64, CurveError> {
-        let (t0, t1) = (piece.a.t, piece.b.t);
-        let bound = self.curve.acceleration_bound(t0, t1);
-        if !(bound >= 0.0 && bound.is_finite()) {
-            return Err(CurveError::BadBound { t0, t1, bound });
-        }
-        for end in [&piece.a, &piece.b] {
-            if !self.keeps(bound, middle, end) {
-                return Err(CurveError::BoundBroken { t0, t1, bound });
-            }
-        }
-        Ok(bound)
-    }
-
-    /// True if two samples are no farther apart than the bound allows.
-    fn keeps(&self, bound: f64, m: &Sample<D>, end: &Sample<D>) -> bool {
-        let h = end.t - m.t;
-        let aside = length(&minus(&end.position, &along(&m.position, h, &m.velocity)));
-        let turn = length(&minus(&end.velocity, &m.velocity));
-        let (size, speed) = (m.size.max(end.size), length(&m.velocity) + length(&end.velocity));
-        let slack = bound * (m.t.abs() + self.span);
-        aside <= 0.5 * bound * h * h + TRUST * (size + speed * h.abs())
-            && turn <= bound * h.abs() + TRUST * (speed + slack)
+    fn bound(&self, piece: &Piece<D>, m: &Sample<D>) -> Result<f64, CurveError> {
+        checked_bound(self.curve, [&piece.a.motion, &m.motion, &piece.b.motion], self.span)
     }
 
     /// What is sure about a piece.
@@ -146,8 +119,9 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Path<'a, D,
         if stray <= STRAY * m.size && self.all(piece, &m, |s| self.near(s, h))? {
             return Ok(Verdict::Hugging);
         }
-        let cell: [Interval; D] =
-            std::array::from_fn(|k| Interval::around(m.position[k], m.velocity[k].abs() * h + stray + noise));
+        let cell: [Interval; D] = std::array::from_fn(|k| {
+            Interval::around(m.motion.position[k], m.motion.velocity[k].abs() * h + stray + noise)
+        });
         let (value, gradient) = self.field.ranges(&cell);
         if !value.contains_zero() {
             return Ok(Verdict::Clear { inside: value.hi < 0.0 });
@@ -170,8 +144,10 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Path<'a, D,
 
     /// Bounds of g' from those of grad f and of the velocity, which turns by no more than `turn`.
     fn slope(&self, gradient: &[Interval; D], m: &Sample<D>, turn: f64) -> Interval {
-        let turn = turn + ROUNDING * length(&m.velocity);
-        (0..D).fold(Interval::point(0.0), |sum, k| sum + gradient[k] * Interval::around(m.velocity[k], turn))
+        let turn = turn + ROUNDING * length(&m.motion.velocity);
+        (0..D).fold(Interval::point(0.0), |sum, k| {
+            sum + gradient[k] * Interval::around(m.motion.velocity[k], turn)
+        })
     }
 
     /// True if something holds at all points at which a piece is looked at.
@@ -218,7 +194,7 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Path<'a, D,
         if s.value.abs() <= plain {
             return plain;
         }
-        let cell = s.position.map(|x| Interval::around(x, delta));
+        let cell = s.motion.position.map(|x| Interval::around(x, delta));
         let steepest = self.field.ranges(&cell).1.map(Interval::magnitude);
         delta * length(&steepest)
     }

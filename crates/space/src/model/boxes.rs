@@ -1,11 +1,12 @@
 //! Where a curve is: boxes that hold its pieces, against which leaves are tested.
 
-use crate::Curve;
-use crate::curve::CurveError;
+use crate::isolate::{Motion, checked_bound};
 use crate::model::view::View;
-use crate::point::{is_finite, length};
+use crate::point::length;
+use crate::{Curve, CurveError};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::MARGIN;
+use std::collections::VecDeque;
 
 /// Boxes around the pieces of a curve, in the world.
 pub struct Boxes {
@@ -21,13 +22,14 @@ impl Boxes {
     /// Boxes of pieces that are halved until they are nearly straight, or there are enough of them.
     pub fn new(curve: &dyn Curve<3>, t0: f64, t1: f64) -> Result<Boxes, CurveError> {
         let mut boxes = Boxes { pieces: Vec::new(), size: 0.0 };
-        let mut waiting = std::collections::VecDeque::from([(t0, t1)]);
+        let mut waiting = VecDeque::from([(Motion::at(curve, t0)?, Motion::at(curve, t1)?)]);
         while let Some((a, b)) = waiting.pop_front() {
-            let piece = Straight::new(curve, a, b)?;
-            boxes.size = boxes.size.max(curve.size(a)).max(curve.size(b)).max(curve.size(piece.t));
+            let piece = Straight::new(curve, &a, &b, t1 - t0)?;
+            let middle = piece.middle;
+            boxes.size = boxes.size.max(a.size).max(b.size).max(middle.size);
             let room = boxes.pieces.len() + waiting.len() + 2 <= MOST;
-            if room && piece.worth_halving() && a < piece.t && piece.t < b {
-                waiting.extend([(a, piece.t), (piece.t, b)]);
+            if room && piece.worth_halving() && a.t < middle.t && middle.t < b.t {
+                waiting.extend([(a, middle), (middle, b)]);
             } else {
                 boxes.pieces.push(piece.bounds());
             }
@@ -50,31 +52,24 @@ impl Boxes {
 
 /// A piece by its tangent in the middle and how far it may be from it.
 struct Straight {
-    t: f64,
-    at: Vec3,
+    middle: Motion<3>,
     along: Vec3,
     stray: f64,
 }
 
 impl Straight {
-    fn new(curve: &dyn Curve<3>, a: f64, b: f64) -> Result<Straight, CurveError> {
-        let t = 0.5 * a + 0.5 * b;
-        let (at, velocity, bound) = (curve.position(t), curve.velocity(t), curve.acceleration_bound(a, b));
-        if !(is_finite(&at) && is_finite(&velocity)) {
-            return Err(CurveError::NotFinite { t });
-        }
-        if !(bound >= 0.0 && bound.is_finite()) {
-            return Err(CurveError::BadBound { t0: a, t1: b, bound });
-        }
-        let h = (b - t).max(t - a).next_up();
-        let along = Vec3::from_array(velocity).abs() * h;
-        Ok(Straight { t, at: Vec3::from_array(at), along, stray: 0.5 * bound * h * h })
+    fn new(curve: &dyn Curve<3>, a: &Motion<3>, b: &Motion<3>, span: f64) -> Result<Straight, CurveError> {
+        let middle = Motion::at(curve, 0.5 * a.t + 0.5 * b.t)?;
+        let bound = checked_bound(curve, [a, &middle, b], span)?;
+        let h = (b.t - middle.t).max(middle.t - a.t).next_up();
+        let along = Vec3::from_array(middle.velocity).abs() * h;
+        Ok(Straight { middle, along, stray: 0.5 * bound * h * h })
     }
 
     fn bounds(&self) -> Bounds {
         let half = self.along + Vec3::splat(self.stray);
         // a box too large for numbers is all of space
-        let bounds = Bounds::centred(self.at, half);
+        let bounds = Bounds::centred(Vec3::from_array(self.middle.position), half);
         if half.is_finite() { bounds } else { Bounds::ALL }
     }
 
