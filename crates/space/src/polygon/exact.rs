@@ -19,6 +19,9 @@ pub fn sign([a, b]: [f64; 2], [c, d]: [f64; 2], [e, f]: [f64; 2], [g, h]: [f64; 
     if value.abs() > 5.0 * UNIT_ROUNDOFF * (p.abs() + q.abs()) {
         return if value > 0.0 { 1 } else { -1 };
     }
+    if (a == b || c == d) && (e == f || g == h) {
+        return 0;
+    }
     let mut sum = Expansion::default();
     for term in product([a, b], [c, d]) {
         sum.add(term);

@@ -15,7 +15,7 @@
 //! A tie on the hull may be resolved at will: the polygon is then as good as one with that vertex moved outward by
 //! any small amount, whose formula is right, and whose half-planes tend to these.
 //!
-//! *Cost*: O(n h), h being the height of the formula: O(log n) for polygons of everyday, n at worst.
+//! *Cost*: O(n h), h being the number of cuts one within the other: about log n for polygons of everyday, n at worst.
 
 use super::Polygons;
 use super::exact::{sign, turn};
@@ -130,13 +130,14 @@ impl Chain {
         let last = (0..n).max_by(|&a, &b| lexicographic(self.points[a], self.points[b])).unwrap_or(0);
         let mut tasks = vec![Task::Join(Operator::Intersection), Task::Chain(last, n), Task::Chain(0, last)];
         let mut made: Vec<Group<T>> = Vec::new();
+        let mut patience = 100 * n;
         while let Some(task) = tasks.pop() {
             match task {
                 Task::Chain(from, to) if to - from == 1 => {
                     made.push(Group { operator: None, parts: vec![half_plane(self.half_plane(from))] });
                 }
                 Task::Chain(from, to) => {
-                    let cut = self.cut(from, to);
+                    let cut = self.cut(from, to, &mut patience);
                     let is_left = self.turn(cut) > 0;
                     let operator = if is_left { Operator::Intersection } else { Operator::Union };
                     tasks.extend([Task::Join(operator), Task::Chain(cut, to), Task::Chain(from, cut)]);
@@ -172,24 +173,42 @@ impl Chain {
     }
 
     /// A vertex strictly between two others that is on the convex hull of the chain between them, whose first and
-    /// last edge go on for ever.
-    fn cut(&self, from: usize, to: usize) -> usize {
+    /// last edge go on for ever: the extreme in a direction from which both of these lead away. Of several such
+    /// directions that is taken whose extreme halves the chain best, so that formulas are not high; `patience` is the
+    /// number of vertices that may still be looked at for that.
+    fn cut(&self, from: usize, to: usize, patience: &mut usize) -> usize {
         let p = &self.points;
         // from the chain outward along its ends
         let ends = [[p[from + 1], p[from]], [p[to - 1], p[to]]];
-        let [Some(r), Some(s)] = ends.map(unit_from_to) else {
-            return self.cut_across(from, to, ends);
-        };
-        let away = [-(r[0] + s[0]), -(r[1] + s[1])];
-        // both ends lead away from the extreme, exactly
-        if ends.iter().any(|&[a, b]| along(away, b, a) >= 0) {
-            return self.cut_across(from, to, ends);
-        }
         let middle = (from + to) / 2;
+        let mut best: Option<usize> = None;
+        for direction in directions(ends) {
+            if best.is_some() && *patience < to - from {
+                break;
+            }
+            // exactly
+            if ends.iter().any(|&[a, b]| along(direction, b, a) >= 0) {
+                continue;
+            }
+            let found = self.extreme(from, to, direction);
+            if best.is_none_or(|best| found.abs_diff(middle) < best.abs_diff(middle)) {
+                best = Some(found);
+            }
+            if 4 * found.abs_diff(middle) <= to - from {
+                break;
+            }
+            *patience = patience.saturating_sub(to - from);
+        }
+        best.unwrap_or_else(|| self.cut_across(from, to, ends))
+    }
+
+    /// The vertex strictly between two others that is farthest in a direction; of equals the one that halves the
+    /// chain best.
+    fn extreme(&self, from: usize, to: usize, direction: Point<2>) -> usize {
+        let (p, middle) = (&self.points, (from + to) / 2);
         let mut best = from + 1;
         for k in from + 2..to {
-            let order = along(away, p[k], p[best]);
-            // of equals the one that halves the chain best
+            let order = along(direction, p[k], p[best]);
             if order > 0 || (order == 0 && k.abs_diff(middle) < best.abs_diff(middle)) {
                 best = k;
             }
@@ -222,6 +241,21 @@ impl Chain {
             _ => extreme(1),
         }
     }
+}
+
+/// Directions that lead away from two others, but for rounding: the middle one, those towards either end of the
+/// range, and the axes, along which the edges of man-made things lie side by side.
+fn directions(ends: [[Point<2>; 2]; 2]) -> Vec<Point<2>> {
+    let [Some(r), Some(s)] = ends.map(unit_from_to) else {
+        return Vec::new();
+    };
+    let join = |a: f64, u: Point<2>, b: f64, v: Point<2>| [a * u[0] + b * v[0], a * u[1] + b * v[1]];
+    let c = r[0] * s[0] + r[1] * s[1];
+    // perpendicular to the one, away from the other
+    let (across_r, across_s) = (join(-1.0, s, c, r), join(-1.0, r, c, s));
+    let mut all = vec![join(-1.0, r, -1.0, s), [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+    all.extend([0.02, 0.2, 0.8, 0.98].map(|part| join(part, across_r, 1.0 - part, across_s)));
+    all
 }
 
 fn unit_from_to([a, b]: [Point<2>; 2]) -> Option<Point<2>> {
