@@ -12,6 +12,7 @@ use rayweave_math::{Bounds, Interval};
 use rayweave_model::gate::Network;
 use rayweave_model::simplify::{Formula, Op, prepare};
 use rayweave_model::{Edge, Expression, LeafId};
+use rayweave_shape::surface::delta_of;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -59,7 +60,10 @@ impl<const D: usize> Program<D> {
         let expression = Expression::new(&formula);
         let network = Network::new(&expression, formula.outputs(), lowered.faces.len());
         Ok(Program {
-            ball: Ball::around(lowered.finite),
+            ball: Ball::around(
+                lowered.finite,
+                lowered.faces.iter().map(|face| face.reach).fold(0.0, f64::max),
+            ),
             leaves: lowered.leaves,
             faces: lowered.faces,
             output: formula.outputs()[0],
@@ -131,14 +135,17 @@ impl<const D: usize> Field<D> for FaceEntry<D> {
 }
 
 impl<const D: usize> Ball<D> {
-    fn around(finite: Option<(Point<D>, Point<D>)>) -> Self {
+    /// Around a box; `reach` is the largest one of all surfaces. Anchors that differ by rounding alone, such as those
+    /// of coaxial cylinders, are one point: a chord as short as that would lie in every surface that it meets.
+    fn around(finite: Option<(Point<D>, Point<D>)>, reach: f64) -> Self {
         let Some((lo, hi)) = finite else {
             return Ball { centre: [0.0; D], radius: 0.0 };
         };
         let centre: Point<D> = std::array::from_fn(|k| 0.5 * (lo[k] + hi[k]));
         // half of the diagonal, doubled
         let radius = length(&minus(&hi, &lo));
-        Ball { centre, radius: if radius > 0.0 { radius } else { length(&centre) } }
+        let lengths = [radius, length(&centre)].into_iter();
+        Ball { centre, radius: lengths.filter(|&size| size > delta_of(reach)).next().unwrap_or(0.0) }
     }
 }
 

@@ -14,7 +14,8 @@ pub struct Shape<const D: usize> {
     pub(crate) kind: &'static str,
     /// Its faces.
     pub(crate) facets: Vec<Surface<D>>,
-    /// A box around what is finite about it, apart from the anchors of its surfaces: the middle and half of its size.
+    /// A box around all of it or, if it is unbounded, its corners: the middle and half of the size. Where there is
+    /// none the anchors of its surfaces stand for it.
     pub(crate) finite: Option<(Point<D>, Point<D>)>,
 }
 
@@ -121,8 +122,8 @@ impl<const D: usize> Solid<D> {
             _ => 0.0,
         });
         let surface = Surface::Quadric(Box::new(Quadric::along_axes(weights, bias)));
-        let half = from_fn(|k| if k < n { bias.abs().sqrt() } else { 0.0 });
-        Ok(Shape { kind: "quadric", facets: vec![surface], finite: Some(([0.0; D], half)) }.into())
+        let finite = (m == D).then(|| ([0.0; D], [(-bias).sqrt(); D]));
+        Ok(Shape { kind: "quadric", facets: vec![surface], finite }.into())
     }
 
     /// The points nearer to the origin than `radius` (> 0).
@@ -143,8 +144,8 @@ impl<const D: usize> Solid<D> {
     pub fn cylinder(m: usize, radius: f64) -> Result<Self, SpaceError> {
         check_squares::<D>(m, m)?;
         check::size("radius", radius)?;
-        let half = from_fn(|k| if k < m { radius } else { 0.0 });
-        Ok(Shape { kind: "cylinder", facets: vec![round(m, radius)], finite: Some(([0.0; D], half)) }.into())
+        let finite = (m == D).then_some(([0.0; D], [radius; D]));
+        Ok(Shape { kind: "cylinder", facets: vec![round(m, radius)], finite }.into())
     }
 
     /// The double cone with its apex at the origin: the length of the first m coordinates is less than `slope` (> 0)
