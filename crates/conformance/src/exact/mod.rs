@@ -24,6 +24,7 @@ mod shrink;
 mod suite;
 mod surface;
 mod tree;
+mod trial;
 
 pub use along::{Doubt, Span};
 pub use answer::{Answer, Expected, Traits, answer, region_at};
@@ -37,3 +38,4 @@ pub use shape::Shape;
 pub use suite::{planted, points, turned};
 pub use surface::{Line, Surface};
 pub use tree::{Part, Tree, regions};
+pub use trial::{Binary, Family, Operator, Trial, trial};
