@@ -7,7 +7,8 @@ use crate::point::{dot, is_finite, length, minus};
 use crate::shape::Shape;
 use crate::solid::{Join, Node};
 use crate::surface::Surface;
-use crate::{Curve, Field, Point, Solid, leads_inside};
+use crate::{Field, Point, Solid, leads_inside};
+use rayweave_math::roots::Crossings;
 use rayweave_math::{Bounds, Interval};
 use rayweave_model::gate::Network;
 use rayweave_model::simplify::{Formula, Op, prepare};
@@ -111,12 +112,13 @@ impl<const D: usize> Program<D> {
 }
 
 impl<const D: usize> FaceEntry<D> {
-    /// The side of a line that lies in the surface all along its chord: `None` if it does not.
-    pub fn side_of_line_within(&self, line: &Line<D>, (a, b): (f64, f64)) -> Option<bool> {
-        if !self.surface.is_ruled() || !self.surface.hugs(self.reach, line, a, b) {
-            return None;
+    /// Where the line crosses the face. One that keeps to the surface all along its chord does so where it would if
+    /// it were moved a little along [`crate::lie_direction`].
+    pub fn crossings(&self, line: &Line<D>, (a, b): (f64, f64)) -> Crossings<2> {
+        match self.surface.is_ruled() && self.surface.hugs(self.reach, line, a, b) {
+            true => self.surface.crossings_aside(line, 0.5 * (a + b)),
+            false => self.surface.crossings(line),
         }
-        Some(leads_inside(&self.surface.value_and_gradient(&line.position(0.5 * (a + b))).1))
     }
 }
 

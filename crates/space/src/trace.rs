@@ -87,15 +87,9 @@ impl<const D: usize> Tracer<D> {
         let path = OnLine { faces: &self.program.faces, line: &line };
         self.sweep.begin();
         for (k, entry) in self.program.faces.iter().enumerate() {
-            let inside = match entry.side_of_line_within(&line, chord) {
-                Some(inside) => inside,
-                None => {
-                    let crossings = entry.surface.crossings(&line);
-                    crossings.times().iter().for_each(|&t| self.sweep.push(t, k));
-                    crossings.starts_negative()
-                }
-            };
-            self.sweep.set(&self.program.network, k, inside);
+            let crossings = entry.crossings(&line, chord);
+            crossings.times().iter().for_each(|&t| self.sweep.push(t, k));
+            self.sweep.set(&self.program.network, k, crossings.starts_negative());
         }
         let (start, crossings) = self.sweep.finish(&self.program, path);
         self.dress(start, &crossings, &line)

@@ -11,7 +11,7 @@ pub use quadric::Quadric;
 use crate::affine::Affine;
 use crate::curve::Line;
 use crate::point::length;
-use crate::{Curve, Field, Point};
+use crate::{Curve, Field, Point, leads_inside, lie_direction};
 use rayweave_math::Interval;
 use rayweave_math::roots::Crossings;
 use rayweave_shape::surface::{delta_of, hugs_along, is_near};
@@ -32,6 +32,22 @@ impl<const D: usize> Surface<D> {
             Surface::Plane(s) => s.crossings(line),
             Surface::Quadric(s) => s.crossings(line),
         }
+    }
+
+    /// Where a line that lies in the surface crosses it once it is moved a little along [`lie_direction`]: where
+    /// `w . grad f` changes sign. In a plane or along a cylinder it never does, and the side is that in the middle.
+    ///
+    /// In a cone or a hyperboloid that function is linear along the line: moved off a line of a cone one crosses to
+    /// the other side next to the apex. (One side for all of the line would be that of some point of it, and that
+    /// of a line would change with whatever else is in the solid.)
+    pub(crate) fn crossings_aside(&self, line: &Line<D>, middle: f64) -> Crossings<2> {
+        let along_w = match self {
+            Surface::Plane(_) => None,
+            Surface::Quadric(s) => s.slope_aside(line, &lie_direction()),
+        };
+        along_w.unwrap_or_else(|| {
+            Crossings::constant(leads_inside(&self.value_and_gradient(&line.position(middle)).1))
+        })
     }
 
     /// A point that says where the surface is: its centre or the foot of the perpendicular from the origin.

@@ -10,7 +10,7 @@ use crate::point::{along, dot, is_finite, length, minus};
 use crate::vector::{axis_vector, times, unit};
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
-use rayweave_shape::surface::quadratic_crossings;
+use rayweave_shape::surface::{delta_of, quadratic_crossings};
 use std::array::from_fn;
 
 /// A quadric in principal axes.
@@ -48,18 +48,35 @@ impl<const D: usize> Quadric<D> {
         (0..D).fold(0.0, |sum, k| sum + self.weights[k] * a[k] * b[k])
     }
 
-    /// At most two roots. The coefficients are formed where the line is closest to the centre, measured along the
-    /// axes that count, so that no digits are lost to a distant origin.
+    /// At most two roots. The coefficients are formed where the line is closest to the centre, so that no digits are
+    /// lost to a distant origin.
     pub(super) fn crossings(&self, line: &Line<D>) -> Crossings<2> {
-        let (x, v) =
-            (self.coordinates(&minus(&line.origin, &self.centre)), self.coordinates(&line.direction));
-        let closest = -dot(&x, &v) / dot(&v, &v);
-        let shift = if closest.is_finite() { closest } else { 0.0 };
-        let x = along(&x, shift, &v);
+        let (x, v, shift) = self.closest(line);
         quadratic_crossings(shift, |s| {
             let x = along(&x, s, &v);
             [self.product(&v, &v), self.product(&x, &v), self.product(&x, &x) + self.constant]
         })
+    }
+
+    /// Where `w . grad f` changes sign along a line; `None` where it is constant but for rounding.
+    pub(super) fn slope_aside(&self, line: &Line<D>, w: &Point<D>) -> Option<Crossings<2>> {
+        let (x, v, shift) = self.closest(line);
+        let w = self.coordinates(w);
+        let rise = self.product(&v, &w);
+        // coordinates of the direction are off by a few u of its length
+        let is_noise = rise.abs() <= delta_of(length(&line.direction) * length(&w));
+        let level = self.product(&x, &w);
+        (!is_noise).then(|| Crossings::new(rise > 0.0, &[shift - level / rise]))
+    }
+
+    /// Where the line is closest to the centre, measured along the axes that count: there its coordinates, those of
+    /// its direction, and the time.
+    fn closest(&self, line: &Line<D>) -> (Point<D>, Point<D>, f64) {
+        let x = self.coordinates(&minus(&line.origin, &self.centre));
+        let v = self.coordinates(&line.direction);
+        let closest = -dot(&x, &v) / dot(&v, &v);
+        let shift = if closest.is_finite() { closest } else { 0.0 };
+        (along(&x, shift, &v), v, shift)
     }
 
     pub(super) fn value_and_gradient(&self, point: &Point<D>) -> (f64, Point<D>) {
