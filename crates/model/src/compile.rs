@@ -331,7 +331,8 @@ impl Tables {
     /// with two boxes around what is asked of the group, too: one from the boxes of the leaves, one that is grown
     /// and of what is sure alone.
     fn prepare(&mut self, group: &Group, watch: &mut impl Watch) -> (Formula, Bounds, Bounds) {
-        // grown by more than rounding, so that parts that only touch are not taken for apart
+        // grown by more than rounding, so that parts that only touch are not taken for apart; a ray that starts so
+        // far away that its roots err by more than the gap between two parts gets what is true of them
         let sure: Vec<Bounds> = self.leaves.iter().map(|leaf| leaf.matters.grown(leaf.margin)).collect();
         let formula = prepare(&group.formula, &sure, watch);
         let exact: Vec<Bounds> = self.leaves.iter().map(|leaf| leaf.bounds).collect();
