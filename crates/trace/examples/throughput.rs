@@ -1,4 +1,4 @@
-//! Rays per second through a small lens and a die, on one thread, by every evaluator.
+//! Rays per second through a small lens and a die, on one thread, by every evaluator or by those named as arguments.
 
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Limit, Program, Query, RayAnswer, RayBatch, Solid};
@@ -55,6 +55,9 @@ fn rate<E: Evaluator>(evaluator: &E, batch: &RayBatch, limit: Limit) -> (f64, f6
 }
 
 fn report<E: Evaluator>(model: &str, evaluator: &E, batch: &RayBatch) {
+    if std::env::args().len() > 1 && !std::env::args().any(|name| name == evaluator.name()) {
+        return;
+    }
     for (what, limit) in [("all crossings", Limit::All), ("first crossing", Limit::First)] {
         let (rays, crossings) = rate(evaluator, batch, limit);
         let (name, rays) = (evaluator.name(), rays / 1e6);
