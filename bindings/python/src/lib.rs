@@ -9,9 +9,11 @@ mod error;
 mod explain;
 mod hit_array;
 mod hits;
+mod infill;
 mod model;
 mod pickle;
 mod points;
+mod polygons;
 mod rays;
 mod render;
 mod rootray;
@@ -32,7 +34,11 @@ mod _core {
     #[pymodule_export]
     use crate::hit_array::{array_csg, count_array};
     #[pymodule_export]
+    use crate::infill::infill_columns;
+    #[pymodule_export]
     use crate::model::{PyModel, load_model, loads};
+    #[pymodule_export]
+    use crate::polygons::{PyPolygons, region_from_polygons};
     #[pymodule_export]
     use crate::render::{notebook_png, render_array};
     #[pymodule_export]

@@ -153,6 +153,11 @@ impl PyRootRay {
 }
 
 impl PyRootRay {
+    /// A root-ray that was made elsewhere.
+    pub fn from_root_ray(ray: RootRay) -> Self {
+        PyRootRay(ray)
+    }
+
     /// The root-ray.
     pub fn root_ray(&self) -> &RootRay {
         &self.0

@@ -17,6 +17,18 @@ def hit_arrays() -> None:
     assert times.shape == counts.shape
 
 
+def regions() -> None:
+    region = rayweave.from_polygons([[[0, 0], [1, 0], [0, 1]], np.zeros((1, 2))], outside=1)
+    assert_type(region.area, float)
+    assert_type(region.contours, tuple[NDArray[np.float64], ...])
+    assert_type(region.trace([0, 0], (1, 1)), RootRay)
+    assert_type(region.extrude(0, 1), Solid)
+    assert (region.outside, region == region) == (1, True)
+    assert len(rayweave.infill(region, 0.1, 45, phase=0.5, turn=90, alternate=True)) > 0
+    assert len(rayweave.infill(rayweave.sphere(1), 1, layers=np.array([0.5]), evaluator="weave", threads=1)) > 0
+    assert len(rayweave.infill(rayweave.sphere(1), 1, layer_height=0.5)) > 0
+
+
 def root_rays() -> None:
     ray = RootRay("outside", [1, 2]) | ~RootRay(-1, np.array([3.0]))
     assert_type(ray.roots, list[float])
@@ -81,6 +93,7 @@ def pictures(solid: Solid) -> None:
 
 def main() -> None:
     hit_arrays()
+    regions()
     root_rays()
     solid = solids()
     questions(solid)

@@ -5,9 +5,11 @@ from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._core import (
     Explanation,
     Model,
+    Polygons,
     RayweaveError,
     RootRay,
     Solid,
+    from_polygons,
     intersection,
     load,
     loads,
@@ -18,6 +20,7 @@ from rayweave._core import (
 )
 from rayweave._explain import Entry, Operand, Passage, Question
 from rayweave._hit_array import Operation, array_csg, count_array
+from rayweave._infill import infill
 from rayweave._model import Medium, Region
 from rayweave._picture import Camera, render
 from rayweave._shapes import (
@@ -51,6 +54,7 @@ __all__ = [
     "Operation",
     "Partition",
     "Passage",
+    "Polygons",
     "Question",
     "RayweaveError",
     "Region",
@@ -65,7 +69,9 @@ __all__ = [
     "count_array",
     "cylinder",
     "ellipsoid",
+    "from_polygons",
     "half_space",
+    "infill",
     "intersection",
     "load",
     "loads",

@@ -13,11 +13,14 @@ from rayweave._picture import Camera
 __all__ = [
     "Explanation",
     "Model",
+    "Polygons",
     "RayweaveError",
     "RootRay",
     "Solid",
     "array_csg",
     "count_array",
+    "from_polygons",
+    "infill_columns",
     "intersection",
     "load",
     "loads",
@@ -268,6 +271,21 @@ class Model:
     def __deepcopy__(self, _memo: dict[int, Any]) -> Model: ...
 
 @final
+class Polygons:
+    @property
+    def outside(self) -> int: ...
+    @property
+    def area(self) -> float: ...
+    @property
+    def contours(self) -> tuple[NDArray[np.float64], ...]: ...
+    def trace(self, origin: ArrayLike, direction: ArrayLike) -> RootRay: ...
+    def extrude(self, lo: float, hi: float) -> Solid: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __copy__(self) -> Polygons: ...
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Polygons: ...
+
+@final
 class Explanation:
     @property
     def start(self) -> str: ...
@@ -300,6 +318,19 @@ def render(
     evaluator: str | None,
     threads: int | None,
 ) -> NDArray[Any]: ...
+def from_polygons(contours: Iterable[ArrayLike], outside: int = 1) -> Polygons: ...
+def infill_columns(
+    subject: Solid | Model | Polygons,
+    spacing: float,
+    angle: float,
+    phase: float,
+    turn: float,
+    alternate: bool,
+    layers: ArrayLike | None,
+    layer_height: float | None,
+    evaluator: str | None,
+    threads: int | None,
+) -> tuple[list[NDArray[np.int64]], list[NDArray[np.float64]]]: ...
 def notebook_png(subject: Solid | Model) -> bytes: ...
 def timeline_svg(
     operands: Sequence[tuple[str, RootRay]],

@@ -1,0 +1,135 @@
+//! Regions of the plane as a Python class.
+
+use numpy::ndarray::Array2;
+use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use rayweave::polygon::{Polygons, from_polygons};
+use rayweave::rootray::{RootRay, Side};
+
+use crate::arrays::{double_array, list, shape_text};
+use crate::error::{bad_type, bad_value};
+use crate::rootray::PyRootRay;
+use crate::solid::PySolid;
+
+/// What makes a region again: a function and its arguments.
+type Remake<'py> = (Bound<'py, PyAny>, (Bound<'py, PyTuple>, i64));
+
+/// A region of the plane bounded by polygons. It never changes; `from_polygons` makes one.
+#[pyclass(frozen, module = "rayweave", name = "Polygons")]
+pub struct PyPolygons(Polygons);
+
+impl PyPolygons {
+    /// The region.
+    pub fn polygons(&self) -> &Polygons {
+        &self.0
+    }
+}
+
+/// The region bounded by closed contours, arrays of shape (N, 2): islands go around counter-clockwise, holes clockwise.
+/// `outside` is +1 or, if the outermost contours are holes, -1.
+#[pyfunction]
+#[pyo3(name = "from_polygons", signature = (contours, outside = 1))]
+pub fn region_from_polygons(
+    py: Python<'_>,
+    contours: &Bound<'_, PyAny>,
+    outside: i64,
+) -> PyResult<PyPolygons> {
+    let side = match outside {
+        1 => Side::Outside,
+        -1 => Side::Inside,
+        other => return Err(bad_value(format!("outside is {other} (it must be +1 or -1)"))),
+    };
+    let each = contours
+        .try_iter()
+        .map_err(|_| bad_type(format!("contours is {} (a list of arrays is needed)", contours.get_type())))?;
+    let contours: Vec<Vec<[f64; 2]>> =
+        each.enumerate().map(|(k, contour)| vertices(&contour?, k)).collect::<PyResult<_>>()?;
+    py.detach(|| from_polygons(&contours, side)).map(PyPolygons).map_err(bad_value)
+}
+
+fn vertices(object: &Bound<'_, PyAny>, number: usize) -> PyResult<Vec<[f64; 2]>> {
+    let name = format!("contours[{number}]");
+    let array = double_array(object, &name)?;
+    match array.shape() {
+        [_, 2] | [0] => {}
+        shape => {
+            let shape = shape_text(shape);
+            return Err(bad_value(format!("{name} has shape {shape} ((N, 2) is needed)")));
+        }
+    }
+    let array = array.try_readonly().map_err(bad_value)?;
+    let numbers: Vec<f64> = array.as_array().iter().copied().collect();
+    Ok(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect())
+}
+
+fn pair(object: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; 2]> {
+    let numbers = list(object, name)?;
+    let found = numbers.len();
+    numbers.try_into().map_err(|_| bad_value(format!("{name} has {found} numbers (2 are needed)")))
+}
+
+#[pymethods]
+impl PyPolygons {
+    /// The side far away from all contours: +1 outside, -1 inside.
+    #[getter]
+    fn outside(&self) -> i64 {
+        if self.0.outside().is_inside() { -1 } else { 1 }
+    }
+
+    /// The area, inf if the region is unbounded.
+    #[getter]
+    fn area(&self) -> f64 {
+        self.0.area()
+    }
+
+    /// The contours of which something remains, without vertices that are no corners: arrays of shape (N, 2).
+    #[getter]
+    fn contours<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let array = |corners: &[[f64; 2]]| {
+            let array = Array2::from_shape_fn((corners.len(), 2), |(k, axis)| corners[k][axis]);
+            PyArray2::from_owned_array(py, array)
+        };
+        PyTuple::new(py, self.0.contours().map(|contour| array(contour.corners)))
+    }
+
+    /// The line origin + t direction: when it is inside.
+    fn trace(&self, origin: &Bound<'_, PyAny>, direction: &Bound<'_, PyAny>) -> PyResult<PyRootRay> {
+        let (origin, direction) = (pair(origin, "origin")?, pair(direction, "direction")?);
+        let traced = self.0.trace(origin, direction).map_err(bad_value)?;
+        let plain: RootRay = traced.map_surfaces(|_| ());
+        Ok(PyRootRay::from_root_ray(plain))
+    }
+
+    /// The prism over the region, lo < z < hi, as a solid.
+    fn extrude(&self, lo: f64, hi: f64) -> PyResult<PySolid> {
+        self.0.extrude(lo, hi).map(PySolid::from_solid).map_err(bad_value)
+    }
+
+    fn __eq__(&self, other: PyRef<'_, Self>) -> bool {
+        let corners = |region: &Polygons| region.contours().map(|c| c.corners.to_vec()).collect::<Vec<_>>();
+        self.0.outside() == other.0.outside() && corners(&self.0) == corners(&other.0)
+    }
+
+    fn __hash__(&self) -> u64 {
+        self.0.area().to_bits() ^ self.0.edge_count() as u64
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    fn __repr__(&self) -> String {
+        let (contours, edges) = (self.0.contours().len(), self.0.edge_count());
+        format!("<Polygons of {contours} contours, {edges} edges>")
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Remake<'py>> {
+        let make = py.import("rayweave")?.getattr("from_polygons")?;
+        Ok((make, (self.contours(py)?, self.outside())))
+    }
+}
