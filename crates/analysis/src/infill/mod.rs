@@ -22,7 +22,8 @@
 //! Components are numbered from 0 in the order in which their first traces are listed. In the picture the trace of
 //! scan line 0 overlaps with the left one of scan line 1, so both are of component 0; the trace of scan line 4
 //! overlaps with none of scan line 3 and is a component of its own. A tool fills a component by steps from one
-//! line to the next, without a long way through the void.
+//! line to the next, without a long way through the void. (A tip so sharp that its traces do not overlap, because it
+//! leans along the scan lines, is a component of its own.)
 //!
 //! **Order**: layer by layer, line by line, along each line in its direction. If directions alternate, lines with an
 //! odd number are run backwards: their traces are listed in the opposite order, with their ends swapped.

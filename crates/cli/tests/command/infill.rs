@@ -250,3 +250,24 @@ fn tables_and_pictures_that_cannot_be_written() {
     assert!(fails(1, &["-o", "nowhere/t.csv"]).contains("the folder nowhere does not exist"));
     assert!(fails(1, &["--svg", "nowhere/t.svg"]).contains("the folder nowhere does not exist"));
 }
+
+#[test]
+fn the_plate_of_the_models() {
+    let bench = bench();
+    bench.write("plate.csv", include_str!("../../../../models/plate.csv"));
+    let table = bench.says(&["infill", "plate.csv", "--spacing", "0.01", "--angle", "20", "-o", "-"]);
+    let found = rows(&table);
+    let length = |row: &Vec<&str>| {
+        let [x0, y0, x1, y1] = [4, 5, 6, 7].map(|k| number(row[k]));
+        (x1 - x0).hypot(y1 - y0)
+    };
+    // plate, window, isle, slot, star, by the shoelace formula
+    let area = 2400.0 - 400.0 + 100.0 - 200.0 + 195.0;
+    let covered = 0.01 * found.iter().map(length).sum::<f64>();
+    // the variation of the chords of five contours, 75 at most, up and down twice each, times the spacing
+    assert!((covered - area).abs() < 0.01 * 5.0 * 4.0 * 75.0, "{covered} {area}");
+    // the tips of the star lean along the scan lines, so that their ends may be components of their own
+    let mut areas = [0.0; 8];
+    found.iter().for_each(|row| areas[row[3].parse::<usize>().unwrap()] += 0.01 * length(row));
+    assert_eq!(areas.iter().filter(|&&area| area > 1.0).count(), 3, "{areas:?}");
+}
