@@ -186,6 +186,11 @@ fn frobenius(m: &Mat3) -> f64 {
     if largest == 0.0 || !largest.is_finite() {
         return largest;
     }
+    if largest < f64::MIN_POSITIVE {
+        // 1 / largest might overflow
+        let up = libm::ldexp(1.0, 200);
+        return frobenius(&(*m * up)) / up;
+    }
     let scaled = *m * (1.0 / largest);
     let squares =
         scaled.x_axis.length_squared() + scaled.y_axis.length_squared() + scaled.z_axis.length_squared();
@@ -227,6 +232,12 @@ mod tests {
         assert_eq!(Affine::scale(Vec3::new(1.0, 0.0, 1.0)).inverse(), Err(SingularError::Singular));
         assert_eq!(Affine::scale(Vec3::new(1.0, f64::NAN, 1.0)).inverse(), Err(SingularError::NotFinite));
         assert_eq!(Affine::scale(Vec3::ZERO).inverse(), Err(SingularError::Singular));
+        // subnormal numbers, whose inverses overflow
+        for tiny in [5e-324, 1e-310] {
+            assert_eq!(Affine::scale(Vec3::splat(tiny)).inverse(), Err(SingularError::Singular));
+            let length = Affine::scale(Vec3::new(tiny, 0.0, 0.0)).stretch();
+            assert!((length - tiny).abs() <= 5e-324, "{length:e}");
+        }
         assert_eq!(Affine::rotation(Vec3::ZERO, 10.0).inverse(), Err(SingularError::NotFinite));
     }
 
