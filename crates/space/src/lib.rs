@@ -3,6 +3,10 @@
 //! A [`Field`] is a function whose sign says where a solid is; a [`Curve`] is a trajectory. Everything else
 //! (isolating the times at which a curve crosses a field's surface, solids in R^d, curves through compiled
 //! models) is made of these two.
+//!
+//! A [`Solid`] is made of half-spaces, boxes, balls, cylinders, cones, quadrics and prisms of any dimension by boolean
+//! operators and affine maps; [`trace`] and [`trace_along`] give its [root-ray](rayweave_rootray::RootRay) along a line
+//! or a curve.
 
 mod affine;
 pub mod curve;

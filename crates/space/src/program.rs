@@ -88,13 +88,17 @@ impl<const D: usize> Program<D> {
     /// # Errors
     /// `NotFinite` or `Extreme` for a bad coordinate.
     pub fn contains(&self, point: Point<D>) -> Result<bool, SpaceError> {
+        self.contains_by(point, &mut Vec::new())
+    }
+
+    /// The same with memory for the values of all nodes.
+    pub(crate) fn contains_by(&self, point: Point<D>, values: &mut Vec<bool>) -> Result<bool, SpaceError> {
         crate::error::check::point("point", &point)?;
         let inside = |leaf: LeafId| {
             let (value, gradient) = self.faces[leaf.index()].surface.value_and_gradient(&point);
             if value == 0.0 { leads_inside(&gradient) } else { value < 0.0 }
         };
-        let mut values = Vec::new();
-        self.expression.evaluate(inside, &mut values);
+        self.expression.evaluate(inside, values);
         Ok(values[self.output.node().index()] ^ self.output.is_complemented())
     }
 
@@ -146,8 +150,8 @@ impl<const D: usize> Ball<D> {
         let centre: Point<D> = std::array::from_fn(|k| 0.5 * (lo[k] + hi[k]));
         // half of the diagonal, doubled
         let radius = length(&minus(&hi, &lo));
-        let lengths = [radius, length(&centre)].into_iter();
-        Ball { centre, radius: lengths.filter(|&size| size > delta_of(reach)).next().unwrap_or(0.0) }
+        let mut lengths = [radius, length(&centre)].into_iter();
+        Ball { centre, radius: lengths.find(|&size| size > delta_of(reach)).unwrap_or(0.0) }
     }
 }
 

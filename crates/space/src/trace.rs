@@ -30,6 +30,19 @@ pub struct Face<const D: usize> {
 ///
 /// To trace many lines through one solid, [`Tracer`] saves the memory for each.
 ///
+/// ```
+/// use rayweave_space::{Solid, trace};
+///
+/// // a ring in the plane, less what is above the diagonal
+/// let ring = Solid::<2>::ball(2.0)? - Solid::ball(1.0)?;
+/// let half = ring - Solid::half_space_below([1.0, -1.0], 0.0)?;
+/// let ray = trace([-3.0, 0.0], [-2.0, 0.0], &half)?;
+/// assert_eq!(ray.to_string(), "outside [4, 5]");
+/// let first = &ray.roots()[0].surface;
+/// assert_eq!((first.leaf, first.point, first.normal), (1, [1.0, 0.0], [-1.0, 0.0]));
+/// # Ok::<(), rayweave_space::SpaceError>(())
+/// ```
+///
 /// # Errors
 /// `SamePoint` if p and q are equal; `NotFinite` or `Extreme` for a bad coordinate; and those of
 /// [`Solid::compile`].
@@ -68,13 +81,26 @@ impl<const D: usize> Tracer<D> {
     /// Those of [`Solid::compile`].
     pub fn new(solid: &Solid<D>) -> Result<Self, SpaceError> {
         let program = solid.compile()?;
-        let sweep = Sweep { state: program.network.start(), events: Vec::new() };
+        let sweep = Sweep {
+            state: program.network.start(),
+            events: Vec::new(),
+            crossings: Vec::new(),
+            values: Vec::new(),
+        };
         Ok(Tracer { program, sweep })
     }
 
     /// The compiled solid.
     pub fn program(&self) -> &Arc<Program<D>> {
         &self.program
+    }
+
+    /// See [`Program::contains`].
+    ///
+    /// # Errors
+    /// `NotFinite` or `Extreme` for a bad coordinate.
+    pub fn contains(&mut self, point: Point<D>) -> Result<bool, SpaceError> {
+        self.program.contains_by(point, &mut self.sweep.values)
     }
 
     /// See [`trace`].
@@ -91,8 +117,8 @@ impl<const D: usize> Tracer<D> {
             crossings.times().iter().for_each(|&t| self.sweep.push(t, k));
             self.sweep.set(&self.program.network, k, crossings.starts_negative());
         }
-        let (start, crossings) = self.sweep.finish(&self.program, path);
-        self.dress(start, &crossings, &line)
+        let start = self.sweep.finish(&self.program, path);
+        self.dress(start, &line)
     }
 
     /// The root-ray along a curve strictly between two times: the start side is that just after `t0`.
@@ -114,18 +140,14 @@ impl<const D: usize> Tracer<D> {
             self.sweep.set(&self.program.network, k, flips.start().is_inside());
         }
         let path = OnCurve { faces: &self.program.faces, curve };
-        let (start, crossings) = self.sweep.finish(&self.program, path);
-        self.dress(start, &crossings, curve)
+        let start = self.sweep.finish(&self.program, path);
+        self.dress(start, curve)
     }
 
     /// The root-ray with points and normals.
-    fn dress(
-        &self,
-        start: Side,
-        crossings: &[Crossing],
-        curve: &impl Curve<D>,
-    ) -> Result<RootRay<Face<D>>, SpaceError> {
-        let roots = crossings.iter().map(|crossing| Root::new(crossing.t, self.face(crossing, curve)));
+    fn dress(&self, start: Side, curve: &impl Curve<D>) -> Result<RootRay<Face<D>>, SpaceError> {
+        let crossings = self.sweep.crossings.iter();
+        let roots = crossings.map(|crossing| Root::new(crossing.t, self.face(crossing, curve)));
         Ok(RootRay::new(start, roots.collect())?)
     }
 
@@ -195,6 +217,9 @@ struct Sweep {
     /// All outside between two sweeps.
     state: NetworkState,
     events: Vec<Event>,
+    crossings: Vec<Crossing>,
+    /// The values of all nodes, for points.
+    values: Vec<bool>,
 }
 
 /// A solid is one region of one medium to the weld. (Media are all that it asks a model of space for.)
@@ -225,17 +250,13 @@ impl Sweep {
         }
     }
 
-    /// The side at the start and the crossings that are left of all flips.
-    fn finish<const D: usize>(
-        &mut self,
-        program: &Program<D>,
-        path: impl Trajectory,
-    ) -> (Side, Vec<Crossing>) {
-        let Sweep { state, events } = self;
+    /// Finds the crossings that are left of all flips; the side at the start.
+    fn finish<const D: usize>(&mut self, program: &Program<D>, path: impl Trajectory) -> Side {
+        let Sweep { state, events, crossings, .. } = self;
+        crossings.clear();
         events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
         let mut flips = Following { network: &program.network, state };
         let mut weld = Weld::new(&ONE_MEDIUM, path, events);
-        let mut crossings = Vec::new();
         let mut now = flips.now();
         let start = if now.region == RegionId(0) { Side::Outside } else { Side::Inside };
         let mut first = 0;
@@ -251,7 +272,7 @@ impl Sweep {
         }
         crossings.extend(weld.finish(events.len(), &mut flips));
         flips.reset(program.faces.len());
-        (start, crossings)
+        start
     }
 }
 

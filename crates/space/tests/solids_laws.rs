@@ -1,6 +1,8 @@
 //! What holds for all solids in R^d: the sides between crossings, the laws of boolean algebra, faces in common, lines
 //! that lie in faces, trees of any depth.
 
+#![allow(clippy::eq_op, reason = "solids less themselves are laws, too")]
+
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_rootray::{RootRay, Side};
 use rayweave_space::{Face, Point, Solid, Tracer, trace};

@@ -132,3 +132,82 @@ impl<const D: usize> Field<D> for Surface<D> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+    use std::array::from_fn;
+
+    fn random_surface(rng: &mut ChaCha8Rng, k: usize) -> Surface<3> {
+        let mut number = || rng.random_range(-2.0..2.0);
+        let matrix = from_fn(|i| from_fn(|j| number() * 0.3 + f64::from(u8::from(i == j))));
+        let map = Affine::new(matrix, from_fn(|_| number())).unwrap_or(Affine::identity());
+        let surface = match k % 4 {
+            0 => Surface::Plane(Plane::new(&[number(), number(), 1.0], number())),
+            1 => Surface::Quadric(Box::new(Quadric::along_axes([1.0, 1.0, -1.0], number()))),
+            2 => Surface::Quadric(Box::new(Quadric::along_axes([1.0, 0.0, 0.5], -1.0))),
+            _ => Surface::Quadric(Box::new(Quadric::along_axes([1.0, 1.0, 1.0], -1.0))),
+        };
+        surface.transformed(&map, &map.inverse().unwrap_or(Affine::identity()))
+    }
+
+    #[test]
+    fn ranges_hold_the_values_of_all_points_of_a_box_and_are_no_wider_than_needed() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for k in 0..400 {
+            let surface = random_surface(&mut rng, k);
+            let middle: Point<3> = from_fn(|_| rng.random_range(-3.0..3.0));
+            let half = libm::pow(10.0, rng.random_range(-6.0..0.0));
+            let (value, gradient) = surface.ranges(&middle.map(|x| Interval::around(x, half)));
+            let holds = |interval: Interval, x: f64| interval.lo - 1e-14 <= x && x <= interval.hi + 1e-14;
+            for _ in 0..50 {
+                let point = from_fn(|j| middle[j] + half * rng.random_range(-1.0..1.0));
+                let (f, grad) = surface.value_and_gradient(&point);
+                assert!(holds(value, f) && (0..3).all(|j| holds(gradient[j], grad[j])), "{surface:?}");
+            }
+            let (_, grad) = surface.value_and_gradient(&middle);
+            let steepest = length(&grad) + 8.0 * half;
+            assert!(value.hi - value.lo <= 12.0 * half * steepest + 1e-12, "{surface:?} {value:?}");
+        }
+    }
+
+    #[test]
+    fn gradients_are_those_of_the_values() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        for k in 0..100 {
+            let surface = random_surface(&mut rng, k);
+            let point: Point<3> = from_fn(|_| rng.random_range(-3.0..3.0));
+            let (_, gradient) = surface.value_and_gradient(&point);
+            for j in 0..3 {
+                let at = |step: f64| {
+                    let moved = from_fn(|i| point[i] + if i == j { step } else { 0.0 });
+                    surface.value_and_gradient(&moved).0
+                };
+                // exact for squares but for rounding
+                assert!(((at(0.5) - at(-0.5)) - gradient[j]).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn thin_and_sheared_ellipsoids_keep_their_points() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        for k in 0..200 {
+            let thin = libm::pow(10.0, -f64::from(k as u8 % 9));
+            let stretch = Affine::<4>::scale([1.0, thin, 1.0, 0.5]).expect("not singular");
+            let turn = Affine::rotation(0, 1, rng.random_range(0.0..360.0)).expect("two axes");
+            let shear = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.3 * (i as f64 - j as f64) }));
+            let shear = Affine::new(shear, [0.5, -1.0, 0.25, 2.0]).expect("not singular");
+            let map = stretch.then(&turn).then(&shear);
+            let ball = Surface::Quadric(Box::new(Quadric::along_axes([1.0; 4], -1.0)));
+            let image = ball.transformed(&map, &map.inverse().expect("not singular"));
+            for _ in 0..20 {
+                let direction: Point<4> = from_fn(|_| rng.random_range(-1.0..1.0));
+                let point = map.point(&crate::vector::unit(&direction).0);
+                let (value, gradient) = image.value_and_gradient(&point);
+                assert!(value.abs() <= delta_of(4.0) * length(&gradient), "{thin:e} {value:e}");
+            }
+        }
+    }
+}
