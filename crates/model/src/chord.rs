@@ -2,7 +2,7 @@
 
 use rayweave_math::{Bounds, Vec3};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::Chord;
+use rayweave_shape::surface::{Chord, delta};
 
 /// A ball around all that is finite in a group: finite leaves and the anchor points of surfaces, doubled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,13 +27,20 @@ impl Ball {
     }
 }
 
+/// A chord is at least so many times as long as the tolerance is wide.
+const LEAST: f64 = 1024.0;
+
 impl Ball {
-    /// Half of the chord of a ray, in units of time.
+    /// Half of the chord of a ray that is closest to the centre at a time, in units of time.
     ///
     /// A model without any length takes that of the ray's origin from its centre or, where the ray starts
-    /// there, the unit of time: so no length is singled out, and scales change nothing.
-    pub fn half_chord(&self, ray: &Ray) -> f64 {
-        let lengths = [self.radius, (ray.origin - self.centre).length(), ray.direction.length()];
+    /// there, the unit of time: so no length is singled out, and scales change nothing. A length that the ray's own
+    /// rounding swallows is none: a lone plane that was turned about the origin has one of 1e-17, and over that every
+    /// ray that meets it there would lie in it.
+    pub fn half_chord(&self, ray: &Ray, closest: f64) -> f64 {
+        let least = LEAST * delta(self.centre.length(), ray, closest);
+        let radius = if self.radius > least { self.radius } else { 0.0 };
+        let lengths = [radius, (ray.origin - self.centre).length(), ray.direction.length()];
         lengths.into_iter().find(|&length| length > 0.0).unwrap_or(0.0) / ray.direction.length()
     }
 }
@@ -44,6 +51,7 @@ impl Ball {
 /// matters is that the chord is as long as the model, so that only a ray that keeps to a surface all along
 /// counts as lying in it.
 pub fn chord(ball: &Ball, ray: &Ray) -> Chord {
-    let (closest, half) = (ray.closest_time(ball.centre), ball.half_chord(ray));
+    let closest = ray.closest_time(ball.centre);
+    let half = ball.half_chord(ray, closest);
     Chord::new(ray, (closest - half, closest + half))
 }

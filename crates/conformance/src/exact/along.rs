@@ -37,7 +37,10 @@ impl Span {
         let chord = |(map, ball): &(Affine, Ball)| {
             let (origin, direction) = (map.point(ray.origin), map.vector(ray.direction));
             let middle = (ball.centre - origin).dot(direction) / direction.length_squared();
-            let lengths = [ball.radius, (origin - ball.centre).length(), direction.length()];
+            // a length that rounding swallows is none
+            let rounding = origin.length() + middle.abs() * direction.length() + ball.centre.length();
+            let radius = if ball.radius > 65536.0 * UNIT_ROUNDOFF * rounding { ball.radius } else { 0.0 };
+            let lengths = [radius, (origin - ball.centre).length(), direction.length()];
             let length = lengths.into_iter().find(|&length| length > 0.0).unwrap_or(0.0);
             (middle, length / direction.length())
         };
