@@ -36,6 +36,8 @@
 //! - Triangles, meshes and OBJ files (chapter 15): there are no meshes.
 //! - Splitting of boxes and dividing of groups (bonus chapter): our hierarchy is built in another way.
 
+#![expect(clippy::approx_constant, reason = "the digits are the book's")]
+
 mod ask;
 mod bounds;
 mod csg;

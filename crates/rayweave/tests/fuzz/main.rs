@@ -1,0 +1,64 @@
+//! The functions that are fuzzed (see `fuzz/README.md`), here on the inputs that were found, and on random ones.
+
+mod arrays;
+mod bytes;
+mod expression;
+mod model_file;
+mod trees;
+
+use std::fs;
+use std::path::Path;
+
+/// Runs a target on all files of its folder; a panic names the file.
+fn replay(target: &str, run: fn(&[u8])) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target);
+    let mut files: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    assert!(files.len() > 10, "{}: {} files", folder.display(), files.len());
+    for file in files {
+        eprintln!("{}", file.display());
+        run(&fs::read(&file).unwrap());
+    }
+}
+
+/// The keys of a schema's objects, wherever they are in it.
+fn keys(schema: &serde_json::Value, found: &mut Vec<String>) {
+    if let Some(properties) = schema.get("properties").and_then(|value| value.as_object()) {
+        found.extend(properties.keys().cloned());
+    }
+    let (list, table) = (schema.as_array(), schema.as_object());
+    list.into_iter().flatten().for_each(|inner| keys(inner, found));
+    table.into_iter().flatten().for_each(|(_, inner)| keys(inner, found));
+}
+
+#[test]
+fn the_dictionary_knows_every_key() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/model_file.dict");
+    let dictionary = fs::read_to_string(path).unwrap();
+    let mut found = Vec::new();
+    keys(&rayweave::scene::schema(), &mut found);
+    assert!(found.len() > 50);
+    for key in found {
+        assert!(dictionary.lines().any(|line| line == format!("\"{key}\"")), "{key}");
+    }
+}
+
+#[test]
+fn model_files() {
+    replay("model_file", model_file::run);
+}
+
+#[test]
+fn expressions() {
+    replay("expression", expression::run);
+}
+
+#[test]
+fn files_of_rays_and_hit_arrays() {
+    replay("arrays", arrays::run);
+}
+
+#[test]
+fn trees_of_solids() {
+    replay("trees", trees::run);
+}
