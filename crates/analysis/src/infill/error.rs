@@ -12,8 +12,8 @@ pub enum InfillError {
     /// The direction of scan lines is no number.
     #[error("the angle is {0} (the direction of scan lines is finite, in degrees)")]
     Angle(f64),
-    /// The angle by which layers are turned is no number.
-    #[error("the turn is {0} (the angle from layer to layer is finite, in degrees)")]
+    /// The angle by which layers are turned is no number, or so large that the angle of the last one is none.
+    #[error("the turn is {0:?} (the angles of all layers are finite, in degrees)")]
     Turn(f64),
     /// The shift of scan lines is no fraction of the spacing.
     #[error("the phase is {0} (it is a fraction of the spacing, from 0 to 1)")]
@@ -21,8 +21,8 @@ pub enum InfillError {
     /// The distance of layers is no positive number.
     #[error("the layer height is {0} (the distance of layers is greater than 0 and finite)")]
     LayerHeight(f64),
-    /// The height of a layer is no number.
-    #[error("height {index} of the layers is {value} (a height is finite)")]
+    /// The height of a layer is no number, or too large for rays.
+    #[error("height {index} of the layers is {value:?} (a height is finite, and at most 1e59 in magnitude)")]
     Height {
         /// The number of the layer.
         index: usize,
@@ -31,7 +31,7 @@ pub enum InfillError {
     },
     /// There are more scan lines than anybody can mean.
     #[error(
-        "the spacing {spacing} makes {lines:.3e} scan lines (at most {most} are filled in one run) use a larger spacing?"
+        "the spacing {spacing:?} makes {lines:.3e} scan lines (at most {most} are filled in one run) use a larger spacing?"
     )]
     TooManyLines {
         /// The distance of scan lines.

@@ -1,6 +1,7 @@
 //! At which heights a solid is cut.
 
 use super::InfillError;
+use super::run::MOST_REACH;
 use rayweave_math::Bounds;
 
 /// The heights of layers.
@@ -25,7 +26,8 @@ impl Layers {
     /// follow from the bounds.
     pub fn heights(&self, name: &str, bounds: &Bounds) -> Result<Vec<f64>, InfillError> {
         match self {
-            Layers::At(heights) => match heights.iter().position(|z| !z.is_finite()) {
+            Layers::At(heights) => match heights.iter().position(|z| !(-MOST_REACH..=MOST_REACH).contains(z))
+            {
                 Some(index) => Err(InfillError::Height { index, value: heights[index] }),
                 None => Ok(heights.clone()),
             },
@@ -78,7 +80,9 @@ mod tests {
             assert!(message(Layers::Every(bad), between(0.0, 1.0)).contains("layer height is"), "{bad}");
         }
         let text = message(Layers::At(vec![1.0, f64::NAN]), between(0.0, 1.0));
-        assert_eq!(text, "height 1 of the layers is NaN (a height is finite)");
+        assert_eq!(text, "height 1 of the layers is NaN (a height is finite, and at most 1e59 in magnitude)");
+        let text = message(Layers::At(vec![1e300]), Bounds::ALL);
+        assert!(text.starts_with("height 0 of the layers is 1e300 ("), "{text}");
         let text = message(Layers::Every(1.0), Bounds::ALL);
         assert!(text.starts_with("ball is unbounded in z"), "{text}");
         assert!(message(Layers::Every(1e-9), between(0.0, 1.0)).contains("at most 1000000"));

@@ -32,8 +32,12 @@ impl Raster {
     }
 
     /// The same scan lines, turned about the origin by this many degrees more.
-    pub fn turned(&self, degrees: f64) -> Raster {
-        Raster { angle: self.angle + degrees, ..*self }
+    ///
+    /// # Errors
+    ///
+    /// `Angle` if they make an angle that is not finite.
+    pub fn turned(&self, degrees: f64) -> Result<Raster, InfillError> {
+        Raster::new(self.spacing, self.angle + degrees, self.phase)
     }
 
     /// The distance of scan lines.
@@ -55,7 +59,8 @@ impl Raster {
     }
 
     /// The numbers of all scan lines that meet a box, given by its smallest and its largest coordinates, and of one
-    /// more on either side: so no rounding of the corners can lose any.
+    /// more on either side, so that no rounding of the corners can lose any, unless that one is twice as far from the
+    /// origin as any corner: with a large spacing it may be farther away than lines can be traced.
     ///
     /// # Errors
     ///
@@ -68,7 +73,18 @@ impl Raster {
         let last = levels.into_iter().fold(f64::NEG_INFINITY, f64::max).ceil() + 1.0;
         let is_countable = first > -MOST_NUMBER && last < MOST_NUMBER;
         match is_countable && last - first < most as f64 {
-            true => Ok(first as i64..last as i64 + 1),
+            true => {
+                let reach = [lo, hi].iter().map(|p| p[0].abs() + p[1].abs()).fold(0.0, f64::max);
+                let is_far = |k: i64| ((k as f64 + self.phase) * self.spacing).abs() > 2.0 * reach;
+                let mut lines = first as i64..last as i64 + 1;
+                while !lines.is_empty() && is_far(lines.start) {
+                    lines.start += 1;
+                }
+                while !lines.is_empty() && is_far(lines.end - 1) {
+                    lines.end -= 1;
+                }
+                Ok(lines)
+            }
             false => {
                 let lines = if is_countable { last - first + 1.0 } else { last.abs().max(first.abs()) };
                 Err(InfillError::TooManyLines { spacing: self.spacing, lines, most })

@@ -11,8 +11,9 @@ use std::ops::Range;
 /// The most scan lines of one run.
 const MOST_LINES: u64 = 10_000_000;
 
-/// The largest coordinate of what is filled: beyond, rays cannot be traced.
-const MOST_REACH: f64 = 1e60;
+/// The largest coordinate of what is filled: scan lines may pass the origin four times as far away, and regions of the
+/// plane are asked up to 1e60.
+pub const MOST_REACH: f64 = 1e59;
 
 /// Scan lines that a thread takes at a time.
 const LINES_PER_TASK: i64 = 512;
@@ -107,9 +108,8 @@ pub fn infill<F: Fillable, X: From<InfillError>>(
     run: &Run,
     mut take: impl FnMut(LayerTraces) -> Result<(), X>,
 ) -> Result<Summary, X> {
-    let heights = plan(fillable, filling, layers)?;
-    let rasters: Vec<Raster> =
-        (0..heights.len()).map(|j| filling.raster.turned(j as f64 * filling.turn)).collect();
+    let heights = plan(fillable, layers)?;
+    let rasters = rasters(filling, heights.len())?;
     let tasks = tasks(&fillable.bounds(), &heights, &rasters)?;
     let mut summary = Summary { layers: heights.len(), ..Summary::default() };
     let mut pieces: Vec<Piece> = Vec::new();
@@ -148,11 +148,8 @@ pub fn infill<F: Fillable, X: From<InfillError>>(
 }
 
 /// The heights of the layers, once it is certain that they can be filled.
-fn plan(fillable: &impl Fillable, filling: &Filling, layers: &Layers) -> Result<Vec<f64>, InfillError> {
+fn plan(fillable: &impl Fillable, layers: &Layers) -> Result<Vec<f64>, InfillError> {
     let (name, bounds) = (fillable.name(), fillable.bounds());
-    if !filling.turn.is_finite() {
-        return Err(InfillError::Turn(filling.turn));
-    }
     if bounds.is_empty() {
         return Err(InfillError::Empty { name });
     }
@@ -170,16 +167,27 @@ fn plan(fillable: &impl Fillable, filling: &Filling, layers: &Layers) -> Result<
     layers.heights(&name, &bounds)
 }
 
-/// The scan lines of all layers in pieces for threads; a layer beyond the bounds has one task without lines.
+/// The scan lines of each layer.
+fn rasters(filling: &Filling, layers: usize) -> Result<Vec<Raster>, InfillError> {
+    let turned = (0..layers).map(|j| filling.raster.turned(j as f64 * filling.turn));
+    // an angle beyond all numbers has no direction
+    turned.collect::<Result<_, _>>().map_err(|_| InfillError::Turn(filling.turn))
+}
+
+/// The scan lines of all layers in pieces for threads; a layer beyond the bounds, or between all lines, has one task
+/// without lines.
 fn tasks(bounds: &Bounds, heights: &[f64], rasters: &[Raster]) -> Result<Vec<Task>, InfillError> {
     let corners = [bounds.lo, bounds.hi].map(|corner| [corner.x, corner.y]);
     let (mut tasks, mut left) = (Vec::new(), MOST_LINES);
     for (layer, (z, raster)) in heights.iter().zip(rasters).enumerate() {
-        if !(bounds.lo.z..=bounds.hi.z).contains(z) {
-            tasks.push(Task { layer, lines: 0..0, is_last: true });
+        let lines = match (bounds.lo.z..=bounds.hi.z).contains(z) {
+            true => raster.scanlines(corners, MOST_LINES)?,
+            false => 0..0,
+        };
+        if lines.is_empty() {
+            tasks.push(Task { layer, lines, is_last: true });
             continue;
         }
-        let lines = raster.scanlines(corners, MOST_LINES)?;
         let count = (lines.end - lines.start) as u64;
         left = left.checked_sub(count).ok_or(InfillError::TooManyLines {
             spacing: raster.spacing(),

@@ -289,6 +289,38 @@ fn settings_out_of_range() {
     let filling = Filling { turn: f64::INFINITY, ..filling(1.0, 0.0, 0.0) };
     let error = fill_with(&flat(&[square(1.0)]), &filling, &floor(), &Run::default()).unwrap_err();
     assert!(matches!(error, InfillError::Turn(_)));
+    // numbers that are finite until the third layer
+    let filling = Filling { raster: Raster::new(1.0, 1e308, 0.0).unwrap(), turn: 5e307, alternate: false };
+    let layers = Layers::At(vec![0.0; 3]);
+    let error = fill_with(&flat(&[square(1.0)]), &filling, &layers, &Run::default()).unwrap_err();
+    assert!(matches!(error, InfillError::Turn(_)), "{error}");
+}
+
+/// Scan lines far beyond the region are not asked: they may be where nothing can be traced.
+#[test]
+fn a_spacing_larger_than_numbers_can_be_traced_loses_no_line() {
+    let middle = vec![[-1.0, -1.0], [2.0, -1.0], [2.0, 3.0], [-1.0, 3.0]];
+    let bar = weave(&plate([-1.0, -1.0, -1.0], [2.0, 3.0, 1.0]));
+    for spacing in [1e10, 1e59, 1e61, 1e120, 1e300, f64::MAX] {
+        for angle in [0.0, 90.0, 30.0] {
+            let through_origin = filling(spacing, angle, 0.0);
+            let layer = &fill(&flat(std::slice::from_ref(&middle)), &through_origin, &floor())[0];
+            assert_eq!(layer.traces.len(), 1, "{spacing:e} {angle}");
+            assert_eq!(fill(&Slices(&bar), &through_origin, &floor())[0].traces.len(), 1);
+            // between two lines there is nothing, but the layer is told
+            let beside = fill(&flat(std::slice::from_ref(&middle)), &filling(spacing, angle, 0.5), &floor());
+            assert_eq!(beside.iter().map(|layer| layer.traces.len()).collect::<Vec<_>>(), [0]);
+        }
+    }
+    // as far out as regions may be filled
+    for angle in [0.0, 45.0, 90.0] {
+        let far = square(1e59);
+        let layer = &fill(&flat(std::slice::from_ref(&far)), &filling(1e58, angle, 0.5), &floor())[0];
+        let area = length(layer) * 1e58;
+        assert!((area / 1e118 - 1.0).abs() < 0.01, "{angle}: {area:e}");
+    }
+    let error = fill_with(&flat(&[square(1e60)]), &filling(1e59, 0.0, 0.0), &floor(), &Run::default());
+    assert!(matches!(error, Err(InfillError::TooFar { .. })), "{error:?}");
 }
 
 #[test]
