@@ -9,6 +9,9 @@ use std::sync::Arc;
 /// The most shapes in a model, occurrences in placed solids not counted.
 const MOST_SHAPES: usize = 24;
 
+/// The most occurrences of a shape: placements in placements are as many as their product.
+const MOST_COPIES: usize = 64;
+
 const SIZES: [f64; 8] = [1.0, 2.0, 0.5, 3.0, 1e-8, 1e8, 0.0, -1.0];
 const PLACES: [f64; 8] = [0.0, 1.0, -1.0, 0.5, 2.0, -0.5, 1e6, 1e-9];
 const ANGLES: [f64; 6] = [90.0, 45.0, 30.0, 180.0, 1e-7, 17.0];
@@ -21,7 +24,7 @@ pub fn run(data: &[u8]) {
     let regions: Vec<Region> = (0..count)
         .map(|k| {
             let mut shapes = MOST_SHAPES / count;
-            let solid = solid(&mut bytes, &mut shapes, 0);
+            let solid = solid(&mut bytes, &mut shapes, 1, 0);
             Region { name: format!("r{k}"), solid, medium: 1 + bytes.below(2) as u32 }
         })
         .collect();
@@ -71,11 +74,12 @@ fn check(program: &Program, answer: &Collected, ray: usize, query: &Query<'_>) {
     assert!(query.limit == Limit::All || crossings.len() <= 1);
 }
 
-fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, depth: usize) -> Solid {
+/// A solid of which there will be so many copies.
+fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, copies: usize, depth: usize) -> Solid {
     if *shapes == 0 || depth > 40 || bytes.rest().is_empty() {
         return Solid::vacuum();
     }
-    let mut part = |bytes: &mut Bytes<'_>| solid(bytes, shapes, depth + 1);
+    let mut part = |bytes: &mut Bytes<'_>| solid(bytes, shapes, copies, depth + 1);
     match bytes.below(16) {
         0 => part(bytes) | part(bytes),
         1 => part(bytes) & part(bytes),
@@ -86,8 +90,9 @@ fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, depth: usize) -> Solid {
         6 => Solid::intersection((0..bytes.below(6)).map(|_| part(bytes)).collect::<Vec<_>>()),
         7 => part(bytes).apply(map(bytes)),
         8 => {
-            let maps: Vec<Affine> = (0..bytes.below(5)).map(|_| map(bytes)).collect();
-            part(bytes).place(maps)
+            let most = (MOST_COPIES / copies).min(4);
+            let maps: Vec<Affine> = (0..bytes.below(most + 1)).map(|_| map(bytes)).collect();
+            solid(bytes, shapes, copies * maps.len().max(1), depth + 1).place(maps)
         }
         9 => {
             let twice = part(bytes);
