@@ -58,6 +58,13 @@ pub fn list(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     Ok(array.as_array().iter().copied().collect())
 }
 
+/// A one-dimensional array as a list of numbers: what functions written in Python check their arguments with.
+#[pyfunction]
+#[pyo3(signature = (values, name))]
+pub fn number_list(values: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
+    list(values, name)
+}
+
 /// The shape as NumPy prints it.
 pub fn shape_text(shape: &[usize]) -> String {
     match shape {

@@ -9,6 +9,7 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 use rayweave::math::Vec3;
 use rayweave::model::{Crossing, Evaluator, Limit, Program, Query, RayAnswer, RegionId, Window, dress};
 use rayweave::shape::Ray;
+use rayweave::space::{Curve, CurveTrace, curve_normal, curve_point};
 
 use crate::arrays::room;
 use crate::engine::{Engine, How, Question, inside, surface};
@@ -45,21 +46,34 @@ impl Table {
         self.start_inside.push(inside(program, answer.start));
         self.start_region.push(answer.start.0 as i32);
         for crossing in &answer.crossings[..count] {
-            self.crossing(program, ray, crossing);
+            let (point, normal) = (dress::point(ray, crossing), dress::normal(program, ray, crossing));
+            self.crossing(program, [point.to_array(), normal.to_array()], crossing);
         }
         if first && count == 0 {
             self.miss(answer.start);
         }
     }
 
-    fn crossing(&mut self, program: &Program, ray: &Ray, crossing: &Crossing) {
+    /// What one curve meets.
+    pub fn of_curve(program: &Program, curve: &dyn Curve<3>, found: &CurveTrace) -> Table {
+        let mut table = Table::default();
+        table.counts.push(found.crossings.len());
+        table.start_inside.push(inside(program, found.start));
+        table.start_region.push(found.start.0 as i32);
+        for crossing in &found.crossings {
+            let dressed = [curve_point(curve, crossing), curve_normal(program, curve, crossing)];
+            table.crossing(program, dressed, crossing);
+        }
+        table
+    }
+
+    fn crossing(&mut self, program: &Program, [point, normal]: [[f64; 3]; 2], crossing: &Crossing) {
         let enters = inside(program, crossing.after);
-        // `normal` looks at regions: out of a region of the world's medium is not out of the solid
-        let normal = dress::normal(program, ray, crossing);
-        let normal = if enters == crossing.enters() { normal } else { -normal };
+        // the normal looks at regions: out of a region of the world's medium is not out of the solid
+        let normal = if enters == crossing.enters() { normal } else { normal.map(|x| -x) };
         self.t.push(crossing.t);
-        self.point.extend(dress::point(ray, crossing).to_array());
-        self.normal.extend(normal.to_array());
+        self.point.extend(point);
+        self.normal.extend(normal);
         self.enters.push(enters);
         self.surface.push(surface(program, crossing));
         self.leaf.push(crossing.face.leaf.0 as i32);
@@ -81,7 +95,8 @@ impl Table {
         self.after.push(region.0 as i32);
     }
 
-    fn append(&mut self, mut other: Table) {
+    /// The rows of other rays after these.
+    pub fn append(&mut self, mut other: Table) {
         self.counts.append(&mut other.counts);
         self.start_inside.append(&mut other.start_inside);
         self.start_region.append(&mut other.start_region);
@@ -141,33 +156,33 @@ pub fn ask<'py>(
     Ok(table)
 }
 
-impl Table {
-    /// Where each ray's rows begin, and their total at the end.
-    fn offsets(&self) -> PyResult<Vec<i64>> {
-        let mut offsets = room(self.counts.len() + 1)?;
-        let mut end = 0;
+/// Where each ray's rows begin, and their total at the end.
+pub fn offsets(counts: &[usize]) -> PyResult<Vec<i64>> {
+    let mut offsets = room(counts.len() + 1)?;
+    let mut end = 0;
+    offsets.push(end);
+    for &count in counts {
+        end += count as i64;
         offsets.push(end);
-        for &count in &self.counts {
-            end += count as i64;
-            offsets.push(end);
-        }
-        Ok(offsets)
     }
+    Ok(offsets)
+}
 
-    /// The number of each row's ray.
-    fn rays(&self) -> PyResult<Vec<i64>> {
-        let mut rays = room(self.t.len())?;
-        for (ray, &count) in self.counts.iter().enumerate() {
-            rays.resize(rays.len() + count, ray as i64);
-        }
-        Ok(rays)
+/// The number of each row's ray; there are so many rows.
+pub fn rows_of(counts: &[usize], rows: usize) -> PyResult<Vec<i64>> {
+    let mut rays = room(rows)?;
+    for (ray, &count) in counts.iter().enumerate() {
+        rays.resize(rays.len() + count, ray as i64);
     }
+    Ok(rays)
+}
 
+impl Table {
     /// The columns as the object that Python sees.
     pub fn into_python<'py>(self, py: Python<'py>, engine: &Engine) -> PyResult<Bound<'py, PyAny>> {
         let fields = PyDict::new(py);
-        fields.set_item("ray", column(py, self.rays()?))?;
-        fields.set_item("offsets", column(py, self.offsets()?))?;
+        fields.set_item("ray", column(py, rows_of(&self.counts, self.t.len())?))?;
+        fields.set_item("offsets", column(py, offsets(&self.counts)?))?;
         fields.set_item("t", column(py, self.t))?;
         fields.set_item("point", column(py, self.point).reshape([self.leaf.len(), 3])?)?;
         fields.set_item("normal", column(py, self.normal).reshape([self.leaf.len(), 3])?)?;

@@ -144,29 +144,44 @@ fn ask<Q: Question, E: Evaluator>(
     question: &Q,
     mut merge: impl FnMut(Q::Answer),
 ) -> PyResult<()> {
-    let len = question.len();
-    let chunks = (0..len).step_by(CHUNK).map(|start| start..len.min(start + CHUNK));
-    // looking up the number of cores takes longer than many a question
-    let threads = match NonZeroUsize::new(len.div_ceil(CHUNK)) {
-        Some(many) if many.get() > 1 => thread_count(how.threads).min(many),
-        _ => NonZeroUsize::MIN,
-    };
-    let mut looked = Instant::now();
-    let result = drive(
-        threads,
-        &Cancel::new(),
-        chunks,
+    in_chunks(
+        question.len(),
+        CHUNK,
+        how.threads,
         || (evaluator.scratch(), Q::Scratch::default()),
         |(memory, scratch), chunk| question.answer(evaluator, chunk, memory, scratch),
         |answer| {
             merge(answer);
-            if looked.elapsed() < PATIENCE {
-                return Ok(());
-            }
-            looked = Instant::now();
-            Python::attach(|py| py.check_signals())
+            Ok(())
         },
-    );
+    )
+}
+
+/// Works on things by their numbers, so many at a time, on several threads; `merge` takes the results in order. To be called
+/// with the interpreter released; Ctrl-C is noticed between chunks.
+pub fn in_chunks<A: Send, M>(
+    len: usize,
+    chunk: usize,
+    threads: Option<NonZeroUsize>,
+    memory: impl Fn() -> M + Sync,
+    work: impl Fn(&mut M, Range<usize>) -> A + Sync,
+    mut merge: impl FnMut(A) -> PyResult<()>,
+) -> PyResult<()> {
+    let chunks = (0..len).step_by(chunk).map(|start| start..len.min(start + chunk));
+    // looking up the number of cores takes longer than many a question
+    let threads = match NonZeroUsize::new(len.div_ceil(chunk)) {
+        Some(many) if many.get() > 1 => thread_count(threads).min(many),
+        _ => NonZeroUsize::MIN,
+    };
+    let mut looked = Instant::now();
+    let result = drive(threads, &Cancel::new(), chunks, memory, work, |answer| {
+        merge(answer)?;
+        if looked.elapsed() < PATIENCE {
+            return Ok(());
+        }
+        looked = Instant::now();
+        Python::attach(|py| py.check_signals())
+    });
     match result {
         Ok(()) => Ok(()),
         Err(Stopped::Failed(error)) => Err(error),

@@ -122,6 +122,7 @@ impl PyExplanation {
         let fields = PyDict::new(py);
         fields.set_item("t_min", question.t_min)?;
         fields.set_item("entries", PyTuple::new(py, entries.collect::<PyResult<Vec<_>>>()?)?)?;
+        fields.set_item("repeated", question.repeated)?;
         fields.set_item("left_out", question.left_out)?;
         fields.set_item("t", question.answer.t)?;
         fields.set_item("before", &**self.region(question.answer.before))?;

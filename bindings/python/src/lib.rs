@@ -2,6 +2,7 @@
 //!
 //! This is the compiled half, `rayweave._core`; the half in Python beside it holds what needs no speed.
 
+mod along;
 mod arrays;
 mod crossings;
 mod engine;
@@ -19,14 +20,20 @@ mod render;
 mod rootray;
 mod shapes;
 mod solid;
+mod space;
 mod timeline;
 mod vectors;
 
-use pyo3::prelude::*;
+use pyo3::pymodule;
 
 /// The compiled half of the package: import from `rayweave` instead.
 #[pymodule]
 mod _core {
+    use crate::space::solid::PySpaceSolid;
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::arrays::number_list;
     #[pymodule_export]
     use crate::error::RayweaveError;
     #[pymodule_export]
@@ -48,5 +55,17 @@ mod _core {
     #[pymodule_export]
     use crate::solid::{PySolid, intersection, place, plenum, solid_from_bytes, union, vacuum};
     #[pymodule_export]
+    use crate::space::curve::{PyArc, PyCurve, PyHelix, PyLine, PyParabola, PySpline};
+    #[pymodule_export]
+    use crate::space::solid::{
+        space_join, space_shape, space_solid_from_steps, space_trace, space_trace_along,
+    };
+    #[pymodule_export]
     use crate::timeline::{ray_timeline_svg, timeline_svg};
+
+    /// The class that is `Solid` in another module, under a name of its own.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("SpaceSolid", module.py().get_type::<PySpaceSolid>())
+    }
 }

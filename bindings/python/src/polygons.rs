@@ -1,16 +1,19 @@
 //! Regions of the plane as a Python class.
 
 use numpy::ndarray::Array2;
-use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use rayweave::polygon::{Polygons, from_polygons};
 use rayweave::rootray::{RootRay, Side};
 
-use crate::arrays::{double_array, list, shape_text};
+use crate::arrays::{double_array, list, room, shape_text};
 use crate::error::{bad_type, bad_value};
 use crate::rootray::PyRootRay;
 use crate::solid::PySolid;
+use crate::space::kinds::polygon_numbers;
+use crate::space::solid::PySpaceSolid;
+use crate::space::table;
 
 /// What makes a region again: a function and its arguments.
 type Remake<'py> = (Bound<'py, PyAny>, (Bound<'py, PyTuple>, i64));
@@ -99,6 +102,25 @@ impl PyPolygons {
         let traced = self.0.trace(origin, direction).map_err(bad_value)?;
         let plain: RootRay = traced.map_surfaces(|_| ());
         Ok(PyRootRay::from_root_ray(plain))
+    }
+
+    /// Whether points (N, 2) or (2,) are inside: bool (N,). A point on the boundary is where the line along +x is just after it.
+    fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let py = points.py();
+        let rows = table::points::<2>(points, "points")?;
+        let mut inside = room(rows.rows.len())?;
+        for (k, point) in rows.rows.iter().enumerate() {
+            let answer = self.0.contains(*point);
+            inside.push(answer.map_err(|error| bad_value(format!("{}: {error}", rows.place(k))))?);
+        }
+        Ok(PyArray1::from_vec(py, inside))
+    }
+
+    /// The region as a solid of `rayweave.space`: of the plane or, unbounded along the other axes, of a space of `d` dimensions.
+    #[pyo3(signature = (d = 2))]
+    fn solid(&self, d: usize) -> PyResult<PySpaceSolid> {
+        let contours: Vec<_> = self.0.contours().map(|contour| contour.corners).collect();
+        PySpaceSolid::make("polygons", d, polygon_numbers(self.0.outside(), &contours), None, &[])
     }
 
     /// The prism over the region, lo < z < hi, as a solid.

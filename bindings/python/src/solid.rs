@@ -17,7 +17,7 @@ use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::render::notebook_png;
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
-use crate::{crossings, hits, pickle, points};
+use crate::{along, crossings, hits, pickle, points};
 
 /// A solid: a boolean combination of shapes under affine maps. It never changes.
 ///
@@ -185,6 +185,21 @@ impl PySolid {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
         crossings::ask(engine, [origins, directions], &how, false)?.into_python(origins.py(), engine)
+    }
+
+    /// All crossings of the surface by one curve, or by each in a list of curves, strictly between two times: see `Crossings`, where
+    /// `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
+    /// What curves are is told in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
+    /// `acceleration_bound(t0, t1)`.
+    #[pyo3(signature = (curves, t_min, t_max, *, threads = None))]
+    fn crossings_along<'py>(
+        &self,
+        curves: &Bound<'py, PyAny>,
+        t_min: &Bound<'py, PyAny>,
+        t_max: &Bound<'py, PyAny>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        along::crossings_along(self.engine(curves.py())?, curves, [t_min, t_max], threads)
     }
 
     /// The first crossing of each ray after t_min: see `Crossings`. A ray that crosses nothing has t = inf, surface = -1, and NaN

@@ -1,6 +1,6 @@
 """Exact ray tracing through constructive solid geometry."""
 
-from rayweave import rootray
+from rayweave import rootray, space
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._core import (
     Explanation,
@@ -84,6 +84,7 @@ __all__ = [
     "render",
     "rootray",
     "slab",
+    "space",
     "sphere",
     "timeline",
     "torus",

@@ -55,9 +55,11 @@ class Question:
     t_min: float
     """The time that was asked from."""
     entries: tuple[Entry, ...]
-    """What happened, in order: operands before their nodes."""
+    """What happened, in order: operands before their nodes; nothing about parts that are known never to change again."""
+    repeated: int
+    """How many more there were about parts that are known."""
     left_out: int
-    """How many more entries there were than are kept."""
+    """How many more there were than are kept."""
     before: str
     """The region until t."""
     after: str

@@ -1,0 +1,255 @@
+"""Solids in spaces of 2, 3 and 4 dimensions, and curves: the same boolean algebra along any trajectory.
+
+Solids: the functions below make a `Solid` of this module, whose last parameter `d` is the dimension of its space. Axes are
+counted from 0; the last axis may well be time. Lengths must be 0 or of a magnitude between 1e-60 and 1e60. The operators are
+``| & - ^ ~``, as for the ordinary solids of `rayweave`.
+
+Curves: `Line`, `Parabola`, `Arc`, `Helix`, `Spline`, or any object of your own with the three methods of `Trajectory`. They
+serve the solids of this module (``solid.crossings_along``) and the ordinary solids and models of `rayweave`, which have a
+method of the same name. Where a curve crosses a surface is found from bounds, not from samples: nothing is missed between
+them. Angles are in degrees.
+
+>>> import rayweave.space as rs
+>>> ring = rs.ball(2, d=2) - rs.ball(1, d=2)
+>>> rs.trace([-4, 0], [-3, 0], ring)
+RootRay(+1, [2.0, 3.0, 5.0, 6.0])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rayweave import _core
+from rayweave._core import Arc, Curve, Helix, Line, Parabola, RayweaveError, RootRay, Spline
+from rayweave._core import SpaceSolid as Solid
+
+__all__ = [
+    "Arc",
+    "Curve",
+    "Helix",
+    "Line",
+    "Parabola",
+    "PointCrossings",
+    "Solid",
+    "Spline",
+    "Trajectory",
+    "ball",
+    "box",
+    "cone",
+    "cylinder",
+    "half_space",
+    "half_space_below",
+    "intersection",
+    "plenum",
+    "prism",
+    "quadric",
+    "slab",
+    "trace",
+    "trace_along",
+    "union",
+    "vacuum",
+]
+
+
+class Trajectory(Protocol):
+    """What a curve of your own must offer: three methods, of which the third is a promise.
+
+    The answers are right if the curve is continuously differentiable and the bound holds. Promises that are seen to be broken
+    are a `RayweaveError` that tells the times; exceptions of these methods come out as they are. An attribute `domain`, a pair
+    of times, may say where the curve is defined; without it, everywhere.
+    """
+
+    def position(self, t: float, /) -> ArrayLike:
+        """r(t): (d,), finite, exact to rounding."""
+
+    def velocity(self, t: float, /) -> ArrayLike:
+        """r'(t): (d,), finite, exact to rounding."""
+
+    def acceleration_bound(self, t0: float, t1: float, /) -> float:
+        """A number that the Euclidean length of r'' nowhere exceeds between two times, t0 < t1: finite, at least 0.
+
+        The closer the bound, the less work; it may be the same for all times.
+        """
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointCrossings:
+    """Where lines or curves cross the surface of a solid in R^d: M rows, sorted by ray, then t.
+
+    A ray is a line or a curve. The rows of ray i are ``offsets[i]:offsets[i + 1]``.
+    """
+
+    ray: NDArray[np.int64]
+    """(M,) the number of the line or curve."""
+    t: NDArray[np.float64]
+    """(M,) when: of a line through p and q, 0 at p and 1 at q; of a curve its own time."""
+    point: NDArray[np.float64]
+    """(M, d) where."""
+    normal: NDArray[np.float64]
+    """(M, d) the unit normal, outward of the solid: against the ray where it enters."""
+    enters: NDArray[np.bool_]
+    """(M,) whether the ray enters the solid, or leaves it."""
+    surface: NDArray[np.int32]
+    """(M,) the face that is crossed, as an index of `surface_names`."""
+    leaf: NDArray[np.int32]
+    """(M,) the shape that the face belongs to, in the order of declaration."""
+    offsets: NDArray[np.int64]
+    """(N + 1,) where the rows of each ray begin, and their total at the end."""
+    start_inside: NDArray[np.bool_]
+    """(N,) whether a line comes from infinity inside, or a curve is inside just after t_min."""
+    surface_names: tuple[str, ...]
+    """The names of all faces: that of the shape; with ``.lo`` and ``.hi`` for a slab, and the axis, ``.lo0``, for a box."""
+
+    def __len__(self) -> int:
+        """The number of rows, M."""
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        return f"<PointCrossings: {len(self)} rows of {len(self.start_inside)} rays>"
+
+
+def vacuum(d: int) -> Solid:
+    """Nothing, in a space of d dimensions: the neutral element of union."""
+    return _shape("vacuum", d)
+
+
+def plenum(d: int) -> Solid:
+    """All of a space of d dimensions: the neutral element of intersection."""
+    return _shape("plenum", d)
+
+
+def half_space(axis: int, d: int, *, offset: float = 0.0) -> Solid:
+    """The points whose coordinate along an axis, from 0 to d - 1, is less than `offset`."""
+    normal = np.zeros(_whole(d, "d"))
+    if not 0 <= _whole(axis, "axis") < d:
+        raise RayweaveError(
+            f"axis {axis} is out of range (R^{d} has the axes 0 to {d - 1}) did you count from 1?"
+        )
+    normal[axis] = 1.0
+    return half_space_below(normal, offset)
+
+
+def half_space_below(normal: ArrayLike, offset: float) -> Solid:
+    """The points p with normal . p < offset. The normal (d,) need not be of unit length, but not zero."""
+    normal = _vector(normal, "normal")
+    return _shape("half_space", len(normal), (), [*normal, offset])
+
+
+def slab(axis: int, lo: float, hi: float, d: int) -> Solid:
+    """The points with lo < x < hi, x the coordinate along an axis; lo < hi."""
+    return _shape("slab", d, [("axis", axis)], [lo, hi])
+
+
+def box(lo: ArrayLike, hi: ArrayLike) -> Solid:
+    """The box between two opposite corners (d,), the first less than the second in every coordinate."""
+    lo, hi = _vector(lo, "lo"), _vector(hi, "hi")
+    if len(lo) != len(hi):
+        raise RayweaveError(f"lo has {len(lo)} numbers and hi has {len(hi)} (they must be of one space)")
+    return _shape("box", len(lo), (), [*lo, *hi])
+
+
+def quadric(n: int, m: int, bias: float, d: int | None = None) -> Solid:
+    """The points where the sum of the first m squared coordinates minus that of the next n - m, plus bias, is less than 0.
+
+    0 <= m <= n <= d; the other d - n coordinates are free; d is n unless it is given. n = m = d is a ball of radius
+    sqrt(-bias), n = m < d a cylinder, m < n with bias 0 a cone, with bias < 0 a hyperboloid of one sheet if m > 1, with
+    bias > 0 of two.
+    """
+    return _shape("quadric", n if d is None else d, [("n", n), ("m", m)], [bias])
+
+
+def cylinder(m: int, radius: float, d: int) -> Solid:
+    """The points whose first m coordinates (1 <= m <= d) are in a ball of this radius (> 0), unbounded in the others.
+
+    m = 2, d = 3 is the ordinary cylinder along z; m = 3, d = 4 is a ball at rest in space-time.
+    """
+    return _shape("cylinder", d, [("m", m)], [radius])
+
+
+def cone(m: int, slope: float, d: int) -> Solid:
+    """The double cone with its apex at the origin: the length of the first m coordinates is less than slope times that of the others.
+
+    1 <= m < d, slope > 0. m = d - 1 is a cone about the last axis; with time last and slope c it is the light cone of the
+    origin.
+    """
+    return _shape("cone", d, [("m", m)], [slope])
+
+
+def ball(radius: float, d: int) -> Solid:
+    """The points nearer to the origin than radius (> 0)."""
+    return _shape("ball", d, (), [radius])
+
+
+def prism(points: ArrayLike, d: int) -> Solid:
+    """The points whose first two coordinates lie in a simple polygon, convex or not, unbounded in the others.
+
+    `points` (N, 2) may go either way round. The face of the edge from point k to the next is called ``edge`` k. For holes and
+    several contours see `rayweave.from_polygons`.
+    """
+    array = np.asarray(points)
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise RayweaveError(f"points has shape {array.shape} ((N, 2) is needed)")
+    return _shape("prism", d, (), _vector(array.ravel(), "points"))
+
+
+def union(solids: Iterable[Solid]) -> Solid:
+    """Inside any of the solids: at least one, all of one dimension."""
+    return _core.space_join("union", solids)
+
+
+def intersection(solids: Iterable[Solid]) -> Solid:
+    """Inside all of the solids: at least one, all of one dimension."""
+    return _core.space_join("intersection", solids)
+
+
+def trace(p: ArrayLike, q: ArrayLike, solid: Solid) -> RootRay:
+    """The root-ray of the line through two points (d,), over all t: 0 at p, 1 at q.
+
+    Raises `RayweaveError` if p and q are the same point, or for a coordinate that is not finite. For faces, points and normals,
+    and for many lines at once, see `Solid.crossings`.
+    """
+    return _core.space_trace(p, q, solid)
+
+
+def trace_along(curve: Trajectory, solid: Solid, t_min: float, t_max: float) -> RootRay:
+    """The root-ray of a curve strictly between two finite times; its start is the side just after t_min.
+
+    Raises `RayweaveError` for a window that is not finite, empty or beyond the curve's domain, for a curve of another space and
+    for one that breaks its promises (see `Trajectory`). For faces, points and normals, and for many curves at once, see
+    `Solid.crossings_along`.
+    """
+    return _core.space_trace_along(curve, solid, t_min, t_max)
+
+
+def _shape(call: str, d: int, counts: Iterable[tuple[str, int]] = (), numbers: Iterable[float] = ()) -> Solid:
+    return _core.space_shape(call, d, list(counts), list(numbers))
+
+
+def _whole(number: int, name: str) -> int:
+    if isinstance(number, bool) or not isinstance(number, (int, np.integer)):
+        raise TypeError(f"{name} is {type(number)} (a whole number is needed)")
+    if name == "d" and number not in (2, 3, 4):
+        raise RayweaveError(f"the dimension is {number} (spaces of 2, 3 and 4 dimensions can be asked)")
+    return int(number)
+
+
+def _vector(values: ArrayLike, name: str) -> list[float]:
+    return _core.number_list(values, name)
+
+
+def _restore(name: str, maker: str | None, arguments: tuple[Any, ...]) -> Curve:
+    """A curve from what pickling wrote."""
+    if name not in ("Arc", "Helix", "Line", "Parabola", "Spline") or maker not in (
+        None,
+        "about",
+        "with_frequency",
+    ):
+        raise RayweaveError("what was pickled is no curve of this version")
+    made = globals()[name]
+    curve: Curve = (made if maker is None else getattr(made, maker))(*arguments)
+    return curve

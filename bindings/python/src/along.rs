@@ -1,0 +1,35 @@
+//! Solids and models of space along curves.
+
+use pyo3::prelude::*;
+use rayweave::space::trace_curve;
+
+use crate::crossings::Table;
+use crate::engine::{Engine, thread_argument};
+use crate::space::follow::follow;
+
+/// All crossings of one curve, or of each in a list of them.
+pub fn crossings_along<'py>(
+    engine: &Engine,
+    curves: &Bound<'py, PyAny>,
+    window: [&Bound<'py, PyAny>; 2],
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let threads = threads.map(thread_argument).transpose()?;
+    let program = &*engine.program;
+    let mut table = Table::default();
+    follow::<3, (), Table>(
+        curves,
+        window,
+        threads,
+        || (),
+        |(), curve, t0, t1| {
+            let found = trace_curve(program, curve, t0, t1)?;
+            Ok(Table::of_curve(program, curve, &found))
+        },
+        |part| {
+            table.append(part);
+            Ok(())
+        },
+    )?;
+    table.into_python(curves.py(), engine)
+}
