@@ -40,7 +40,8 @@ def test_records_of_the_chain() -> None:
     assert first.entries[0].node == "s1" and first.entries[0].verdict == "leaf"
     assert first.entries[0].rule is None and first.entries[0].face == "s1.side"
     assert first.entries[0].text == "s1 is entered at 0.0375, through s1.side."
-    assert sum(len(question.entries) for question in told.questions) == told.steps == 93
+    assert sum(len(question.entries) + question.repeated for question in told.questions) == told.steps == 93
+    assert [question.left_out for question in told.questions] == [0, 0, 0]
     assert told.questions is told.questions
 
 

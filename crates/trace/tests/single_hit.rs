@@ -464,7 +464,7 @@ fn deep_chain(count: u32) -> Arc<Program> {
 fn long_stories_are_cut_and_say_so() {
     let told = single_hit(deep_chain(1_000)).explain(along_x(), &Query::default());
     let kept: usize = told.questions.iter().map(|question| question.entries.len()).sum();
-    assert_eq!(kept, MOST_ENTRIES);
+    assert!(kept == MOST_ENTRIES && told.questions.iter().any(|question| question.left_out > 0));
     assert!(told.steps() > 10 * MOST_ENTRIES);
     let lines =
         |text: &str| text.lines().filter(|line| line.contains("(rule ") || line.contains("through")).count();
@@ -490,7 +490,10 @@ fn settled_parts_of_large_models_take_one_line() {
     let s = Solid::union(far.chain([near]));
     let story = single_hit(Arc::new(Program::compile(&s).unwrap())).explain(along_x(), &Query::default());
     let text = story.to_string();
-    assert!(story.steps() > 8192);
+    assert!(story.steps() > 3 * 8192);
+    // what never changes again is kept once
+    let kept: usize = story.questions.iter().map(|question| question.entries.len()).sum();
+    assert!(kept < 8250, "{kept}");
     assert!(text.lines().count() < 120, "{text}");
     assert!(text.contains("near is entered at 4, through near.side."), "{text}");
     assert!(!text.contains("left out"), "{text}");

@@ -2,6 +2,7 @@
 
 use super::evaluator::WatchWalk;
 use super::names::Names;
+use super::settled::Settled;
 use super::{Next, SingleHit, Step, Verdict, Watch};
 use rayweave_model::{
     Crossing, Evaluator, Face, GroupRay, LeafId, Limit, Program, PrototypeId, Query, RegionId,
@@ -36,9 +37,12 @@ pub struct Explanation {
 pub struct Question {
     /// The time that is asked from, which may be -inf.
     pub t_min: f64,
-    /// Every leaf asked and every decision made, in order; [`MOST_ENTRIES`] of all questions together.
+    /// Every leaf asked and every decision made, in order, but for parts that are known never to change again;
+    /// [`MOST_ENTRIES`] of all questions together.
     pub entries: Vec<Entry>,
-    /// How many more there were.
+    /// How many more there were about parts that are known.
+    pub repeated: usize,
+    /// How many more there were for which there is no room.
     pub left_out: usize,
     /// The answer: numbers of regions, 0 is the world.
     pub answer: Step,
@@ -169,6 +173,7 @@ impl Explanation {
             questions: Vec::new(),
             found: Vec::new(),
             t_max: query.window.t_max(),
+            settled: Settled::default(),
             room: MOST_ENTRIES,
         };
         let start = evaluator.walk(ray, query, !starts.is_empty(), &mut level, &mut scratch, &mut recorder);
@@ -180,7 +185,8 @@ impl Explanation {
 
     /// How many leaves were asked and decisions made, those included that are not kept.
     pub fn steps(&self) -> usize {
-        self.questions.iter().map(|question| question.entries.len() + question.left_out).sum()
+        let steps = |question: &Question| question.entries.len() + question.repeated + question.left_out;
+        self.questions.iter().map(steps).sum()
     }
 }
 
@@ -196,24 +202,25 @@ struct Recorder<'a, F> {
     questions: Vec<Question>,
     found: Vec<Found>,
     t_max: f64,
+    settled: Settled,
     /// How many entries are still taken.
     room: usize,
 }
 
 impl<F> Recorder<'_, F> {
-    /// False, and the entry is counted, if there is no room for it.
-    fn has_room(&mut self) -> bool {
+    /// False, and the entry is counted, if it is about what is known or there is no room for it.
+    fn takes(&mut self, node: usize) -> bool {
+        let is_known = self.settled.contains(node);
         match self.questions.last_mut() {
-            Some(_) if self.room > 0 => {
+            Some(question) if is_known => question.repeated += 1,
+            Some(question) if self.room == 0 => question.left_out += 1,
+            Some(_) => {
                 self.room -= 1;
-                true
+                return true;
             }
-            Some(question) => {
-                question.left_out += 1;
-                false
-            }
-            None => false,
+            None => {}
         }
+        false
     }
 
     fn record(&mut self, node: usize, what: What) {
@@ -225,6 +232,9 @@ impl<F> Recorder<'_, F> {
             meaning: self.names.meaning(node),
             what,
         };
+        if entry.what.is_settled() {
+            self.settled.add(entry.begin, node + 1);
+        }
         if let Some(question) = self.questions.last_mut() {
             question.entries.push(entry);
         }
@@ -244,7 +254,7 @@ impl<F> Recorder<'_, F> {
 impl<F: Fn(u32, f64) -> Option<Face>> Watch for Recorder<'_, F> {
     fn leaf(&mut self, node: usize, t_min: f64, answer: Next) {
         let Some(number) = self.names.leaf(node) else { return };
-        if self.has_room() {
+        if self.takes(node) {
             let face = (self.next_face)(number, t_min);
             let face_name = face.map(|face| self.face_name(face));
             let leaf = self.names.leaf_id(number);
@@ -253,7 +263,7 @@ impl<F: Fn(u32, f64) -> Option<Face>> Watch for Recorder<'_, F> {
     }
 
     fn gate(&mut self, node: usize, operands: [Step; 2], verdict: Verdict) {
-        if self.has_room() {
+        if self.takes(node) {
             let value = self.names.gate_value(node, operands.map(|step| step.before));
             let places = self.names.operands(node);
             let operands = [self.operand(places[0], operands[0]), self.operand(places[1], operands[1])];
@@ -268,6 +278,7 @@ impl<F: Fn(u32, f64) -> Option<Face>> WatchWalk for Recorder<'_, F> {
         self.questions.push(Question {
             t_min,
             entries: Vec::new(),
+            repeated: 0,
             left_out: 0,
             answer,
             changes_medium: false,

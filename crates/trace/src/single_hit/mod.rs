@@ -19,6 +19,7 @@ mod explain;
 mod names;
 mod roots;
 mod rule;
+mod settled;
 mod sides;
 mod story;
 mod tree;

@@ -2,7 +2,6 @@
 
 use super::explain::{Entry, Explanation, Found, Meaning, Operand, Question, What};
 use super::{Next, Step, Verdict};
-use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
@@ -43,7 +42,6 @@ impl Explanation {
     }
 }
 
-/// What has been told to be so for good is not told again, and what follows from a decision is left out.
 impl fmt::Display for Explanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.story(MOST_LINES).fmt(f)
@@ -53,16 +51,15 @@ impl fmt::Display for Explanation {
 impl fmt::Display for Story<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (o, d) = (self.told.ray.origin, self.told.ray.direction);
-        let [ox, oy, oz, dx, dy, dz] = [o.x, o.y, o.z, d.x, d.y, d.z].map(full);
+        let [ox, oy, oz, dx, dy, dz] = [o.x, o.y, o.z, d.x, d.y, d.z].map(|x| Figures::PEOPLE.text(x));
         writeln!(f, "The ray ({ox}, {oy}, {oz}) + t ({dx}, {dy}, {dz}).\n\n{LEGEND}")?;
-        let mut settled = Settled::default();
         let (mut room, mut untold) = (self.most_lines, 0);
         for question in &self.told.questions {
             if room == 0 {
                 untold += 1;
                 continue;
             }
-            let shown = settled.shown(&question.entries);
+            let shown = shown(&question.entries);
             room = room.saturating_sub(self.question(f, question, &shown, room)?);
         }
         if untold > 0 {
@@ -271,38 +268,16 @@ fn subject(operand: &Operand) -> Arc<str> {
     }
 }
 
-/// The sub-trees that are known never to change again: disjoint ranges of the post-order, by their beginnings.
-#[derive(Default)]
-struct Settled(BTreeMap<usize, usize>);
-
-impl Settled {
-    fn contains(&self, node: usize) -> bool {
-        self.0.range(..=node).next_back().is_some_and(|(_, &end)| node < end)
-    }
-
-    fn add(&mut self, begin: usize, end: usize) {
-        while let Some((&inner, _)) = self.0.range(begin..end).next() {
-            self.0.remove(&inner);
+/// The entries that are told: not those that lead to nothing but a node that is settled, too, right after them.
+fn shown(entries: &[Entry]) -> Vec<&Entry> {
+    let mut shown: Vec<&Entry> = Vec::new();
+    for entry in entries {
+        if entry.what.is_settled() {
+            forget_settled(&mut shown, entry);
         }
-        self.0.insert(begin, end);
+        shown.push(entry);
     }
-
-    /// The entries that are told: not those that are known, nor those that lead to nothing but a node that is
-    /// settled, too, right after them.
-    fn shown<'e>(&mut self, entries: &'e [Entry]) -> Vec<&'e Entry> {
-        let mut shown: Vec<&Entry> = Vec::new();
-        for entry in entries {
-            if self.contains(entry.node) {
-                continue;
-            }
-            if entry.what.is_settled() {
-                forget_settled(&mut shown, entry);
-                self.add(entry.begin, entry.node + 1);
-            }
-            shown.push(entry);
-        }
-        shown
-    }
+    shown
 }
 
 /// Drops the lines below a settled node if they are about settled nodes only.
@@ -323,6 +298,9 @@ struct Figures {
 impl Figures {
     /// Of all that are enough for a double.
     const ALL: usize = 17;
+
+    /// For people to read.
+    const PEOPLE: Figures = Figures { digits: 10 };
 
     fn new(told: &Explanation) -> Figures {
         let mut times: Vec<f64> = told.crossings.iter().map(|found| found.crossing.t).collect();

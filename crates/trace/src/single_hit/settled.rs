@@ -1,0 +1,37 @@
+//! Which parts of a tree are known never to change again.
+
+use std::collections::BTreeMap;
+
+/// Disjoint ranges of the post-order, by their beginnings.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Settled(BTreeMap<usize, usize>);
+
+impl Settled {
+    pub fn contains(&self, node: usize) -> bool {
+        self.0.range(..=node).next_back().is_some_and(|(_, &end)| node < end)
+    }
+
+    /// Adds a sub-tree, which holds or is apart from each that is known.
+    pub fn add(&mut self, begin: usize, end: usize) {
+        while let Some((&inner, _)) = self.0.range(begin..end).next() {
+            self.0.remove(&inner);
+        }
+        self.0.insert(begin, end);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sub_trees_swallow_theirs() {
+        let mut settled = Settled::default();
+        settled.add(2, 3);
+        settled.add(7, 9);
+        settled.add(0, 5);
+        let inside: Vec<usize> = (0..12).filter(|&node| settled.contains(node)).collect();
+        assert_eq!(inside, [0, 1, 2, 3, 4, 7, 8]);
+        assert_eq!(settled.0.len(), 2);
+    }
+}
