@@ -21,7 +21,7 @@ WITH_PYTHON = [page for page in PAGES if blocks(page)]
 
 def test_pages_are_found():
     names = {page.relative_to(ROOT).as_posix() for page in WITH_PYTHON}
-    assert {"README.md", "docs/concepts/algebra.md"} <= names
+    assert {"README.md", "docs/concepts/algebra.md", "docs/guides/curves.md"} <= names
 
 
 @pytest.mark.parametrize("page", WITH_PYTHON, ids=lambda page: page.relative_to(ROOT).as_posix())

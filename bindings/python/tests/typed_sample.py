@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rayweave
-from rayweave import Operation, RootRay, Solid, rootray
+from rayweave import Operation, RootRay, Solid, rootray, space
 
 
 def hit_arrays() -> None:
@@ -27,6 +27,38 @@ def regions() -> None:
     assert len(rayweave.infill(region, 0.1, 45, phase=0.5, turn=90, alternate=True)) > 0
     assert len(rayweave.infill(rayweave.sphere(1), 1, layers=np.array([0.5]), evaluator="weave", threads=1)) > 0
     assert len(rayweave.infill(rayweave.sphere(1), 1, layer_height=0.5)) > 0
+
+
+class Circle:
+    """A curve of one's own."""
+
+    def position(self, t: float) -> NDArray[np.float64]:
+        return np.array([np.cos(t), np.sin(t), 0.0])
+
+    def velocity(self, t: float) -> list[float]:
+        return [-float(np.sin(t)), float(np.cos(t)), 0.0]
+
+    def acceleration_bound(self, t0: float, t1: float) -> float:
+        return 1.0
+
+
+def curves() -> None:
+    disc = space.ball(2, 2) | space.box([0, 0], (1, 5)) - space.quadric(2, 2, -1)
+    assert_type(disc, space.Solid)
+    assert_type(disc.dimension, int)
+    assert_type(space.trace([0, 0], np.ones(2), disc.scale(2).rotate(0, 1, 90)), RootRay)
+    assert_type(disc.crossings([[0, 0]], [1, 1], threads=1), space.PointCrossings)
+    assert_type(disc.contains([0, 0]), NDArray[np.bool_])
+    tower = space.union([disc.extrude(3), space.half_space(2, 3, offset=-9)]).translate([0, 0, 1])
+    assert_type(space.trace_along(Circle(), tower.affine(np.eye(3)), 0, 1), RootRay)
+    assert_type(rayweave.from_polygons([[[0, 0], [1, 0], [0, 1]]]).solid(4), space.Solid)
+    helix = space.Helix((0, 0, 0), (0, 1, 1), (0, 0, 1), radius=2)
+    assert_type(helix.position([0, 1]), NDArray[np.float64])
+    found = rayweave.sphere(1.5).crossings_along([helix, Circle()], 0.0, [5.0, 6.0])
+    assert_type(found, rayweave.Crossings)
+    curve: space.Curve = space.Spline([0, 1, 2], np.zeros((3, 2)), ends="natural")
+    follower: space.Trajectory = curve
+    assert_type(disc.crossings_along(follower, 0, 2).normal, NDArray[np.float64])
 
 
 def root_rays() -> None:
@@ -94,6 +126,7 @@ def pictures(solid: Solid) -> None:
 def main() -> None:
     hit_arrays()
     regions()
+    curves()
     root_rays()
     solid = solids()
     questions(solid)

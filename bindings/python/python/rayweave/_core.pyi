@@ -4,6 +4,7 @@ from typing import Any, Literal, Self, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import disjoint_base
 
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._explain import Passage, Question
@@ -366,6 +367,7 @@ def space_trace_along(
 ) -> RootRay: ...
 def number_list(values: ArrayLike, name: str) -> list[float]: ...
 
+@disjoint_base
 class Curve:
     @property
     def dimension(self) -> int: ...

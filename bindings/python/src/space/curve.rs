@@ -104,7 +104,7 @@ impl PyCurve {
     /// A number that the length of r'' nowhere exceeds between two times, t0 < t1.
     #[pyo3(signature = (t0, t1))]
     fn acceleration_bound(&self, t0: f64, t1: f64) -> PyResult<f64> {
-        if !(t0 < t1) {
+        if t0.is_nan() || t1.is_nan() || t0 >= t1 {
             return Err(bad_value(format!("t0 is {t0} and t1 is {t1} (t0 must be less than t1)")));
         }
         Ok(each!(AnyCurve, &self.any, curve => curve.acceleration_bound(t0, t1)))
@@ -139,14 +139,14 @@ impl PyCurve {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let module = py.import("rayweave.space")?;
         let arguments: PyResult<Vec<_>> =
-            self.arguments.iter().map(|(_, argument)| argument.into_python(py)).collect();
+            self.arguments.iter().map(|(_, argument)| argument.to_python(py)).collect();
         let parts = (self.class, self.maker, PyTuple::new(py, arguments?)?).into_pyobject(py)?;
         Ok((module.getattr("_restore")?, parts))
     }
 }
 
 impl Argument {
-    fn into_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Ok(match self {
             Argument::Number(number) => number.into_pyobject(py)?.into_any(),
             Argument::List(numbers) => numbers.into_pyobject(py)?,
