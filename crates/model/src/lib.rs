@@ -26,6 +26,7 @@ mod print;
 mod program;
 mod rays;
 mod solid;
+mod sweep;
 
 pub use chord::{Ball, chord};
 pub use error::{CompileError, CompileProblem};
@@ -39,3 +40,4 @@ pub use ids::{LeafId, NodeId, PlacementId, PrototypeId, RegionId, SurfaceId};
 pub use program::{Leaf, LeafFacet, LeafKind, MARGIN, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
 pub use rays::{BadRay, RayBatch, Rays};
 pub use solid::{Node, Region, Solid};
+pub use sweep::{NetworkFlips, Sweep};

@@ -18,11 +18,11 @@ use crate::isolate::check_window;
 use crate::{Curve, Point};
 use boxes::Boxes;
 use rayweave_math::Vec3;
-use rayweave_model::gate::{Network, NetworkState};
-use rayweave_model::weld::{Change, Flips, Trajectory, Weld, attribute};
+use rayweave_model::gate::NetworkState;
+use rayweave_model::weld::{Flips, Trajectory, Weld};
 use rayweave_model::{
     Crossing, Event, Face, LeafEvents, LeafFacet, LeafId, LeafKind, Program, Prototype, PrototypeId,
-    RegionId, State, dress,
+    RegionId, State, Sweep, dress,
 };
 use rayweave_rootray::RootRay;
 use rayweave_shape::Ray;
@@ -208,16 +208,9 @@ impl<'a> Frame<'a> {
         let leaf = self.stands_for;
         let mut inside = self.state.output(0);
         outer.start_at(leaf, inside);
-        let mut sweep = Sweep::new(&self.prototype.network, &mut self.state, &self.events);
-        while let Some((t, first)) = sweep.step() {
-            if sweep.flips.output(0) != inside {
-                inside = !inside;
-                let output = |f: &mut NetworkFlips<'_>| u32::from(f.output(0));
-                let end = sweep.position;
-                let face = attribute(&self.events, first..end, end, &mut sweep.flips, output);
-                outer.events.push(Event { t, leaf, face });
-            }
-        }
+        let mut sweep = Sweep::new(&self.prototype.network, &mut self.state, &self.events, f64::INFINITY);
+        let flips = std::iter::from_fn(|| sweep.next_flip(&mut inside));
+        outer.events.extend(flips.map(|(t, face)| Event { t, leaf, face }));
     }
 
     /// The crossings of the model itself.
@@ -227,19 +220,14 @@ impl<'a> Frame<'a> {
             let region = RegionId(winner);
             State { region, medium: program.medium_of(region) }
         };
-        let mut sweep = Sweep::new(&self.prototype.network, &mut self.state, &self.events);
+        let mut sweep = Sweep::new(&self.prototype.network, &mut self.state, &self.events, f64::INFINITY);
         let mut now = state(sweep.flips.winner());
         let mut trace = CurveTrace { start: now.region, crossings: Vec::new() };
         let mut weld = Weld::new(program, Along(curve), &self.events);
-        while let Some((t, first)) = sweep.step() {
-            let after = state(sweep.flips.winner());
-            let before = std::mem::replace(&mut now, after);
-            if before.region != after.region {
-                let change = Change { t, first, end: sweep.position, before, after };
-                trace.crossings.extend(weld.change(change, &mut sweep.flips));
-            }
+        while let Some(change) = sweep.next_change(&mut now, state) {
+            trace.crossings.extend(weld.change(change, &mut sweep.flips));
         }
-        trace.crossings.extend(weld.finish(sweep.position, &mut sweep.flips));
+        trace.crossings.extend(weld.finish(sweep.position(), &mut sweep.flips));
         trace
     }
 }
@@ -253,49 +241,5 @@ impl Trajectory for Along<'_> {
         let view = steps.fold(View::world(self.0), |view, place| view.placed(place, 0));
         // a curve that breaks its promises was found out in isolation; what is new here hugs nothing
         view.hugs(program.surface(face.surface), a, b).unwrap_or(false)
-    }
-}
-
-/// A network with its state, as the weld sees it.
-struct NetworkFlips<'a> {
-    network: &'a Network,
-    state: &'a mut NetworkState,
-}
-
-impl Flips for NetworkFlips<'_> {
-    fn flip(&mut self, leaf: u32) {
-        self.network.flip(self.state, leaf);
-    }
-
-    fn winner(&mut self) -> u32 {
-        self.state.winner()
-    }
-
-    fn output(&mut self, k: u32) -> bool {
-        self.state.output(k)
-    }
-}
-
-/// Events running through a network, all of one time at a step.
-struct Sweep<'a> {
-    flips: NetworkFlips<'a>,
-    events: &'a [Event],
-    position: usize,
-}
-
-impl<'a> Sweep<'a> {
-    fn new(network: &'a Network, state: &'a mut NetworkState, events: &'a [Event]) -> Self {
-        Sweep { flips: NetworkFlips { network, state }, events, position: 0 }
-    }
-
-    /// Flips all leaves of the next time; that time and the first of its events.
-    fn step(&mut self) -> Option<(f64, usize)> {
-        let first = self.position;
-        let t = self.events.get(first)?.t;
-        while let Some(event) = self.events.get(self.position).filter(|event| event.t == t) {
-            self.flips.flip(event.leaf);
-            self.position += 1;
-        }
-        Some((t, first))
     }
 }

@@ -2,13 +2,13 @@
 
 use crate::curve::Line;
 use crate::error::{SpaceError, check};
-use crate::isolate::{hugs, isolate};
+use crate::isolate::{check_window, hugs, isolate};
 use crate::point::{dot, length, minus};
 use crate::program::{FaceEntry, Program};
 use crate::vector::{largest, times};
 use crate::{Curve, Field, Point, Solid};
 use rayweave_model::gate::{Network, NetworkState};
-use rayweave_model::weld::{Change, Flips, Trajectory, Weld};
+use rayweave_model::weld::{Flips, Trajectory, Weld};
 use rayweave_model::{Crossing, Event, LeafId, PlacementId, RegionId, State, SurfaceId};
 use rayweave_rootray::{Root, RootRay, Side};
 use std::sync::{Arc, LazyLock};
@@ -132,6 +132,8 @@ impl<const D: usize> Tracer<D> {
         t0: f64,
         t1: f64,
     ) -> Result<RootRay<Face<D>>, SpaceError> {
+        // without faces nobody else would
+        check_window(curve, t0, t1)?;
         let flips: Result<Vec<RootRay>, _> =
             self.program.faces.iter().map(|entry| isolate(entry, curve, t0, t1)).collect();
         self.sweep.begin();
@@ -255,59 +257,16 @@ impl Sweep {
         let Sweep { state, events, crossings, .. } = self;
         crossings.clear();
         events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
-        let mut flips = Following { network: &program.network, state };
+        let state_of = |winner| State { region: RegionId(winner), medium: winner };
+        let mut sweep = rayweave_model::Sweep::new(&program.network, state, events, f64::INFINITY);
         let mut weld = Weld::new(&ONE_MEDIUM, path, events);
-        let mut now = flips.now();
-        let start = if now.region == RegionId(0) { Side::Outside } else { Side::Inside };
-        let mut first = 0;
-        while first < events.len() {
-            let t = events[first].t;
-            let end = first + events[first..].iter().take_while(|event| event.t == t).count();
-            events[first..end].iter().for_each(|event| flips.flip(event.leaf));
-            let before = std::mem::replace(&mut now, flips.now());
-            if before.region != now.region {
-                crossings.extend(weld.change(Change { t, first, end, before, after: now }, &mut flips));
-            }
-            first = end;
+        let mut now = state_of(sweep.flips.winner());
+        let start = Side::from_inside(now.region != RegionId(0));
+        while let Some(change) = sweep.next_change(&mut now, state_of) {
+            crossings.extend(weld.change(change, &mut sweep.flips));
         }
-        crossings.extend(weld.finish(events.len(), &mut flips));
-        flips.reset(program.faces.len());
+        crossings.extend(weld.finish(sweep.position(), &mut sweep.flips));
+        sweep.rest(0..program.faces.len() as u32);
         start
-    }
-}
-
-/// A network with its state, as the weld flips it.
-struct Following<'a> {
-    network: &'a Network,
-    state: &'a mut NetworkState,
-}
-
-impl Following<'_> {
-    fn now(&self) -> State {
-        let winner = self.state.winner();
-        State { region: RegionId(winner), medium: winner }
-    }
-
-    /// Puts every leaf outside.
-    fn reset(&mut self, leaves: usize) {
-        for leaf in 0..leaves as u32 {
-            if self.state.leaf(leaf) {
-                self.network.flip(self.state, leaf);
-            }
-        }
-    }
-}
-
-impl Flips for Following<'_> {
-    fn flip(&mut self, leaf: u32) {
-        self.network.flip(self.state, leaf);
-    }
-
-    fn winner(&mut self) -> u32 {
-        self.state.winner()
-    }
-
-    fn output(&mut self, k: u32) -> bool {
-        self.state.output(k)
     }
 }

@@ -291,3 +291,15 @@ fn points_are_inside_or_not_and_on_a_face_where_w_leads() {
     assert_eq!(Solid::<2>::plenum().compile().unwrap().contains([0.0; 2]), Ok(true));
     assert_eq!(Solid::<2>::vacuum().compile().unwrap().contains([0.0; 2]), Ok(false));
 }
+
+/// Where a solid has no faces nobody follows the curve; its window is looked at all the same.
+#[test]
+fn windows_are_checked_for_constant_solids_too() {
+    let line = rayweave_space::curve::Line::new([0.0; 2], [1.0, 0.0]);
+    for solid in [Solid::<2>::vacuum(), Solid::plenum()] {
+        for (t0, t1) in [(1.0, f64::NAN), (1.0, 1.0), (2.0, 1.0), (0.0, f64::INFINITY)] {
+            let refused = trace_along(&line, t0, t1, &solid);
+            assert!(matches!(refused, Err(SpaceError::Curve(_))), "{t0} {t1}: {refused:?}");
+        }
+    }
+}

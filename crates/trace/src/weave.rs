@@ -7,11 +7,12 @@
 
 use crate::accel::Accel;
 use rayweave_math::Vec3;
-use rayweave_model::gate::{Network, NetworkState};
-use rayweave_model::weld::{Change, Flips, Weld, attribute};
+use rayweave_model::gate::NetworkState;
+use rayweave_model::weld::{Flips, Weld};
 use rayweave_model::{
     Crossing, Evaluator, Event, Face, GroupPoint, GroupRay, LeafEvents, LeafId, LeafKind, Limit, Program,
-    PrototypeId, Query, RayAnswer, Rays, RegionId, Sink, Start, State, Window, facets_contain, leaf_events,
+    PrototypeId, Query, RayAnswer, Rays, RegionId, Sink, Start, State, Sweep, Window, facets_contain,
+    leaf_events,
 };
 use rayweave_shape::Ray;
 use std::sync::Arc;
@@ -122,15 +123,8 @@ impl Weave {
         let starts_inside = state.output(0);
         let mut sweep = Sweep::new(&prototype.network, &mut state, &level.events, f64::INFINITY);
         let mut inside = starts_inside;
-        while let Some((t, first)) = sweep.step() {
-            if sweep.flips.output(0) != inside {
-                inside = !inside;
-                let end = sweep.position;
-                let output = |f: &mut NetworkFlips<'_>| u32::from(f.output(0));
-                out.push((t, attribute(&level.events, first..end, end, &mut sweep.flips, output)));
-            }
-        }
-        sweep.rest(&level.touched);
+        out.extend(std::iter::from_fn(|| sweep.next_flip(&mut inside)));
+        sweep.rest(level.touched.iter().copied());
         scratch.give_back(group, state, depth, level);
         starts_inside
     }
@@ -151,7 +145,7 @@ impl Weave {
         let mut sweep = Sweep::new(&prototype.network, &mut state, &level.events, query.window.t_max());
         let start =
             self.sweep(ray, query, &level.events, &mut sweep, !starts.is_empty(), &mut scratch.crossings);
-        sweep.rest(&level.touched);
+        sweep.rest(level.touched.iter().copied());
         scratch.give_back(group, state, 0, level);
         start
     }
@@ -172,13 +166,7 @@ impl Weave {
         let mut now = self.state(sweep.flips.winner());
         let start = now.region;
         let mut weld = Weld::new(&self.program, ray, events);
-        while let Some((t, first)) = sweep.step() {
-            let after = self.state(sweep.flips.winner());
-            let before = std::mem::replace(&mut now, after);
-            if before.region == after.region {
-                continue;
-            }
-            let change = Change { t, first, end: sweep.position, before, after };
+        while let Some(change) = sweep.next_change(&mut now, |winner| self.state(winner)) {
             if let Some(crossing) = weld.change(change, &mut sweep.flips) {
                 out.push(crossing);
                 if query.limit == Limit::First {
@@ -186,7 +174,7 @@ impl Weave {
                 }
             }
         }
-        out.extend(weld.finish(sweep.position, &mut sweep.flips));
+        out.extend(weld.finish(sweep.position(), &mut sweep.flips));
         start
     }
 
@@ -292,63 +280,5 @@ impl WeaveScratch {
     fn give_back(&mut self, group: PrototypeId, state: Box<NetworkState>, depth: usize, level: Box<Level>) {
         self.states[group.index()] = Some(state);
         self.levels[depth] = Some(level);
-    }
-}
-
-/// A network with its state, as the weld sees it.
-struct NetworkFlips<'a> {
-    network: &'a Network,
-    state: &'a mut NetworkState,
-}
-
-impl Flips for NetworkFlips<'_> {
-    fn flip(&mut self, leaf: u32) {
-        self.network.flip(self.state, leaf);
-    }
-
-    fn winner(&mut self) -> u32 {
-        self.state.winner()
-    }
-
-    fn output(&mut self, k: u32) -> bool {
-        self.state.output(k)
-    }
-}
-
-/// Events running through a network, all of one time at a step.
-struct Sweep<'a> {
-    flips: NetworkFlips<'a>,
-    events: &'a [Event],
-    position: usize,
-    t_max: f64,
-}
-
-impl<'a> Sweep<'a> {
-    fn new(network: &'a Network, state: &'a mut NetworkState, events: &'a [Event], t_max: f64) -> Self {
-        Sweep { flips: NetworkFlips { network, state }, events, position: 0, t_max }
-    }
-
-    fn next_time(&self) -> Option<f64> {
-        self.events.get(self.position).map(|event| event.t).filter(|&t| t < self.t_max)
-    }
-
-    /// Flips all leaves of the next time; that time and the first of its events.
-    fn step(&mut self) -> Option<(f64, usize)> {
-        let t = self.next_time()?;
-        let first = self.position;
-        while let Some(event) = self.events.get(self.position).filter(|event| event.t == t) {
-            self.flips.flip(event.leaf);
-            self.position += 1;
-        }
-        Some((t, first))
-    }
-
-    /// Puts the leaves that were touched back to rest, that is outside.
-    fn rest(self, touched: &[u32]) {
-        for &leaf in touched {
-            if self.flips.state.leaf(leaf) {
-                self.flips.network.flip(self.flips.state, leaf);
-            }
-        }
     }
 }

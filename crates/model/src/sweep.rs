@@ -1,0 +1,108 @@
+//! The flips of leaves running through the network of their group, in order of time.
+
+use crate::gate::{Network, NetworkState};
+use crate::weld::{Change, Flips, attribute};
+use crate::{Event, Face, State};
+
+/// A network with its state, as the weld sees it.
+#[derive(Debug)]
+pub struct NetworkFlips<'a> {
+    network: &'a Network,
+    state: &'a mut NetworkState,
+}
+
+impl Flips for NetworkFlips<'_> {
+    #[inline]
+    fn flip(&mut self, leaf: u32) {
+        self.network.flip(self.state, leaf);
+    }
+
+    #[inline]
+    fn winner(&mut self) -> u32 {
+        self.state.winner()
+    }
+
+    #[inline]
+    fn output(&mut self, k: u32) -> bool {
+        self.state.output(k)
+    }
+}
+
+/// Events running through a network, all of one time at a step.
+#[derive(Debug)]
+pub struct Sweep<'a> {
+    /// The network as the events have left it.
+    pub flips: NetworkFlips<'a>,
+    events: &'a [Event],
+    position: usize,
+    t_max: f64,
+}
+
+impl<'a> Sweep<'a> {
+    /// Of events sorted by time, those before `t_max`.
+    pub fn new(network: &'a Network, state: &'a mut NetworkState, events: &'a [Event], t_max: f64) -> Self {
+        Sweep { flips: NetworkFlips { network, state }, events, position: 0, t_max }
+    }
+
+    /// How many events have passed.
+    pub fn position(&self) -> usize {
+        self.position
+    }
+
+    /// When the next step is; `None` if there is none.
+    #[inline]
+    pub fn next_time(&self) -> Option<f64> {
+        self.events.get(self.position).map(|event| event.t).filter(|&t| t < self.t_max)
+    }
+
+    /// Flips all leaves of the next time; that time and the first of its events.
+    #[inline]
+    pub fn step(&mut self) -> Option<(f64, usize)> {
+        let t = self.next_time()?;
+        let first = self.position;
+        while let Some(event) = self.events.get(self.position).filter(|event| event.t == t) {
+            self.flips.flip(event.leaf);
+            self.position += 1;
+        }
+        Some((t, first))
+    }
+
+    /// Steps to the next change of region from `now`, which becomes what is there after it; `state` is that of the
+    /// winning output.
+    #[inline]
+    pub fn next_change(&mut self, now: &mut State, state: impl Fn(u32) -> State) -> Option<Change> {
+        loop {
+            let (t, first) = self.step()?;
+            let after = state(self.flips.winner());
+            let before = std::mem::replace(now, after);
+            if before.region != after.region {
+                return Some(Change { t, first, end: self.position, before, after });
+            }
+        }
+    }
+
+    /// Steps to the next time at which output 0 is no longer `inside`, which is then turned; with the face to which
+    /// that belongs: how a placed solid is one leaf of the group around it.
+    #[inline]
+    pub fn next_flip(&mut self, inside: &mut bool) -> Option<(f64, Face)> {
+        loop {
+            let (t, first) = self.step()?;
+            if self.flips.output(0) != *inside {
+                *inside = !*inside;
+                let end = self.position;
+                let output = |flips: &mut NetworkFlips<'_>| u32::from(flips.output(0));
+                return Some((t, attribute(self.events, first..end, end, &mut self.flips, output)));
+            }
+        }
+    }
+
+    /// Puts the leaves that may have been touched back to rest, that is outside.
+    pub fn rest(self, touched: impl IntoIterator<Item = u32>) {
+        let NetworkFlips { network, state } = self.flips;
+        for leaf in touched {
+            if state.leaf(leaf) {
+                network.flip(state, leaf);
+            }
+        }
+    }
+}
