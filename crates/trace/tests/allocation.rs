@@ -13,7 +13,8 @@ use std::sync::Arc;
 #[global_allocator]
 static COUNTER: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Allocations and reallocations in the second of two equal rounds, and the crossings found there.
+/// Allocations and reallocations in a round like one before, and the crossings found there: the least of three, since the
+/// thread of the test harness may allocate meanwhile.
 fn second_round<E: Evaluator>(evaluator: &E, seed: u64, model: &Model) -> (usize, usize) {
     let rays = batch(&rays(&mut Random::new(seed), model.style, &model.frame, 100));
     let points: [Vec<f64>; 3] = std::array::from_fn(|k| rays.rays().origins[k].to_vec());
@@ -30,11 +31,14 @@ fn second_round<E: Evaluator>(evaluator: &E, seed: u64, model: &Model) -> (usize
         crossings
     };
     let first = round();
-    let region = Region::new(COUNTER);
-    let second = round();
-    let change = region.change();
-    assert_eq!(first, second);
-    (change.allocations + change.reallocations, second)
+    let mut again = || {
+        let region = Region::new(COUNTER);
+        assert_eq!(first, round());
+        let change = region.change();
+        change.allocations + change.reallocations
+    };
+    let least = (0..2).fold(again(), |least, _| if least == 0 { 0 } else { least.min(again()) });
+    (least, first)
 }
 
 #[test]

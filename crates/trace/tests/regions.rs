@@ -1,10 +1,11 @@
 //! Regions along a ray: closed forms for cemented, immersed, overlapping and nearly touching parts.
 
+mod everyone;
+
 use rayweave_math::Vec3;
-use rayweave_model::{Crossing, Evaluator, Face, Program, Query, Region, Solid};
+use rayweave_model::{Crossing, Face, Program, Region, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
-use rayweave_trace::{Reference, Weave};
 use std::sync::Arc;
 
 fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
@@ -28,9 +29,7 @@ fn model(regions: &[(&Solid, u32)]) -> Arc<Program> {
 
 fn along_x(program: &Arc<Program>) -> Vec<Crossing> {
     let ray = Ray::new(Vec3::new(-10.0, 0.1, 0.2), Vec3::X);
-    let weave = Weave::new(program.clone()).one(ray, &Query::default()).unwrap();
-    assert_eq!(weave, Reference::new(program.clone()).one(ray, &Query::default()).unwrap());
-    weave.crossings
+    everyone::ask(program, ray).crossings
 }
 
 /// `(t - 10, region before, region after)`: the place along x and the regions.
@@ -66,7 +65,7 @@ fn a_gap_of_rounding_size_is_no_gap() {
         for regions in [[(a, 1), (b, 2)], [(b, 2), (a, 1)]] {
             let program = model(&regions);
             let ray = Ray::new(Vec3::new(-1.0, 0.01, 0.02), Vec3::new(1.0, 0.003, 0.001));
-            let found = Weave::new(program.clone()).one(ray, &Query::default()).unwrap().crossings;
+            let found = everyone::ask(&program, ray).crossings;
             let media: Vec<_> =
                 found.iter().map(|c| (program.medium_of(c.before), program.medium_of(c.after))).collect();
             assert_eq!(media, [(0, 1), (1, 2), (2, 0)]);
@@ -113,7 +112,7 @@ fn an_unbounded_region_starts_inside() {
     let water = Solid::plenum();
     let program = model(&[(&water, 1), (&cube("a", 0.0), 2)]);
     let ray = Ray::new(Vec3::new(-10.0, 0.0, 0.0), Vec3::X);
-    let found = Weave::new(program).one(ray, &Query::default()).unwrap();
+    let found = everyone::ask(&program, ray);
     assert_eq!(found.starts[0].0, 1);
     assert_eq!(passes(&found.crossings), [(-1.0, 1, 2), (1.0, 2, 1)]);
 }
