@@ -24,8 +24,8 @@
 //! # Questions along rays
 //!
 //! A [`Program`] is a solid compiled into flat tables, in which coincident faces have become one surface. [`Weave`] is the
-//! evaluator for daily use, [`Reference`] the obvious one, [`SingleHit`] the one that can explain itself (see [`explain()`]), [`Spans`] the
-//! one that works on whole arrays; all answer through the trait [`Evaluator`].
+//! evaluator for daily use, [`Reference`] the obvious one, [`SingleHit`] the one that can explain itself (see [`explain()`]),
+//! [`Spans`] the one that works on whole arrays; all answer through the trait [`Evaluator`].
 //!
 //! ```
 //! use rayweave::{Evaluator, Program, Query, Ray, Vec3, Weave, shapes::sphere};
