@@ -1,7 +1,6 @@
 //! Traces as a picture.
 
 use super::LayerTraces;
-use rayweave_analysis::infill::Trace;
 use rayweave_render::svg::escaped;
 use rayweave_space::polygon::Polygons;
 use std::fmt::Write;
@@ -74,9 +73,14 @@ impl InfillPicture {
         let (x, y, line) = (sheet.number(x), sheet.number(y), sheet.number(0.6 * self.spacing));
         // writing to a string cannot fail
         let _ = writeln!(svg, "<g transform=\"translate({x} {y}) scale(1 -1)\" fill=\"none\">");
-        for (component, colour) in (0..layer.components).zip(COLOURS.iter().cycle()) {
-            let own = layer.traces.iter().filter(|trace| trace.component == component);
-            let path = sheet.traces(own);
+        let mut paths = vec![String::new(); layer.components as usize];
+        for trace in &layer.traces {
+            let (from, to) = (sheet.point(trace.from), sheet.point(trace.to));
+            if let Some(path) = paths.get_mut(trace.component as usize) {
+                let _ = write!(path, "M{from}L{to}");
+            }
+        }
+        for (path, colour) in paths.iter().zip(COLOURS.iter().cycle()) {
             let _ = writeln!(svg, "<path d=\"{path}\" stroke=\"{colour}\" stroke-width=\"{line}\"/>");
         }
         if let Some(region) = &self.outline {
@@ -160,10 +164,6 @@ impl Sheet {
 
     fn point(&self, p: [f64; 2]) -> String {
         format!("{} {}", self.number(p[0]), self.number(p[1]))
-    }
-
-    fn traces<'t>(&self, traces: impl Iterator<Item = &'t Trace>) -> String {
-        traces.map(|trace| format!("M{}L{}", self.point(trace.from), self.point(trace.to))).collect()
     }
 
     fn contours(&self, region: &Polygons) -> String {

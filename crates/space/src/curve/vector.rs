@@ -1,6 +1,7 @@
 //! Checks of vectors that curves are made from, and unit vectors in space.
 
-use crate::point::{dot, is_finite, length};
+use crate::point::{dot, is_finite};
+use crate::vector::{largest, unit};
 use crate::{CurveError, Point};
 
 /// Refuses NaN and infinities in an argument.
@@ -17,14 +18,10 @@ impl Direction {
     /// The direction of a vector of any length but 0.
     pub fn new(what: &'static str, v: &Point<3>) -> Result<Direction, CurveError> {
         finite(what, v)?;
-        // the largest component first: exact along coordinate axes, and no square over- or underflows
-        let largest = v.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-        if largest == 0.0 {
+        if largest(v) == 0.0 {
             return Err(CurveError::BadInput { what, why: "a vector of length 0 has no direction" });
         }
-        let scaled = v.map(|x| x / largest);
-        let length = length(&scaled);
-        Ok(Direction(scaled.map(|x| x / length)))
+        Ok(Direction(unit(v).0))
     }
 
     /// The part of a vector along the direction, as a number.
