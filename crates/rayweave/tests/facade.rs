@@ -100,12 +100,13 @@ fn rays_out_of_range_are_refused_everywhere() {
 #[test]
 fn the_scratch_of_another_evaluator_is_replaced() {
     let compiled = Compiled::new(&scene("")).unwrap();
-    let [weave, reference, _] =
-        AnyEvaluator::NAMES.map(|name| AnyEvaluator::new(Some(name), compiled.program.clone()).unwrap());
-    let mut scratch = reference.scratch();
-    let mut regions = [rayweave::model::RegionId(9); 2];
-    weave.regions_at([&[0.0, 1.5], &[0.0; 2], &[0.0; 2]], &mut scratch, &mut regions);
-    assert_eq!(regions.map(|region| region.0), [2, 1]);
+    let all = AnyEvaluator::NAMES.map(|name| AnyEvaluator::new(Some(name), compiled.program.clone()).unwrap());
+    for (k, evaluator) in all.iter().enumerate() {
+        let mut scratch = all[(k + 1) % all.len()].scratch();
+        let mut regions = [rayweave::model::RegionId(9); 2];
+        evaluator.regions_at([&[0.0, 1.5], &[0.0; 2], &[0.0; 2]], &mut scratch, &mut regions);
+        assert_eq!(regions.map(|region| region.0), [2, 1], "{}", evaluator.name());
+    }
 }
 
 #[test]
