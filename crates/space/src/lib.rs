@@ -11,6 +11,7 @@
 mod affine;
 pub mod curve;
 mod error;
+mod faces;
 mod field;
 pub mod isolate;
 mod lie;
