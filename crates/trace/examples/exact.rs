@@ -1,6 +1,6 @@
 //! All evaluators against the oracle without rounding.
 //!
-//! `cargo run --release -p rayweave-trace --example exact -- planted|turned|points FROM TO`: the models of the seeds
+//! `cargo run --release -p rayweave-trace --example exact -- transversal|planted|turned|points FROM TO`: the models of the seeds
 //! FROM..TO, fifty rays each (0 200000 are 1e7 rays). A seed always stands for the same model and rays. Prints what
 //! was counted and each wrong model, shrunk; exits with 1 if there is one.
 
@@ -49,6 +49,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let (suite, from, to): (Suite, _, _) = match words[..] {
+        ["transversal", from, to] => (exact::transversal, from, to),
         ["planted", from, to] => (exact::planted, from, to),
         ["turned", from, to] => (exact::turned, from, to),
         ["points", from, to] => (exact::points, from, to),
@@ -61,6 +62,6 @@ fn main() -> ExitCode {
 }
 
 fn usage() -> ExitCode {
-    eprintln!("exact planted|turned|points FROM TO");
+    eprintln!("exact transversal|planted|turned|points FROM TO");
     ExitCode::from(2)
 }

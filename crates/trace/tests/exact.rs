@@ -34,6 +34,11 @@ fn planted_coincidences() {
 }
 
 #[test]
+fn transversal_rays() {
+    exact::transversal(&evaluators(), SHORT).finish("transversal", 45_000);
+}
+
+#[test]
 fn turned_models() {
     exact::turned(&evaluators(), SHORT).finish("turned", 20_000);
 }
@@ -62,6 +67,12 @@ fn planted_coincidences_that_were_wrong_once() {
 #[ignore = "long"]
 fn long_planted_coincidences() {
     planted(LONG, 9_000_000);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_transversal_rays() {
+    exact::transversal(&evaluators(), LONG).finish("transversal", 9_500_000);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::answer::{Answer, Expected, answer, region_at};
 use super::scrutiny::scrutiny;
 use super::shrink::smaller_models;
 use super::tree::regions;
+use super::trial::{generic, through};
 use super::{Count, Exact, Line, Map, Part, Span, draw};
 use crate::{Asked, Maker, Random, list};
 use rayweave_math::{Affine, Mat3, Vec3};
@@ -74,6 +75,23 @@ pub fn planted(makers: &[Maker], seeds: Range<u64>) -> Count {
         let Ok(subject) = subject(&parts, Affine::IDENTITY, makers) else { continue };
         let drawn = (0..RAYS).map(|_| draw::ray(&mut rng));
         let rays: Vec<Ray> = drawn.filter_map(|ray| draw::staged(ray, &stage)).collect();
+        compare_all(&subject, &rays, seed, &mut count, makers);
+    }
+    count
+}
+
+/// Rays anywhere, through the models of [`planted`] and through trees of boxes, balls and rods anywhere: next to none
+/// meets a coincidence of its own, though half of the models have faces in common.
+pub fn transversal(makers: &[Maker], seeds: Range<u64>) -> Count {
+    let mut count = Count::default();
+    for seed in seeds {
+        let mut rng = Random::new(5 << 40 | seed);
+        let parts = match seed % 2 {
+            0 => draw::parts(&mut rng),
+            _ => vec![Part { tree: generic(&mut rng), medium: 1 }],
+        };
+        let Ok(subject) = subject(&parts, Affine::IDENTITY, makers) else { continue };
+        let rays: Vec<Ray> = (0..RAYS).map(|_| through(&mut rng)).collect();
         compare_all(&subject, &rays, seed, &mut count, makers);
     }
     count

@@ -69,12 +69,22 @@ pub struct Trial {
     pub answers: Vec<Answer>,
 }
 
+fn model(rng: &mut Random, family: Family) -> (Binary, Vec<Tree>) {
+    let count = if family == Family::Unions { 8 } else { 2 + rng.below(7) };
+    let leaves: Vec<Tree> = (0..count).map(|_| leaf(rng, family)).collect();
+    (random(rng, family, 0..count), leaves)
+}
+
+/// A solid of the generic family.
+pub(super) fn generic(rng: &mut Random) -> Tree {
+    let (tree, leaves) = model(rng, Family::Generic);
+    joined(&tree, &leaves)
+}
+
 /// The model and the rays of a seed; `None` if the model is not legal.
 pub fn trial(family: Family, seed: u64, rays: usize) -> Option<Trial> {
     let mut rng = Random::new(4 << 40 | seed);
-    let count = if family == Family::Unions { 8 } else { 2 + rng.below(7) };
-    let leaves: Vec<Tree> = (0..count).map(|_| leaf(&mut rng, family)).collect();
-    let tree = random(&mut rng, family, 0..count);
+    let (tree, leaves) = model(&mut rng, family);
     let whole = joined(&tree, &leaves);
     let (solid, exact) = (whole.solid(), Exact::new(&[Part { tree: whole, medium: 1 }]));
     let ball = Program::compile(&solid).ok()?.prototypes()[0].ball;
@@ -161,7 +171,8 @@ fn leaf(rng: &mut Random, family: Family) -> Tree {
     tree.at(place(), place(), place())
 }
 
-fn through(rng: &mut Random) -> Ray {
+/// A ray through two points anywhere near the origin.
+pub(super) fn through(rng: &mut Random) -> Ray {
     let (a, b) = (rng.point(2.0), rng.point(2.0));
     Ray::new(a - 3.0 * (b - a), b - a)
 }
