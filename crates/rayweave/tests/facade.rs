@@ -100,7 +100,8 @@ fn rays_out_of_range_are_refused_everywhere() {
 #[test]
 fn the_scratch_of_another_evaluator_is_replaced() {
     let compiled = Compiled::new(&scene("")).unwrap();
-    let all = AnyEvaluator::NAMES.map(|name| AnyEvaluator::new(Some(name), compiled.program.clone()).unwrap());
+    let all =
+        AnyEvaluator::NAMES.map(|name| AnyEvaluator::new(Some(name), compiled.program.clone()).unwrap());
     for (k, evaluator) in all.iter().enumerate() {
         let mut scratch = all[(k + 1) % all.len()].scratch();
         let mut regions = [rayweave::model::RegionId(9); 2];
