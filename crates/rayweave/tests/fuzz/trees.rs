@@ -95,8 +95,9 @@ fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, copies: usize, depth: usize)
             solid(bytes, shapes, copies * maps.len().max(1), depth + 1).place(maps)
         }
         9 => {
-            let twice = part(bytes);
-            if bytes.below(2) == 0 { &twice - &twice } else { &twice | &twice }
+            let one = part(bytes);
+            let same = one.clone();
+            if bytes.below(2) == 0 { one - same } else { one | same }
         }
         _ => {
             *shapes -= 1;
