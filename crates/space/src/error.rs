@@ -20,7 +20,7 @@ pub enum SpaceError {
         value: f64,
     },
     /// A length beyond what can be computed with.
-    #[error("{what}{} is {value} (only 0 and lengths from 1e-60 to 1e60 can be computed with) is the unit right?", at(.index))]
+    #[error("{what}{} is {value:?} (only 0 and lengths from 1e-60 to 1e60 can be computed with) is the unit right?", at(.index))]
     Extreme {
         /// The parameter.
         what: &'static str,
