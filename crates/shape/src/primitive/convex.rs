@@ -167,6 +167,17 @@ mod tests {
         assert_eq!(gutter.hi, Vec3::new(inf, 5.0, 1.0));
     }
 
+    /// Two planes that are parallel up to 1e-137 say nothing about the direction along both.
+    #[test]
+    fn nearly_parallel_planes_bound_nothing_along_them() {
+        let inf = f64::INFINITY;
+        let floors = [[0.0, -1.0, 1e137, 0.0], [0.0, 0.0, 1.0, -0.5]];
+        let found = bounds(&floors);
+        assert_eq!((found.lo, found.hi.x, found.hi.y), (Vec3::NEG_INFINITY, inf, inf));
+        let quadrant = bounds(&[floors[0], floors[1], [-1.0, 0.0, 0.0, 0.0]]);
+        assert_eq!((quadrant.lo.x, quadrant.hi.x), (0.0, inf));
+    }
+
     #[test]
     fn empty_ones_have_empty_bounds() {
         assert!(bounds(&[[1.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, -1.0]]).is_empty());

@@ -6,7 +6,7 @@
 //! from above, so whatever is left out here can only make the answer too great, never too small.
 
 use crate::surface::Plane;
-use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
+use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3, unit};
 
 /// How many planes are combined with each other for one direction. Up to so many the answer is the least
 /// bound; beyond, planes are added where they cut off most, which nearly always ends long before.
@@ -85,8 +85,10 @@ fn of_one(direction: Vec3, plane: &Plane) -> Option<Optimum> {
 }
 
 fn of_two(direction: Vec3, a: &Plane, b: &Plane) -> Option<Optimum> {
-    let across = a.normal.cross(b.normal);
-    if direction.dot(across).abs() > ROUNDING {
+    let across = unit(a.normal.cross(b.normal));
+    // planes that are as good as parallel have a cross product of any direction, or none (NaN)
+    let is_across = direction.dot(across).abs() <= ROUNDING;
+    if !is_across {
         return None;
     }
     // a plane through the origin along both normals makes it three
