@@ -316,14 +316,19 @@ impl Tables {
         Ok(())
     }
 
-    /// The share of the group in the margins of its leaves: their own sizes and ways, and the tolerance by which
-    /// rays lie in faces, at the far end of a chord.
+    /// The share of the group in the margins of its leaves: their own sizes and ways, those of the faces that they share
+    /// surfaces with, and the tolerance by which rays lie in faces, at the far end of a chord.
     fn add_margins(&mut self, ball: &Ball) {
         let far = |v: Vec3| if v.is_finite() { v.length() } else { 0.0 };
         let chord = ball.centre.length() + 2.0 * ball.radius;
         for leaf in &mut self.leaves {
-            let lengths = far(leaf.bounds.lo) + far(leaf.bounds.hi) + leaf.transform.path + chord;
-            leaf.margin += MARGIN * lengths;
+            let facets = match &leaf.kind {
+                LeafKind::Shape { facets, .. } => facets.start as usize..facets.end as usize,
+                LeafKind::Instance { .. } => 0..0,
+            };
+            let reach = |facet: &LeafFacet| self.surfaces[facet.surface.index()].reach;
+            let way = self.facets[facets].iter().map(reach).fold(leaf.transform.path, f64::max);
+            leaf.margin += MARGIN * (far(leaf.bounds.lo) + far(leaf.bounds.hi) + way + chord);
         }
     }
 

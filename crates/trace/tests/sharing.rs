@@ -83,3 +83,20 @@ fn a_placed_solid_met_twice_is_one() {
     assert_eq!(program.leaves().iter().filter(|leaf| leaf.name.starts_with("place")).count(), 2);
     assert_eq!(times(&(&pair ^ &pair)), [0.0; 0]);
 }
+
+/// A face shared with one that came a long way is as uncertain as that one: no box may say more than the faces do.
+#[test]
+fn a_shared_face_is_as_far_as_the_farthest() {
+    let sizes: [(&str, Value); 3] = [("sides", 3u32.into()), ("radius", 2.0.into()), ("height", 3.0.into())];
+    let block = Solid::from(build("prism", &sizes).unwrap()).translate([6.0, 0.0, 1.5]);
+    let plane: [(&str, Value); 2] = [("normal", Vec3::X.into()), ("offset", 5.0.into())];
+    let left = Solid::from(build("half_space", &plane).unwrap());
+    let ray = Ray::new(Vec3::ZERO, Vec3::ONE);
+    for far in [0.0, 1e10, 1e40, 1e80] {
+        let moved = left.translate([0.0, 0.0, far]);
+        for solid in [&block - &moved, &block | &moved, &moved - &block] {
+            let found = everyone::ask(&Arc::new(Program::compile(&solid).unwrap()), ray);
+            assert!(far > 0.0 || found.crossings.len() < 2, "{found:?}");
+        }
+    }
+}
