@@ -9,9 +9,9 @@ mod trees;
 use std::fs;
 use std::path::Path;
 
-/// Runs a target on all files of its folder; a panic names the file.
-fn replay(target: &str, run: fn(&[u8])) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target);
+/// Runs a target on all files of a folder; a panic names the file.
+fn replay(folder: &str, run: fn(&[u8])) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
     let mut files: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     assert!(files.len() > 10, "{}: {} files", folder.display(), files.len());
@@ -45,20 +45,21 @@ fn the_dictionary_knows_every_key() {
 
 #[test]
 fn model_files() {
-    replay("model_file", model_file::run);
+    replay("fuzz/corpus/model_file", model_file::run);
+    replay("models", model_file::run);
 }
 
 #[test]
 fn expressions() {
-    replay("expression", expression::run);
+    replay("fuzz/corpus/expression", expression::run);
 }
 
 #[test]
 fn files_of_rays_and_hit_arrays() {
-    replay("arrays", arrays::run);
+    replay("fuzz/corpus/arrays", arrays::run);
 }
 
 #[test]
 fn trees_of_solids() {
-    replay("trees", trees::run);
+    replay("fuzz/corpus/trees", trees::run);
 }

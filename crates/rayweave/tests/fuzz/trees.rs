@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// The most shapes in a model, occurrences in placed solids not counted.
 const MOST_SHAPES: usize = 24;
 
-/// The most occurrences of a shape: placements in placements are as many as their product.
+/// The most occurrences of a shape: placements in placements, and doublings of doublings, are as many as their product.
 const MOST_COPIES: usize = 64;
 
 const SIZES: [f64; 8] = [1.0, 2.0, 0.5, 3.0, 1e-8, 1e8, 0.0, -1.0];
@@ -94,8 +94,9 @@ fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, copies: usize, depth: usize)
             let maps: Vec<Affine> = (0..bytes.below(most + 1)).map(|_| map(bytes)).collect();
             solid(bytes, shapes, copies * maps.len().max(1), depth + 1).place(maps)
         }
-        9 => {
-            let one = part(bytes);
+        // the single-hit evaluator writes shared parts out
+        9 if 2 * copies <= MOST_COPIES => {
+            let one = solid(bytes, shapes, 2 * copies, depth + 1);
             let same = one.clone();
             if bytes.below(2) == 0 { one - same } else { one | same }
         }
