@@ -303,6 +303,18 @@ fn directions_of_any_length_and_rays_along_axes() {
     assert_eq!(surfaces[3].crossings(&in_tube).times(), [-7.25, -6.75]);
 }
 
+/// Far from the axis and nearly along it: the crossings are far away, and everything near is outside.
+#[test]
+fn rays_that_hardly_leave_the_axis() {
+    let cylinder = Surface::cylinder(Vec3::ZERO, Vec3::Z, 3.0);
+    for slope in [1e-100, 1e-140, 1e-150, 1.1e-156, 1e-159, 1e-170] {
+        let found = cylinder.crossings(&Ray::new(Vec3::new(1e6, 0.0, 2.0), Vec3::new(-slope, 0.0, -0.5)));
+        assert!(!found.starts_negative(), "{slope:e}: {found:?}");
+        assert!(found.times().iter().all(|&t| t > 0.99e6 / slope), "{slope:e}: {found:?}");
+        assert!(slope < 1e-156 || found.times().len() == 2, "{slope:e}: {found:?}");
+    }
+}
+
 #[test]
 fn bad_numbers_give_an_answer() {
     for (_, maker) in MAKERS {

@@ -39,6 +39,8 @@ impl Cylinder {
             return Crossings::constant(false);
         }
         let half = (inside / square).sqrt();
+        // a ray that leaves the axis by 1e-150 a unit of time has a finite way, though its square is none
+        let half = if half.is_finite() { half } else { inside.sqrt() / square.sqrt() };
         Crossings::new(false, &[closest - half, closest + half])
     }
 
