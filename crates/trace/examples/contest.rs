@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release -p rayweave-trace --example contest -- FROM TO`: the models of the seeds FROM..TO, a thousand
 //! rays each (0 100000 are 1e8 rays). A seed always stands for the same model and rays, so a run may be cut
-//! anywhere; the line of a chunk says how far it is done. Exits with 1 if any answer differs.
+//! anywhere; the line of a chunk says how far it is done. Without numbers a few models are asked. Exits with 1 if any
+//! answer differs.
 
 use rayweave_conformance::contest::{Score, contest};
 use rayweave_conformance::{Maker, contender};
@@ -59,10 +60,15 @@ fn run(from: u64, to: u64) -> Vec<Score> {
 }
 
 fn main() -> ExitCode {
-    let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|a| a.parse().ok()).collect();
-    let [from, to] = numbers[..] else {
-        eprintln!("contest FROM TO");
-        return ExitCode::from(2);
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let numbers: Vec<Option<u64>> = arguments.iter().map(|a| a.parse().ok()).collect();
+    let (from, to) = match numbers[..] {
+        [] => (0, 8),
+        [Some(from), Some(to)] => (from, to),
+        _ => {
+            eprintln!("contest [FROM TO]");
+            return ExitCode::from(2);
+        }
     };
     let scores = run(from, to);
     scores.iter().flat_map(|s| &s.messages).for_each(|message| println!("---\n{message}"));

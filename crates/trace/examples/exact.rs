@@ -49,6 +49,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let (suite, from, to): (Suite, _, _) = match words[..] {
+        [] => (exact::planted, "0", "20"),
         ["transversal", from, to] => (exact::transversal, from, to),
         ["planted", from, to] => (exact::planted, from, to),
         ["turned", from, to] => (exact::turned, from, to),
@@ -57,11 +58,11 @@ fn main() -> ExitCode {
     };
     let (Ok(from), Ok(to)) = (from.parse(), to.parse()) else { return usage() };
     let count = run(suite, from, to);
-    println!("{}, seeds {from}..{to}: {count:?}", words[0]);
+    println!("{}, seeds {from}..{to}: {count:?}", words.first().unwrap_or(&"planted"));
     ExitCode::from(u8::from(count.wrong > 0))
 }
 
 fn usage() -> ExitCode {
-    eprintln!("exact transversal|planted|turned|points FROM TO");
+    eprintln!("exact [transversal|planted|turned|points FROM TO]");
     ExitCode::from(2)
 }
