@@ -6,6 +6,7 @@ use crate::program::{Leaf, LeafFacet, LeafKind, MARGIN, Program, Prototype, Regi
 use crate::simplify::{Formula, Watch, bounds, leaf_needs, output_bounds, prepare_watched as prepare};
 use crate::{Ball, CompileError, CompileProblem, Expression, LeafId, PrototypeId, Region, Solid, SurfaceId};
 use rayweave_math::{Bounds, Transform, Vec3};
+use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Lowered, Primitive};
 use rayweave_shape::surface::share;
 
@@ -231,7 +232,8 @@ impl Tables {
         for facet in &lowered.facets {
             let surface = facet.surface.transformed(&transform);
             let reach = surface.reach() + transform.path;
-            if !reach.is_finite() || !surface.is_finite() {
+            let is_in_reach = reach <= Ray::MOST;
+            if !is_in_reach || !surface.is_finite() {
                 return Err(CompileProblem::NotFinite);
             }
             if facet.inside {
@@ -266,6 +268,9 @@ impl Tables {
         inner: Option<Summary>,
     ) -> Result<(), CompileProblem> {
         let transform = transform_of(raw)?;
+        if transform.path > Ray::MOST {
+            return Err(CompileProblem::NotFinite);
+        }
         let Some(inner) = inner else { return Ok(()) };
         let placement = self.placements;
         self.placements = placement

@@ -37,9 +37,11 @@ pub enum CompileProblem {
         /// A face at the other end.
         second: String,
     },
-    /// A number of a shape under its map is not finite or a size vanished.
+    /// A length of a shape under its map is greater than [`rayweave_shape::Ray::MOST`], as are the ways to it, or a size
+    /// vanished.
     #[error(
-        "the shape has no finite size here (its numbers overflow or vanish under the transform) is a scale far too large or small?"
+        "the shape has no usable size or place here (beyond 1e100 squares overflow, and sizes may vanish) is a scale far too \
+         large or small?"
     )]
     NotFinite,
 }

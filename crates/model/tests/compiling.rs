@@ -186,3 +186,24 @@ fn printing_uses_the_fewest_parentheses() {
     check(Solid::union([a.clone()]), "union(a)");
     check(shape("sphere", &[("radius", 2.0)]), "sphere(radius=2)");
 }
+
+/// Beyond 1e100 squares of lengths, and products of these, overflow: rays are refused there, and so are models.
+#[test]
+fn models_out_of_reach_are_refused() {
+    let ball = shape("sphere", &[("radius", 1.0)]);
+    let problem = |solid: &Solid| Program::compile(solid).err().map(|error| error.problem);
+    for far in [1e101, 1e200] {
+        assert_eq!(problem(&ball.translate([0.0, far, 0.0])), Some(CompileProblem::NotFinite));
+        assert_eq!(problem(&ball.scale(Vec3::splat(far))), Some(CompileProblem::NotFinite));
+        let places = [Affine::IDENTITY, Affine::translate(Vec3::new(far, 0.0, 0.0))];
+        assert_eq!(problem(&ball.place(places)), Some(CompileProblem::NotFinite));
+        // there and back again is as bad: the digits are gone
+        assert_eq!(
+            problem(&ball.translate([far, 0.0, 0.0]).translate([-far, 0.0, 0.0])),
+            Some(CompileProblem::NotFinite)
+        );
+    }
+    assert_eq!(problem(&ball.translate([0.0, 1e99, 0.0])), None);
+    let text = CompileProblem::NotFinite.to_string();
+    assert!(text.contains("beyond 1e100") && text.ends_with("is a scale far too large or small?"), "{text}");
+}
