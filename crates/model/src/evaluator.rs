@@ -1,6 +1,6 @@
 //! The trait between the two sides of the house: rays and questions in, crossings out.
 
-use crate::{BadRay, LeafId, Medium, PlacementId, Program, RayBatch, Rays, RegionId, SurfaceId};
+use crate::{BadRay, FirstHits, HitRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays, RegionId, SurfaceId};
 use rayweave_math::Vec3;
 use rayweave_shape::{Ray, RayError};
 
@@ -256,6 +256,34 @@ pub trait Evaluator: Sync {
 
     /// The region that each point is in; 0 is the world. On a boundary: the side of a ray that lies in it.
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]);
+
+    /// The hit array of a batch; the greatest number of entries that a ray has. If that is more than there are rows,
+    /// the entries for which there is no row are left out: ask again with more rows.
+    fn hits(
+        &self,
+        rays: Rays<'_>,
+        window: Window,
+        scratch: &mut Self::Scratch,
+        rows: &mut HitRows<'_, '_>,
+    ) -> usize {
+        let (program, mut most) = (self.program(), 0);
+        let mut sink = |answer: RayAnswer<'_>| most = most.max(rows.put(program, &answer));
+        self.crossings(rays, &Query { window, ..Query::default() }, scratch, &mut sink);
+        most
+    }
+
+    /// What every ray of a batch meets first in the window.
+    fn nearest(
+        &self,
+        rays: Rays<'_>,
+        window: Window,
+        scratch: &mut Self::Scratch,
+        hits: &mut FirstHits<'_>,
+    ) {
+        let program = self.program();
+        let query = Query { window, limit: Limit::First, starts: None };
+        self.crossings(rays, &query, scratch, &mut |answer: RayAnswer<'_>| hits.put(program, &rays, &answer));
+    }
 
     /// The answers for a whole batch in arrays.
     ///

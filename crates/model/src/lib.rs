@@ -15,6 +15,7 @@ pub mod weld;
 
 mod chord;
 mod compile;
+mod dense;
 mod error;
 mod evaluator;
 mod events;
@@ -29,6 +30,7 @@ mod solid;
 mod sweep;
 
 pub use chord::{Ball, chord};
+pub use dense::{FirstHits, HitRows};
 pub use error::{CompileError, CompileProblem};
 pub use evaluator::{
     Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, Sink, Start, StartLists, State, Window,

@@ -1,7 +1,7 @@
 //! An evaluator that is chosen by its name while the program runs.
 
 use crate::Error;
-use rayweave_model::{Evaluator, Program, Query, Rays, RegionId, Sink};
+use rayweave_model::{Evaluator, FirstHits, HitRows, Program, Query, Rays, RegionId, Sink, Window};
 use rayweave_trace::{Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
@@ -121,5 +121,19 @@ impl Evaluator for AnyEvaluator {
 
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut AnyScratch, out: &mut [RegionId]) {
         each_with!(self, scratch, evaluator => evaluator.regions_at(points, scratch, out))
+    }
+
+    fn hits(
+        &self,
+        rays: Rays<'_>,
+        window: Window,
+        scratch: &mut AnyScratch,
+        rows: &mut HitRows<'_, '_>,
+    ) -> usize {
+        each_with!(self, scratch, evaluator => evaluator.hits(rays, window, scratch, rows))
+    }
+
+    fn nearest(&self, rays: Rays<'_>, window: Window, scratch: &mut AnyScratch, hits: &mut FirstHits<'_>) {
+        each_with!(self, scratch, evaluator => evaluator.nearest(rays, window, scratch, hits))
     }
 }
