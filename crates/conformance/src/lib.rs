@@ -21,7 +21,7 @@
 //! ```
 //!
 //! Every test has a long form, `cargo test -- --ignored long_`. Beside the suite stand [`exact`], the oracle without
-//! rounding, and [`contest`], which asks many evaluators at once.
+//! rounding, [`contest`], which asks many evaluators at once, and [`scale`], models of any size.
 
 use rayweave_model::{Crossing, Face};
 
@@ -43,6 +43,7 @@ pub mod oracle;
 pub mod rays;
 pub mod respawn;
 pub mod sampled;
+pub mod scale;
 pub mod touching;
 
 pub use contender::{Asked, Maker, contender};
