@@ -53,6 +53,7 @@ pub use datum::{Datum, Table};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::*;
 pub use expression::{Expression, Operator, Term};
+pub use formats::povray::{PovRay, PovRayError};
 pub use file::{load, parse, parse_with};
 pub use number::Number;
 pub use scene::{Camera, Light, Medium, Projection, RenderSettings, Scene, SceneRegion};

@@ -1,3 +1,4 @@
 //! File formats, one folder each.
 
 pub mod native;
+pub mod povray;

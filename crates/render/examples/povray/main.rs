@@ -1,0 +1,135 @@
+//! The same pictures by POV-Ray and by this project, side by side: rays per second and how alike the pictures are.
+//!
+//! `cargo run --release -p rayweave-render --example povray -- [WIDTHxHEIGHT] [RUNS] [FOLDER] [SCENE ...]`
+//!
+//! Both trace one ray through the centre of each pixel and, from each surface that faces the light, one ray to the light; both
+//! use one thread. Every pixel counts as a ray, background too. Time is that of tracing and shading alone, without starting,
+//! reading, compiling and writing: POV-Ray's own figure of processor seconds, and the wall clock around the call that makes
+//! the picture here. The two take turns, and the shortest of the runs counts. POV-Ray is asked with its hierarchy of slabs and
+//! with its binary space partition, and the faster one counts.
+
+mod peer;
+mod scenes;
+mod similarity;
+
+use peer::Peer;
+use rayweave::picture::Wishes;
+use rayweave::picture::arrange;
+use rayweave::render::{Image, Run, Settings, Size, png, render};
+use rayweave::{AnyEvaluator, Compiled, scene};
+use scenes::Comparison;
+use std::error::Error;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// What is asked for on the command line.
+struct Wish {
+    size: Size,
+    runs: usize,
+    folder: PathBuf,
+    only: Vec<String>,
+}
+
+impl Wish {
+    fn from_arguments() -> Result<Wish, Box<dyn Error>> {
+        let mut arguments = std::env::args().skip(1);
+        let size = arguments.next().unwrap_or("1280x720".to_owned());
+        let (width, height) = size.split_once('x').ok_or("a size is WIDTHxHEIGHT")?;
+        let size = Size::new(width.parse()?, height.parse()?)?;
+        let runs = arguments.next().map_or(Ok(5), |runs| runs.parse())?;
+        let folder = arguments.next().map_or_else(std::env::temp_dir, PathBuf::from);
+        Ok(Wish { size, runs, folder, only: arguments.collect() })
+    }
+
+    fn includes(&self, name: &str) -> bool {
+        self.only.is_empty() || self.only.iter().any(|own| own == name)
+    }
+}
+
+/// One line of the table.
+struct Line {
+    name: String,
+    /// Rays per second.
+    peer: f64,
+    own: f64,
+    similarity: f64,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let wish = Wish::from_arguments()?;
+    println!("| scene | POV-Ray, Mray/s | Rayweave, Mray/s | ratio | similarity |");
+    println!("| --- | --- | --- | --- | --- |");
+    let mut ratios = Vec::new();
+    for comparison in scenes::all() {
+        if wish.includes(&comparison.name) {
+            let line = compare(&comparison, &wish)?;
+            let ratio = line.own / line.peer;
+            println!(
+                "| {} | {:.3} | {:.2} | {ratio:.1} | {:.4} |",
+                line.name,
+                1e-6 * line.peer,
+                1e-6 * line.own,
+                line.similarity
+            );
+            ratios.push(ratio);
+        }
+    }
+    let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64).exp();
+    println!("\ngeometric mean of the ratios: {mean:.1}");
+    Ok(())
+}
+
+/// Draws one scene by turns.
+fn compare(comparison: &Comparison, wish: &Wish) -> Result<Line, Box<dyn Error>> {
+    let mut scene = comparison.scene.clone();
+    let compiled = Compiled::new(&scene)?;
+    let evaluator = AnyEvaluator::new(None, compiled.program.clone())?;
+    let wishes = Wishes { size: Some(wish.size), field_of_view: Some(30.0), ..Wishes::default() };
+    let (camera, _) = arrange(&scene, &compiled, &wishes)?;
+    let (width, height) = (wish.size.width() as u32, wish.size.height() as u32);
+    scene.camera = Some(scene::Camera {
+        projection: scene::Projection::Perspective { fov: 30.0 },
+        position: camera.position(),
+        target: camera.position() + camera.forward(),
+        up: camera.up(),
+        size: Some((width, height)),
+    });
+    scene.lights = vec![comparison.light(&camera)];
+    let (camera, settings) = arrange(&scene, &compiled, &Wishes::default())?;
+    let peer = Peer::new(&scene.to_povray()?.text, &wish.folder, &comparison.name, wish.size)?;
+    let (mut best_peer, mut best_own, mut image) = (f64::INFINITY, f64::INFINITY, None);
+    for _ in 0..wish.runs {
+        best_peer = best_peer.min(peer.draw()?);
+        let (seconds, drawn) = draw(&evaluator, &camera, &settings)?;
+        best_own = best_own.min(seconds);
+        image = Some(drawn);
+    }
+    let image = image.ok_or("at least one run is needed")?;
+    std::fs::write(wish.folder.join(format!("{}-rayweave.png", comparison.name)), png::encode(&image))?;
+    let rays = wish.size.count() as f64;
+    Ok(Line {
+        name: comparison.name.clone(),
+        peer: rays / best_peer,
+        own: rays / best_own,
+        similarity: similarity::structural(&image, &peer.picture()?),
+    })
+}
+
+/// The shortest of a few drawings in a row, in seconds, and the picture.
+fn draw(
+    evaluator: &AnyEvaluator,
+    camera: &rayweave::render::Camera,
+    settings: &Settings,
+) -> Result<(f64, Image), Box<dyn Error>> {
+    let mut best = f64::INFINITY;
+    let mut image = None;
+    for _ in 0..3 {
+        let mut run = Run { threads: Some(NonZeroUsize::MIN), ..Run::default() };
+        let start = Instant::now();
+        let drawn = render(evaluator, camera, settings, &mut run)?;
+        best = best.min(start.elapsed().as_secs_f64());
+        image = Some(drawn);
+    }
+    Ok((best, image.ok_or("nothing was drawn")?))
+}
