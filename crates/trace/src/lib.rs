@@ -1,5 +1,6 @@
 //! Evaluators on the CPU: what a ray meets in a compiled model.
 //!
+//! - [`Packets`]: eight rays at a time through small models, the weave for all else; the one for daily use.
 //! - [`Reference`]: root-ray algebra in the order of the expression; obvious, slow, the truth.
 //! - [`Weave`]: gathers the flips of the leaves that the ray can touch, sorts them once and sweeps the boolean
 //!   network, stopping early where one crossing is enough.
@@ -9,12 +10,14 @@
 //! All give the same answers, bit for bit.
 
 mod accel;
+mod packets;
 mod reference;
 mod weave;
 
 pub mod single_hit;
 pub mod spans;
 
+pub use packets::{Packets, PacketsScratch};
 pub use reference::Reference;
 pub use single_hit::SingleHit;
 pub use spans::Spans;

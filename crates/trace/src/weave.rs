@@ -33,6 +33,8 @@ pub struct WeaveScratch {
     /// Buffers for each level of nesting.
     levels: Vec<Option<Box<Level>>>,
     crossings: Vec<Crossing>,
+    /// Leaves asked so far.
+    asked: u64,
 }
 
 /// The buffers of one sweep.
@@ -52,6 +54,11 @@ impl Weave {
         Weave { program, accel }
     }
 
+    /// What the hierarchies over the leaves take.
+    pub fn hierarchy_bytes(&self) -> usize {
+        self.accel.iter().map(Accel::bytes).sum()
+    }
+
     /// Gathers the flips of the leaves of a group that the ray can touch in the window, sorted by time, and
     /// flips in `state` the leaves that are inside from the start.
     fn gather(
@@ -67,6 +74,7 @@ impl Weave {
         level.events.clear();
         level.touched.clear();
         self.accel[group.index()].touched(ray, window, &mut level.touched);
+        scratch.asked += level.touched.len() as u64;
         let prototype = self.program.prototype(group);
         for k in 0..level.touched.len() {
             let leaf = level.touched[k];
@@ -270,6 +278,11 @@ impl Evaluator for Weave {
 }
 
 impl WeaveScratch {
+    /// How many leaves have been asked for their flips with this scratch.
+    pub fn asked(&self) -> u64 {
+        self.asked
+    }
+
     fn take_level(&mut self, depth: usize) -> Box<Level> {
         if self.levels.len() <= depth {
             self.levels.resize_with(depth + 1, || None);

@@ -3,12 +3,16 @@
 //! A leaf counts where it can matter ([`rayweave_model::Leaf::matters`]): a ray that passes outside of that box
 //! would see no flip of it that changes anything. Boxes are grown by more than any kernel can err.
 
+mod build;
+mod frame;
 mod hierarchy;
 
+pub(crate) use hierarchy::Front;
+
 use hierarchy::Hierarchy;
-use rayweave_math::{Bounds, Vec3};
+use rayweave_math::Vec3;
+use rayweave_model::drive::thread_count;
 use rayweave_model::{GroupPoint, GroupRay, MARGIN, Program, Prototype, Window};
-use rayweave_shape::Ray;
 
 /// The leaves of a group by where they are.
 #[derive(Clone, Debug)]
@@ -35,48 +39,44 @@ impl Accel {
                 unbounded.push(k as u32);
             }
         }
-        Accel { unbounded, hierarchy: Hierarchy::new(boxes), condition: group.condition }
+        let hierarchy = Hierarchy::new(&boxes, thread_count(None).get());
+        Accel { unbounded, hierarchy, condition: group.condition }
+    }
+
+    /// What it takes in memory.
+    pub fn bytes(&self) -> usize {
+        self.hierarchy.bytes() + self.unbounded.len() * size_of::<u32>()
+    }
+
+    /// How much boxes are to be grown for a ray.
+    fn margin(&self, ray: &GroupRay<'_>) -> f64 {
+        self.condition * ray_margin(ray.ray.origin, ray.reach)
     }
 
     /// The leaves that the ray can touch within the window.
     pub fn touched(&self, ray: &GroupRay<'_>, window: Window, out: &mut Vec<u32>) {
         out.extend_from_slice(&self.unbounded);
-        let margin = self.condition * ray_margin(ray.ray.origin, ray.reach);
-        self.hierarchy.touched(&Probe::new(&ray.ray, margin, window), out);
+        self.hierarchy.touched(&self.hierarchy.probe(&ray.ray, self.margin(ray), window), out);
+    }
+
+    /// The leaves that any ray can touch anywhere.
+    pub fn unbounded(&self) -> &[u32] {
+        &self.unbounded
+    }
+
+    /// Makes ready for the other leaves, one by one in the order in which the ray enters their boxes.
+    pub fn begin(&self, ray: &GroupRay<'_>, window: Window, front: &mut Front) {
+        front.begin(&self.hierarchy, self.hierarchy.probe(&ray.ray, self.margin(ray), window));
+    }
+
+    /// Goes a step along a ray: a leaf if there is one there.
+    pub fn next(&self, front: &mut Front) -> Option<u32> {
+        front.next(&self.hierarchy)
     }
 
     /// The leaves whose bounds hold a point.
     pub fn around(&self, point: &GroupPoint, out: &mut Vec<u32>) {
         out.extend_from_slice(&self.unbounded);
         self.hierarchy.around(point.point, self.condition * ray_margin(point.point, point.reach), out);
-    }
-}
-
-/// A ray ready for tests against boxes.
-pub(crate) struct Probe {
-    origin: Vec3,
-    inverse: Vec3,
-    /// What the position of the origin adds to the growth of every box.
-    margin: f64,
-    window: Window,
-}
-
-impl Probe {
-    fn new(ray: &Ray, margin: f64, window: Window) -> Probe {
-        let inverse = Vec3::ONE / ray.direction;
-        Probe { origin: ray.origin, inverse, margin, window }
-    }
-
-    /// True if the ray passes the grown box within the window (the slab test of Kay & Kajiya, 1986). A time
-    /// of 0/0 stands for a ray in the plane of a face; `max` and `min` drop it, which errs towards true.
-    pub fn hits(&self, bounds: &Bounds) -> bool {
-        let a = (bounds.lo - self.margin - self.origin) * self.inverse;
-        let b = (bounds.hi + self.margin - self.origin) * self.inverse;
-        let (mut enter, mut leave) = (self.window.t_min(), self.window.t_max());
-        for k in 0..3 {
-            enter = enter.max(a[k].min(b[k]));
-            leave = leave.min(a[k].max(b[k]));
-        }
-        enter <= leave
     }
 }

@@ -1,0 +1,317 @@
+//! Boolean functions of a few stretches, as straight-line programs over masks of lanes.
+//!
+//! A function is built once as a graph of two-input gates in which equal gates are one and constants are folded away.
+//! What is asked of it while rays run: its value, and its *boolean difference* by a stretch: whether the function
+//! would change if that stretch alone did (Akers, "On a theory of Boolean functions", 1959).
+
+use rayweave_model::{Edge, Expression, Gate, LeafId, Rule};
+use std::collections::HashMap;
+
+/// A gate or its complement: the number of the gate, doubled, plus 1 for the complement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Wire(u32);
+
+impl Wire {
+    pub const FALSE: Wire = Wire(0);
+    pub const TRUE: Wire = Wire(1);
+
+    pub fn not(self) -> Wire {
+        Wire(self.0 ^ 1)
+    }
+
+    fn gate(self) -> usize {
+        (self.0 >> 1) as usize
+    }
+
+    fn is_complemented(self) -> bool {
+        self.0 & 1 == 1
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Node {
+    Constant,
+    Input(u32),
+    And(Wire, Wire),
+    Xor(Wire, Wire),
+}
+
+/// A graph of gates.
+#[derive(Debug)]
+pub(super) struct Logic {
+    nodes: Vec<Node>,
+    known: HashMap<Node, Wire>,
+}
+
+impl Logic {
+    pub fn new() -> Logic {
+        Logic { nodes: vec![Node::Constant], known: HashMap::new() }
+    }
+
+    fn node(&mut self, node: Node) -> Wire {
+        let fresh = Wire((self.nodes.len() as u32) << 1);
+        let wire = *self.known.entry(node).or_insert(fresh);
+        if wire == fresh {
+            self.nodes.push(node);
+        }
+        wire
+    }
+
+    pub fn input(&mut self, k: usize) -> Wire {
+        self.node(Node::Input(k as u32))
+    }
+
+    pub fn and(&mut self, a: Wire, b: Wire) -> Wire {
+        let (a, b) = (a.min(b), a.max(b));
+        match () {
+            () if a == Wire::FALSE || a == b.not() => Wire::FALSE,
+            () if a == Wire::TRUE || a == b => b,
+            () => self.node(Node::And(a, b)),
+        }
+    }
+
+    pub fn or(&mut self, a: Wire, b: Wire) -> Wire {
+        self.and(a.not(), b.not()).not()
+    }
+
+    pub fn xor(&mut self, a: Wire, b: Wire) -> Wire {
+        let complement = a.is_complemented() != b.is_complemented();
+        let (a, b) = (Wire(a.0 & !1), Wire(b.0 & !1));
+        let (a, b) = (a.min(b), a.max(b));
+        let plain = match () {
+            () if a == b => Wire::FALSE,
+            () if a == Wire::FALSE => b,
+            () => self.node(Node::Xor(a, b)),
+        };
+        if complement { plain.not() } else { plain }
+    }
+
+    /// The function below an edge of an expression; `leaf` gives that of a leaf.
+    pub fn outputs(
+        &mut self,
+        expression: &Expression,
+        outputs: &[Edge],
+        mut leaf: impl FnMut(&mut Logic, LeafId) -> Wire,
+    ) -> Vec<Wire> {
+        let mut wires: Vec<Wire> = Vec::with_capacity(expression.nodes().len());
+        let along = |wires: &[Wire], edge: Edge| {
+            let wire = wires[edge.node().index()];
+            if edge.is_complemented() { wire.not() } else { wire }
+        };
+        for gate in expression.nodes() {
+            let wire = match gate {
+                Gate::Vacuum => Wire::FALSE,
+                Gate::Plenum => Wire::TRUE,
+                Gate::Leaf(id) => leaf(self, *id),
+                Gate::Join(rule, operands) => {
+                    let operands: Vec<Wire> = operands.iter().map(|&edge| along(&wires, edge)).collect();
+                    self.join(*rule, &operands)
+                }
+            };
+            wires.push(wire);
+        }
+        outputs.iter().map(|&edge| along(&wires, edge)).collect()
+    }
+
+    fn join(&mut self, rule: Rule, operands: &[Wire]) -> Wire {
+        let fold = |logic: &mut Logic, start: Wire, gate: fn(&mut Logic, Wire, Wire) -> Wire| {
+            operands.iter().fold(start, |all, &next| gate(logic, all, next))
+        };
+        match rule {
+            Rule::Odd => fold(self, Wire::FALSE, Logic::xor),
+            Rule::AtLeast(0) => Wire::TRUE,
+            Rule::AtLeast(1) => fold(self, Wire::FALSE, Logic::or),
+            Rule::AtLeast(least) if least as usize == operands.len() => fold(self, Wire::TRUE, Logic::and),
+            Rule::AtLeast(least) => self.at_least(least as usize, operands),
+        }
+    }
+
+    /// At least so many of the operands: `reached[k]` is "at least k + 1 so far".
+    fn at_least(&mut self, least: usize, operands: &[Wire]) -> Wire {
+        let mut reached = vec![Wire::FALSE; least];
+        for &operand in operands {
+            for k in (0..least).rev() {
+                let below = if k == 0 { Wire::TRUE } else { reached[k - 1] };
+                let more = self.and(below, operand);
+                reached[k] = self.or(reached[k], more);
+            }
+        }
+        reached[least - 1]
+    }
+
+    /// The functions with input `k` set to a constant.
+    pub fn with(&mut self, outputs: &[Wire], k: usize, value: Wire) -> Vec<Wire> {
+        let mut images: Vec<Wire> = Vec::with_capacity(self.nodes.len());
+        let image = |images: &[Wire], wire: Wire| {
+            let image = images[wire.gate()];
+            if wire.is_complemented() { image.not() } else { image }
+        };
+        for at in 0..self.nodes.len() {
+            let node = self.nodes[at];
+            let wire = match node {
+                Node::Constant => Wire::FALSE,
+                Node::Input(input) if input as usize == k => value,
+                Node::Input(_) => Wire((at as u32) << 1),
+                Node::And(a, b) => {
+                    let (a, b) = (image(&images, a), image(&images, b));
+                    self.and(a, b)
+                }
+                Node::Xor(a, b) => {
+                    let (a, b) = (image(&images, a), image(&images, b));
+                    self.xor(a, b)
+                }
+            };
+            images.push(wire);
+        }
+        outputs.iter().map(|&wire| image(&images, wire)).collect()
+    }
+
+    /// Whether the winner, the last of the functions that holds, is another one if input `k` changes.
+    pub fn difference(&mut self, outputs: &[Wire], k: usize) -> Wire {
+        let without = self.with(outputs, k, Wire::FALSE);
+        let with = self.with(outputs, k, Wire::TRUE);
+        let (mut open, mut changes) = (Wire::TRUE, Wire::FALSE);
+        for (a, b) in without.into_iter().zip(with).rev() {
+            let differs = self.xor(a, b);
+            let here = self.and(open, differs);
+            changes = self.or(changes, here);
+            let decided = self.or(a, b);
+            open = self.and(open, decided.not());
+        }
+        changes
+    }
+
+    /// A program for some functions.
+    pub fn tape(&self, outputs: &[Wire]) -> Tape {
+        let mut used = vec![false; self.nodes.len()];
+        outputs.iter().for_each(|wire| used[wire.gate()] = true);
+        for at in (0..self.nodes.len()).rev() {
+            if let (true, Node::And(a, b) | Node::Xor(a, b)) = (used[at], self.nodes[at]) {
+                used[a.gate()] = true;
+                used[b.gate()] = true;
+            }
+        }
+        let mut tape = Tape::default();
+        let mut slots = vec![0u16; self.nodes.len()];
+        for at in (0..self.nodes.len()).filter(|&at| used[at]) {
+            let operand = |wire: Wire| (slots[wire.gate()], wire.is_complemented());
+            let step = match self.nodes[at] {
+                Node::Constant => Step::Constant,
+                Node::Input(k) => {
+                    tape.inputs |= 1 << k;
+                    Step::Input(k as u16)
+                }
+                Node::And(a, b) => match (operand(a), operand(b)) {
+                    ((a, false), (b, false)) => Step::And(a, b),
+                    ((a, false), (b, true)) | ((b, true), (a, false)) => Step::AndNot(a, b),
+                    ((a, true), (b, true)) => Step::Nor(a, b),
+                },
+                Node::Xor(a, b) => Step::Xor(operand(a).0, operand(b).0),
+            };
+            slots[at] = tape.steps.len() as u16;
+            tape.steps.push(step);
+        }
+        tape.outputs = outputs.iter().map(|wire| (slots[wire.gate()], wire.is_complemented())).collect();
+        tape
+    }
+}
+
+/// A step of a tape; numbers are those of earlier steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Step {
+    Constant,
+    Input(u16),
+    And(u16, u16),
+    AndNot(u16, u16),
+    Nor(u16, u16),
+    Xor(u16, u16),
+}
+
+/// A straight-line program.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tape {
+    pub steps: Vec<Step>,
+    /// The steps that are the answers, and whether they have to be complemented.
+    pub outputs: Vec<(u16, bool)>,
+    /// The inputs that are read, a bit each.
+    pub inputs: u64,
+}
+
+impl Tape {
+    /// The answers for one set of inputs, a bit each.
+    pub fn evaluate(&self, inputs: u64) -> Vec<bool> {
+        let mut values: Vec<bool> = Vec::with_capacity(self.steps.len());
+        for step in &self.steps {
+            let at = |k: u16| values[k as usize];
+            let value = match *step {
+                Step::Constant => false,
+                Step::Input(k) => inputs >> k & 1 == 1,
+                Step::And(a, b) => at(a) && at(b),
+                Step::AndNot(a, b) => at(a) && !at(b),
+                Step::Nor(a, b) => !(at(a) || at(b)),
+                Step::Xor(a, b) => at(a) != at(b),
+            };
+            values.push(value);
+        }
+        self.outputs.iter().map(|&(k, complement)| values[k as usize] != complement).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Random functions of six inputs, as truth tables of 64 bits beside the graph.
+    #[test]
+    fn tapes_and_differences_agree_with_truth_tables() {
+        let mut state = 11u64;
+        let mut below = |n: usize| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            ((state >> 33) as usize) % n
+        };
+        for _ in 0..300 {
+            let mut logic = Logic::new();
+            let column =
+                |k: usize| (0..64).filter(|row| row >> k & 1 == 1).fold(0u64, |all, row| all | 1 << row);
+            let mut pool: Vec<(Wire, u64)> = (0..6).map(|k| (logic.input(k), column(k))).collect();
+            for _ in 0..12 {
+                let ((a, ta), (b, tb)) = (pool[below(pool.len())], pool[below(pool.len())]);
+                pool.push(match below(4) {
+                    0 => (logic.and(a, b), ta & tb),
+                    1 => (logic.or(a, b), ta | tb),
+                    2 => (logic.xor(a, b), ta ^ tb),
+                    _ => (a.not(), !ta),
+                });
+            }
+            let outputs: Vec<(Wire, u64)> =
+                (0..1 + below(3)).map(|_| pool[pool.len() - 1 - below(8)]).collect();
+            let wires: Vec<Wire> = outputs.iter().map(|output| output.0).collect();
+            let winner = |row: u64| outputs.iter().rposition(|output| output.1 >> row & 1 == 1);
+            let tape = logic.tape(&wires);
+            for row in 0..64 {
+                let expected: Vec<bool> = outputs.iter().map(|output| output.1 >> row & 1 == 1).collect();
+                assert_eq!(tape.evaluate(row), expected);
+            }
+            for k in 0..6 {
+                let difference = logic.difference(&wires, k);
+                let tape = logic.tape(&[difference]);
+                for row in 0..64 {
+                    assert_eq!(tape.evaluate(row)[0], winner(row) != winner(row ^ 1 << k));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn thresholds_count() {
+        for least in 1..=5 {
+            let mut logic = Logic::new();
+            let operands: Vec<Wire> = (0..5).map(|k| logic.input(k)).collect();
+            let wire = logic.join(Rule::AtLeast(least), &operands);
+            let tape = logic.tape(&[wire]);
+            for row in 0..32u64 {
+                assert_eq!(tape.evaluate(row)[0], row.count_ones() >= least);
+            }
+        }
+    }
+}

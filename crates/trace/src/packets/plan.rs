@@ -1,0 +1,154 @@
+//! What is done for every eight rays, laid out once for a small model.
+
+use super::logic::{Logic, Tape, Wire};
+use rayweave_model::{Face, LeafKind, PlacementId, Program, Prototype, PrototypeId};
+use rayweave_shape::lanes::{Facet, Kernel, LaneLimits};
+use rayweave_shape::surface::Surface;
+
+/// Stretches that a plan may have: each has two ends, which are told apart by six bits.
+pub(super) const MOST: usize = 32;
+
+/// No stretch.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A small model, ready for lanes.
+///
+/// Along a ray a leaf is one stretch, less the stretches that some of its facets cut out of it (the bore of a tube). All
+/// these stretches are numbered; the boolean skeleton is a function of whether a time is in each of them.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub limits: LaneLimits,
+    pub leaves: Vec<LeafPlan>,
+    pub facets: Vec<Facet>,
+    /// For each stretch: whether the winner changes if that alone does.
+    pub differences: Vec<Tape>,
+    /// What is inside, for each region.
+    pub regions: Tape,
+    /// The winner as t -> -inf, if it is the same for all rays.
+    pub start: Option<u32>,
+    /// The faces by their numbers.
+    pub faces: Vec<Face>,
+    /// True if inside is one region, and not of the medium of the world.
+    pub is_plain: bool,
+}
+
+/// One leaf.
+#[derive(Clone, Debug)]
+pub(super) struct LeafPlan {
+    pub facets: std::ops::Range<usize>,
+    /// The number of its stretch.
+    pub span: usize,
+}
+
+impl Plan {
+    /// For a model; `None` for one that is too large for lanes or has surfaces for which there is no kernel.
+    pub fn new(program: &Program) -> Option<Plan> {
+        let group = program.prototype(PrototypeId(0));
+        let ids = group.leaves.start as usize..group.leaves.end as usize;
+        if ids.len() > MOST || group.ball.radius <= 0.0 {
+            return None;
+        }
+        let mut plan = Plan {
+            limits: limits(program, group)?,
+            leaves: Vec::new(),
+            facets: Vec::new(),
+            differences: Vec::new(),
+            regions: Tape::default(),
+            start: None,
+            faces: faces(program),
+            is_plain: program.regions().len() == 1 && program.regions()[0].medium != 0,
+        };
+        let mut logic = Logic::new();
+        let (mut stretches, mut wires) = (0, Vec::new());
+        for leaf in &program.leaves()[ids] {
+            let LeafKind::Shape { facets, .. } = &leaf.kind else { return None };
+            wires.push(plan.leaf(program, facets.clone(), &mut logic, &mut stretches)?);
+        }
+        let outputs = logic.outputs(&group.expression, &group.outputs, |_, leaf| wires[leaf.index()]);
+        plan.differences = (0..stretches)
+            .map(|k| {
+                let difference = logic.difference(&outputs, k);
+                logic.tape(&[difference])
+            })
+            .collect();
+        plan.regions = logic.tape(&outputs);
+        let bounded = program.leaves().iter().all(|leaf| leaf.bounds.is_finite() || leaf.bounds.is_empty());
+        plan.start = bounded.then(|| {
+            let held = plan.regions.evaluate(0);
+            held.iter().rposition(|&inside| inside).map_or(0, |k| k as u32 + 1)
+        });
+        Some(plan)
+    }
+
+    /// The stretches of a leaf; whether a time is in the leaf.
+    fn leaf(
+        &mut self,
+        program: &Program,
+        facets: std::ops::Range<u32>,
+        logic: &mut Logic,
+        stretches: &mut usize,
+    ) -> Option<Wire> {
+        let (span, first) = (take(stretches)?, self.facets.len());
+        let mut inside = logic.input(span);
+        for number in facets {
+            let facet = &program.facets()[number as usize];
+            let kernel = Kernel::of(&program.surface(facet.surface).surface)?;
+            let mut facet = Facet { kernel, inside: facet.inside, face: f64::from(number), gap: NONE };
+            if facet.can_gap() {
+                let gap = take(stretches)?;
+                facet.gap = gap as u32;
+                let wire = logic.input(gap);
+                inside = logic.and(inside, wire.not());
+            }
+            self.facets.push(facet);
+        }
+        self.leaves.push(LeafPlan { facets: first..self.facets.len(), span });
+        Some(inside)
+    }
+
+    /// The number of stretches.
+    pub fn stretches(&self) -> usize {
+        self.differences.len()
+    }
+}
+
+fn take(stretches: &mut usize) -> Option<usize> {
+    *stretches += 1;
+    (*stretches <= MOST).then_some(*stretches - 1)
+}
+
+fn limits(program: &Program, group: &Prototype) -> Option<LaneLimits> {
+    let mut limits = LaneLimits {
+        centre: group.ball.centre,
+        radius: group.ball.radius,
+        reach: 0.0,
+        largest_radius: 0.0,
+        bend: 0.0,
+    };
+    for entry in program.surfaces() {
+        limits.reach = limits.reach.max(entry.reach);
+        match &entry.surface {
+            Surface::Plane(_) => {}
+            Surface::Sphere(s) => limits.largest_radius = limits.largest_radius.max(s.radius),
+            Surface::Cylinder(s) => limits.largest_radius = limits.largest_radius.max(s.radius),
+            Surface::Cone(s) => limits.bend = limits.bend.max(1.0 + s.slope * s.slope),
+            Surface::Quadric(_) => limits.bend = limits.bend.max(1.0),
+            Surface::Torus(_) | Surface::AffineTorus(_) => return None,
+        }
+    }
+    Some(limits)
+}
+
+fn faces(program: &Program) -> Vec<Face> {
+    let mut faces = Vec::with_capacity(program.facets().len());
+    for (k, leaf) in program.leaves().iter().enumerate() {
+        let LeafKind::Shape { facets, .. } = &leaf.kind else { continue };
+        faces.extend(facets.clone().map(|number| Face {
+            leaf: k.into(),
+            facet: number - facets.start,
+            surface: program.facets()[number as usize].surface,
+            placement: PlacementId(0),
+        }));
+    }
+    faces
+}
