@@ -37,7 +37,8 @@ impl Hierarchy {
     /// The tree over the finite boxes of some leaves, made by so many threads; it does not depend on their number.
     pub fn new(leaves: &[(Bounds, u32)], threads: usize) -> Hierarchy {
         let all = leaves.iter().fold(Bounds::EMPTY, |all, (bounds, _)| all.union(bounds));
-        let frame = Frame::new(if leaves.is_empty() { &Bounds { lo: Vec3::ZERO, hi: Vec3::ZERO } } else { &all });
+        let frame =
+            Frame::new(if leaves.is_empty() { &Bounds { lo: Vec3::ZERO, hi: Vec3::ZERO } } else { &all });
         let mut items: Vec<Item> = leaves.iter().map(|(bounds, leaf)| frame.item(bounds, *leaf)).collect();
         let parts = parts(&mut items, threads);
         Hierarchy { frame, nodes: widened(&items, &parts), level: Level::new() }
@@ -143,7 +144,8 @@ impl Front {
 
     fn open(&mut self, hierarchy: &Hierarchy, node: u32) {
         let node = &hierarchy.nodes[node as usize];
-        let (mut left, enter) = dispatch!(hierarchy.level, simd => Slabs::new(simd, &self.probe).entered(node));
+        let (mut left, enter) =
+            dispatch!(hierarchy.level, simd => Slabs::new(simd, &self.probe).entered(node));
         while left != 0 {
             let k = left.trailing_zeros() as usize % WIDTH;
             left &= left - 1;
@@ -240,7 +242,9 @@ impl Node {
     /// Which boxes have a point in common with another box, as bits.
     fn overlaps(&self, other: &Item) -> u32 {
         let meets = |k: usize| {
-            (0..3).all(|axis| self.planes[axis][k] <= other.hi[axis] && other.lo[axis] <= self.planes[axis + 3][k])
+            (0..3).all(|axis| {
+                self.planes[axis][k] <= other.hi[axis] && other.lo[axis] <= self.planes[axis + 3][k]
+            })
         };
         (0..WIDTH).filter(|&k| meets(k)).fold(0, |bits, k| bits | 1 << k)
     }
@@ -287,7 +291,11 @@ fn widened(items: &[Item], parts: &[Part]) -> Vec<Node> {
             let (pieces, count) = eight(piece, parts);
             for (k, &piece) in pieces[..count].iter().enumerate().rev() {
                 let single = piece.count == 1;
-                node.put(k, &parts[piece.part].bounds, if single { items[piece.begin].leaf | LEAF } else { 0 });
+                node.put(
+                    k,
+                    &parts[piece.part].bounds,
+                    if single { items[piece.begin].leaf | LEAF } else { 0 },
+                );
                 if !single {
                     waiting.push((Some((here, k)), piece));
                 }
