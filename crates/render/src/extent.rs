@@ -13,6 +13,25 @@ pub(crate) struct Extent {
     rows: Vec<Range<usize>>,
 }
 
+/// A piece of a picture whose rays are asked together: they are near each other, and their answers fit into a near cache.
+pub(crate) struct Tile {
+    /// Its rows, as far as something may be seen in them.
+    pub parts: Vec<Part>,
+}
+
+/// A part of a row.
+pub(crate) struct Part {
+    pub row: usize,
+    pub columns: Range<usize>,
+    /// How many columns in which something may be seen are before it.
+    pub offset: usize,
+}
+
+impl Tile {
+    pub const WIDTH: usize = 32;
+    pub const HEIGHT: usize = 8;
+}
+
 /// A pixel must be at least this part of all coordinates, else rounding might move the corners by a part of a pixel.
 const FINE: f64 = 1e-9;
 
@@ -24,6 +43,22 @@ impl Extent {
             Some(corners) => (0..size.height()).map(|y| columns(&corners, y, size)).collect(),
         };
         Extent { rows }
+    }
+
+    /// The tiles of a band of rows in which something may be seen, from left to right.
+    pub fn tiles(&self, rows: Range<usize>) -> impl Iterator<Item = Tile> + '_ {
+        let busy = rows.clone().map(|row| self.columns(row)).filter(|columns| !columns.is_empty());
+        let all = busy.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0);
+        all.clone().step_by(Tile::WIDTH).map(move |left| {
+            let part = |row: usize| {
+                let own = self.columns(row);
+                let start = own.start.max(left);
+                let columns = start..own.end.min(left + Tile::WIDTH).max(start);
+                Part { row, offset: start - own.start, columns }
+            };
+            let parts = rows.clone().map(part).filter(|part| !part.columns.is_empty());
+            Tile { parts: parts.collect() }
+        })
     }
 
     /// The columns of a row in which something may be seen.

@@ -13,11 +13,14 @@
 mod camera;
 mod closer;
 mod colour;
+mod columns;
 mod contrast;
 mod error;
 mod extent;
+mod gaze;
 mod image;
 mod light;
+mod occlusion;
 mod pen;
 mod planes;
 pub mod png;

@@ -4,7 +4,7 @@
 use crate::closer::{Closer, Ink};
 use crate::colour::{Premultiplied, over, pixel, premultiply};
 use crate::contrast::Contrast;
-use crate::extent::Extent;
+use crate::extent::{Extent, Tile};
 use crate::image::Image;
 use crate::pen::Pen;
 use crate::sample::{Eye, Sample};
@@ -60,6 +60,14 @@ struct Drawing<'a, E> {
     pen: Option<Pen>,
 }
 
+/// What is seen in a tile.
+#[derive(Default)]
+struct Glimpse {
+    places: Vec<[f64; 2]>,
+    colours: Vec<Premultiplied>,
+    samples: Vec<Sample>,
+}
+
 /// The pixels that one thread draws anew at a time.
 const PIECE: usize = 64;
 
@@ -76,26 +84,65 @@ impl<E: Evaluator> Drawing<'_, E> {
         let bounds = self.evaluator.program().bounds();
         let levels = self.shader.levels();
         let mut survey = Survey::new(self.size, Extent::new(self.camera, self.size, &bounds), levels);
-        let width = self.size.width();
         let (extent, rows) = (&survey.extent, &mut survey.rows);
-        let pieces = image.values_mut().chunks_mut(width).zip(rows).enumerate();
+        let bands = image.values_mut().chunks_mut(Tile::HEIGHT * self.size.width());
+        let pieces = bands.zip(rows.chunks_mut(Tile::HEIGHT)).enumerate();
         let end = if self.is_refined() { DONE[0] } else { 1.0 };
-        let scratch = || (Eye::new(self.evaluator, &self.shader), vec![[0.0; 4]; width]);
-        run.each(0.0..end, pieces, scratch, |(eye, colours), (y, (pixels, samples))| {
-            let (columns, behind) = (extent.columns(y), self.behind(y));
-            let colours = &mut colours[..columns.len()];
-            samples.resize(columns.len() * levels, Sample::MISS);
-            let place = |x| self.camera.ray(self.size, centre(x, y)[0], centre(x, y)[1]);
-            eye.look(columns.clone().map(place), samples, colours);
-            pixels.fill(pixel(behind));
-            for ((out, colour), sample) in pixels[columns].iter_mut().zip(colours).zip(samples.chunks(levels))
-            {
-                if sample[0] != Sample::MISS {
-                    *out = pixel(over(*colour, behind));
+        let scratch = || (self.eye(), Glimpse::default());
+        run.each(0.0..end, pieces, scratch, |(eye, glimpse), (band, (pixels, samples))| {
+            let first = band * Tile::HEIGHT;
+            for (r, row) in pixels.chunks_mut(self.size.width()).enumerate() {
+                row.fill(pixel(self.behind(first + r)));
+                if self.is_refined() {
+                    samples[r].resize(extent.columns(first + r).len() * levels, Sample::MISS);
                 }
+            }
+            for tile in extent.tiles(first..first + samples.len()) {
+                self.look_once(&tile, eye, glimpse, pixels, samples);
             }
         })?;
         Ok(survey)
+    }
+
+    fn eye(&self) -> Eye<'_, E> {
+        Eye::new(self.evaluator, &self.shader, self.camera, self.size)
+    }
+
+    /// Looks at the pixels of a tile; `pixels` and `samples` are those of the rows that it is in.
+    fn look_once(
+        &self,
+        tile: &Tile,
+        eye: &mut Eye<'_, E>,
+        glimpse: &mut Glimpse,
+        pixels: &mut [[u8; 4]],
+        samples: &mut [Vec<Sample>],
+    ) {
+        let levels = self.shader.levels();
+        glimpse.places.clear();
+        for part in &tile.parts {
+            glimpse.places.extend(part.columns.clone().map(|x| centre(x, part.row)));
+        }
+        let count = glimpse.places.len();
+        glimpse.colours.resize(count, [0.0; 4]);
+        glimpse.samples.resize(if self.is_refined() { count * levels } else { 0 }, Sample::MISS);
+        eye.look(&glimpse.places, &mut glimpse.samples, &mut glimpse.colours);
+        let mut at = 0;
+        for part in &tile.parts {
+            let (row, behind) = (part.row % Tile::HEIGHT, self.behind(part.row));
+            let length = part.columns.len();
+            let first = row * self.size.width() + part.columns.start;
+            for (out, &colour) in pixels[first..first + length].iter_mut().zip(&glimpse.colours[at..]) {
+                if colour[3] > 0.0 {
+                    *out = pixel(over(colour, behind));
+                }
+            }
+            if self.is_refined() {
+                let (from, to) = (at * levels, part.offset * levels);
+                let seen = &glimpse.samples[from..from + length * levels];
+                samples[row][to..to + seen.len()].copy_from_slice(seen);
+            }
+            at += length;
+        }
     }
 
     /// The colour of the background in a row of pixels.
@@ -154,10 +201,11 @@ impl<E: Evaluator> Drawing<'_, E> {
     ) -> Result<Closer<'s>, RenderError> {
         let mut closer = Closer::new(survey, places, self.settings.samples as usize);
         let (grid, pieces) = closer.pieces(PIECE);
-        let eye = || Eye::new(self.evaluator, &self.shader);
-        run.each(DONE[1]..DONE[2], pieces, eye, |eye, (places, samples, colours)| {
-            let place = |[x, y]: [f64; 2]| self.camera.ray(self.size, x, y);
-            eye.look(places.iter().flat_map(|&p| grid.places(p)).map(place), samples, colours);
+        let scratch = || (self.eye(), Vec::new());
+        run.each(DONE[1]..DONE[2], pieces, scratch, |(eye, at), (places, samples, colours)| {
+            at.clear();
+            at.extend(places.iter().flat_map(|&place| grid.places(place)));
+            eye.look(at, samples, colours);
         })?;
         Ok(closer)
     }

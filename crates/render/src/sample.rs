@@ -1,8 +1,10 @@
 //! What rays see: surfaces, and what is kept of them for a place of the picture.
 
 use crate::colour::{Premultiplied, over, premultiply};
-use crate::shade::Shader;
+use crate::gaze::Gaze;
+use crate::shade::{Look, Shader};
 use crate::shadow::Shadows;
+use crate::{Camera, Size};
 use rayweave_math::Vec3;
 use rayweave_model::{Crossing, Evaluator, Face, Limit, Query, RayBatch, RegionId, dress};
 use rayweave_shape::Ray;
@@ -51,21 +53,49 @@ pub(crate) fn towards_eye(normal: Vec3, ray: &Ray) -> Vec3 {
     if normal.dot(ray.direction) > 0.0 { -normal } else { normal }
 }
 
-/// The buffers of a thread that looks along rays.
-pub(crate) struct Eye<'a, E: Evaluator> {
+/// A thread that looks along rays: by columns where nothing is translucent, else layer by layer.
+pub(crate) enum Eye<'a, E: Evaluator> {
+    Columns(Gaze<'a, E>),
+    Layers(Layers<'a, E>),
+}
+
+impl<'a, E: Evaluator> Eye<'a, E> {
+    pub fn new(evaluator: &'a E, shader: &'a Shader, camera: &'a Camera, size: Size) -> Self {
+        match Gaze::new(evaluator, shader, camera, size) {
+            Some(gaze) => Eye::Columns(gaze),
+            None => Eye::Layers(Layers::new(evaluator, shader, camera, size)),
+        }
+    }
+
+    /// Looks along the rays of places, given in pixels, and fills in what is seen: a colour per ray, and the samples of as
+    /// many levels per ray as the shader tells apart, unless there is no room for any.
+    pub fn look(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
+        match self {
+            Eye::Columns(gaze) => gaze.look(places, samples, colours),
+            Eye::Layers(layers) => layers.look(places, samples, colours),
+        }
+    }
+}
+
+/// The buffers of a thread that looks along rays, layer by layer.
+pub(crate) struct Layers<'a, E: Evaluator> {
     evaluator: &'a E,
     shader: &'a Shader,
+    camera: &'a Camera,
+    size: Size,
     scratch: E::Scratch,
     rays: RayBatch,
     layers: Vec<Layer>,
     shadows: Shadows,
 }
 
-impl<'a, E: Evaluator> Eye<'a, E> {
-    pub fn new(evaluator: &'a E, shader: &'a Shader) -> Self {
-        Eye {
+impl<'a, E: Evaluator> Layers<'a, E> {
+    fn new(evaluator: &'a E, shader: &'a Shader, camera: &'a Camera, size: Size) -> Self {
+        Layers {
             evaluator,
             shader,
+            camera,
+            size,
             scratch: evaluator.scratch(),
             rays: RayBatch::default(),
             layers: Vec::new(),
@@ -73,16 +103,9 @@ impl<'a, E: Evaluator> Eye<'a, E> {
         }
     }
 
-    /// Looks along rays and fills in what is seen: a colour per ray, and the samples of as many levels per ray as the shader
-    /// tells apart.
-    pub fn look(
-        &mut self,
-        rays: impl Iterator<Item = Ray>,
-        samples: &mut [Sample],
-        colours: &mut [Premultiplied],
-    ) {
+    fn look(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
         self.rays.clear();
-        rays.take(colours.len()).for_each(|ray| self.rays.push(ray));
+        places.iter().for_each(|&[x, y]| self.rays.push(self.camera.ray(self.size, x, y)));
         self.find_layers();
         if self.shader.casts_shadows() {
             self.shadows.cast(
@@ -98,7 +121,7 @@ impl<'a, E: Evaluator> Eye<'a, E> {
         colours.fill([0.0; 4]);
         for layer in self.layers.iter().rev() {
             self.lay(layer, &mut colours[layer.ray]);
-            if layer.level < levels {
+            if layer.level < levels && !samples.is_empty() {
                 samples[layer.ray * levels + layer.level] = self.sample(layer);
             }
         }
@@ -136,7 +159,14 @@ impl<'a, E: Evaluator> Eye<'a, E> {
     /// Lays a surface over what is behind it.
     fn lay(&self, layer: &Layer, colour: &mut Premultiplied) {
         let ray = self.rays.rays().get(layer.ray);
-        let (light, opacity) = self.shader.shade(layer, &ray);
+        let look = Look {
+            point: ray.at(layer.t),
+            sight: ray.direction,
+            normal: layer.normal,
+            region: layer.region,
+            lit: layer.lit,
+        };
+        let (light, opacity) = self.shader.shade(&look);
         *colour = over(premultiply(light, opacity), *colour);
     }
 

@@ -1,11 +1,9 @@
 //! The colour of a surface in the light.
 
 use crate::colour::Linear;
-use crate::sample::Layer;
 use crate::{Camera, Light, LightKind, Settings, Style, region_colour};
 use rayweave_math::Vec3;
 use rayweave_model::{Program, RegionId};
-use rayweave_shape::Ray;
 
 /// What shading needs to know, computed once per picture.
 pub(crate) struct Shader {
@@ -33,6 +31,20 @@ enum Source {
     Point(Vec3),
     /// From the eye.
     Eye,
+}
+
+/// A surface that is to be shaded.
+pub(crate) struct Look {
+    /// The point that is seen.
+    pub point: Vec3,
+    /// The unit vector along the line of sight.
+    pub sight: Vec3,
+    /// The unit normal on the side of the eye.
+    pub normal: Vec3,
+    /// The region whose surface is seen.
+    pub region: RegionId,
+    /// The lights that shine on it, a bit each.
+    pub lit: u32,
 }
 
 /// How many surfaces behind one another have lines where some are translucent.
@@ -107,22 +119,23 @@ impl Shader {
         self.lamps.iter().filter_map(|lamp| lamp.light.as_ref())
     }
 
-    /// Light and opacity of a surface, seen along a ray.
-    pub fn shade(&self, layer: &Layer, ray: &Ray) -> (Linear, f32) {
-        let (colour, opacity) = self.regions[layer.region.index()];
+    /// Light and opacity of a surface.
+    #[inline]
+    pub fn shade(&self, look: &Look) -> (Linear, f32) {
+        let (colour, opacity) = self.regions[look.region.index()];
         let light = match self.style {
             Style::Flat => colour,
-            Style::Headlight => self.lambert(colour, layer, ray),
-            Style::Gooch => self.gooch(colour, layer, ray),
+            Style::Headlight => self.lambert(colour, look),
+            Style::Gooch => self.gooch(colour, look),
         };
         (light, opacity)
     }
 
-    fn lambert(&self, colour: Linear, layer: &Layer, ray: &Ray) -> Linear {
+    fn lambert(&self, colour: Linear, look: &Look) -> Linear {
         let mut arriving = [AMBIENT; 3];
         for (k, lamp) in self.lamps.iter().enumerate() {
-            let cosine = layer.normal.dot(lamp.direction(layer, ray)) as f32;
-            if cosine > 0.0 && layer.lit >> k & 1 == 1 {
+            let cosine = look.normal.dot(lamp.direction(look)) as f32;
+            if cosine > 0.0 && look.lit >> k & 1 == 1 {
                 let part = (1.0 - AMBIENT) * cosine;
                 arriving = std::array::from_fn(|c| arriving[c] + part * lamp.strength[c]);
             }
@@ -131,17 +144,17 @@ impl Shader {
     }
 
     /// The tone is the mean of the lights' tones, weighted by their strengths, so that several lights do not wash it out.
-    fn gooch(&self, colour: Linear, layer: &Layer, ray: &Ray) -> Linear {
+    fn gooch(&self, colour: Linear, look: &Look) -> Linear {
         let (mut tone, mut total, mut shine) = (0.0, 0.0, 0.0_f32);
         for (k, lamp) in self.lamps.iter().enumerate() {
-            let towards = lamp.direction(layer, ray);
-            let cosine = layer.normal.dot(towards) as f32;
+            let towards = lamp.direction(look);
+            let cosine = look.normal.dot(towards) as f32;
             let weight: f32 = lamp.strength.iter().sum();
             let part = 0.5 * (1.0 + cosine);
             total += weight;
-            if layer.lit >> k & 1 == 1 {
+            if look.lit >> k & 1 == 1 {
                 tone += weight * part;
-                shine = shine.max(highlight(layer.normal, towards, ray.direction));
+                shine = shine.max(highlight(look.normal, towards, look.sight));
             } else {
                 tone += weight * SHADOWED * part;
             }
@@ -166,11 +179,11 @@ impl Lamp {
     }
 
     /// The unit vector from a surface to the light; zero at the light itself.
-    fn direction(&self, layer: &Layer, ray: &Ray) -> Vec3 {
+    fn direction(&self, look: &Look) -> Vec3 {
         match self.source {
             Source::Sun(towards) => towards,
-            Source::Point(position) => (position - ray.at(layer.t)).normalize_or_zero(),
-            Source::Eye => -ray.direction,
+            Source::Point(position) => (position - look.point).normalize_or_zero(),
+            Source::Eye => -look.sight,
         }
     }
 }

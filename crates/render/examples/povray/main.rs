@@ -16,7 +16,7 @@ use peer::Peer;
 use rayweave::picture::Wishes;
 use rayweave::picture::arrange;
 use rayweave::render::{Image, Run, Settings, Size, png, render};
-use rayweave::{AnyEvaluator, Compiled, scene};
+use rayweave::{Compiled, scene};
 use scenes::Comparison;
 use std::error::Error;
 use std::num::NonZeroUsize;
@@ -84,7 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn compare(comparison: &Comparison, wish: &Wish) -> Result<Line, Box<dyn Error>> {
     let mut scene = comparison.scene.clone();
     let compiled = Compiled::new(&scene)?;
-    let evaluator = AnyEvaluator::new(None, compiled.program.clone())?;
+    let evaluator = rayweave::trace::Packets::new(compiled.program.clone());
     let wishes = Wishes { size: Some(wish.size), field_of_view: Some(30.0), ..Wishes::default() };
     let (camera, _) = arrange(&scene, &compiled, &wishes)?;
     let (width, height) = (wish.size.width() as u32, wish.size.height() as u32);
@@ -118,7 +118,7 @@ fn compare(comparison: &Comparison, wish: &Wish) -> Result<Line, Box<dyn Error>>
 
 /// The shortest of a few drawings in a row, in seconds, and the picture.
 fn draw(
-    evaluator: &AnyEvaluator,
+    evaluator: &impl rayweave::Evaluator,
     camera: &rayweave::render::Camera,
     settings: &Settings,
 ) -> Result<(f64, Image), Box<dyn Error>> {

@@ -1,0 +1,93 @@
+//! Rays and what they meet first, column by column.
+
+use rayweave_math::Vec3;
+use rayweave_model::{Evaluator, FirstHits, Rays, RegionId, Window};
+use rayweave_shape::Ray;
+
+/// A batch of rays and what each of them meets first; the memory is kept from batch to batch.
+#[derive(Default)]
+pub(crate) struct Columns {
+    pub origins: [Vec<f64>; 3],
+    pub directions: [Vec<f64>; 3],
+    pub t: Vec<f64>,
+    pub face: Vec<i32>,
+    pub placement: Vec<u32>,
+    pub before: Vec<u32>,
+    pub after: Vec<u32>,
+    pub normal: [Vec<f64>; 3],
+}
+
+impl Columns {
+    pub fn clear(&mut self) {
+        self.origins.iter_mut().chain(&mut self.directions).for_each(Vec::clear);
+    }
+
+    pub fn len(&self) -> usize {
+        self.origins[0].len()
+    }
+
+    #[inline]
+    pub fn push(&mut self, ray: Ray) {
+        for k in 0..3 {
+            self.origins[k].push(ray.origin[k]);
+            self.directions[k].push(ray.direction[k]);
+        }
+    }
+
+    #[inline]
+    pub fn ray(&self, i: usize) -> Ray {
+        Ray::new(vector(&self.origins, i), vector(&self.directions, i))
+    }
+
+    #[inline]
+    pub fn normal(&self, i: usize) -> Vec3 {
+        vector(&self.normal, i)
+    }
+
+    /// True if the ray meets something.
+    #[inline]
+    pub fn is_hit(&self, i: usize) -> bool {
+        self.face[i] >= 0
+    }
+
+    /// The region whose surface is seen: see [`crate::sample::seen`].
+    #[inline]
+    pub fn seen(&self, i: usize) -> RegionId {
+        RegionId(if self.after[i] != 0 { self.after[i] } else { self.before[i] })
+    }
+
+    /// Asks what each ray meets first; the normals only if they are wanted.
+    pub fn ask<E: Evaluator>(
+        &mut self,
+        evaluator: &E,
+        window: Window,
+        with_normals: bool,
+        scratch: &mut E::Scratch,
+    ) {
+        let count = self.len();
+        self.t.resize(count, f64::INFINITY);
+        self.face.resize(count, -1);
+        for column in [&mut self.placement, &mut self.before, &mut self.after] {
+            column.resize(count, 0);
+        }
+        self.normal.iter_mut().for_each(|column| column.resize(count, f64::NAN));
+        let rays = Rays {
+            origins: self.origins.each_ref().map(Vec::as_slice),
+            directions: self.directions.each_ref().map(Vec::as_slice),
+        };
+        let mut hits = FirstHits {
+            t: &mut self.t,
+            face: &mut self.face,
+            placement: &mut self.placement,
+            before: &mut self.before,
+            after: &mut self.after,
+            normal: with_normals.then(|| self.normal.each_mut().map(Vec::as_mut_slice)),
+        };
+        evaluator.nearest(rays, window, scratch, &mut hits);
+    }
+}
+
+#[inline]
+fn vector(columns: &[Vec<f64>; 3], i: usize) -> Vec3 {
+    Vec3::new(columns[0][i], columns[1][i], columns[2][i])
+}
