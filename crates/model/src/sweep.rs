@@ -41,7 +41,18 @@ pub struct Sweep<'a> {
 impl<'a> Sweep<'a> {
     /// Of events sorted by time, those before `t_max`.
     pub fn new(network: &'a Network, state: &'a mut NetworkState, events: &'a [Event], t_max: f64) -> Self {
-        Sweep { flips: NetworkFlips { network, state }, events, position: 0, t_max }
+        Sweep::resume(network, state, events, 0, t_max)
+    }
+
+    /// Goes on after the first `position` events, which `state` has seen.
+    pub fn resume(
+        network: &'a Network,
+        state: &'a mut NetworkState,
+        events: &'a [Event],
+        position: usize,
+        t_max: f64,
+    ) -> Self {
+        Sweep { flips: NetworkFlips { network, state }, events, position, t_max }
     }
 
     /// How many events have passed.

@@ -6,7 +6,7 @@
 
 use crate::{Crossing, Event, Face, PlacementId, Program, RegionId, State, carried};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::hugs;
+use rayweave_shape::surface::{clears, hugs};
 use std::ops::Range;
 
 /// The leaf states of a group while it is swept; both directions, since a flip undoes itself.
@@ -23,6 +23,12 @@ pub trait Flips {
 pub trait Trajectory {
     /// True if the piece between two times lies within `delta` of the surface of a face all along.
     fn hugs(&self, program: &Program, face: Face, a: f64, b: f64) -> bool;
+
+    /// True only if no piece from `a` to a time in `ends` hugs the surface of a face: who can tell lets evaluators stop
+    /// early.
+    fn clears(&self, _program: &Program, _face: Face, _a: f64, _ends: (f64, f64)) -> bool {
+        false
+    }
 }
 
 impl Trajectory for Ray {
@@ -30,6 +36,12 @@ impl Trajectory for Ray {
         let entry = program.surface(face.surface);
         let (ray, reach) = local_ray(program, self, face.placement);
         hugs(&entry.surface, entry.reach + reach, &ray, a, b)
+    }
+
+    fn clears(&self, program: &Program, face: Face, a: f64, ends: (f64, f64)) -> bool {
+        let entry = program.surface(face.surface);
+        let (ray, reach) = local_ray(program, self, face.placement);
+        clears(&entry.surface, entry.reach + reach, &ray, a, ends)
     }
 }
 
@@ -77,6 +89,13 @@ struct Quiet {
 /// What a weld knows between two changes: for evaluators that find events as they go.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Paused(Option<Run>, Option<Quiet>);
+
+impl Paused {
+    /// True if there is no crossing that waits for what comes next.
+    pub fn is_idle(&self) -> bool {
+        self.0.is_none()
+    }
+}
 
 /// Welds the changes along one trajectory as they come.
 pub struct Weld<'a, T = Ray> {
@@ -147,6 +166,15 @@ impl<'a, T: Trajectory> Weld<'a, T> {
     pub fn finish(&mut self, position: usize, flips: &mut impl Flips) -> Option<Crossing> {
         let run = self.pending.take()?;
         self.report(&run, position, flips)
+    }
+
+    /// True if there is a crossing that no change at a time in `ends` can be welded to, so that [`Weld::finish`] gives
+    /// what is reported whatever comes then. All changes before have been taken.
+    pub fn is_settled(&self, ends: (f64, f64)) -> bool {
+        let clears = |(a, face): (f64, Face)| self.path.clears(self.program, face, a, ends);
+        self.pending.is_some_and(|run| {
+            clears((run.t, run.face)) && (run.tail == (run.t, run.face) || clears(run.tail))
+        })
     }
 
     /// True if the piece between two changes lies in both their surfaces.

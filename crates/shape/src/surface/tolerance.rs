@@ -83,6 +83,26 @@ pub fn hugs_along(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: f64, b:
         && (degree < 4 || (near(0.5 * (a + middle)) && near(0.5 * (middle + b))))
 }
 
+/// True only if no piece of the ray from `a` to a time between `from` and `to` lies within `delta` of the surface
+/// ([`hugs`]), `a <= from <= to`: for who cannot know yet where the piece ends. Surfaces of degree 4 are never told.
+///
+/// Along the ray f is a polynomial q of degree 2 at most. On a piece [a, b] it differs from the straight line through its
+/// values at the ends by `k (t - a) (b - t)`, most of all in the middle. So wherever |q| is at most T at the ends and in the
+/// middle, it is at most 3 T all along. T, the tolerance of [`is_near`], grows with delta and the gradient, which are
+/// largest at a or at `to`, being convex in t. What the kernel rounds is less than T; 16 leaves room for both.
+pub fn clears(surface: &Surface, reach: f64, ray: &Ray, a: f64, (from, to): (f64, f64)) -> bool {
+    if surface.degree() > 2 {
+        return false;
+    }
+    let value_and_slope = |t: f64| {
+        let (value, gradient) = surface.value_and_gradient(ray.at(t));
+        (value.abs(), gradient.length())
+    };
+    let delta = delta(reach, ray, a.abs().max(to.abs()));
+    let slope = value_and_slope(a).1.max(value_and_slope(to).1);
+    value_and_slope(from).0 > 16.0 * delta * (slope + delta * bend(surface))
+}
+
 /// The most by which the gradient of a surface changes over a unit of length, halved.
 fn bend(surface: &Surface) -> f64 {
     match surface {

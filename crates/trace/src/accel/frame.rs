@@ -40,6 +40,11 @@ impl Frame {
         Frame { centre: all.centre(), scale: libm::ldexp(1.0, exponent.clamp(-1000, 1000)) }
     }
 
+    /// The unit of length: between half of the largest extent of all boxes and all of it.
+    pub fn size(&self) -> f64 {
+        1.0 / self.scale
+    }
+
     /// A box in this frame, each corner at least half an ulp of f32 farther out than it is, which is far more than f64
     /// rounds on the way.
     pub fn item(&self, bounds: &Bounds, leaf: u32) -> Item {

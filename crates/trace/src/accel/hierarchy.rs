@@ -49,6 +49,11 @@ impl Hierarchy {
         self.nodes.len() * size_of::<Node>()
     }
 
+    /// A length of the size of all boxes together.
+    pub fn size(&self) -> f64 {
+        self.frame.size()
+    }
+
     pub fn probe(&self, ray: &Ray, margin: f64, window: Window) -> Probe {
         self.frame.probe(ray, margin, window)
     }

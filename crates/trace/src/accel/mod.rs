@@ -48,6 +48,11 @@ impl Accel {
         self.hierarchy.bytes() + self.unbounded.len() * size_of::<u32>()
     }
 
+    /// A length of the size of all boxes together.
+    pub fn size(&self) -> f64 {
+        self.hierarchy.size()
+    }
+
     /// How much boxes are to be grown for a ray.
     fn margin(&self, ray: &GroupRay<'_>) -> f64 {
         self.condition * ray_margin(ray.ray.origin, ray.reach)

@@ -1,0 +1,138 @@
+//! All crossings: the flips of all leaves that the ray can touch, sorted once.
+
+use super::{Level, Weave, WeaveScratch};
+use rayweave_model::gate::NetworkState;
+use rayweave_model::weld::{Flips, Weld};
+use rayweave_model::{
+    Event, Face, GroupRay, LeafId, LeafKind, PrototypeId, Query, RegionId, Start, Sweep, Window, leaf_events,
+};
+use rayweave_shape::Ray;
+
+impl Weave {
+    /// Appends all crossings of a ray; the region at its start.
+    pub(super) fn list(
+        &self,
+        ray: Ray,
+        query: &Query<'_>,
+        starts: &[Start],
+        scratch: &mut WeaveScratch,
+    ) -> RegionId {
+        let group = PrototypeId(0);
+        let seen = GroupRay::world(&self.program, ray, starts);
+        let mut state = scratch.take_state(&self.program, group);
+        let level = self.gather(group, &seen, query.window, 0, scratch, &mut state);
+        let network = &self.program.prototype(group).network;
+        let mut sweep = Sweep::new(network, &mut state, &level.events, query.window.t_max());
+        while sweep.next_time().is_some_and(|t| query.is_past(t, !starts.is_empty())) {
+            sweep.step();
+        }
+        let mut now = self.state(sweep.flips.winner());
+        let start = now.region;
+        let mut weld = Weld::new(&self.program, ray, &level.events);
+        while let Some(change) = sweep.next_change(&mut now, |winner| self.state(winner)) {
+            scratch.crossings.extend(weld.change(change, &mut sweep.flips));
+        }
+        scratch.crossings.extend(weld.finish(sweep.position(), &mut sweep.flips));
+        sweep.rest(level.touched.iter().copied());
+        scratch.give_state(group, state);
+        scratch.give_level(0, level);
+        start
+    }
+
+    /// Gathers the flips of the leaves of a group that the ray can touch in the window, sorted by time, and
+    /// flips in `state` the leaves that are inside from the start.
+    pub(super) fn gather(
+        &self,
+        group: PrototypeId,
+        ray: &GroupRay<'_>,
+        window: Window,
+        depth: usize,
+        scratch: &mut WeaveScratch,
+        state: &mut NetworkState,
+    ) -> Box<Level> {
+        let mut level = scratch.take_level(depth);
+        self.accel[group.index()].touched(ray, window, &mut level.touched);
+        let network = &self.program.prototype(group).network;
+        for k in 0..level.touched.len() {
+            let leaf = level.touched[k];
+            if self.leaf(group, leaf, ray, window, depth, scratch, &mut level) {
+                network.flip(state, leaf);
+            }
+        }
+        level.events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+        level
+    }
+
+    /// Appends the flips of a leaf of a group; true if it is inside from the start. Outside of the window they may be
+    /// others, but so that the leaf is as it should be where the window begins.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn leaf(
+        &self,
+        group: PrototypeId,
+        leaf: u32,
+        ray: &GroupRay<'_>,
+        window: Window,
+        depth: usize,
+        scratch: &mut WeaveScratch,
+        level: &mut Level,
+    ) -> bool {
+        scratch.asked += 1;
+        let id = LeafId(self.program.prototype(group).leaves.start + leaf);
+        match &self.program.leaf(id).kind {
+            LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, ray, level),
+            LeafKind::Instance { prototype, placement } => {
+                let place = &self.program.leaf(id).transform;
+                let local = ray.placed(place, self.program.prototype(*prototype), *placement);
+                level.inner.clear();
+                let starts = self.instance(*prototype, &local, window, depth + 1, scratch, &mut level.inner);
+                level.events.extend(level.inner.iter().map(|&(t, face)| Event { t, leaf, face }));
+                starts
+            }
+        }
+    }
+
+    /// The same for a leaf that is a shape.
+    fn shape(
+        &self,
+        id: LeafId,
+        leaf: u32,
+        facets: &std::ops::Range<u32>,
+        ray: &GroupRay<'_>,
+        level: &mut Level,
+    ) -> bool {
+        let table = &self.program.facets()[facets.start as usize..facets.end as usize];
+        leaf_events(&self.program, table, ray, &mut level.leaf);
+        level.events.extend(level.leaf.flips.iter().map(|&(t, facet)| {
+            let surface = table[facet as usize].surface;
+            Event { t, leaf, face: Face { leaf: id, facet, surface, placement: ray.placement } }
+        }));
+        level.leaf.starts_inside
+    }
+
+    /// The changes of a placed solid in the window, as flips of one leaf; true if it is inside from the start.
+    fn instance(
+        &self,
+        group: PrototypeId,
+        ray: &GroupRay<'_>,
+        window: Window,
+        depth: usize,
+        scratch: &mut WeaveScratch,
+        out: &mut Vec<(f64, Face)>,
+    ) -> bool {
+        let mut state = scratch.take_state(&self.program, group);
+        let level = self.gather(group, ray, window, depth, scratch, &mut state);
+        let network = &self.program.prototype(group).network;
+        let mut sweep = Sweep::new(network, &mut state, &level.events, window.t_max());
+        // whose face it was does not matter any more
+        while sweep.next_time().is_some_and(|t| t < window.t_min()) {
+            sweep.step();
+        }
+        let starts_inside = sweep.flips.output(0);
+        let mut inside = starts_inside;
+        out.extend(std::iter::from_fn(|| sweep.next_flip(&mut inside)));
+        sweep.rest(level.touched.iter().copied());
+        scratch.give_state(group, state);
+        scratch.give_level(depth, level);
+        starts_inside
+    }
+}

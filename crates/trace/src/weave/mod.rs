@@ -1,0 +1,81 @@
+//! The weave: gather the flips of the leaves that a ray can touch, sort them once, sweep.
+//!
+//! For each ray the leaves whose bounds it passes give their flips; these are sorted by time and run through
+//! the boolean network of the group, which tells after each flip what has changed. Only the leaves touched
+//! are put back afterwards, so a ray costs what it meets and not what the model holds. A placed solid is one
+//! leaf of the group around it, whose flips come from a sweep of its own group in its own frame. Where one crossing is
+//! enough, leaves are asked one after the other along the ray (`nearest`).
+
+mod list;
+mod nearest;
+mod points;
+mod scratch;
+
+pub use scratch::WeaveScratch;
+
+use crate::accel::Accel;
+use rayweave_math::Vec3;
+use rayweave_model::{Evaluator, GroupPoint, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink, State};
+use scratch::Level;
+use std::sync::Arc;
+
+/// The evaluator for models of any size.
+#[derive(Clone, Debug)]
+pub struct Weave {
+    program: Arc<Program>,
+    /// A hierarchy over the leaves of each group.
+    accel: Vec<Accel>,
+}
+
+impl Weave {
+    /// An evaluator of a compiled model.
+    pub fn new(program: Arc<Program>) -> Weave {
+        let accel = program.prototypes().iter().map(|group| Accel::new(&program, group)).collect();
+        Weave { program, accel }
+    }
+
+    /// What the hierarchies over the leaves take, in bytes.
+    pub fn hierarchy_bytes(&self) -> usize {
+        self.accel.iter().map(Accel::bytes).sum()
+    }
+
+    fn state(&self, winner: u32) -> State {
+        let region = RegionId(winner);
+        State { region, medium: self.program.medium_of(region) }
+    }
+}
+
+impl Evaluator for Weave {
+    type Scratch = WeaveScratch;
+
+    fn name(&self) -> &'static str {
+        "weave"
+    }
+
+    fn program(&self) -> &Program {
+        &self.program
+    }
+
+    fn scratch(&self) -> WeaveScratch {
+        WeaveScratch::default()
+    }
+
+    fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut WeaveScratch, sink: &mut dyn Sink) {
+        for i in 0..rays.len() {
+            let starts = query.starts.map_or(&[][..], |lists| lists.of(i));
+            scratch.crossings.clear();
+            let start = match query.limit {
+                Limit::All => self.list(rays.get(i), query, starts, scratch),
+                Limit::First => self.nearest(rays.get(i), query, starts, scratch),
+            };
+            sink.ray(RayAnswer { ray: i, start, crossings: &scratch.crossings });
+        }
+    }
+
+    fn regions_at(&self, points: [&[f64]; 3], scratch: &mut WeaveScratch, out: &mut [RegionId]) {
+        for (i, region) in out.iter_mut().enumerate() {
+            let point = Vec3::new(points[0][i], points[1][i], points[2][i]);
+            *region = self.region_at(&GroupPoint::world(point), scratch);
+        }
+    }
+}

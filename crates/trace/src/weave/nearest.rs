@@ -1,0 +1,280 @@
+//! The first crossing: leaves are asked in the order in which the ray enters their boxes, as far as is needed.
+//!
+//! Flips before the *frontier*, the time at which the ray enters the next box, are final: they are swept, and a crossing
+//! is reported as soon as nothing beyond the frontier can be welded to it. A leaf that is asked late does not matter
+//! before its box, so it is brought to the side that it has where the sweep stands.
+
+use super::scratch::{Near, Partly};
+use super::{Level, Weave, WeaveScratch};
+use rayweave_model::gate::NetworkState;
+use rayweave_model::weld::{Paused, Weld};
+use rayweave_model::{
+    Crossing, Event, GroupRay, LeafId, LeafKind, PrototypeId, Query, RegionId, Start, State, Sweep, Window,
+};
+use rayweave_shape::Ray;
+use std::cmp::Ordering;
+
+/// A flip to come; the greatest is the one that comes first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coming(pub Event);
+
+impl Ord for Coming {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.0.t.total_cmp(&self.0.t).then(other.0.leaf.cmp(&self.0.leaf))
+    }
+}
+
+impl PartialOrd for Coming {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Coming {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Coming {}
+
+/// Placed solids of so many leaves are asked about one piece of the ray after the other.
+const LARGE: usize = 64;
+
+/// So many leaves a ray may meet in the first piece.
+const FIRST_PIECE: f64 = 4.0;
+
+/// A walk with a ray as far as its first crossing.
+struct Walk<'a> {
+    weave: &'a Weave,
+    ray: GroupRay<'a>,
+    query: &'a Query<'a>,
+    level: Box<Level>,
+    near: Near,
+    state: Box<NetworkState>,
+    /// The sweep has passed this time.
+    swept: f64,
+    /// How many of the events it has passed.
+    position: usize,
+    paused: Paused,
+}
+
+impl Weave {
+    /// Appends the first crossing of a ray, if there is one; the region at its start.
+    pub(super) fn nearest(
+        &self,
+        ray: Ray,
+        query: &Query<'_>,
+        starts: &[Start],
+        scratch: &mut WeaveScratch,
+    ) -> RegionId {
+        let mut walk = Walk {
+            weave: self,
+            ray: GroupRay::world(&self.program, ray, starts),
+            query,
+            state: scratch.take_state(&self.program, MODEL),
+            level: scratch.take_level(0),
+            near: std::mem::take(&mut scratch.near),
+            swept: f64::NEG_INFINITY,
+            position: 0,
+            paused: Paused::default(),
+        };
+        walk.begin(scratch);
+        let mut now = walk.start(scratch);
+        let start = now.region;
+        let found = walk.first_crossing(&mut now, scratch);
+        scratch.crossings.extend(found);
+        let Walk { mut state, level, near, .. } = walk;
+        let network = &self.program.prototype(MODEL).network;
+        Sweep::new(network, &mut state, &[], 0.0).rest(level.touched.iter().copied());
+        scratch.near = near;
+        scratch.give_state(MODEL, state);
+        scratch.give_level(0, level);
+        start
+    }
+}
+
+/// The group of the model itself.
+const MODEL: PrototypeId = PrototypeId(0);
+
+impl Walk<'_> {
+    /// Asks the leaves that have no box.
+    fn begin(&mut self, scratch: &mut WeaveScratch) {
+        self.near.coming.clear();
+        self.near.partly.clear();
+        self.near.latest = f64::NEG_INFINITY;
+        let accel = &self.weave.accel[MODEL.index()];
+        accel.begin(&self.ray, self.query.window, &mut self.near.front);
+        for &leaf in accel.unbounded() {
+            self.ask(leaf, self.query.window, scratch);
+            self.level.touched.push(leaf);
+        }
+    }
+
+    /// Goes to where the part of the ray begins that is asked about; the state there.
+    fn start(&mut self, scratch: &mut WeaveScratch) -> State {
+        let has_starts = !self.ray.starts.is_empty();
+        let t_min = self.query.window.t_min();
+        // flips at 0 are not past there
+        let first = if has_starts { t_min.max(0.0) } else { t_min };
+        while self.frontier() <= first {
+            self.step(scratch);
+        }
+        while let Some(&Coming(event)) = self.near.coming.peek()
+            && self.query.is_past(event.t, has_starts)
+        {
+            self.near.coming.pop();
+            self.flip(event.leaf);
+            self.swept = event.t;
+        }
+        if self.query.is_past(t_min, has_starts) {
+            self.swept = t_min;
+        }
+        self.weave.state(self.state.winner())
+    }
+
+    /// Sweeps as far as flips are final, and asks more leaves, until there is a crossing or nothing is left.
+    fn first_crossing(&mut self, now: &mut State, scratch: &mut WeaveScratch) -> Option<Crossing> {
+        loop {
+            let frontier = self.frontier();
+            self.take_final(frontier);
+            if let Some(found) = self.sweep(now, frontier) {
+                return Some(found);
+            }
+            if frontier >= self.query.window.t_max() || frontier == f64::INFINITY {
+                return None;
+            }
+            self.step(scratch);
+        }
+    }
+
+    /// Moves the flips before the frontier to the events.
+    fn take_final(&mut self, frontier: f64) {
+        while let Some(&Coming(event)) = self.near.coming.peek()
+            && event.t < frontier
+        {
+            self.near.coming.pop();
+            self.level.events.push(event);
+        }
+    }
+
+    /// Sweeps the events; the first crossing if it is certain, as all events before the frontier are there.
+    fn sweep(&mut self, now: &mut State, frontier: f64) -> Option<Crossing> {
+        if self.position == self.level.events.len() && self.paused.is_idle() {
+            return None;
+        }
+        let last_event = self.near.last_event(frontier);
+        let Walk { weave, query, level, state, .. } = self;
+        let (program, events, t_max) = (&*weave.program, &level.events, query.window.t_max());
+        let network = &program.prototype(MODEL).network;
+        let mut sweep = Sweep::resume(network, state, events, self.position, t_max);
+        let mut weld = Weld::resume(program, self.ray.ray, events, self.paused);
+        while let Some(change) = sweep.next_change(now, |winner| weave.state(winner)) {
+            let found = weld.change(change, &mut sweep.flips);
+            if found.is_some() {
+                return found;
+            }
+        }
+        self.position = sweep.position();
+        self.swept = events[..self.position].last().map_or(self.swept, |event| event.t);
+        let last = frontier >= t_max;
+        if last || weld.is_settled((frontier, last_event.min(t_max))) {
+            let found = weld.finish(self.position, &mut sweep.flips);
+            if found.is_some() {
+                return found;
+            }
+        }
+        self.paused = weld.pause();
+        None
+    }
+
+    /// No flip that has not been found yet lies before this time.
+    fn frontier(&self) -> f64 {
+        let partly = self.near.partly.iter().map(|partly| partly.until);
+        partly.fold(self.near.front.time(), f64::min)
+    }
+
+    /// Opens what is at the frontier.
+    fn step(&mut self, scratch: &mut WeaveScratch) {
+        let time = self.near.front.time();
+        if let Some(at) = self.near.partly.iter().position(|partly| partly.until <= time) {
+            let partly = self.near.partly.swap_remove(at);
+            return self.ask_piece(partly, scratch);
+        }
+        let Some(leaf) = self.weave.accel[MODEL.index()].next(&mut self.near.front) else { return };
+        self.level.touched.push(leaf);
+        match self.first_piece(leaf) {
+            Some(step) => {
+                let until = time.max(self.query.window.t_min());
+                self.ask_piece(Partly { leaf, until, step, is_new: true }, scratch);
+            }
+            None => self.ask(leaf, self.query.window, scratch),
+        }
+    }
+
+    /// How long the first piece of the ray is about which a leaf is asked; none if it is asked about all at once.
+    fn first_piece(&self, leaf: u32) -> Option<f64> {
+        let program = &self.weave.program;
+        let leaf = program.leaf(LeafId(program.prototype(MODEL).leaves.start + leaf));
+        let LeafKind::Instance { prototype, .. } = &leaf.kind else { return None };
+        let leaves = program.prototype(*prototype).leaves.len();
+        if leaves <= LARGE {
+            return None;
+        }
+        let size = self.weave.accel[prototype.index()].size();
+        let speed = leaf.transform.local_from_world.vector(self.ray.ray.direction).length();
+        Some(FIRST_PIECE * size / libm::cbrt(leaves as f64) / speed)
+    }
+
+    /// Asks a large placed solid about the next piece of the ray, from its `until` on.
+    fn ask_piece(&mut self, Partly { leaf, until, step, is_new }: Partly, scratch: &mut WeaveScratch) {
+        let (end, t_max) = (until + step, self.query.window.t_max());
+        let ends = end >= self.near.front.end().min(t_max);
+        let piece = Window::new(until, end).ok().filter(|_| !ends);
+        let Some(window) = piece.or_else(|| Window::new(until, t_max).ok()) else { return };
+        let known = self.level.events.len();
+        let starts = self.weave.leaf(MODEL, leaf, &self.ray, window, 0, scratch, &mut self.level);
+        if is_new && starts {
+            self.flip(leaf);
+        }
+        self.take_asked(known);
+        if piece.is_some() {
+            self.near.partly.push(Partly { leaf, until: end, step: 2.0 * step, is_new: false });
+        }
+    }
+
+    /// Moves the events from number `known` on to those that come.
+    fn take_asked(&mut self, known: usize) {
+        for k in known..self.level.events.len() {
+            let event = self.level.events[k];
+            if event.t <= self.swept {
+                self.flip(event.leaf);
+            } else {
+                self.near.latest = self.near.latest.max(event.t);
+                self.near.coming.push(Coming(event));
+            }
+        }
+        self.level.events.truncate(known);
+    }
+
+    /// Asks a leaf about all flips in a window.
+    fn ask(&mut self, leaf: u32, window: Window, scratch: &mut WeaveScratch) {
+        let known = self.level.events.len();
+        let starts = self.weave.leaf(MODEL, leaf, &self.ray, window, 0, scratch, &mut self.level);
+        if starts != self.state.leaf(leaf) {
+            self.flip(leaf);
+        }
+        self.take_asked(known);
+    }
+
+    fn flip(&mut self, leaf: u32) {
+        self.weave.program.prototype(MODEL).network.flip(&mut self.state, leaf);
+    }
+}
+
+impl Near {
+    /// No flip that has not been swept comes after this time, which is not before the frontier.
+    fn last_event(&self, frontier: f64) -> f64 {
+        self.front.end().max(self.latest).max(frontier)
+    }
+}
