@@ -1,0 +1,70 @@
+"""What all drivers in Python share: orders come line by line, answers go out line by line.
+
+See crates/bench/src/peers.rs for the lines. Standard output belongs to the orders; whatever a system prints itself goes
+elsewhere. Only what `work` does is timed.
+"""
+
+import os
+import sys
+from time import perf_counter
+
+import numpy as np
+
+# whatever a system prints itself goes to where errors go
+_OUT = os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)
+
+
+def say(line):
+    _OUT.write(line + "\n")
+    _OUT.flush()
+
+
+def padded(lists):
+    """Lists of times as a hit array: (H, N), +inf where there is none."""
+    rows = max([len(times) for times in lists] + [1])
+    table = np.full((rows, len(lists)), np.inf)
+    for column, times in enumerate(lists):
+        table[: len(times), column] = times
+    return table
+
+
+def serve(name, version, tasks):
+    """Serves orders until there are no more.
+
+    `tasks` maps the name of a task to (prepare, work, answer): `prepare(array, count)` makes the input of the first
+    `count` rays from the array of the file, outside of the time; `work(input)` is timed; `answer(input)` gives (H, N).
+    """
+    say(f"peer {name} {version} " + " ".join(tasks))
+    prepared = {}
+    for line in sys.stdin:
+        verb, task, file, count, *rest = line.split()
+        try:
+            prepare, work, answer = tasks[task]
+            key = (task, file, count)
+            if key not in prepared:
+                # one input at a time: some are large
+                prepared.clear()
+                prepared[key] = prepare(np.load(file + ".npy"), int(count))
+            if verb == "run":
+                started = perf_counter()
+                work(prepared[key])
+                say(f"seconds {perf_counter() - started!r}")
+            else:
+                np.save(rest[0] + ".npy", np.ascontiguousarray(answer(prepared[key]), dtype=np.float64))
+                say("done")
+        except Exception as error:
+            say("error " + repr(error).replace("\n", " "))
+
+
+def rays(array, count):
+    """Origins and directions, (N, 3) each, of an array (6, N)."""
+    rows = np.ascontiguousarray(array[:, :count].T)
+    return np.ascontiguousarray(rows[:, :3]), np.ascontiguousarray(rows[:, 3:])
+
+
+def units(array, count):
+    """The same with unit directions, and their lengths: for systems that want them so."""
+    origins, directions = rays(array, count)
+    lengths = np.linalg.norm(directions, axis=1)
+    return origins, directions / lengths[:, None], lengths

@@ -1,0 +1,106 @@
+//! What a run is asked for.
+
+use crate::contest::Effort;
+use crate::level;
+use clap::Args;
+use rayweave::model::drive::thread_count;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// The options of the benchmark.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Arguments {
+    /// Run only the exemplars whose names begin so. May be repeated
+    #[arg(long, value_name = "NAME")]
+    pub only: Vec<String>,
+
+    /// Print the names of the exemplars, and measure nothing
+    #[arg(long)]
+    pub list: bool,
+
+    /// Take seconds: to see that everything works, not for figures
+    #[arg(long)]
+    pub quick: bool,
+
+    /// Add the models of a million leaves
+    #[arg(long)]
+    pub large: bool,
+
+    /// Write all figures as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+
+    /// Write the page of results, and its plot beside it
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
+
+    /// Write the plot as SVG
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+
+    /// Where peers/install.sh has installed the peers
+    #[arg(long, value_name = "DIR")]
+    pub peers: Option<PathBuf>,
+
+    /// The widest level of the processor that kernels by hand and ceilings use
+    #[arg(long, value_name = "LEVEL", value_parser = level::NAMES)]
+    pub level: Option<String>,
+
+    /// Count the instructions of contenders, too, with valgrind
+    #[arg(long)]
+    pub instructions: bool,
+
+    /// Run one contender of the exemplar once: what is done under a tool that counts instructions
+    #[arg(long, value_name = "CONTENDER", hide = true)]
+    pub once: Option<String>,
+
+    /// Threads of the contenders that use all cores
+    #[arg(skip)]
+    pub threads: Option<NonZeroUsize>,
+}
+
+impl Arguments {
+    /// How long to measure.
+    pub(crate) fn effort(&self) -> Effort {
+        match (&self.once, self.quick) {
+            (Some(contender), _) => Effort::Once { contender: contender.clone() },
+            (None, true) => Effort::QUICK,
+            (None, false) => Effort::FULL,
+        }
+    }
+
+    /// True if the exemplar of this name is asked for.
+    pub(crate) fn wants(&self, name: &str) -> bool {
+        self.only.is_empty() || self.only.iter().any(|start| name.starts_with(start.as_str()))
+    }
+
+    /// The number of threads of those who use many.
+    pub(crate) fn thread_count(&self) -> usize {
+        thread_count(self.threads).get()
+    }
+
+    /// The path of the plot: as it was asked for, or beside the page.
+    pub(crate) fn plot(&self) -> Option<PathBuf> {
+        let beside = || self.markdown.as_ref().map(|page| page.with_extension("svg"));
+        self.plot.clone().or_else(beside)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exemplars_are_chosen_by_their_beginning() {
+        let arguments = Arguments { only: vec!["die/f".to_owned()], ..Arguments::default() };
+        assert!(arguments.wants("die/full") && !arguments.wants("die/single"));
+        assert!(Arguments::default().wants("anything"));
+    }
+
+    #[test]
+    fn the_plot_lies_beside_the_page() {
+        let arguments = Arguments { markdown: Some("docs/page.md".into()), ..Arguments::default() };
+        assert_eq!(arguments.plot(), Some("docs/page.svg".into()));
+        assert_eq!(Arguments::default().plot(), None);
+    }
+}

@@ -1,0 +1,29 @@
+//! The bandwidth of memory.
+
+use super::{ceiling, measure_rates};
+use crate::contest::Effort;
+use crate::statistics::Statistics;
+
+/// The length of each of the two arrays: 128 MiB, some times larger than the caches of today.
+const LENGTH: usize = 1 << 24;
+
+/// Bytes read plus bytes written in a nanosecond, by one thread and by so many.
+pub fn measure(threads: usize, effort: &Effort) -> Result<[Statistics; 2], String> {
+    let length = effort.size(LENGTH);
+    let source = vec![1.0_f64; length];
+    let (mut out, mut out2) = (vec![0.0; length], vec![0.0; length]);
+    let bytes = 2 * size_of_val(&source[..]);
+    let one = ceiling("one", bytes, || out.copy_from_slice(&source));
+    let all = ceiling("all", bytes, || copy(&source, &mut out2, threads));
+    measure_rates(vec![one, all], effort)
+}
+
+/// Copies an array in as many pieces as there are threads.
+fn copy(source: &[f64], out: &mut [f64], threads: usize) {
+    let piece = source.len().div_ceil(threads);
+    std::thread::scope(|scope| {
+        for (source, out) in source.chunks(piece).zip(out.chunks_mut(piece)) {
+            scope.spawn(|| out.copy_from_slice(source));
+        }
+    });
+}

@@ -1,0 +1,158 @@
+//! What the machine can do at most: bytes copied and arithmetic done in a second, measured before anything else.
+
+mod arithmetic;
+mod copy;
+
+use crate::contest::{Effort, Outcome, Role, contest};
+use crate::level;
+use crate::statistics::Statistics;
+use fearless_simd::Level;
+
+/// The ceilings that were measured.
+#[derive(Clone, Debug)]
+pub struct Ceilings {
+    /// Bytes read plus bytes written in a nanosecond while arrays larger than all caches are copied: by one thread and by
+    /// all.
+    pub copy: [Statistics; 2],
+    /// Arithmetic in registers and in the nearest cache, level by level.
+    pub levels: Vec<Rates>,
+    /// The number of threads of the second copy.
+    pub threads: usize,
+}
+
+/// Operations on numbers of 64 bits in a nanosecond, on one thread.
+#[derive(Clone, Debug)]
+pub struct Rates {
+    /// The level.
+    pub level: Level,
+    /// Fused products with a sum, two operations each. (No kernel uses them: their rounding is another.)
+    pub fused: Statistics,
+    /// Sums and products, half of each.
+    pub simple: Statistics,
+    /// Minima and maxima.
+    pub extremes: Statistics,
+    /// Divisions.
+    pub divisions: Statistics,
+    /// Square roots.
+    pub roots: Statistics,
+}
+
+/// The least that one item costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Need {
+    /// Bytes from memory or to it.
+    Bytes(f64),
+    /// Operations on numbers of 64 bits.
+    Operations {
+        /// Sums, products and the like.
+        simple: f64,
+        /// Divisions.
+        divisions: f64,
+        /// Square roots.
+        roots: f64,
+    },
+    /// The time of a kernel by hand for the same work on one thread, in nanoseconds.
+    Kernel(f64),
+}
+
+/// The least time, and what sets it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Floor {
+    /// What sets it.
+    pub what: &'static str,
+    /// Nanoseconds per item.
+    pub time: f64,
+}
+
+impl Ceilings {
+    /// Measures them.
+    pub fn measure(levels: &[Level], threads: usize, effort: &Effort) -> Result<Ceilings, String> {
+        let [one, all] = copy::measure(threads, effort)?;
+        let levels = levels.iter().map(|&level| arithmetic::measure(level, effort));
+        Ok(Ceilings { copy: [one, all], levels: levels.collect::<Result<_, _>>()?, threads })
+    }
+
+    /// The greatest of the times that the needs of one item take at least, on so many threads.
+    pub fn floor(&self, needs: &[Need], threads: usize) -> Option<Floor> {
+        let floors = needs.iter().filter_map(|need| self.floor_of(*need, threads));
+        floors.max_by(|a, b| a.time.total_cmp(&b.time))
+    }
+
+    fn floor_of(&self, need: Need, threads: usize) -> Option<Floor> {
+        let rates = self.levels.last()?;
+        let scale = threads as f64;
+        Some(match need {
+            Need::Bytes(bytes) => {
+                let copy = &self.copy[usize::from(threads > 1)];
+                Floor { what: "memory", time: bytes / copy.median }
+            }
+            Need::Operations { simple, divisions, roots } => {
+                let divider = divisions / rates.divisions.median + roots / rates.roots.median;
+                let adder = simple / rates.simple.median;
+                match divider > adder {
+                    true => Floor { what: "divider", time: divider / scale },
+                    false => Floor { what: "arithmetic", time: adder / scale },
+                }
+            }
+            Need::Kernel(time) => Floor { what: "kernel by hand", time: time / scale },
+        })
+    }
+
+    /// The ceilings as rows: name, unit, figure.
+    pub fn rows(&self) -> Vec<(String, &'static str, Statistics)> {
+        let mut rows = vec![
+            ("copy, 1 thread".to_owned(), "GB/s", self.copy[0]),
+            (format!("copy, {} threads", self.threads), "GB/s", self.copy[1]),
+        ];
+        for rates in &self.levels {
+            let name = level::name(rates.level);
+            let kinds = [
+                ("fused multiply-add", rates.fused),
+                ("multiply and add", rates.simple),
+                ("minimum and maximum", rates.extremes),
+                ("divide", rates.divisions),
+                ("square root", rates.roots),
+            ];
+            rows.extend(kinds.map(|(kind, rate)| (format!("{kind}, {name}"), "G/s", rate)));
+        }
+        rows
+    }
+}
+
+/// The rates of contenders, in the order given: items in a nanosecond.
+fn rates<const N: usize>(outcomes: Vec<Outcome>) -> Result<[Statistics; N], String> {
+    let rates: Result<Vec<Statistics>, String> =
+        outcomes.into_iter().map(|outcome| Ok(outcome.times?.map(|time| 1.0 / time))).collect();
+    rates?.try_into().map_err(|rates: Vec<Statistics>| format!("{} ceilings instead of {N}", rates.len()))
+}
+
+/// A contender for the ceiling.
+fn ceiling<'a>(name: &str, items: usize, run: impl FnMut() + 'a) -> crate::contest::Contender<'a> {
+    crate::contest::Contender::here(name, Role::Ceiling, items, run)
+}
+
+/// Lets contenders for ceilings run.
+fn measure_rates<const N: usize>(
+    contenders: Vec<crate::contest::Contender<'_>>,
+    effort: &Effort,
+) -> Result<[Statistics; N], String> {
+    rates(contest(contenders, effort))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ceilings_are_positive_and_bind() {
+        let ceilings = Ceilings::measure(&level::available(None), 2, &Effort::QUICK).unwrap();
+        assert!(ceilings.rows().iter().all(|(_, _, figure)| figure.range[0] > 0.0));
+        let needs = [Need::Bytes(64.0), Need::Kernel(1e9)];
+        let floor = ceilings.floor(&needs, 2).unwrap();
+        assert_eq!(floor, Floor { what: "kernel by hand", time: 5e8 });
+        let memory = ceilings.floor(&needs[..1], 1).unwrap();
+        assert_eq!(memory.time, 64.0 / ceilings.copy[0].median);
+        let work = Need::Operations { simple: 1.0, divisions: 100.0, roots: 0.0 };
+        assert_eq!(ceilings.floor(&[work], 1).unwrap().what, "divider");
+    }
+}

@@ -1,0 +1,270 @@
+//! Contenders that do the same work, in turn, round by round, so that none has the machine at a better time.
+
+use crate::statistics::Statistics;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// On whose behalf a contender runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// This project.
+    Ours,
+    /// Another system.
+    Peer,
+    /// What the machine can do at most.
+    Ceiling,
+}
+
+impl Role {
+    /// As the results name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Role::Ours => "ours",
+            Role::Peer => "peer",
+            Role::Ceiling => "ceiling",
+        }
+    }
+}
+
+/// How long to measure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effort {
+    /// So many rounds, in each of which every contender runs for about so many seconds.
+    Rounds {
+        /// How many.
+        rounds: usize,
+        /// The time of one run.
+        seconds: f64,
+        /// Models and batches are smaller by this factor.
+        shrink: usize,
+    },
+    /// One contender runs once, for a tool that counts instructions: see [`counted`].
+    Once {
+        /// Its name.
+        contender: String,
+    },
+}
+
+impl Effort {
+    /// For figures that are kept.
+    pub const FULL: Effort = Effort::Rounds { rounds: 11, seconds: 0.1, shrink: 1 };
+    /// To see that everything works.
+    pub const QUICK: Effort = Effort::Rounds { rounds: 3, seconds: 0.005, shrink: 16 };
+
+    /// The size of a batch that is `full` at full effort: a multiple of 64.
+    pub fn size(&self, full: usize) -> usize {
+        let shrink = match self {
+            Effort::Rounds { shrink, .. } => *shrink,
+            Effort::Once { .. } => 32,
+        };
+        (full / shrink / 64).max(1) * 64
+    }
+
+    /// The time of one run.
+    fn seconds(&self) -> f64 {
+        match self {
+            Effort::Rounds { seconds, .. } => *seconds,
+            Effort::Once { .. } => 0.0,
+        }
+    }
+}
+
+/// Somebody who does some work again and again.
+pub struct Contender<'a> {
+    /// What it is called.
+    pub name: String,
+    /// On whose behalf it runs.
+    pub role: Role,
+    /// The number of threads.
+    pub threads: usize,
+    /// Rays, or whatever else the work consists of, in one run.
+    items: f64,
+    /// The least number of them.
+    least: f64,
+    work: Work<'a>,
+}
+
+/// The work of a contender.
+enum Work<'a> {
+    /// Is run, and timed, here, so many times in a row.
+    Here { repeats: usize, run: Box<dyn FnMut() + 'a> },
+    /// Runs elsewhere and tells the seconds that it took for so many items.
+    Elsewhere(Box<dyn FnMut(f64) -> Result<f64, String> + 'a>),
+}
+
+impl<'a> Contender<'a> {
+    /// One whose work is a function of this process; `items` is what one call does.
+    pub fn here(name: impl Into<String>, role: Role, items: usize, run: impl FnMut() + 'a) -> Contender<'a> {
+        let work = Work::Here { repeats: 1, run: Box::new(run) };
+        let items = items as f64;
+        Contender { name: name.into(), role, threads: 1, items, least: items, work }
+    }
+
+    /// One whose work is done by somebody else, who is given the number of items, at most `most`, and tells the seconds.
+    pub fn elsewhere(
+        name: impl Into<String>,
+        most: usize,
+        run: impl FnMut(f64) -> Result<f64, String> + 'a,
+    ) -> Contender<'a> {
+        let work = Work::Elsewhere(Box::new(run));
+        let items = most as f64;
+        Contender { name: name.into(), role: Role::Peer, threads: 1, items, least: 1.0, work }
+    }
+
+    /// The same on several threads.
+    pub fn threads(self, threads: usize) -> Contender<'a> {
+        Contender { threads, ..self }
+    }
+
+    /// The same, which is always given all of its items.
+    pub fn whole(self) -> Contender<'a> {
+        Contender { least: self.items, ..self }
+    }
+
+    /// Warms up and finds out how much makes a run of about `seconds`.
+    fn prepare(&mut self, seconds: f64) -> Result<(), String> {
+        let items = self.items;
+        match &mut self.work {
+            Work::Here { repeats, run } => {
+                let once = timed(run).max(1e-9);
+                *repeats = (seconds / once).ceil().clamp(1.0, 1e7) as usize;
+            }
+            Work::Elsewhere(run) => {
+                let few = items.min(1000.0);
+                run(few)?;
+                let took = run(few)?.max(1e-9);
+                self.items = (few * seconds / took).clamp(few.max(self.least), items).floor();
+            }
+        }
+        Ok(())
+    }
+
+    /// One run: nanoseconds per item.
+    fn run(&mut self) -> Result<f64, String> {
+        let items = self.items;
+        let seconds = match &mut self.work {
+            Work::Here { repeats, run } => {
+                let repeats = *repeats;
+                timed(|| (0..repeats).for_each(|_| run())) / repeats as f64
+            }
+            Work::Elsewhere(run) => run(items)?,
+        };
+        Ok(1e9 * seconds / items)
+    }
+}
+
+fn timed(mut run: impl FnMut()) -> f64 {
+    let started = Instant::now();
+    run();
+    started.elapsed().as_secs_f64()
+}
+
+/// Runs something once. A tool that counts instructions is told to count in here alone.
+#[inline(never)]
+pub fn counted(run: &mut dyn FnMut()) {
+    run();
+    // nothing may follow the call as its tail, or this frame would be gone
+    black_box(());
+}
+
+/// What became of a contender.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Its name.
+    pub name: String,
+    /// On whose behalf it ran.
+    pub role: Role,
+    /// The number of threads.
+    pub threads: usize,
+    /// Nanoseconds per item, or why there are none.
+    pub times: Result<Statistics, String>,
+}
+
+/// Lets the contenders run in turn.
+pub fn contest(mut contenders: Vec<Contender<'_>>, effort: &Effort) -> Vec<Outcome> {
+    let rounds = match effort {
+        Effort::Rounds { rounds, .. } => *rounds,
+        Effort::Once { contender } => {
+            count(&mut contenders, contender);
+            return Vec::new();
+        }
+    };
+    let seconds = effort.seconds();
+    let mut states: Vec<Result<Vec<f64>, String>> =
+        contenders.iter_mut().map(|contender| contender.prepare(seconds).map(|()| Vec::new())).collect();
+    for round in 0..rounds {
+        // everybody follows somebody else in the next round
+        let count = contenders.len();
+        for i in (0..count).map(|i| (i + round) % count) {
+            if let Ok(times) = &mut states[i] {
+                match contenders[i].run() {
+                    Ok(time) => times.push(time),
+                    Err(problem) => states[i] = Err(problem),
+                }
+            }
+        }
+    }
+    contenders.into_iter().zip(states).map(|(contender, state)| outcome(contender, state)).collect()
+}
+
+fn outcome(contender: Contender<'_>, state: Result<Vec<f64>, String>) -> Outcome {
+    let Contender { name, role, threads, .. } = contender;
+    let times =
+        state.and_then(|times| Statistics::of(&times).ok_or_else(|| "no time was measured".to_owned()));
+    Outcome { name, role, threads, times }
+}
+
+/// Runs the contender of this name once, if it is one of this process, and prints the items.
+fn count(contenders: &mut [Contender<'_>], name: &str) {
+    for contender in contenders {
+        if let Work::Here { run, .. } = &mut contender.work
+            && contender.name == name
+        {
+            counted(run);
+            println!("items {}", contender.items);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    #[test]
+    fn contenders_take_turns() {
+        let recorded = RefCell::new(Vec::new());
+        let calls = &recorded;
+        let one = |name: &'static str| {
+            Contender::elsewhere(name, 5000, move |items| {
+                calls.borrow_mut().push(name);
+                Ok(items * 1e-9 * name.len() as f64)
+            })
+        };
+        let effort = Effort::Rounds { rounds: 3, seconds: 1e-6, shrink: 1 };
+        let outcomes = contest(vec![one("a"), one("bb")], &effort);
+        let medians: Vec<f64> =
+            outcomes.iter().map(|outcome| outcome.times.as_ref().unwrap().median.round()).collect();
+        assert_eq!(medians, [1.0, 2.0]);
+        assert_eq!(recorded.into_inner(), ["a", "a", "bb", "bb", "a", "bb", "bb", "a", "a", "bb"]);
+    }
+
+    #[test]
+    fn who_fails_is_out_and_says_why() {
+        let mut left = 3;
+        let frail = Contender::elsewhere("frail", 10, |_| {
+            left -= 1;
+            if left < 0 { Err("tired".to_owned()) } else { Ok(1.0) }
+        });
+        let steady = Contender::here("steady", Role::Ours, 1, || {});
+        let outcomes = contest(vec![frail, steady], &Effort::QUICK);
+        assert_eq!(outcomes[0].times, Err("tired".to_owned()));
+        assert!(outcomes[1].times.as_ref().is_ok_and(|times| times.count == 3));
+    }
+
+    #[test]
+    fn sizes_shrink_to_whole_blocks() {
+        assert_eq!((Effort::FULL.size(1 << 20), Effort::QUICK.size(1 << 20)), (1 << 20, 1 << 16));
+        assert_eq!(Effort::QUICK.size(100), 64);
+    }
+}

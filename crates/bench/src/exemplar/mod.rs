@@ -1,0 +1,97 @@
+//! The exemplars: work with a name that contenders are set to.
+
+mod array_csg;
+pub mod die;
+mod lens;
+mod picture;
+mod question;
+mod scale;
+
+use crate::arguments::Arguments;
+use crate::ceiling::{Ceilings, Floor, Need};
+use crate::contest::{Contender, Effort};
+use crate::level;
+use crate::peers::Peers;
+use crate::report::Section;
+use fearless_simd::Level;
+
+/// Some work with a name.
+pub trait Exemplar {
+    /// Its name, a path.
+    fn name(&self) -> &str;
+
+    /// What is done, in a sentence or two.
+    fn about(&self) -> &str;
+
+    /// Lets the contenders run.
+    ///
+    /// # Errors
+    /// The work cannot be set up.
+    fn measure(&self, bench: &Bench) -> Result<Vec<Section>, String>;
+}
+
+/// What all exemplars are given.
+pub struct Bench {
+    /// How long to measure.
+    pub effort: Effort,
+    /// What the machine can do at most; unknown where nothing is timed.
+    pub ceilings: Option<Ceilings>,
+    /// Who else takes part.
+    pub peers: Peers,
+    /// The levels of kernels by hand.
+    pub levels: Vec<Level>,
+    /// The threads of those who use all cores.
+    pub threads: usize,
+}
+
+impl Bench {
+    /// What the options ask for.
+    pub fn new(arguments: &Arguments, ceilings: Option<Ceilings>, peers: Peers) -> Bench {
+        let levels = level::available(arguments.level.as_deref());
+        Bench { effort: arguments.effort(), ceilings, peers, levels, threads: arguments.thread_count() }
+    }
+
+    /// The least time of one item.
+    fn floor(&self, needs: &[Need], threads: usize) -> Option<Floor> {
+        self.ceilings.as_ref()?.floor(needs, threads)
+    }
+
+    /// The contenders on one thread, and on all if there is more than one.
+    fn on_threads<'a>(&self, contender: impl Fn(usize) -> Contender<'a>) -> Vec<Contender<'a>> {
+        match self.threads {
+            1 => vec![contender(1)],
+            all => vec![contender(1), contender(all)],
+        }
+    }
+}
+
+/// All exemplars, with or without the large ones.
+pub fn all(large: bool) -> Vec<Box<dyn Exemplar>> {
+    let mut all = array_csg::all();
+    all.extend(die::all());
+    all.extend(lens::all());
+    all.push(Box::new(picture::Picture));
+    all.extend(scale::all(large));
+    all
+}
+
+/// An error as text.
+fn text(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique() {
+        let exemplars = all(true);
+        let mut names: Vec<&str> = exemplars.iter().map(|exemplar| exemplar.name()).collect();
+        names.sort_unstable();
+        let count = names.len();
+        names.dedup();
+        assert!(count > 10 && names.len() == count);
+        assert!(exemplars.iter().all(|exemplar| exemplar.about().ends_with('.')));
+    }
+}

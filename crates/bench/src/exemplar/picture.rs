@@ -1,0 +1,67 @@
+//! The die as a picture of numbers: depth, normals and ids.
+
+use super::{Bench, Exemplar, die, text};
+use crate::batch::camera;
+use crate::ceiling::Need;
+use crate::contest::{Contender, Role, contest};
+use crate::report::Section;
+use rayweave::AnyEvaluator;
+use rayweave::render::{Camera, IdKind, Run, Size, depth, ids, normals};
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+/// The size of the picture.
+const SIZE: [u32; 2] = [1280, 720];
+
+/// Depth, normals and ids of every pixel.
+pub struct Picture;
+
+impl Exemplar for Picture {
+    fn name(&self) -> &'static str {
+        "picture"
+    }
+
+    fn about(&self) -> &'static str {
+        "Depth, normals and ids of the die in 1280 x 720 pixels; the least traffic is 36 bytes written for each pixel."
+    }
+
+    fn measure(&self, bench: &Bench) -> Result<Vec<Section>, String> {
+        let program = Arc::new(die::program().map_err(text)?);
+        let evaluator = AnyEvaluator::new(None, program).map_err(text)?;
+        let camera = camera().map_err(text)?;
+        let size = Size::new(SIZE[0], SIZE[1]).map_err(text)?;
+        let contenders = bench.on_threads(|threads| {
+            let (evaluator, camera) = (&evaluator, &camera);
+            let draw = move || draw(evaluator, camera, size, threads);
+            Contender::here("Rayweave", Role::Ours, 1, draw).threads(threads)
+        });
+        let outcomes = contest(contenders, &bench.effort);
+        let mut section = Section::new(self.name(), "frame", self.about());
+        let needs = [Need::Bytes(36.0 * f64::from(SIZE[0] * SIZE[1]))];
+        section.take(outcomes, |outcome| bench.floor(&needs, outcome.threads));
+        Ok(vec![section])
+    }
+}
+
+fn draw(evaluator: &AnyEvaluator, camera: &Camera, size: Size, threads: usize) {
+    let run = || Run { threads: NonZeroUsize::new(threads), ..Run::default() };
+    // a run that nobody cancels does not fail
+    let _ = depth(evaluator, camera, size, &mut run());
+    let _ = normals(evaluator, camera, size, &mut run());
+    let _ = ids(evaluator, camera, size, IdKind::default(), &mut run());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_die_is_in_the_picture() {
+        let program = Arc::new(die::program().unwrap());
+        let evaluator = AnyEvaluator::new(None, program).unwrap();
+        let size = Size::new(64, 36).unwrap();
+        let depth = depth(&evaluator, &camera().unwrap(), size, &mut Run::default()).unwrap();
+        let seen = depth.values().iter().filter(|t| t.is_finite()).count();
+        assert!((300..1500).contains(&seen), "{seen} of {} pixels", 64 * 36);
+    }
+}

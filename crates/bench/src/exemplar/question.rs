@@ -1,0 +1,158 @@
+//! Evaluators as contenders: full lists and first hits, on one thread or many.
+
+use crate::answer::{FirstTable, HitTable, ahead};
+use crate::contest::{Contender, Role};
+use rayweave::model::drive::{Cancel, drive};
+use rayweave::model::{FirstHits, HitRows, Rays};
+use rayweave::{AnyEvaluator, Evaluator, Window};
+use std::convert::Infallible;
+use std::num::NonZeroUsize;
+
+/// Rays that a thread takes at a time.
+const CHUNK: usize = 1 << 14;
+
+/// Every crossing, with its face, into hit arrays of so many rows.
+pub fn full<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>, rows: usize) -> Contender<'a> {
+    let mut table = HitTable::new(rows, rays.len());
+    let mut scratch = evaluator.scratch();
+    Contender::here(name, Role::Ours, rays.len(), move || {
+        let (mut times, mut faces) = table.rows();
+        let mut rows = HitRows { times: &mut times, faces: &mut faces };
+        evaluator.hits(rays, Window::ALL, &mut scratch, &mut rows);
+    })
+}
+
+/// The first crossing, with its face and its normal.
+pub fn first<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>) -> Result<Contender<'a>, String> {
+    let mut table = FirstTable::new(rays.len());
+    let (mut scratch, window) = (evaluator.scratch(), ahead().map_err(super::text)?);
+    Ok(Contender::here(name, Role::Ours, rays.len(), move || {
+        evaluator.nearest(rays, window, &mut scratch, &mut table.hits());
+    }))
+}
+
+/// [`full`] on threads.
+pub fn full_on_threads<'a>(
+    name: &str,
+    evaluator: &'a AnyEvaluator,
+    rays: Rays<'a>,
+    rows: usize,
+    threads: usize,
+) -> Contender<'a> {
+    let mut table = HitTable::new(rows, rays.len());
+    let run = move || {
+        let (times, faces) = table.rows();
+        let chunks = pieces(rays).zip(columns(times).into_iter().zip(columns(faces)));
+        on_threads(evaluator, threads, chunks, |scratch, (rays, (mut times, mut faces))| {
+            let mut rows = HitRows { times: &mut times, faces: &mut faces };
+            evaluator.hits(rays, Window::ALL, scratch, &mut rows);
+        });
+    };
+    Contender::here(name, Role::Ours, rays.len(), run).threads(threads)
+}
+
+/// [`first`] on threads.
+pub fn first_on_threads<'a>(
+    name: &str,
+    evaluator: &'a AnyEvaluator,
+    rays: Rays<'a>,
+    threads: usize,
+) -> Result<Contender<'a>, String> {
+    let mut table = FirstTable::new(rays.len());
+    let window = ahead().map_err(super::text)?;
+    let run = move || {
+        let chunks = pieces(rays).zip(hits(table.hits()));
+        on_threads(evaluator, threads, chunks, |scratch, (rays, mut hits)| {
+            evaluator.nearest(rays, window, scratch, &mut hits);
+        });
+    };
+    Ok(Contender::here(name, Role::Ours, rays.len(), run).threads(threads))
+}
+
+/// Runs the work on every chunk, each thread with a scratch of its own.
+fn on_threads<I: Send>(
+    evaluator: &AnyEvaluator,
+    threads: usize,
+    chunks: impl Iterator<Item = I> + Send,
+    work: impl Fn(&mut <AnyEvaluator as Evaluator>::Scratch, I) + Sync,
+) {
+    let threads = NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN);
+    let merge = |()| Ok::<(), Infallible>(());
+    // nobody cancels, and nothing can fail
+    let _ = drive(threads, &Cancel::new(), chunks, || evaluator.scratch(), work, merge);
+}
+
+/// The rays, chunk by chunk.
+fn pieces(rays: Rays<'_>) -> impl Iterator<Item = Rays<'_>> + Send {
+    (0..rays.len()).step_by(CHUNK).map(move |at| {
+        let part = |column: &'_ [f64]| at..(at + CHUNK).min(column.len());
+        Rays {
+            origins: rays.origins.map(|column| &column[part(column)]),
+            directions: rays.directions.map(|column| &column[part(column)]),
+        }
+    })
+}
+
+/// The rows of a table cut into those of its chunks.
+fn columns<T>(rows: Vec<&mut [T]>) -> Vec<Vec<&mut [T]>> {
+    let count = rows.first().map_or(0, |row| row.len().div_ceil(CHUNK));
+    let mut chunks: Vec<Vec<&mut [T]>> = (0..count).map(|_| Vec::new()).collect();
+    for row in rows {
+        chunks.iter_mut().zip(row.chunks_mut(CHUNK)).for_each(|(chunk, part)| chunk.push(part));
+    }
+    chunks
+}
+
+/// First hits cut into those of the chunks.
+fn hits(hits: FirstHits<'_>) -> impl Iterator<Item = FirstHits<'_>> + Send {
+    let FirstHits { t, face, placement, before, after, normal } = hits;
+    let [x, y, z] = normal.unwrap_or_default();
+    let times = t.chunks_mut(CHUNK).zip(face.chunks_mut(CHUNK));
+    let ids = placement.chunks_mut(CHUNK).zip(before.chunks_mut(CHUNK)).zip(after.chunks_mut(CHUNK));
+    let normals = x.chunks_mut(CHUNK).zip(y.chunks_mut(CHUNK)).zip(z.chunks_mut(CHUNK));
+    times.zip(ids).zip(normals).map(|(((t, face), ((placement, before), after)), ((x, y), z))| FirstHits {
+        t,
+        face,
+        placement,
+        before,
+        after,
+        normal: Some([x, y, z]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answer::{first_lists, full_lists};
+    use crate::batch::incoherent;
+    use crate::contest::counted;
+    use crate::exemplar::die;
+    use std::sync::Arc;
+
+    /// What a contender does is what the evaluator answers, whatever the threads: looked at through the tables.
+    #[test]
+    fn chunks_put_together_are_the_whole() {
+        let program = Arc::new(die::program().unwrap());
+        let evaluator = AnyEvaluator::new(None, program).unwrap();
+        let batch = incoherent(CHUNK + 100, 5);
+        let rays = batch.rays();
+
+        let mut table = FirstTable::new(rays.len());
+        let window = ahead().unwrap();
+        counted(&mut || {
+            on_threads(&evaluator, 2, pieces(rays).zip(hits(table.hits())), |scratch, (rays, mut hits)| {
+                evaluator.nearest(rays, window, scratch, &mut hits);
+            });
+        });
+        assert_eq!(table.lists(), first_lists(&evaluator, rays).unwrap());
+
+        let mut table = HitTable::new(die::ROWS, rays.len());
+        let (times, faces) = table.rows();
+        let chunks = pieces(rays).zip(columns(times).into_iter().zip(columns(faces)));
+        on_threads(&evaluator, 2, chunks, |scratch, (rays, (mut times, mut faces))| {
+            let mut rows = HitRows { times: &mut times, faces: &mut faces };
+            evaluator.hits(rays, Window::ALL, scratch, &mut rows);
+        });
+        assert_eq!(table.lists(), full_lists(&evaluator, rays));
+    }
+}

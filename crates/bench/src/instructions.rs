@@ -1,0 +1,40 @@
+//! Instructions of contenders, counted by callgrind: figures that do not depend on what else the machine does.
+
+use std::process::Command;
+
+/// Instructions per item of a contender of an exemplar: this program is run again under valgrind, which collects within
+/// [`counted`](crate::contest::counted) alone.
+pub fn count(exemplar: &str, contender: &str) -> Result<f64, String> {
+    let program = std::env::current_exe().map_err(|error| error.to_string())?;
+    let mut command = Command::new("valgrind");
+    command.args(["--tool=callgrind", "--callgrind-out-file=/dev/null", "--collect-atstart=no"]);
+    command.arg("--toggle-collect=*contest*counted*").arg(program);
+    if std::env::args().nth(1).as_deref() == Some("bench") {
+        command.arg("bench");
+    }
+    command.args(["--only", exemplar, "--once", contender]);
+    let output = command.output().map_err(|error| format!("valgrind cannot be run ({error})"))?;
+    let [printed, told] =
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    let items = number_after(&printed, "items ").ok_or("nothing was run under valgrind")?;
+    let collected = number_after(&told, "Collected : ").ok_or("valgrind collected nothing")?;
+    Ok(collected / items)
+}
+
+/// The number that follows the last such word.
+fn number_after(text: &str, word: &str) -> Option<f64> {
+    let (_, rest) = text.rsplit_once(word)?;
+    rest.split_whitespace().next()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_found() {
+        let text = "==1== Events    : Ir\n==1== Collected : 123456\n==1==";
+        assert_eq!(number_after(text, "Collected : "), Some(123_456.0));
+        assert_eq!(number_after(text, "items "), None);
+    }
+}

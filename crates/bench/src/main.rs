@@ -1,0 +1,23 @@
+//! The command `rayweave-bench`.
+
+use clap::Parser;
+use rayweave_bench::{Arguments, run};
+use std::process::ExitCode;
+
+/// Measure exemplars beside peers and the ceilings of the machine.
+#[derive(Parser)]
+#[command(name = "rayweave-bench", version, max_term_width = 100)]
+struct Command {
+    #[command(flatten)]
+    arguments: Arguments,
+}
+
+fn main() -> ExitCode {
+    match run(&Command::parse().arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("rayweave-bench: {problem}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,333 @@
+//! Peers: other systems, each behind a small program that takes orders line by line and tells its own times.
+//!
+//! A driver is started in a folder with the inputs and prints `peer NAME VERSION TASK TASK ...`. Then it answers each line:
+//! `run TASK FILE N` with `seconds S`, the time that the first N rays of FILE.npy took it; `answer TASK FILE N OUT` with
+//! `done` when OUT.npy holds the times, float64 of shape (H, N), +inf where there is none. Whatever goes wrong is
+//! `error TEXT`. It ends when its input does. What is missing is told, and no reason to stop.
+
+use crate::answer::Lists;
+use crate::contest::Contender;
+use rayweave::model::Rays;
+use std::cell::RefCell;
+use std::fs;
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::rc::Rc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// A system to compare with.
+struct Known {
+    name: &'static str,
+    /// The interpreter or program, from the folder where peers are installed.
+    program: &'static str,
+    /// The driver, if the program is an interpreter: its name and text.
+    script: Option<(&'static str, &'static str)>,
+}
+
+/// The scripts share what is in `driver.py`.
+const DRIVER: (&str, &str) = ("driver.py", include_str!("../peers/driver.py"));
+
+const KNOWN: &[Known] = &[
+    Known {
+        name: "NumPy",
+        program: "py/bin/python",
+        script: Some(("peer_numpy.py", include_str!("../peers/peer_numpy.py"))),
+    },
+    Known { name: "VecGeom", program: "vecgeom", script: None },
+    Known {
+        name: "Raysect",
+        program: "py/bin/python",
+        script: Some(("peer_raysect.py", include_str!("../peers/peer_raysect.py"))),
+    },
+    Known {
+        name: "PyRayT",
+        program: "pyrayt/bin/python",
+        script: Some(("peer_pyrayt.py", include_str!("../peers/peer_pyrayt.py"))),
+    },
+    Known {
+        name: "Geant4",
+        program: "py/bin/python",
+        script: Some(("peer_geant4.py", include_str!("../peers/peer_geant4.py"))),
+    },
+    Known {
+        name: "Embree",
+        program: "py/bin/python",
+        script: Some(("peer_embree.py", include_str!("../peers/peer_embree.py"))),
+    },
+    Known {
+        name: "Rayweave from Python",
+        program: "py/bin/python",
+        script: Some(("peer_rayweave.py", include_str!("../peers/peer_rayweave.py"))),
+    },
+];
+
+/// The peers that could be started, and why others could not.
+#[derive(Default)]
+pub struct Peers {
+    running: Vec<Rc<RefCell<Peer>>>,
+    /// Names of peers that are missing, each with the reason.
+    pub missing: Vec<(String, String)>,
+    /// Where inputs and answers are exchanged; removed in the end.
+    folder: Option<Folder>,
+}
+
+/// A peer that waits for orders.
+struct Peer {
+    name: String,
+    version: String,
+    tasks: Vec<String>,
+    folder: PathBuf,
+    input: ChildStdin,
+    output: BufReader<ChildStdout>,
+    child: Child,
+}
+
+/// A folder that is removed with its contents.
+struct Folder(PathBuf);
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // nothing can be done about what cannot be removed
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        // it may have ended by itself
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Peers {
+    /// Starts the peers that are installed in a folder; without one, all are missing.
+    pub fn start(installed: Option<&Path>) -> io::Result<Peers> {
+        let Some(installed) = installed else {
+            let reason = "no folder of peers is given (--peers)";
+            let missing = KNOWN.iter().map(|known| (known.name.to_owned(), reason.to_owned()));
+            return Ok(Peers { missing: missing.collect(), ..Peers::default() });
+        };
+        let folder = std::env::temp_dir().join(unique("rayweave-bench"));
+        fs::create_dir_all(&folder)?;
+        let mut peers = Peers { folder: Some(Folder(folder.clone())), ..Peers::default() };
+        let installed = installed.canonicalize()?;
+        for known in KNOWN {
+            match Peer::start(known, &installed, &folder) {
+                Ok(peer) => peers.running.push(Rc::new(RefCell::new(peer))),
+                Err(reason) => peers.missing.push((known.name.to_owned(), reason)),
+            }
+        }
+        Ok(peers)
+    }
+
+    /// The names of the peers that run, with their versions.
+    pub fn running(&self) -> Vec<(String, String)> {
+        let one = |peer: &Rc<RefCell<Peer>>| {
+            let peer = peer.borrow();
+            (peer.name.clone(), peer.version.clone())
+        };
+        self.running.iter().map(one).collect()
+    }
+
+    /// Puts rays into a file for the peers.
+    pub fn give_rays(&self, file: &str, rays: Rays<'_>) -> io::Result<()> {
+        let columns = rays.origins.into_iter().chain(rays.directions);
+        let rows = columns.flat_map(|column| column.iter().copied());
+        self.give(file, &[6, rays.len()], rows)
+    }
+
+    /// Puts an array into a file for the peers.
+    pub fn give<T: npyz::Serialize + npyz::AutoSerialize>(
+        &self,
+        file: &str,
+        shape: &[usize],
+        values: impl IntoIterator<Item = T>,
+    ) -> io::Result<()> {
+        use npyz::WriterBuilder;
+        let Some(Folder(folder)) = self.folder.as_ref() else { return Ok(()) };
+        let shape: Vec<u64> = shape.iter().map(|&n| n as u64).collect();
+        let file = io::BufWriter::new(fs::File::create(folder.join(file).with_extension("npy"))?);
+        let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
+        writer.extend(values)?;
+        writer.finish()
+    }
+
+    /// Contenders for a task about the first rays of a file, at most `most`, one for each peer that knows the task.
+    pub fn contenders(&self, task: &str, file: &str, most: usize) -> Vec<Contender<'static>> {
+        let able = self.running.iter().filter(|peer| peer.borrow().can(task));
+        let contender = |peer: &Rc<RefCell<Peer>>| {
+            let (name, order) = (peer.borrow().name.clone(), format!("run {task} {file}"));
+            let peer = Rc::clone(peer);
+            Contender::elsewhere(name, most, move |items| peer.borrow_mut().seconds(&order, items))
+        };
+        able.map(contender).collect()
+    }
+
+    /// What the peers answer about the first `count` rays of a file, each with its name.
+    pub fn answers(&self, task: &str, file: &str, count: usize) -> Vec<(String, Result<Lists, String>)> {
+        let able = self.running.iter().filter(|peer| peer.borrow().can(task));
+        let answer = |peer: &Rc<RefCell<Peer>>| {
+            let mut peer = peer.borrow_mut();
+            (peer.name.clone(), peer.answer(task, file, count))
+        };
+        able.map(answer).collect()
+    }
+}
+
+impl Peer {
+    fn start(known: &Known, installed: &Path, folder: &Path) -> Result<Peer, String> {
+        let program = installed.join(known.program);
+        if !program.exists() {
+            return Err(format!("there is no {} where peers are installed (see install.sh)", known.program));
+        }
+        let mut command = Command::new(program);
+        if let Some(script) = known.script {
+            for (name, text) in [DRIVER, script] {
+                fs::write(folder.join(name), text).map_err(|error| error.to_string())?;
+            }
+            command.arg(script.0);
+        }
+        command.current_dir(folder).env("OMP_NUM_THREADS", "1").env("PYTHONDONTWRITEBYTECODE", "1");
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut child = command.spawn().map_err(|error| error.to_string())?;
+        let pipes = child.stdin.take().zip(child.stdout.take());
+        let (input, output) = pipes.ok_or("it has no pipes")?;
+        let output = BufReader::new(output);
+        let name = known.name.to_owned();
+        let folder = folder.to_owned();
+        let mut peer = Peer { name, version: String::new(), tasks: Vec::new(), folder, input, output, child };
+        peer.introduce()?;
+        Ok(peer)
+    }
+
+    /// Reads the line with which a driver begins.
+    fn introduce(&mut self) -> Result<(), String> {
+        let line = self.line()?;
+        let mut words = line.split_whitespace().map(str::to_owned);
+        match (words.next().as_deref(), words.next(), words.next()) {
+            (Some("peer"), Some(_), Some(version)) => self.version = version,
+            _ => return Err(line),
+        }
+        self.tasks = words.collect();
+        Ok(())
+    }
+
+    fn can(&self, task: &str) -> bool {
+        self.tasks.iter().any(|known| known == task)
+    }
+
+    /// The next line that is meant for us: systems print what they like to when they are loaded.
+    fn line(&mut self) -> Result<String, String> {
+        loop {
+            let mut line = String::new();
+            match self.output.read_line(&mut line) {
+                Ok(0) => return Err("its driver has ended (start it by hand to see why)".to_owned()),
+                Ok(_) => {}
+                Err(error) => return Err(error.to_string()),
+            }
+            let line = line.trim();
+            let word = line.split(' ').next().unwrap_or_default();
+            match word {
+                "error" => return Err(line["error".len()..].trim().to_owned()),
+                "peer" | "seconds" | "done" => return Ok(line.to_owned()),
+                _ => {}
+            }
+        }
+    }
+
+    fn order(&mut self, order: &str) -> Result<String, String> {
+        writeln!(self.input, "{order}")
+            .and_then(|()| self.input.flush())
+            .map_err(|error| error.to_string())?;
+        self.line()
+    }
+
+    fn seconds(&mut self, order: &str, items: f64) -> Result<f64, String> {
+        let line = self.order(&format!("{order} {items}"))?;
+        let number = line.split_whitespace().nth(1).and_then(|word| word.parse().ok());
+        number.ok_or_else(|| format!("`{line}` is no time"))
+    }
+
+    fn answer(&mut self, task: &str, file: &str, count: usize) -> Result<Lists, String> {
+        self.order(&format!("answer {task} {file} {count} answer"))?;
+        let bytes = fs::read(self.folder.join("answer.npy")).map_err(|error| error.to_string())?;
+        read(&bytes).map_err(|error| format!("its answer is no array ({error})"))
+    }
+}
+
+/// A name that nobody else uses.
+fn unique(beginning: &str) -> String {
+    static NEXT: AtomicUsize = AtomicUsize::new(0);
+    format!("{beginning}-{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed))
+}
+
+/// The columns of a two-dimensional array, without what is not finite.
+fn read(bytes: &[u8]) -> io::Result<Lists> {
+    let file = npyz::NpyFile::new(bytes)?;
+    let (shape, order) = (file.shape().to_vec(), file.order());
+    let &[rows, columns] = &shape[..] else {
+        return Err(io::Error::other(format!("{} dimensions instead of 2", shape.len())));
+    };
+    let (rows, columns) = (rows as usize, columns as usize);
+    let values: Vec<f64> = file.into_vec()?;
+    let at = |row: usize, column: usize| match order {
+        npyz::Order::C => values[row * columns + column],
+        npyz::Order::Fortran => values[column * rows + row],
+    };
+    let column = |column: usize| (0..rows).map(|row| at(row, column)).filter(|t| t.is_finite()).collect();
+    Ok((0..columns).map(column).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_folder_all_are_missing() {
+        let peers = Peers::start(None).unwrap();
+        assert_eq!(peers.missing.len(), KNOWN.len());
+        assert!(peers.contenders("die.full", "rays", 10).is_empty());
+    }
+
+    #[test]
+    fn what_is_not_installed_is_missing_for_a_reason() {
+        let peers = Peers::start(Some(&std::env::temp_dir())).unwrap();
+        assert!(peers.running().is_empty());
+        assert!(peers.missing.iter().all(|(_, reason)| reason.contains("install.sh")));
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_driver_is_understood() {
+        use std::os::unix::fs::PermissionsExt;
+        let installed = std::env::temp_dir().join(unique("rayweave-bench-test"));
+        let _removed = Folder(installed.clone());
+        fs::create_dir_all(&installed).unwrap();
+        let script = "#!/bin/sh\necho some noise\necho peer VecGeom 9.9 die.full\n\
+                      while read verb task file n; do case $n in 7) echo error seven;; *) echo seconds 0.5;; esac; done\n";
+        let program = installed.join("vecgeom");
+        fs::write(&program, script).unwrap();
+        fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+
+        let peers = Peers::start(Some(&installed)).unwrap();
+        assert_eq!(peers.running(), [("VecGeom".to_owned(), "9.9".to_owned())]);
+        assert!(peers.contenders("die.first", "rays", 10).is_empty());
+        assert_eq!(peers.contenders("die.full", "rays", 10).len(), 1);
+        let mut peer = peers.running[0].borrow_mut();
+        assert_eq!(peer.seconds("run die.full rays", 10.0), Ok(0.5));
+        assert_eq!(peer.seconds("run die.full rays", 7.0), Err("seven".to_owned()));
+    }
+
+    #[test]
+    fn arrays_become_lists() {
+        use npyz::WriterBuilder;
+        let mut bytes = Vec::new();
+        let options = npyz::WriteOptions::new().default_dtype().shape(&[2, 3]);
+        let mut writer = options.writer(&mut bytes).begin_nd().unwrap();
+        writer.extend([1.0, 2.0, f64::INFINITY, 3.0, f64::INFINITY, f64::INFINITY]).unwrap();
+        writer.finish().unwrap();
+        assert_eq!(read(&bytes).unwrap(), [vec![1.0, 3.0], vec![2.0], vec![]]);
+    }
+}

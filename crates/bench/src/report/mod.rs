@@ -1,0 +1,169 @@
+//! What a benchmark found out, for people and for machines.
+
+mod json;
+mod markdown;
+mod plot;
+mod text;
+
+use crate::answer::Agreement;
+use crate::ceiling::{Ceilings, Floor};
+use crate::contest::{Outcome, Role};
+use crate::statistics::Statistics;
+
+pub use json::json;
+pub use markdown::markdown;
+pub use plot::plot;
+pub use text::{ceilings, section};
+
+/// All results of a run.
+pub struct Report {
+    /// The day, YYYY-MM-DD.
+    pub date: String,
+    /// The command that was given.
+    pub command: String,
+    /// What is said about the machine.
+    pub machine: Vec<(&'static str, String)>,
+    /// What it can do at most.
+    pub ceilings: Ceilings,
+    /// The peers that took part, with their versions.
+    pub peers: Vec<(String, String)>,
+    /// Those that did not, and why.
+    pub missing: Vec<(String, String)>,
+    /// The results of the exemplars.
+    pub sections: Vec<Section>,
+}
+
+/// The result of one question about one exemplar.
+#[derive(Default)]
+pub struct Section {
+    /// Its name, a path.
+    pub name: String,
+    /// What is done, in a sentence or two.
+    pub about: String,
+    /// What the work consists of: rays, most often.
+    pub item: &'static str,
+    /// What was measured.
+    pub figures: Vec<Figure>,
+    /// Who failed, and why.
+    pub failures: Vec<(String, String)>,
+}
+
+/// What was measured of one contender.
+pub struct Figure {
+    /// Its name.
+    pub name: String,
+    /// On whose behalf it ran.
+    pub role: Role,
+    /// The number of threads.
+    pub threads: usize,
+    /// Nanoseconds per item.
+    pub time: Statistics,
+    /// The least time, and what sets it.
+    pub floor: Option<Floor>,
+    /// How well its answers agree with those of the reference.
+    pub agreement: Option<Agreement>,
+    /// Instructions per item.
+    pub instructions: Option<f64>,
+}
+
+impl Section {
+    /// A section without figures.
+    pub fn new(name: impl Into<String>, item: &'static str, about: impl Into<String>) -> Section {
+        Section { name: name.into(), about: about.into(), item, ..Section::default() }
+    }
+
+    /// Takes in what a contest brought; `floor` tells the least time of a contender.
+    pub fn take(&mut self, outcomes: Vec<Outcome>, floor: impl Fn(&Outcome) -> Option<Floor>) {
+        for outcome in outcomes {
+            let floor = floor(&outcome);
+            let Outcome { name, role, threads, times } = outcome;
+            match times {
+                Ok(time) => self.figures.push(Figure {
+                    name,
+                    role,
+                    threads,
+                    time,
+                    floor,
+                    agreement: None,
+                    instructions: None,
+                }),
+                Err(problem) => self.failures.push((name, problem)),
+            }
+        }
+    }
+
+    /// Notes how well a contender agrees with the reference, or why it cannot be told.
+    pub fn agree(&mut self, name: &str, agreement: Result<Agreement, String>) {
+        match agreement {
+            Ok(agreement) => {
+                let figures = self.figures.iter_mut().filter(|figure| figure.name == name);
+                figures.for_each(|figure| figure.agreement = Some(agreement));
+            }
+            Err(problem) => self.failures.push((name.to_owned(), problem)),
+        }
+    }
+
+    /// The median time of the fastest contender of a role.
+    pub fn fastest(&self, role: Role) -> Option<&Figure> {
+        let figures = self.figures.iter().filter(|figure| figure.role == role);
+        figures.min_by(|a, b| a.time.median.total_cmp(&b.time.median))
+    }
+}
+
+impl Figure {
+    /// Items in a second.
+    pub fn rate(&self) -> f64 {
+        1e9 / self.time.median
+    }
+
+    /// The part of what can be done at most that is done.
+    pub fn fraction(&self) -> Option<f64> {
+        Some(self.floor.as_ref()?.time / self.time.median)
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use crate::ceiling::Rates;
+    use fearless_simd::Level;
+
+    /// A report with something of everything.
+    pub fn example() -> Report {
+        let statistics = |sample: &[f64]| Statistics::of(sample).unwrap();
+        let outcome = |name: &str, role, times| Outcome { name: name.to_owned(), role, threads: 1, times };
+        let mut section = Section::new("die/full", "ray", "Every crossing of a \"die\".");
+        let outcomes = vec![
+            outcome("weave", Role::Ours, Ok(statistics(&[9.0, 10.0, 12.0]))),
+            outcome("VecGeom", Role::Peer, Ok(statistics(&[500.0]))),
+            outcome("by hand", Role::Ceiling, Ok(statistics(&[5.0]))),
+            outcome("Geant4", Role::Peer, Err("it broke".to_owned())),
+        ];
+        section.take(outcomes, |_| Some(Floor { what: "kernel by hand", time: 5.0 }));
+        let same = Agreement { rays: 10, other_count: 0, other_time: 0, worst: 0.0 };
+        section.agree("weave", Ok(same));
+        let one = statistics(&[1.0]);
+        let rates =
+            Rates { level: Level::new(), fused: one, simple: one, extremes: one, divisions: one, roots: one };
+        Report {
+            date: "2026-01-02".to_owned(),
+            command: "rayweave bench".to_owned(),
+            machine: vec![("cores", "2".to_owned())],
+            ceilings: Ceilings { copy: [one, one], levels: vec![rates], threads: 2 },
+            peers: vec![("VecGeom".to_owned(), "1.2.1".to_owned())],
+            missing: vec![("Raysect".to_owned(), "it is not there".to_owned())],
+            sections: vec![section],
+        }
+    }
+
+    #[test]
+    fn figures_know_their_rate_and_fraction() {
+        let report = example();
+        let section = &report.sections[0];
+        let ours = section.fastest(Role::Ours).unwrap();
+        assert_eq!((ours.rate(), ours.fraction()), (1e8, Some(0.5)));
+        assert!(ours.agreement.is_some_and(|agreement| agreement.is_same()));
+        assert_eq!(section.failures, [("Geant4".to_owned(), "it broke".to_owned())]);
+        assert_eq!(section.fastest(Role::Peer).unwrap().name, "VecGeom");
+    }
+}

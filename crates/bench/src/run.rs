@@ -1,0 +1,118 @@
+//! A run of the benchmark, from its options to its files.
+
+use crate::arguments::Arguments;
+use crate::ceiling::Ceilings;
+use crate::contest::{Effort, Role};
+use crate::exemplar::{self, Bench, Exemplar};
+use crate::peers::Peers;
+use crate::report::{self, Report, Section};
+use crate::{instructions, level, machine};
+use std::fs;
+use std::path::Path;
+
+/// Runs the benchmark; tables go to standard output as they are made.
+///
+/// # Errors
+/// Nothing is to be run, a file cannot be written.
+pub fn run(arguments: &Arguments) -> Result<(), String> {
+    let exemplars = exemplar::all(arguments.large);
+    let wanted: Vec<&dyn Exemplar> =
+        exemplars.iter().map(AsRef::as_ref).filter(|exemplar| arguments.wants(exemplar.name())).collect();
+    if arguments.list {
+        wanted.iter().for_each(|exemplar| println!("{:24} {}", exemplar.name(), exemplar.about()));
+        return Ok(());
+    }
+    if wanted.is_empty() {
+        return Err(format!("no exemplar begins with {:?} (--list names them)", arguments.only));
+    }
+    match arguments.effort() {
+        Effort::Once { .. } => wanted.iter().try_for_each(|exemplar| once(*exemplar, arguments)),
+        _ => measure(&wanted, arguments),
+    }
+}
+
+/// Under a tool that counts: no ceilings, no peers, no tables.
+fn once(exemplar: &dyn Exemplar, arguments: &Arguments) -> Result<(), String> {
+    let bench = Bench::new(arguments, None, Peers::default());
+    exemplar.measure(&bench).map(|_| ())
+}
+
+fn measure(wanted: &[&dyn Exemplar], arguments: &Arguments) -> Result<(), String> {
+    let machine = machine::description();
+    let levels = level::available(arguments.level.as_deref());
+    let ceilings = Ceilings::measure(&levels, arguments.thread_count(), &arguments.effort())?;
+    println!("{}", report::ceilings(&ceilings));
+    let peers = Peers::start(arguments.peers.as_deref()).map_err(|error| format!("peers: {error}"))?;
+    let (running, missing) = (peers.running(), peers.missing.clone());
+    for (name, reason) in &missing {
+        println!("{name} is missing: {reason}");
+    }
+    let bench = Bench::new(arguments, Some(ceilings), peers);
+    let mut sections = Vec::new();
+    for exemplar in wanted {
+        for section in exemplar_sections(*exemplar, &bench, arguments) {
+            println!("\n{}: {}\n\n{}", section.name, section.about, report::section(&section));
+            sections.push(section);
+        }
+    }
+    let ceilings = bench.ceilings.ok_or("no ceilings were measured")?;
+    let (date, command) = (machine::today(), command());
+    write(arguments, &Report { date, command, machine, ceilings, peers: running, missing, sections })
+}
+
+/// The sections of an exemplar; one that says why, if it cannot be run.
+fn exemplar_sections(exemplar: &dyn Exemplar, bench: &Bench, arguments: &Arguments) -> Vec<Section> {
+    let mut sections = exemplar.measure(bench).unwrap_or_else(|problem| {
+        let mut section = Section::new(exemplar.name(), "ray", exemplar.about());
+        section.failures.push(("all".to_owned(), problem));
+        vec![section]
+    });
+    if arguments.instructions {
+        sections.iter_mut().for_each(count_instructions);
+    }
+    sections
+}
+
+fn count_instructions(section: &mut Section) {
+    for figure in section.figures.iter_mut().filter(|figure| figure.role != Role::Peer && figure.threads == 1)
+    {
+        match instructions::count(&section.name, &figure.name) {
+            Ok(count) => figure.instructions = Some(count),
+            Err(problem) => section.failures.push((figure.name.clone(), problem)),
+        }
+    }
+}
+
+/// The command line without the folders of whoever gave it.
+fn command() -> String {
+    let word = |word: String| match Path::new(&word) {
+        path if path.is_absolute() => {
+            path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+        }
+        _ => word,
+    };
+    std::env::args().map(word).collect::<Vec<_>>().join(" ")
+}
+
+fn write(arguments: &Arguments, report: &Report) -> Result<(), String> {
+    if let Some(path) = &arguments.json {
+        let text = serde_json::to_string_pretty(&report::json(report)).map_err(|error| error.to_string())?;
+        save(path, &(text + "\n"))?;
+    }
+    let plot = arguments.plot();
+    if let Some(path) = &plot {
+        save(path, &report::plot(report))?;
+    }
+    if let Some(path) = &arguments.markdown {
+        let name = plot.as_ref().and_then(|plot| plot.file_name()).map(|name| name.to_string_lossy());
+        save(path, &report::markdown(report, name.as_deref()))?;
+    }
+    Ok(())
+}
+
+/// Writes a file that is complete or not there.
+fn save(path: &Path, text: &str) -> Result<(), String> {
+    let beside = path.with_extension("unfinished");
+    let written = fs::write(&beside, text).and_then(|()| fs::rename(&beside, path));
+    written.map_err(|error| format!("cannot write {} ({error})", path.display()))
+}
