@@ -15,7 +15,9 @@ pub use scratch::WeaveScratch;
 
 use crate::accel::Accel;
 use rayweave_math::Vec3;
-use rayweave_model::{Evaluator, GroupPoint, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink, State};
+use rayweave_model::{
+    Evaluator, GroupPoint, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink, State, Window,
+};
 use scratch::Level;
 use std::sync::Arc;
 
@@ -45,6 +47,15 @@ impl Weave {
     }
 }
 
+/// The question for a ray that starts on surfaces. Before t = 0 a leaf may have any side there, whatever its box: that
+/// part of the ray is not asked about.
+fn from_zero<'a>(query: &Query<'a>) -> Query<'a> {
+    match Window::new(query.window.t_min().max(0.0), query.window.t_max()) {
+        Ok(window) => Query { window, ..*query },
+        Err(_) => *query,
+    }
+}
+
 impl Evaluator for Weave {
     type Scratch = WeaveScratch;
 
@@ -64,9 +75,12 @@ impl Evaluator for Weave {
         for i in 0..rays.len() {
             let starts = query.starts.map_or(&[][..], |lists| lists.of(i));
             scratch.crossings.clear();
+            let query = if starts.is_empty() { *query } else { from_zero(query) };
             let start = match query.limit {
-                Limit::All => self.list(rays.get(i), query, starts, scratch),
-                Limit::First => self.nearest(rays.get(i), query, starts, scratch),
+                Limit::First if query.window.t_max() > 0.0 || starts.is_empty() => {
+                    self.nearest(rays.get(i), &query, starts, scratch)
+                }
+                _ => self.list(rays.get(i), &query, starts, scratch),
             };
             sink.ray(RayAnswer { ray: i, start, crossings: &scratch.crossings });
         }
