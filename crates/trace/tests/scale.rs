@@ -213,7 +213,7 @@ fn answers_are_those_of_the_reference() {
 #[test]
 #[ignore = "long"]
 fn long_answers_are_those_of_the_reference() {
-    check(2000);
+    check(1000);
 }
 
 #[test]

@@ -153,3 +153,75 @@ impl Chord {
 pub fn lies_in(surface: &Surface, reach: f64, ray: &Ray, ends: (f64, f64)) -> Option<bool> {
     Chord::new(ray, ends).lies_in(surface, reach, ray)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+    use rayweave_math::Transform;
+
+    fn surfaces(size: f64) -> Vec<Surface> {
+        let (at, axis) = (size * Vec3::new(0.3, -0.2, 0.5), Vec3::new(1.0, 2.0, -0.5));
+        let squeeze = Affine::scale(Vec3::new(1.0, 2.0, 1e-3)).then(&Affine::rotation(axis, 30.0));
+        let squeezed = Surface::sphere(at, size).transformed(&Transform::from_affine(squeeze).unwrap());
+        let cone = Surface::cone(at, axis, 0.4);
+        let saddle = Surface::quadric(&[
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, -1.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, -0.5 * size],
+            [0.0, 0.0, -0.5 * size, 0.0],
+        ]);
+        let ring = Surface::torus(at, axis, size, 0.3 * size);
+        let round = [Surface::sphere(at, size), Surface::cylinder(at, axis, size), squeezed, cone, ring];
+        round.into_iter().chain(saddle).chain([Surface::plane(axis, size)]).collect()
+    }
+
+    /// Rays in general direction and ones that hardly leave the surface, from each crossing on: a piece that ends where
+    /// the surface is said to be left for good never hugs it, wherever it ends.
+    #[test]
+    fn no_piece_hugs_a_surface_that_was_cleared() {
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let (mut cleared, mut near) = (0, 0);
+        for round in 0..30_000 {
+            let size = [1e-6, 1.0, 1e7][round % 3];
+            let surfaces = surfaces(size);
+            let surface = &surfaces[round % surfaces.len()];
+            let reach = surface.reach();
+            let mut vector = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+            let (through, direction) = (size * vector(), vector());
+            // along the surface but for a little
+            let normal = surface.value_and_gradient(through).1.normalize_or(Vec3::Z);
+            let tilt = [1.0, 1e-3, 1e-7, 1e-12, 0.0][rng.random_range(0..5)];
+            let direction = direction - (1.0 - tilt) * direction.dot(normal) * normal;
+            let ray = Ray::new(through - rng.random_range(0.0..3.0) * size * direction, direction);
+            let to = 20.0 * size;
+            for &a in surface.crossings(&ray).times().iter().filter(|t| t.abs() < to) {
+                let from = a + (to - a) * libm::pow(10.0, rng.random_range(-16.0..0.0));
+                if !clears(surface, reach, &ray, a, (from, to)) {
+                    near += 1;
+                    continue;
+                }
+                cleared += 1;
+                let others = surface.crossings(&ray);
+                let ends = others.times().iter().copied().chain((0..20).map(|_| rng.random_range(from..to)));
+                for b in ends.filter(|b| (from..=to).contains(b)) {
+                    assert!(!hugs(surface, reach, &ray, a, b), "{surface:?} {ray:?} {a} {from} {b}");
+                }
+            }
+        }
+        assert!(cleared > 5000 && near > 1000, "{cleared} cleared, {near} not");
+    }
+
+    /// A ray through a ball is clear of it after a millionth of its size, and one along a plane is not.
+    #[test]
+    fn ordinary_rays_clear_a_surface_at_once() {
+        let ball = Surface::sphere(Vec3::new(0.0, 0.0, 5.0), 1.0);
+        let ray = Ray::new(Vec3::new(0.3, 0.2, 0.0), Vec3::Z);
+        let enter = ball.crossings(&ray).times()[0];
+        assert!(clears(&ball, 6.0, &ray, enter, (enter + 1e-6, 100.0)));
+        assert!(!clears(&ball, 6.0, &ray, enter, (enter, 100.0)));
+        let plane = Surface::plane(Vec3::X, 0.3);
+        assert!(!clears(&plane, 0.3, &ray, 1.0, (4.0, 100.0)));
+        assert!(clears(&plane, 0.3, &Ray::new(Vec3::ZERO, Vec3::new(1.0, 0.0, 1e3)), 0.3, (0.3001, 100.0)));
+    }
+}

@@ -326,3 +326,178 @@ fn eight(piece: Piece, parts: &[Part]) -> ([Piece; WIDTH], usize) {
     }
     (pieces, count)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::build::part_count;
+    use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+
+    fn boxes(seed: u64, count: usize, size: f64, at: Vec3) -> Vec<(Bounds, u32)> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut point = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+        let mut one = |k: usize| (Bounds::centred(at + point(), size * point().abs()), k as u32);
+        (0..count).map(&mut one).collect()
+    }
+
+    /// Boxes in one another, smaller and smaller, in a corner; boxes all the same; boxes without extent.
+    fn odd(count: usize) -> [Vec<(Bounds, u32)>; 3] {
+        let point = |x: f64| Bounds { lo: Vec3::splat(x), hi: Vec3::splat(x) };
+        let shrinking = |k: usize| Bounds { lo: Vec3::ZERO, hi: Vec3::splat(libm::exp2(-(k as f64) / 7.0)) };
+        let numbered = |make: &dyn Fn(usize) -> Bounds| (0..count).map(|k| (make(k), k as u32)).collect();
+        [
+            numbered(&shrinking),
+            numbered(&|_| Bounds::centred(Vec3::ONE, Vec3::ONE)),
+            numbered(&|_| point(3.0)),
+        ]
+    }
+
+    /// The leaves below a node, and how deep the tree is; boxes hold what is below them.
+    fn leaves_below(nodes: &[Node], at: usize, depth: usize, out: &mut Vec<u32>) -> usize {
+        let (mut deepest, node) = (depth, &nodes[at]);
+        for k in (0..WIDTH).filter(|&k| node.planes[0][k] <= node.planes[3][k]) {
+            if node.child[k] & LEAF != 0 {
+                out.push(node.child[k] ^ LEAF);
+                continue;
+            }
+            let below = &nodes[node.child[k] as usize];
+            for (axis, j) in (0..3).flat_map(|axis| (0..WIDTH).map(move |j| (axis, j))) {
+                assert!(node.planes[axis][k] <= below.planes[axis][j]);
+                assert!(below.planes[axis + 3][j] <= node.planes[axis + 3][k]);
+            }
+            deepest = deepest.max(leaves_below(nodes, node.child[k] as usize, depth + 1, out));
+        }
+        deepest
+    }
+
+    #[test]
+    fn every_leaf_is_in_the_tree_once_and_no_tree_is_too_deep() {
+        let mut all: Vec<_> =
+            [1, 7, 8, 9, 63, 64, 65, 1000].map(|n| boxes(n as u64, n, 0.1, Vec3::ZERO)).into();
+        all.extend(odd(3000));
+        for leaves in all {
+            let tree = Hierarchy::new(&leaves, 1);
+            let mut found = Vec::new();
+            let depth = leaves_below(&tree.nodes, 0, 1, &mut found);
+            found.sort_unstable();
+            assert!(found.into_iter().eq(0..leaves.len() as u32));
+            assert!(depth <= DEPTH, "{depth}");
+            assert!(leaves.len() < 1000 || tree.bytes() <= 44 * leaves.len(), "{}", tree.bytes());
+        }
+        assert!(Hierarchy::new(&[], 1).nodes.is_empty());
+    }
+
+    #[test]
+    fn the_tree_does_not_depend_on_the_number_of_threads() {
+        let leaves = boxes(1, 70_000, 0.05, Vec3::ZERO);
+        let shape = |threads: usize| {
+            let Hierarchy { nodes, .. } = Hierarchy::new(&leaves, threads);
+            nodes
+                .iter()
+                .map(|node| (node.planes.map(|p| p.map(f32::to_bits)), node.child))
+                .collect::<Vec<_>>()
+        };
+        let one = shape(1);
+        assert!(one.len() > part_count(70_000) / 16);
+        for threads in [2, 3, 8] {
+            assert!(shape(threads) == one, "{threads} threads");
+        }
+    }
+
+    /// The slab test in f64 on boxes that are not grown at all.
+    fn passes(ray: &Ray, window: Window, bounds: &Bounds) -> bool {
+        let (mut enter, mut leave) = (window.t_min(), window.t_max());
+        for k in 0..3 {
+            let (a, b) = (bounds.lo[k] - ray.origin[k], bounds.hi[k] - ray.origin[k]);
+            if ray.direction[k] == 0.0 {
+                if a > 0.0 || b < 0.0 {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = (a / ray.direction[k], b / ray.direction[k]);
+            (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
+        }
+        enter <= leave
+    }
+
+    /// Rays of all kinds near boxes of about unit size at a place: along axes, through corners, from afar.
+    fn rays(rng: &mut ChaCha8Rng, leaves: &[(Bounds, u32)], at: Vec3) -> Vec<Ray> {
+        let mut vector = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+        let mut rays = Vec::new();
+        for k in 0..120 {
+            let (through, direction) = (at + vector(), vector());
+            let bounds = leaves[k * 7 % leaves.len()].0;
+            let far = [0.0, 2.0, 1e3][k % 3];
+            let through = if k % 4 == 0 { bounds.corners()[k % 8] } else { through };
+            let direction = match k % 5 {
+                0 => Vec3::AXES[k % 3],
+                1 => -Vec3::AXES[k % 3] + 1e-13 * direction,
+                2 => direction * 1e-3,
+                _ => direction,
+            };
+            rays.push(Ray::new(through - far * direction, direction));
+        }
+        rays
+    }
+
+    #[test]
+    fn no_leaf_on_the_way_is_missed_and_few_others_are_found() {
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        for (at, size) in [(Vec3::ZERO, 0.2), (Vec3::new(50.0, -20.0, 3.0), 0.05), (Vec3::splat(1e6), 0.1)] {
+            let leaves = boxes(3, 900, size, at);
+            let tree = Hierarchy::new(&leaves, 1);
+            let (mut met, mut found) = (0, 0);
+            for ray in rays(&mut rng, &leaves, at) {
+                let begin = ray.closest_time(at);
+                let half = rng.random_range(0.0..0.7) / ray.direction.length();
+                for window in [Window::ALL, Window::new(begin - half, begin + half).unwrap()] {
+                    let margin = 1e-12 * (ray.origin.length() + at.length());
+                    let probe = tree.probe(&ray, margin, window);
+                    let mut touched = Vec::new();
+                    tree.touched(&probe, &mut touched);
+                    touched.sort_unstable();
+                    // in order of entry, the same leaves
+                    let (mut front, mut ordered, mut time) =
+                        (Front::default(), Vec::new(), f64::NEG_INFINITY);
+                    front.begin(&tree, probe);
+                    while front.time() < f64::INFINITY {
+                        assert!(front.time() >= time);
+                        time = front.time();
+                        let Some(leaf) = front.next(&tree) else { continue };
+                        let entry = |bounds: &Bounds| {
+                            passes(&ray, Window::new(-1e300, time).unwrap(), &bounds.grown(-1e-5))
+                        };
+                        assert!(window != Window::ALL || !entry(&leaves[leaf as usize].0));
+                        ordered.push(leaf);
+                    }
+                    ordered.sort_unstable();
+                    assert_eq!(ordered, touched);
+                    let on_the_way = leaves.iter().filter(|(bounds, _)| passes(&ray, window, bounds));
+                    for (_, leaf) in on_the_way {
+                        assert!(touched.binary_search(leaf).is_ok(), "{ray:?} {window:?} misses {leaf}");
+                        met += 1;
+                    }
+                    found += touched.len();
+                }
+            }
+            // 60 boxes are asked about that a ray only just passes or misses
+            assert!(met > 100 && found <= met + met / 50 + 60, "{found} of {met}");
+        }
+    }
+
+    #[test]
+    fn boxes_that_hold_a_point_are_found() {
+        let leaves = boxes(5, 500, 0.3, Vec3::ONE);
+        let tree = Hierarchy::new(&leaves, 1);
+        for (bounds, leaf) in &leaves {
+            for point in [bounds.centre(), bounds.lo, bounds.hi] {
+                let mut found = Vec::new();
+                tree.around(point, 0.0, &mut found);
+                assert!(found.contains(leaf));
+                let near = |leaf: &u32| leaves[*leaf as usize].0.grown(1e-5).contains(point);
+                assert!(found.iter().all(near));
+            }
+        }
+    }
+}
