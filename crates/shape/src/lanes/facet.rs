@@ -1,5 +1,6 @@
 //! One side of a surface, ready for lanes.
 
+use super::axis::{AxisCylinder, AxisSlab, axis_of_plane};
 use super::ray::{Doubt, LaneRay};
 use super::span::{Gap, Span};
 use super::vector::{Lanes, Mask, splat};
@@ -26,6 +27,10 @@ pub enum Kernel {
     Sphere(Sphere),
     /// A cylinder.
     Cylinder(Cylinder),
+    /// A cylinder along a coordinate axis.
+    AxisCylinder(AxisCylinder),
+    /// Two faces of a box.
+    AxisSlab(AxisSlab),
 }
 
 impl Kernel {
@@ -34,16 +39,18 @@ impl Kernel {
         match surface {
             Surface::Plane(plane) => Some(axis_plane(plane).unwrap_or(Kernel::Plane(*plane))),
             Surface::Sphere(sphere) => Some(Kernel::Sphere(*sphere)),
-            Surface::Cylinder(cylinder) => Some(Kernel::Cylinder(*cylinder)),
+            Surface::Cylinder(cylinder) => {
+                let along = AxisCylinder::of(cylinder).map(Kernel::AxisCylinder);
+                Some(along.unwrap_or(Kernel::Cylinder(*cylinder)))
+            }
             Surface::Cone(_) | Surface::Quadric(_) | Surface::Torus(_) | Surface::AffineTorus(_) => None,
         }
     }
 }
 
 fn axis_plane(plane: &Plane) -> Option<Kernel> {
-    let along = |k: &usize| plane.normal.abs() == Vec3::AXES[*k];
-    let axis = (0..3).find(along)?;
-    Some(Kernel::AxisPlane { axis: axis as u8, sign: plane.normal[axis], offset: plane.offset })
+    let (axis, sign) = axis_of_plane(plane)?;
+    Some(Kernel::AxisPlane { axis, sign, offset: plane.offset })
 }
 
 /// A side of a surface that bounds a leaf.
@@ -63,9 +70,26 @@ impl Facet {
     /// True if the facet may hold before and after some time, but not at it.
     pub fn can_gap(&self) -> bool {
         match self.kernel {
-            Kernel::AxisPlane { .. } | Kernel::Plane(_) => false,
-            Kernel::Sphere(_) | Kernel::Cylinder(_) => !self.inside,
+            Kernel::AxisPlane { .. } | Kernel::AxisSlab(_) | Kernel::Plane(_) => false,
+            Kernel::Sphere(_) | Kernel::Cylinder(_) | Kernel::AxisCylinder(_) => !self.inside,
         }
+    }
+
+    /// This facet and the next one of the same leaf as one, if they are opposite faces of a box.
+    pub fn joined(&self, next: &Facet) -> Option<Facet> {
+        let (
+            &Kernel::AxisPlane { axis, sign, offset },
+            &Kernel::AxisPlane { axis: other, sign: turned, offset: next_offset },
+        ) = (&self.kernel, &next.kernel)
+        else {
+            return None;
+        };
+        if axis != other || sign != -turned || !self.inside || !next.inside {
+            return None;
+        }
+        let ends = [(offset, self.face), (next_offset, next.face)];
+        let [low, high] = if sign < 0.0 { ends } else { [ends[1], ends[0]] };
+        Some(Facet { kernel: Kernel::AxisSlab(AxisSlab { axis, low, high }), ..*self })
     }
 
     /// Narrows the stretch of a leaf to where this facet holds; or answers with a stretch in which it does not.
@@ -95,10 +119,74 @@ impl Facet {
                 self.stretch(simd, from, to, span)
             }
             Kernel::Cylinder(cylinder) => {
-                let (from, to) = cylinder_times(simd, cylinder, ray, doubt);
+                let from = ray.origin.minus_all(cylinder.point).perpendicular(cylinder.axis);
+                let along = ray.direction.perpendicular(cylinder.axis);
+                let across = Across {
+                    square: along.length_squared(),
+                    approach: from.dot(along),
+                    apart: |t: Lanes<S>| from.plus(along.times(t)).length_squared(),
+                };
+                let (from, to) = cylinder_times(simd, cylinder.radius, across, ray, doubt);
                 self.stretch(simd, from, to, span)
             }
+            Kernel::AxisCylinder(cylinder) => {
+                let ([x, y], [u, v]) = cylinder.across(ray);
+                let across = Across {
+                    square: u * u + v * v,
+                    approach: x * u + y * v,
+                    apart: |t: Lanes<S>| {
+                        let (x, y) = (x + t * u, y + t * v);
+                        x * x + y * y
+                    },
+                };
+                let (from, to) = cylinder_times(simd, cylinder.radius, across, ray, doubt);
+                self.stretch(simd, from, to, span)
+            }
+            Kernel::AxisSlab(slab) => {
+                self.slab(simd, slab, ray, span, doubt);
+                None
+            }
         }
+    }
+
+    /// Two planes that face away from each other: met at the same speed, one after the other.
+    #[inline(always)]
+    fn slab<S: Simd>(
+        &self,
+        simd: S,
+        slab: &AxisSlab,
+        ray: &LaneRay<S>,
+        span: &mut Span<S>,
+        doubt: &mut Doubt<S>,
+    ) {
+        let axis = slab.axis.into();
+        let (origin, speed) = (ray.origin.component(axis), ray.direction.component(axis));
+        let (below, above) = (origin + slab.low.0, splat(simd, slab.high.0) - origin);
+        let (low, high) = (below / -speed + 0.0, above / speed + 0.0);
+        let rises = speed.simd_gt(0.0);
+        let (mut from, mut to) = (rises.select(low, high), rises.select(high, low));
+        let (low_face, high_face) = (splat(simd, slab.low.1), splat(simd, slab.high.1));
+        let [plus, minus] = super::ray::infinite(simd);
+        let finite = low.abs().max(high.abs()).simd_lt(plus);
+        let slow = speed.abs().simd_le(ray.slow_plane);
+        let mut grazes = slow;
+        if slow.any_true() || !finite.all_true() {
+            // c - n . r(middle)
+            let shift = ray.middle * speed;
+            let near = (below + shift).abs().min((above - shift).abs());
+            doubt.always |= slow & near.simd_le(ray.near);
+            let zero = splat(simd, 0.0);
+            let parallel = speed.simd_eq(zero);
+            // a time beyond the range
+            doubt.always |= !finite & !parallel;
+            let holds = below.simd_gt(zero) & above.simd_gt(zero);
+            from = parallel.select(holds.select(minus, plus), from);
+            to = parallel.select(holds.select(plus, minus), to);
+            grazes = slow & !parallel;
+        }
+        let begins = span.begin_after(from, rises.select(low_face, high_face));
+        let ends = span.end_before(to, rises.select(high_face, low_face));
+        doubt.grazes |= grazes & (begins | ends);
     }
 
     /// The stretch in which f < 0, taken from the leaf or cut out of it.
@@ -155,24 +243,35 @@ fn sphere_times<S: Simd>(simd: S, sphere: &Sphere, ray: &LaneRay<S>) -> (Lanes<S
     or_empty(simd, inside.simd_gt(0.0), closest, half)
 }
 
+/// A ray as a cylinder sees it, across its axis.
+struct Across<S: Simd, F: Fn(Lanes<S>) -> Lanes<S>> {
+    /// The square of the speed.
+    square: Lanes<S>,
+    /// The origin, from the axis, times the velocity.
+    approach: Lanes<S>,
+    /// The square of the distance from the axis at a time.
+    apart: F,
+}
+
 /// The stretch in a cylinder, as [`Cylinder::crossings`].
 #[inline(always)]
-fn cylinder_times<S: Simd>(
+fn cylinder_times<S: Simd, F: Fn(Lanes<S>) -> Lanes<S>>(
     simd: S,
-    cylinder: &Cylinder,
+    radius: f64,
+    across: Across<S, F>,
     ray: &LaneRay<S>,
     doubt: &mut Doubt<S>,
 ) -> (Lanes<S>, Lanes<S>) {
-    let (axis, radius) = (cylinder.axis, cylinder.radius);
-    let from = ray.origin.minus_all(cylinder.point).perpendicular(axis);
-    let along = ray.direction.perpendicular(axis);
-    let square = along.length_squared();
+    let Across { square, approach, apart } = across;
+    let slow = square.simd_lt(ray.slow_square);
+    let any_slow = slow.any_true();
     let zero = splat(simd, 0.0);
-    let parallel = square.simd_eq(zero);
-    let closest = parallel.select(zero, -from.dot(along) / square);
-    let offset = from.plus(along.times(closest));
-    let inside = splat(simd, radius * radius) - offset.length_squared();
-    let enters = inside.simd_gt(0.0);
+    let mut closest = -approach / square;
+    if any_slow {
+        closest = square.simd_eq(zero).select(zero, closest);
+    }
+    let inside = splat(simd, radius * radius) - apart(closest);
+    let enters = inside.simd_gt(zero);
     let half = (inside / square).sqrt();
     // f(r(middle)) and a quarter of the square of its gradient
     let late = ray.middle - closest;
@@ -181,18 +280,18 @@ fn cylinder_times<S: Simd>(
     // |f| <= delta (|grad f| + delta): the square of it, with 2 (x^2 + y^2) >= (x + y)^2
     let near = ray.near * ray.near;
     let bound = near * (slope.abs() * 4.0 + near) * 2.0;
-    let slow = square.simd_lt(ray.slow_square);
     doubt.always |= (value * value).simd_le(bound);
-    if slow.any_true() {
+    let (mut from, mut to) = or_empty(simd, enters, closest, half);
+    if any_slow {
+        let parallel = square.simd_eq(zero);
         doubt.grazes |= slow & enters & !parallel;
         // half of the time in the cylinder may be infinite, though its square is none
         doubt.always |= enters & !parallel & !half.simd_lt(f64::INFINITY);
         let [plus, minus] = super::ray::infinite(simd);
-        let (a, b) = or_empty(simd, enters, closest, half);
         let holds: Mask<S> = parallel & enters;
-        return (holds.select(minus, a), holds.select(plus, b));
+        (from, to) = (holds.select(minus, from), holds.select(plus, to));
     }
-    or_empty(simd, enters, closest, half)
+    (from, to)
 }
 
 #[inline(always)]

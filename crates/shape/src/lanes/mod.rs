@@ -7,11 +7,13 @@
 //! All functions are generic over the instruction set and have to be inlined into a caller that was compiled for it
 //! ([`fearless_simd::dispatch`]).
 
+mod axis;
 mod facet;
 mod ray;
 mod span;
 mod vector;
 
+pub use axis::{AxisCylinder, AxisSlab};
 pub use facet::{Facet, Kernel};
 pub use ray::{Doubt, LaneLimits, LaneRay};
 pub use span::{Gap, Span};

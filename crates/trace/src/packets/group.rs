@@ -1,7 +1,8 @@
 //! Eight rays through a plan.
 
 use super::logic::{Step, Tape};
-use super::plan::{MOST, NONE, Plan};
+use super::network::sort;
+use super::plan::{Difference, MOST, NONE, Plan, STEPS};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_model::{Rays, Window};
@@ -15,16 +16,32 @@ pub(super) struct Row(pub [f64; LANES]);
 /// The ends of stretches are told apart by these bits of a key.
 pub(super) const CODE: u64 = 2 * MOST as u64 - 1;
 
-/// The memory for eight rays.
-#[derive(Debug)]
-pub(super) struct Group<S: Simd> {
-    simd: S,
+/// A row for each end of a stretch.
+pub(super) type Rows = [Row; 2 * MOST];
+
+/// The memory of a thread for eight rays; fixed in size, so that codes need no check.
+#[derive(Clone, Debug)]
+pub(super) struct Memory {
     /// Where stretch k begins: 2 k, ends: 2 k + 1. Empty ones begin at +inf and end at -inf.
-    pub ends: Vec<Row>,
+    pub ends: Rows,
     /// The numbers of the faces there.
-    pub faces: Vec<Row>,
-    values: Vec<Mask<S>>,
-    keys: Vec<Lanes<S>>,
+    pub faces: Rows,
+    pub keys: Rows,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        let rows = [Row([0.0; LANES]); 2 * MOST];
+        Memory { ends: rows, faces: rows, keys: rows }
+    }
+}
+
+/// Eight rays at work.
+#[derive(Debug)]
+pub(super) struct Group<'m, S: Simd> {
+    simd: S,
+    pub memory: &'m mut Memory,
+    values: [Mask<S>; STEPS],
 }
 
 /// What was found on eight rays.
@@ -38,16 +55,10 @@ pub(super) struct Found {
     pub starts: [f64; LANES],
 }
 
-impl<S: Simd> Group<S> {
-    pub fn new(simd: S, plan: &Plan) -> Self {
-        let steps = plan.differences.iter().chain([&plan.regions]).map(|tape| tape.steps.len()).max();
-        Group {
-            simd,
-            ends: vec![Row([0.0; LANES]); 2 * plan.stretches()],
-            faces: vec![Row([0.0; LANES]); 2 * plan.stretches()],
-            values: vec![Mask::splat(simd, false); steps.unwrap_or(0)],
-            keys: vec![splat(simd, f64::INFINITY); 2 * plan.stretches() + 1],
-        }
+impl<'m, S: Simd> Group<'m, S> {
+    #[inline(always)]
+    pub fn new(simd: S, memory: &'m mut Memory) -> Self {
+        Group { simd, memory, values: [Mask::splat(simd, false); STEPS] }
     }
 
     /// The changes of rays `at..` (the last one again and again where there are fewer than eight), or of the first two
@@ -63,7 +74,7 @@ impl<S: Simd> Group<S> {
         let most = self.changes(plan, window, first, &mut doubt);
         let mut unsure = doubt.always;
         for k in 1..most {
-            let (a, b) = (self.keys[k - 1], self.keys[k]);
+            let (a, b) = (self.key(k - 1), self.key(k));
             let near = ray.may_hug(a, b, &plan.limits) | doubt.grazes;
             unsure |= near & b.simd_lt(f64::INFINITY);
         }
@@ -89,85 +100,108 @@ impl<S: Simd> Group<S> {
 
     #[inline(always)]
     fn keep(&mut self, stretch: usize, [from, to]: [Lanes<S>; 2], faces: [Lanes<S>; 2]) {
-        let some = from.simd_lt(to);
+        let (some, stretch) = (from.simd_lt(to), stretch % MOST);
         let (plus, minus) = (splat(self.simd, f64::INFINITY), splat(self.simd, f64::NEG_INFINITY));
-        some.select(from, plus).store_array(&mut self.ends[2 * stretch].0);
-        some.select(to, minus).store_array(&mut self.ends[2 * stretch + 1].0);
-        faces[0].store_array(&mut self.faces[2 * stretch].0);
-        faces[1].store_array(&mut self.faces[2 * stretch + 1].0);
+        some.select(from, plus).store_array(&mut self.memory.ends[2 * stretch].0);
+        some.select(to, minus).store_array(&mut self.memory.ends[2 * stretch + 1].0);
+        faces[0].store_array(&mut self.memory.faces[2 * stretch].0);
+        faces[1].store_array(&mut self.memory.faces[2 * stretch + 1].0);
     }
 
     #[inline(always)]
     fn end(&self, code: usize) -> Lanes<S> {
-        Lanes::load_array_ref(self.simd, &self.ends[code].0)
+        Lanes::load_array_ref(self.simd, &self.memory.ends[code % (2 * MOST)].0)
+    }
+
+    #[inline(always)]
+    fn key(&self, k: usize) -> Lanes<S> {
+        Lanes::load_array_ref(self.simd, &self.memory.keys[k % (2 * MOST)].0)
     }
 
     /// Finds the ends of stretches at which the winner changes, and sorts them: each key is the time with its last bits
     /// replaced by the number of the end. Times that differ by no more are taken for doubtful later. The greatest
-    /// number of them on a ray.
+    /// number of them on a ray, or 2 if only the first two are asked for.
     #[inline(always)]
     fn changes(&mut self, plan: &Plan, window: Window, first: bool, doubt: &mut Doubt<S>) -> usize {
         let simd = self.simd;
         let never = splat(simd, f64::INFINITY);
-        let mut count = 0;
-        for code in 0..2 * plan.stretches() {
-            let t = self.end(code);
-            let asked = t.simd_gt(window.t_min()) & t.simd_lt(window.t_max());
-            if !asked.any_true() {
-                continue;
+        let (mut earliest, mut second, mut count) = (never, never, 0);
+        for (stretch, difference) in plan.differences.iter().enumerate() {
+            for code in [2 * stretch, 2 * stretch + 1] {
+                let t = self.end(code);
+                let asked = t.simd_gt(window.t_min()) & t.simd_lt(window.t_max());
+                let (changes, ties) = self.difference(difference, t, asked);
+                doubt.always |= ties;
+                let key = (t.to_bits() & !CODE) | code as u64;
+                let key = changes.select(Lanes::from_bits(key), never);
+                if first {
+                    second = second.min(earliest.max(key));
+                    earliest = earliest.min(key);
+                } else {
+                    self.set_key(count, key);
+                    count += usize::from(changes.any_true());
+                }
             }
-            let (changes, ties) = self.difference(&plan.differences[code / 2], t, code / 2);
-            doubt.always |= ties & asked;
-            let changes = changes & asked;
-            if !changes.any_true() {
-                continue;
-            }
-            let key = (t.to_bits() & !CODE) | code as u64;
-            let key = changes.select(Lanes::from_bits(key), never);
-            count = self.insert(key, count, first);
+        }
+        if first {
+            self.set_key(0, earliest);
+            self.set_key(1, second);
+            return 2;
+        }
+        sort(simd, &mut self.memory.keys, count);
+        while count > 0 && self.key(count - 1).simd_eq(never).all_true() {
+            count -= 1;
         }
         count
     }
 
-    /// Puts keys into their places among those of each ray.
     #[inline(always)]
-    fn insert(&mut self, mut key: Lanes<S>, count: usize, first: bool) -> usize {
-        for k in 0..count {
-            let other = self.keys[k];
-            self.keys[k] = other.min(key);
-            key = other.max(key);
-        }
-        let is_needed = key.simd_lt(f64::INFINITY).any_true() && !(first && count == 2);
-        if is_needed {
-            self.keys[count] = key;
-        }
-        count + usize::from(is_needed)
+    fn set_key(&mut self, k: usize, key: Lanes<S>) {
+        key.store_array(&mut self.memory.keys[k % (2 * MOST)].0);
     }
 
-    /// Whether the winner changes where stretch `own` begins or ends, and whether another one on which that depends
-    /// does so at the same time.
+    /// Where the winner changes at the time at which a stretch begins or ends, and where another one on which that
+    /// depends does so at the same time.
     #[inline(always)]
-    fn difference(&mut self, tape: &Tape, t: Lanes<S>, own: usize) -> (Mask<S>, Mask<S>) {
-        let mut ties = Mask::splat(self.simd, false);
-        for (at, step) in tape.steps.iter().enumerate() {
-            self.values[at] = match *step {
-                Step::Input(k) => {
-                    let k = k as usize;
-                    let (from, to) = (self.end(2 * k), self.end(2 * k + 1));
-                    if k > own {
+    fn difference(&mut self, difference: &Difference, t: Lanes<S>, asked: Mask<S>) -> (Mask<S>, Mask<S>) {
+        let (mut changes, mut ties) = (asked, Mask::splat(self.simd, false));
+        match difference {
+            Difference::Cube(literals) => {
+                for literal in literals {
+                    let (from, to) = self.stretch(literal.stretch as usize);
+                    let holds = from.simd_lt(t) & t.simd_lt(to);
+                    changes = if literal.inside { changes & holds } else { changes & !holds };
+                    if literal.ties {
                         ties |= t.simd_eq(from) | t.simd_eq(to);
                     }
-                    from.simd_lt(t) & t.simd_lt(to)
                 }
-                step => self.gate(step),
-            };
+            }
+            Difference::Tape(tape) => {
+                for (at, step) in tape.steps.iter().enumerate() {
+                    self.values[at % STEPS] = match *step {
+                        Step::Input(k) => {
+                            let (from, to) = self.stretch(k as usize);
+                            ties |= t.simd_eq(from) | t.simd_eq(to);
+                            from.simd_lt(t) & t.simd_lt(to)
+                        }
+                        step => self.gate(step),
+                    };
+                }
+                changes &= self.output(tape, 0);
+            }
         }
-        (self.output(tape, 0), ties)
+        (changes, ties & asked)
+    }
+
+    /// When a stretch begins and ends.
+    #[inline(always)]
+    fn stretch(&self, k: usize) -> (Lanes<S>, Lanes<S>) {
+        (self.end(2 * k), self.end(2 * k + 1))
     }
 
     #[inline(always)]
     fn gate(&self, step: Step) -> Mask<S> {
-        let at = |k: u16| self.values[k as usize];
+        let at = |k: u16| self.values[k as usize % STEPS];
         match step {
             Step::Constant | Step::Input(_) => Mask::splat(self.simd, false),
             Step::And(a, b) => at(a) & at(b),
@@ -180,7 +214,7 @@ impl<S: Simd> Group<S> {
     #[inline(always)]
     fn output(&self, tape: &Tape, k: usize) -> Mask<S> {
         let (at, complement) = tape.outputs[k];
-        let value = self.values[at as usize];
+        let value = self.values[at as usize % STEPS];
         if complement { !value } else { value }
     }
 
@@ -192,9 +226,10 @@ impl<S: Simd> Group<S> {
         }
         let t = splat(self.simd, window.t_min());
         for (at, step) in plan.regions.steps.iter().enumerate() {
-            self.values[at] = match *step {
+            self.values[at % STEPS] = match *step {
                 Step::Input(k) => {
-                    self.end(2 * k as usize).simd_le(t) & t.simd_lt(self.end(2 * k as usize + 1))
+                    let (from, to) = self.stretch(k as usize);
+                    from.simd_le(t) & t.simd_lt(to)
                 }
                 step => self.gate(step),
             };
@@ -209,14 +244,15 @@ impl<S: Simd> Group<S> {
     /// The number of the end at place `k` of lane `lane`; `None` if it has no such change.
     #[inline(always)]
     pub fn code(&self, k: usize, lane: usize) -> Option<usize> {
-        let key = self.keys[k].as_slice()[lane];
+        let key = self.memory.keys[k % (2 * MOST)].0[lane % LANES];
         (key < f64::INFINITY).then(|| (key.to_bits() & CODE) as usize)
     }
 
     /// The stretches of a lane that hold just after a time, a bit each.
-    pub fn holds_after(&self, lane: usize, t: f64) -> u64 {
-        let holds = |k: &usize| self.ends[2 * k].0[lane] <= t && t < self.ends[2 * k + 1].0[lane];
-        (0..self.ends.len() / 2).filter(holds).fold(0, |all, k| all | 1 << k)
+    pub fn holds_after(&self, plan: &Plan, lane: usize, t: f64) -> u64 {
+        let ends = &self.memory.ends;
+        let holds = |k: &usize| ends[2 * k].0[lane] <= t && t < ends[2 * k + 1].0[lane];
+        (0..plan.stretches()).filter(holds).fold(0, |all, k| all | 1 << k)
     }
 }
 

@@ -181,6 +181,22 @@ impl Logic {
         changes
     }
 
+    /// The inputs, or their complements, of which a function is the conjunction; `None` if it is none.
+    pub fn cube(&self, function: Wire) -> Option<Vec<(u32, bool)>> {
+        let (mut literals, mut waiting) = (Vec::new(), vec![function]);
+        while let Some(wire) = waiting.pop() {
+            match (self.nodes[wire.gate()], wire.is_complemented()) {
+                (Node::Constant, true) => {}
+                (Node::Input(k), complement) => literals.push((k, !complement)),
+                (Node::And(a, b), false) => waiting.extend([a, b]),
+                _ => return None,
+            }
+        }
+        literals.sort_unstable();
+        literals.dedup();
+        Some(literals)
+    }
+
     /// A program for some functions.
     pub fn tape(&self, outputs: &[Wire]) -> Tape {
         let mut used = vec![false; self.nodes.len()];
@@ -300,6 +316,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn cubes_are_conjunctions_of_inputs() {
+        let mut logic = Logic::new();
+        let [a, b, c]: [Wire; 3] = std::array::from_fn(|k| logic.input(k));
+        let neither = logic.or(b, c).not();
+        let cube = logic.and(neither, a);
+        assert_eq!(logic.cube(cube), Some(vec![(0, true), (1, false), (2, false)]));
+        assert_eq!(logic.cube(Wire::TRUE), Some(Vec::new()));
+        assert_eq!(logic.cube(Wire::FALSE), None);
+        let either = logic.or(a, b);
+        assert_eq!(logic.cube(either), None);
     }
 
     #[test]

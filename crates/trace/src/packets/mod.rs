@@ -9,12 +9,13 @@
 
 mod group;
 mod logic;
+mod network;
 mod plan;
 
 use crate::Weave;
 use crate::weave::WeaveScratch;
 use fearless_simd::{Level, Simd, dispatch};
-use group::{Found, Group};
+use group::{Found, Group, Memory};
 use plan::Plan;
 use rayweave_model::{
     Crossing, Evaluator, FirstHits, HitRows, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink, Window,
@@ -34,6 +35,7 @@ pub struct Packets {
 #[derive(Clone, Debug, Default)]
 pub struct PacketsScratch {
     weave: WeaveScratch,
+    memory: Option<Box<Memory>>,
     crossings: Vec<Crossing>,
 }
 
@@ -56,12 +58,20 @@ impl Packets {
 
 /// Takes what was found on the rays `at..at + count`.
 trait Take {
-    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<S>, found: &Found, at: usize, count: usize);
+    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize);
 }
 
 #[inline(always)]
-fn run<S: Simd, T: Take>(simd: S, plan: &Plan, rays: Rays<'_>, window: Window, first: bool, take: &mut T) {
-    let mut group = Group::new(simd, plan);
+fn run<S: Simd, T: Take>(
+    simd: S,
+    plan: &Plan,
+    memory: &mut Memory,
+    rays: Rays<'_>,
+    window: Window,
+    first: bool,
+    take: &mut T,
+) {
+    let mut group = Group::new(simd, memory);
     for at in (0..rays.len()).step_by(LANES) {
         let found = group.run(plan, rays, at, window, first);
         take.take(plan, &group, &found, at, LANES.min(rays.len() - at));
@@ -94,7 +104,7 @@ struct Lists<'a> {
 
 impl Take for Lists<'_> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<S>, found: &Found, at: usize, count: usize) {
+    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
         for lane in 0..count {
             let ray = at + lane;
             if found.doubt >> lane & 1 == 1 {
@@ -114,7 +124,7 @@ impl Take for Lists<'_> {
 fn list<S: Simd>(
     program: &Program,
     plan: &Plan,
-    group: &Group<S>,
+    group: &Group<'_, S>,
     found: &Found,
     lane: usize,
     limit: Limit,
@@ -125,7 +135,8 @@ fn list<S: Simd>(
     let mut before = start;
     for k in 0..found.most {
         let Some(code) = group.code(k, lane) else { break };
-        let (t, face) = (group.ends[code].0[lane], plan.faces[group.faces[code].0[lane] as usize]);
+        let (t, face) =
+            (group.memory.ends[code].0[lane], plan.faces[group.memory.faces[code].0[lane] as usize]);
         let after = if plan.is_plain { RegionId(1 - before.0) } else { winner_after(plan, group, lane, t) };
         if plan.is_plain || program.medium_of(before) != program.medium_of(after) {
             crossings.push(Crossing { t, face, left: face, entered: face, before, after });
@@ -138,8 +149,8 @@ fn list<S: Simd>(
     start
 }
 
-fn winner_after<S: Simd>(plan: &Plan, group: &Group<S>, lane: usize, t: f64) -> RegionId {
-    let held = plan.regions.evaluate(group.holds_after(lane, t));
+fn winner_after<S: Simd>(plan: &Plan, group: &Group<'_, S>, lane: usize, t: f64) -> RegionId {
+    let held = plan.regions.evaluate(group.holds_after(plan, lane, t));
     RegionId(held.iter().rposition(|&inside| inside).map_or(0, |k| k as u32 + 1))
 }
 
@@ -155,7 +166,7 @@ struct Arrays<'a, 'r, 'c> {
 
 impl Take for Arrays<'_, '_, '_> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<S>, found: &Found, at: usize, count: usize) {
+    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
         let is_simple = plan.is_plain && found.starts == [0.0; LANES];
         if is_simple && found.doubt == 0 {
             self.most = self.most.max(found.most);
@@ -182,7 +193,7 @@ impl Take for Arrays<'_, '_, '_> {
 impl Arrays<'_, '_, '_> {
     /// Rays that start outside, all of them sure.
     #[inline(always)]
-    fn columns<S: Simd>(&mut self, group: &Group<S>, found: &Found, at: usize, count: usize) {
+    fn columns<S: Simd>(&mut self, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
         for (k, row) in self.rows.times.iter_mut().enumerate() {
             let row = &mut row[at..at + count];
             if k >= found.most {
@@ -190,7 +201,7 @@ impl Arrays<'_, '_, '_> {
                 continue;
             }
             for (lane, t) in row.iter_mut().enumerate() {
-                *t = group.code(k, lane).map_or(f64::INFINITY, |code| group.ends[code].0[lane]);
+                *t = group.code(k, lane).map_or(f64::INFINITY, |code| group.memory.ends[code].0[lane]);
             }
         }
         for (k, row) in self.rows.faces.iter_mut().enumerate() {
@@ -200,7 +211,7 @@ impl Arrays<'_, '_, '_> {
                 continue;
             }
             for (lane, face) in row.iter_mut().enumerate() {
-                *face = group.code(k, lane).map_or(-1, |code| group.faces[code].0[lane] as i32);
+                *face = group.code(k, lane).map_or(-1, |code| group.memory.faces[code].0[lane] as i32);
             }
         }
     }
@@ -217,7 +228,7 @@ struct Firsts<'a, 'c> {
 
 impl Take for Firsts<'_, '_> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<S>, found: &Found, at: usize, count: usize) {
+    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
         let program = self.weave.program();
         for lane in 0..count {
             let ray = at + lane;
@@ -262,8 +273,10 @@ impl Evaluator for Packets {
         };
         // the first change of region need not be one of medium
         let first = query.limit == Limit::First && plan.is_plain;
+        let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Lists { weave: &self.weave, rays, query, scratch, sink };
-        dispatch!(self.level, simd => run(simd, plan, rays, query.window, first, &mut take));
+        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, query.window, first, &mut take));
+        scratch.memory = Some(memory);
     }
 
     fn hits(
@@ -277,9 +290,12 @@ impl Evaluator for Packets {
             return self.weave.hits(rays, window, &mut scratch.weave, rows);
         };
         let query = Query { window, ..Query::default() };
+        let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Arrays { weave: &self.weave, rays, query, scratch, rows, most: 0 };
-        dispatch!(self.level, simd => run(simd, plan, rays, window, false, &mut take));
-        take.most
+        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, window, false, &mut take));
+        let most = take.most;
+        scratch.memory = Some(memory);
+        most
     }
 
     fn nearest(
@@ -293,8 +309,10 @@ impl Evaluator for Packets {
             return self.weave.nearest(rays, window, &mut scratch.weave, hits);
         };
         let query = Query { window, limit: Limit::First, starts: None };
+        let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Firsts { weave: &self.weave, rays, query, scratch, hits };
-        dispatch!(self.level, simd => run(simd, plan, rays, window, plan.is_plain, &mut take));
+        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, window, plan.is_plain, &mut take));
+        scratch.memory = Some(memory);
     }
 
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut PacketsScratch, out: &mut [RegionId]) {

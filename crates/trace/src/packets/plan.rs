@@ -8,6 +8,9 @@ use rayweave_shape::surface::Surface;
 /// Stretches that a plan may have: each has two ends, which are told apart by six bits.
 pub(super) const MOST: usize = 32;
 
+/// Steps that each of its boolean functions may have.
+pub(super) const STEPS: usize = 128;
+
 /// No stretch.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -21,7 +24,7 @@ pub(super) struct Plan {
     pub leaves: Vec<LeafPlan>,
     pub facets: Vec<Facet>,
     /// For each stretch: whether the winner changes if that alone does.
-    pub differences: Vec<Tape>,
+    pub differences: Vec<Difference>,
     /// What is inside, for each region.
     pub regions: Tape,
     /// The winner as t -> -inf, if it is the same for all rays.
@@ -30,6 +33,45 @@ pub(super) struct Plan {
     pub faces: Vec<Face>,
     /// True if inside is one region, and not of the medium of the world.
     pub is_plain: bool,
+}
+
+/// When a stretch matters.
+#[derive(Clone, Debug)]
+pub(super) enum Difference {
+    /// If a time is in all of some stretches and in none of some others.
+    Cube(Vec<Literal>),
+    /// By any other function.
+    Tape(Tape),
+}
+
+/// A stretch in which a time has to be, or not to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Literal {
+    /// The number of the stretch.
+    pub stretch: u32,
+    /// True if the time has to be in it.
+    pub inside: bool,
+    /// True if it is this one's part to look whether both end at the same time.
+    pub ties: bool,
+}
+
+impl Difference {
+    fn new(logic: &mut Logic, outputs: &[Wire], own: usize) -> Difference {
+        let difference = logic.difference(outputs, own);
+        let literal =
+            |(stretch, inside): (u32, bool)| Literal { stretch, inside, ties: stretch as usize > own };
+        match logic.cube(difference) {
+            Some(cube) => Difference::Cube(cube.into_iter().map(literal).collect()),
+            None => Difference::Tape(logic.tape(&[difference])),
+        }
+    }
+
+    fn steps(&self) -> usize {
+        match self {
+            Difference::Cube(_) => 0,
+            Difference::Tape(tape) => tape.steps.len(),
+        }
+    }
 }
 
 /// One leaf.
@@ -65,13 +107,12 @@ impl Plan {
             wires.push(plan.leaf(program, facets.clone(), &mut logic, &mut stretches)?);
         }
         let outputs = logic.outputs(&group.expression, &group.outputs, |_, leaf| wires[leaf.index()]);
-        plan.differences = (0..stretches)
-            .map(|k| {
-                let difference = logic.difference(&outputs, k);
-                logic.tape(&[difference])
-            })
-            .collect();
+        plan.differences = (0..stretches).map(|k| Difference::new(&mut logic, &outputs, k)).collect();
         plan.regions = logic.tape(&outputs);
+        let steps = plan.differences.iter().map(Difference::steps).chain([plan.regions.steps.len()]);
+        if steps.max() > Some(STEPS) {
+            return None;
+        }
         let bounded = program.leaves().iter().all(|leaf| leaf.bounds.is_finite() || leaf.bounds.is_empty());
         plan.start = bounded.then(|| {
             let held = plan.regions.evaluate(0);
@@ -100,7 +141,10 @@ impl Plan {
                 let wire = logic.input(gap);
                 inside = logic.and(inside, wire.not());
             }
-            self.facets.push(facet);
+            match self.facets[first..].last().and_then(|last| last.joined(&facet)) {
+                Some(both) => *self.facets.last_mut()? = both,
+                None => self.facets.push(facet),
+            }
         }
         self.leaves.push(LeafPlan { facets: first..self.facets.len(), span });
         Some(inside)

@@ -1,0 +1,68 @@
+//! Surfaces along coordinate axes, which most machine parts have: the same operations as for any direction, without
+//! those that add a zero or multiply by one.
+
+use super::ray::LaneRay;
+use super::vector::Lanes;
+use crate::surface::{Cylinder, Plane};
+use fearless_simd::Simd;
+use rayweave_math::Vec3;
+
+/// Two parallel planes across a coordinate axis that face away from each other: a pair of faces of a box.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisSlab {
+    /// 0, 1 or 2.
+    pub axis: u8,
+    /// The offset of the plane with the normal against the axis, and the number of its face.
+    pub low: (f64, f64),
+    /// The offset of the plane with the normal along the axis, and the number of its face.
+    pub high: (f64, f64),
+}
+
+/// A cylinder around a parallel of a coordinate axis.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisCylinder {
+    /// 0, 1 or 2.
+    pub axis: u8,
+    /// A point of its axis: the two coordinates across it.
+    pub point: [f64; 2],
+    /// The radius, > 0.
+    pub radius: f64,
+}
+
+/// The number of the coordinate axis that a unit vector is along, either way.
+fn axis_of(v: Vec3) -> Option<usize> {
+    (0..3).find(|&k| v.abs() == Vec3::AXES[k])
+}
+
+/// The two coordinates across an axis.
+const ACROSS: [[usize; 2]; 3] = [[1, 2], [0, 2], [0, 1]];
+
+/// The axis of a plane across it and the sign of its normal.
+pub(super) fn axis_of_plane(plane: &Plane) -> Option<(u8, f64)> {
+    axis_of(plane.normal).map(|axis| (axis as u8, plane.normal[axis]))
+}
+
+impl AxisCylinder {
+    pub(super) fn of(cylinder: &Cylinder) -> Option<AxisCylinder> {
+        let axis = axis_of(cylinder.axis)?;
+        // the point nearest the origin has no coordinate along the axis
+        let point = ACROSS[axis].map(|k| cylinder.point[k]);
+        (cylinder.point[axis] == 0.0).then_some(AxisCylinder {
+            axis: axis as u8,
+            point,
+            radius: cylinder.radius,
+        })
+    }
+
+    /// The parts of origin (from the axis) and direction across the axis.
+    #[inline(always)]
+    pub(super) fn across<S: Simd>(&self, ray: &LaneRay<S>) -> ([Lanes<S>; 2], [Lanes<S>; 2]) {
+        let (o, d) = (&ray.origin, &ray.direction);
+        let ([ox, oy], along) = match self.axis {
+            0 => ([o.y, o.z], [d.y, d.z]),
+            1 => ([o.x, o.z], [d.x, d.z]),
+            _ => ([o.x, o.y], [d.x, d.y]),
+        };
+        ([ox - self.point[0], oy - self.point[1]], along)
+    }
+}
