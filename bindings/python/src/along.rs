@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use rayweave::space::trace_curve;
 
-use crate::crossings::Table;
-use crate::engine::{Engine, thread_argument};
+use crate::crossings::{Table, into_python};
+use crate::engine::{Cut, Engine, thread_argument};
 use crate::space::follow::follow;
 
 /// All crossings of one curve, or of each in a list of them.
@@ -16,7 +16,7 @@ pub fn crossings_along<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let threads = threads.map(thread_argument).transpose()?;
     let program = &*engine.program;
-    let mut table = Table::default();
+    let mut tables = Vec::new();
     follow::<3, (), Table>(
         curves,
         window,
@@ -27,9 +27,10 @@ pub fn crossings_along<'py>(
             Ok(Table::of_curve(program, curve, &found))
         },
         |part| {
-            table.append(part);
+            tables.push(part);
             Ok(())
         },
     )?;
-    table.into_python(curves.py(), engine)
+    let cut = Cut::whole(tables.len());
+    into_python(curves.py(), engine, tables, cut)
 }

@@ -1,10 +1,14 @@
 //! NumPy arrays on their way in: dtypes, layouts and shapes.
 
+use numpy::ndarray::Array2;
 use numpy::{
-    Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
+    Element, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
+    PyUntypedArrayMethods,
 };
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyTuple;
 
 use crate::error::{bad_type, bad_value};
 
@@ -124,4 +128,52 @@ pub fn room<T>(len: usize) -> PyResult<Vec<T>> {
             Err(PyMemoryError::new_err(format!("no memory for {len} entries of {} bytes", size_of::<T>())))
         }
     }
+}
+
+/// Arrays from this many elements on are made by NumPy, which asks for large pages and fills them with nothing.
+const MANY: usize = 1 << 14;
+
+/// A new array of one dimension, to be written throughout.
+pub fn fresh<T: Element + Copy + Default>(py: Python<'_>, len: usize) -> PyResult<Bound<'_, PyArray1<T>>> {
+    if len >= MANY {
+        return Ok(empty::<T>(py, &[len])?.cast_into()?);
+    }
+    Ok(PyArray1::from_vec(py, vec![T::default(); len]))
+}
+
+/// A new array of two dimensions, to be written throughout.
+pub fn fresh_table<T: Element + Copy + Default>(
+    py: Python<'_>,
+    [rows, columns]: [usize; 2],
+) -> PyResult<Bound<'_, PyArray2<T>>> {
+    if rows.saturating_mul(columns) >= MANY {
+        return Ok(empty::<T>(py, &[rows, columns])?.cast_into()?);
+    }
+    Ok(PyArray2::from_owned_array(py, Array2::from_elem((rows, columns), T::default())))
+}
+
+/// Whether what [`fresh_table`] has made is an array of NumPy's own, which can be resized.
+pub fn is_from_numpy<T>(table: &Bound<'_, PyArray2<T>>) -> bool {
+    table.len() >= MANY
+}
+
+/// A new array of truth values, all false.
+pub fn fresh_flags(py: Python<'_>, len: usize) -> PyResult<Bound<'_, PyArray1<bool>>> {
+    if len >= MANY {
+        static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        return Ok(ZEROS.import(py, "numpy", "zeros")?.call1((len, bool::get_dtype(py)))?.cast_into()?);
+    }
+    Ok(PyArray1::from_vec(py, vec![false; len]))
+}
+
+fn empty<'py, T: Element>(py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let bytes = shape.iter().try_fold(size_of::<T>(), |bytes, &size| bytes.checked_mul(size));
+    if bytes.is_none_or(|bytes| isize::try_from(bytes).is_err()) {
+        return Err(PyMemoryError::new_err(format!(
+            "the answer of shape {} is too large",
+            shape_text(shape)
+        )));
+    }
+    static EMPTY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    EMPTY.import(py, "numpy", "empty")?.call1((PyTuple::new(py, shape)?, T::get_dtype(py)))
 }

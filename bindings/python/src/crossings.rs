@@ -1,65 +1,52 @@
 //! Crossings: where, when and how rays pass from one medium into another, in columns.
 
-use std::ops::Range;
+use std::iter::zip;
 
-use numpy::{Element, PyArray1, PyArrayMethods};
+use numpy::PyArrayMethods;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyDict, PyTuple, PyType};
-use rayweave::math::Vec3;
-use rayweave::model::{Crossing, Evaluator, Limit, Program, Query, RayAnswer, RegionId, Window, dress};
+use pyo3::types::{PyDict, PyType};
+use rayweave::model::{Crossing, Evaluator, Program, Query, RayAnswer, Window, dress};
 use rayweave::shape::Ray;
 use rayweave::space::{Curve, CurveTrace, curve_normal, curve_point};
 
-use crate::arrays::room;
-use crate::engine::{Engine, How, Question, inside, surface};
-use crate::rays::{Columns, RayRows, Vectors};
+use crate::answer::{Answer, Rows, column, medium_of, take};
+use crate::arrays::{fresh, room};
+use crate::engine::{BLOCK, Cut, Engine, How, Worker, ask as ask_rays, inside, share, surface};
+use crate::error::bad_value;
+use crate::rays::{Columns, RayArrays};
 
-/// All crossings of every ray, or the first of each.
-pub struct CrossingsQuestion<'a> {
-    rays: RayRows<'a>,
-    window: Window,
-    first: bool,
-}
-
-/// Crossings in columns.
+/// Crossings of rays that follow each other.
 #[derive(Default)]
 pub struct Table {
+    /// How many each ray has.
     counts: Vec<usize>,
     start_inside: Vec<bool>,
-    start_region: Vec<i32>,
+    start_region: Vec<u32>,
     t: Vec<f64>,
-    point: Vec<f64>,
-    normal: Vec<f64>,
+    point: Vec<[f64; 3]>,
+    normal: Vec<[f64; 3]>,
     enters: Vec<bool>,
     surface: Vec<i32>,
     leaf: Vec<i32>,
     placement: Vec<i32>,
-    before: Vec<i32>,
-    after: Vec<i32>,
+    before: Vec<u32>,
+    after: Vec<u32>,
 }
 
 impl Table {
-    fn push(&mut self, program: &Program, ray: &Ray, answer: &RayAnswer<'_>, first: bool) {
-        let count = if first { answer.crossings.len().min(1) } else { answer.crossings.len() };
-        self.counts.push(if first { 1 } else { count });
-        self.start_inside.push(inside(program, answer.start));
-        self.start_region.push(answer.start.0 as i32);
-        for crossing in &answer.crossings[..count] {
+    fn push(&mut self, program: &Program, ray: &Ray, answer: &RayAnswer<'_>) {
+        self.start(answer.start.0, inside(program, answer.start), answer.crossings.len());
+        for crossing in answer.crossings {
             let (point, normal) = (dress::point(ray, crossing), dress::normal(program, ray, crossing));
             self.crossing(program, [point.to_array(), normal.to_array()], crossing);
-        }
-        if first && count == 0 {
-            self.miss(answer.start);
         }
     }
 
     /// What one curve meets.
     pub fn of_curve(program: &Program, curve: &dyn Curve<3>, found: &CurveTrace) -> Table {
         let mut table = Table::default();
-        table.counts.push(found.crossings.len());
-        table.start_inside.push(inside(program, found.start));
-        table.start_region.push(found.start.0 as i32);
+        table.start(found.start.0, inside(program, found.start), found.crossings.len());
         for crossing in &found.crossings {
             let dressed = [curve_point(curve, crossing), curve_normal(program, curve, crossing)];
             table.crossing(program, dressed, crossing);
@@ -67,93 +54,99 @@ impl Table {
         table
     }
 
+    fn start(&mut self, region: u32, is_inside: bool, crossings: usize) {
+        self.counts.push(crossings);
+        self.start_inside.push(is_inside);
+        self.start_region.push(region);
+    }
+
     fn crossing(&mut self, program: &Program, [point, normal]: [[f64; 3]; 2], crossing: &Crossing) {
         let enters = inside(program, crossing.after);
         // the normal looks at regions: out of a region of the world's medium is not out of the solid
         let normal = if enters == crossing.enters() { normal } else { normal.map(|x| -x) };
         self.t.push(crossing.t);
-        self.point.extend(point);
-        self.normal.extend(normal);
+        self.point.push(point);
+        self.normal.push(normal);
         self.enters.push(enters);
         self.surface.push(surface(program, crossing));
         self.leaf.push(crossing.face.leaf.0 as i32);
         self.placement.push(crossing.face.placement.0 as i32);
-        self.before.push(crossing.before.0 as i32);
-        self.after.push(crossing.after.0 as i32);
+        self.before.push(crossing.before.0);
+        self.after.push(crossing.after.0);
     }
 
-    /// The row of a ray that crosses nothing.
-    fn miss(&mut self, region: RegionId) {
-        self.t.push(f64::INFINITY);
-        self.point.extend(Vec3::NAN.to_array());
-        self.normal.extend(Vec3::NAN.to_array());
-        self.enters.push(false);
-        self.surface.push(-1);
-        self.leaf.push(-1);
-        self.placement.push(-1);
-        self.before.push(region.0 as i32);
-        self.after.push(region.0 as i32);
-    }
-
-    /// The rows of other rays after these.
-    pub fn append(&mut self, mut other: Table) {
-        self.counts.append(&mut other.counts);
-        self.start_inside.append(&mut other.start_inside);
-        self.start_region.append(&mut other.start_region);
-        self.t.append(&mut other.t);
-        self.point.append(&mut other.point);
-        self.normal.append(&mut other.normal);
-        self.enters.append(&mut other.enters);
-        self.surface.append(&mut other.surface);
-        self.leaf.append(&mut other.leaf);
-        self.placement.append(&mut other.placement);
-        self.before.append(&mut other.before);
-        self.after.append(&mut other.after);
+    /// Writes the rows into their places.
+    fn put(&self, engine: &Engine, rows: &mut Rows<'_>) {
+        rows.t.copy_from_slice(&self.t);
+        rows.point.copy_from_slice(&self.point);
+        rows.normal.copy_from_slice(&self.normal);
+        rows.enters.copy_from_slice(&self.enters);
+        rows.surface.copy_from_slice(&self.surface);
+        rows.leaf.copy_from_slice(&self.leaf);
+        rows.placement.copy_from_slice(&self.placement);
+        rows.put_regions(engine, &self.before, &self.after);
     }
 }
 
-impl Question for CrossingsQuestion<'_> {
-    type Answer = Table;
-    type Scratch = Columns;
-
-    fn len(&self) -> usize {
-        self.rays.len()
-    }
-
-    fn answer<E: Evaluator>(
-        &self,
-        evaluator: &E,
-        chunk: Range<usize>,
-        memory: &mut E::Scratch,
-        columns: &mut Columns,
-    ) -> Table {
-        let limit = if self.first { Limit::First } else { Limit::All };
-        let query = Query { window: self.window, limit, starts: None };
-        let rays = columns.rays(self.rays, chunk);
-        let mut table = Table::default();
-        let mut sink = |answer: RayAnswer<'_>| {
-            table.push(evaluator.program(), &rays.get(answer.ray), &answer, self.first);
-        };
-        evaluator.crossings(rays, &query, memory, &mut sink);
-        table
+/// Asks for all crossings of every ray: a table for each chunk.
+pub fn ask<'py>(engine: &Engine, rays: [&Bound<'py, PyAny>; 2], how: &How) -> PyResult<(Vec<Table>, Cut)> {
+    let py = rays[0].py();
+    let rays = RayArrays::new(rays)?;
+    let (cut, evaluator) = (how.cut(rays.len()), engine.chosen(py, how)?);
+    let (rows, query) = (rays.rows(), Query { window: how.window, ..Query::default() });
+    let mut tables = room(cut.chunks())?;
+    let work = |worker: &mut Worker<'_, Columns>, chunk: std::ops::Range<usize>| {
+        let (mut table, program) = (Table::default(), worker.evaluator.program());
+        for start in chunk.clone().step_by(BLOCK) {
+            let rays = worker.scratch.rays(rows, start..chunk.end.min(start + BLOCK))?;
+            let mut sink = |answer: RayAnswer<'_>| table.push(program, &rays.get(answer.ray), &answer);
+            worker.evaluator.crossings(rays, &query, &mut worker.memory, &mut sink);
+        }
+        Some(table)
+    };
+    let merge = |table| {
+        tables.push(table);
+        Ok(())
+    };
+    if ask_rays(py, &evaluator, cut, cut.ranges(), work, merge)? {
+        Ok((tables, cut))
+    } else {
+        Err(rays.refusal())
     }
 }
 
-/// Asks for all crossings of every ray, or for the first of each.
-pub fn ask<'py>(
+/// Crossings as the object that Python sees.
+pub fn into_python<'py>(
+    py: Python<'py>,
     engine: &Engine,
-    [origins, directions]: [&Bound<'py, PyAny>; 2],
-    how: &How,
-    first: bool,
-) -> PyResult<Table> {
-    let py = origins.py();
-    let (origins, directions) =
-        (Vectors::new(origins, "origins")?, Vectors::directions(directions, "directions")?);
-    let question =
-        CrossingsQuestion { rays: RayRows::new(&origins, &directions)?, window: how.window, first };
-    let mut table = Table { counts: room(question.len())?, ..Table::default() };
-    engine.ask(py, how, &question, |chunk| table.append(chunk))?;
-    Ok(table)
+    tables: Vec<Table>,
+    cut: Cut,
+) -> PyResult<Bound<'py, PyAny>> {
+    let rows = tables.iter().map(|table| table.t.len()).sum();
+    let rays = tables.iter().map(|table| table.counts.len()).sum::<usize>();
+    let answer = Answer::new(py, engine, [rows, rays])?;
+    let offsets = fresh::<i64>(py, rays + 1)?;
+    answer.fill(|mut rows, mut start_inside| {
+        let mut offsets = offsets.readwrite();
+        let [first, rest @ ..] = offsets.as_slice_mut().map_err(bad_value)? else { return Ok(()) };
+        *first = 0;
+        let (mut offsets, mut end) = (rest, 0);
+        let chunks = tables.into_iter().map(move |table| {
+            let (rays, first) = (table.counts.len(), end);
+            end += table.t.len() as i64;
+            let places = (rows.take(table.t.len()), take(&mut start_inside, rays), take(&mut offsets, rays));
+            (table, first, places)
+        });
+        share(py, cut, chunks, |(table, mut end, (mut rows, start_inside, offsets))| {
+            table.put(engine, &mut rows);
+            start_inside.copy_from_slice(&table.start_inside);
+            for (offset, &count) in zip(offsets, &table.counts) {
+                end += count as i64;
+                *offset = end;
+            }
+        })
+    })?;
+    answer.into_python(engine, Some(offsets))
 }
 
 /// Where each ray's rows begin, and their total at the end.
@@ -177,60 +170,26 @@ pub fn rows_of(counts: &[usize], rows: usize) -> PyResult<Vec<i64>> {
     Ok(rays)
 }
 
-impl Table {
-    /// The columns as the object that Python sees.
-    pub fn into_python<'py>(self, py: Python<'py>, engine: &Engine) -> PyResult<Bound<'py, PyAny>> {
-        let fields = PyDict::new(py);
-        fields.set_item("ray", column(py, rows_of(&self.counts, self.t.len())?))?;
-        fields.set_item("offsets", column(py, offsets(&self.counts)?))?;
-        fields.set_item("t", column(py, self.t))?;
-        fields.set_item("point", column(py, self.point).reshape([self.leaf.len(), 3])?)?;
-        fields.set_item("normal", column(py, self.normal).reshape([self.leaf.len(), 3])?)?;
-        fields.set_item("enters", column(py, self.enters))?;
-        fields.set_item("surface", column(py, self.surface))?;
-        fields.set_item("leaf", column(py, self.leaf))?;
-        fields.set_item("placement", column(py, self.placement))?;
-        fields.set_item("start_inside", column(py, self.start_inside))?;
-        fields.set_item("surface_names", engine.surface_names(py)?)?;
-        let Some(media) = &engine.media else {
-            static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
-            return CLASS.import(py, "rayweave._answers", "Crossings")?.call((), Some(&fields));
-        };
-        let medium = |regions: &[i32]| regions.iter().map(|&region| medium_of(engine, region)).collect();
-        fields.set_item("medium_before", column(py, medium(&self.before)))?;
-        fields.set_item("medium_after", column(py, medium(&self.after)))?;
-        fields.set_item("region_before", column(py, self.before))?;
-        fields.set_item("region_after", column(py, self.after))?;
-        fields.set_item("medium_names", PyTuple::new(py, media.iter())?)?;
-        fields.set_item("region_names", region_names(py, engine)?)?;
-        static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
-        CLASS.import(py, "rayweave._answers", "ModelCrossings")?.call((), Some(&fields))
-    }
-
-    /// The pieces between the crossings as the object that Python sees.
-    pub fn into_partition<'py>(
-        self,
-        py: Python<'py>,
-        engine: &Engine,
-        window: Window,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let pieces = Pieces::new(&self, window)?;
-        let fields = PyDict::new(py);
-        let medium = pieces.region.iter().map(|&region| medium_of(engine, region)).collect();
-        fields.set_item("ray", column(py, pieces.ray))?;
-        fields.set_item("t_start", column(py, pieces.t_start))?;
-        fields.set_item("t_end", column(py, pieces.t_end))?;
-        fields.set_item("medium", column(py, medium))?;
-        fields.set_item("region", column(py, pieces.region))?;
-        fields.set_item("offsets", column(py, pieces.offsets))?;
-        fields.set_item(
-            "medium_names",
-            PyTuple::new(py, engine.media.iter().flat_map(|media| media.iter()).collect::<Vec<_>>())?,
-        )?;
-        fields.set_item("region_names", region_names(py, engine)?)?;
-        static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
-        CLASS.import(py, "rayweave._answers", "Partition")?.call((), Some(&fields))
-    }
+/// The pieces between crossings as the object that Python sees.
+pub fn into_partition<'py>(
+    py: Python<'py>,
+    engine: &Engine,
+    tables: &[Table],
+    window: Window,
+) -> PyResult<Bound<'py, PyAny>> {
+    let pieces = Pieces::new(tables, window)?;
+    let fields = PyDict::new(py);
+    let medium = pieces.region.iter().map(|&region| medium_of(engine, region as u32)).collect();
+    fields.set_item("ray", column(py, pieces.ray))?;
+    fields.set_item("t_start", column(py, pieces.t_start))?;
+    fields.set_item("t_end", column(py, pieces.t_end))?;
+    fields.set_item("medium", column(py, medium))?;
+    fields.set_item("region", column(py, pieces.region))?;
+    fields.set_item("offsets", column(py, pieces.offsets))?;
+    fields.set_item("medium_names", engine.medium_names(py)?)?;
+    fields.set_item("region_names", engine.region_names(py)?)?;
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    CLASS.import(py, "rayweave._answers", "Partition")?.call((), Some(&fields))
 }
 
 /// Pieces of rays between crossings, in columns.
@@ -243,48 +202,39 @@ struct Pieces {
 }
 
 impl Pieces {
-    fn new(table: &Table, window: Window) -> PyResult<Self> {
-        let len = table.counts.len() + table.t.len();
+    fn new(tables: &[Table], window: Window) -> PyResult<Self> {
+        let rays = tables.iter().map(|table| table.counts.len()).sum::<usize>();
+        let len = tables.iter().map(|table| table.t.len()).sum::<usize>() + rays;
         let mut pieces = Pieces {
             ray: room(len)?,
             t_start: room(len)?,
             t_end: room(len)?,
             region: room(len)?,
-            offsets: room(table.counts.len() + 1)?,
+            offsets: room(rays + 1)?,
         };
         pieces.offsets.push(0);
-        let mut row = 0;
-        for (ray, &count) in table.counts.iter().enumerate() {
-            let (mut start, mut region) = (window.t_min(), table.start_region[ray]);
-            for k in row..row + count {
-                pieces.push(ray, [start, table.t[k]], region);
-                (start, region) = (table.t[k], table.after[k]);
-            }
-            pieces.push(ray, [start, window.t_max()], region);
-            pieces.offsets.push(pieces.ray.len() as i64);
-            row += count;
-        }
+        tables.iter().for_each(|table| pieces.append(table, window));
         Ok(pieces)
     }
 
-    fn push(&mut self, ray: usize, [start, end]: [f64; 2], region: i32) {
+    fn append(&mut self, table: &Table, window: Window) {
+        let mut row = 0;
+        for (&count, &region) in zip(&table.counts, &table.start_region) {
+            let (ray, mut start, mut region) = (self.offsets.len() - 1, window.t_min(), region);
+            for k in row..row + count {
+                self.push(ray, [start, table.t[k]], region);
+                (start, region) = (table.t[k], table.after[k]);
+            }
+            self.push(ray, [start, window.t_max()], region);
+            self.offsets.push(self.ray.len() as i64);
+            row += count;
+        }
+    }
+
+    fn push(&mut self, ray: usize, [start, end]: [f64; 2], region: u32) {
         self.ray.push(ray as i64);
         self.t_start.push(start);
         self.t_end.push(end);
-        self.region.push(region);
+        self.region.push(region as i32);
     }
-}
-
-fn medium_of(engine: &Engine, region: i32) -> i32 {
-    engine.program.medium_of(RegionId(region as u32)) as i32
-}
-
-/// The names of the regions by their numbers; number 0 is the world.
-fn region_names<'py>(py: Python<'py>, engine: &Engine) -> PyResult<Bound<'py, PyTuple>> {
-    let regions = engine.program.regions().iter().map(|region| region.name.as_str());
-    PyTuple::new(py, std::iter::once("world").chain(regions).collect::<Vec<_>>())
-}
-
-fn column<T: Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
-    PyArray1::from_vec(py, values)
 }

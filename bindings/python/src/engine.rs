@@ -1,22 +1,32 @@
 //! A compiled solid or model, and the way from its questions to its answers: threads, signals, evaluators.
 
+use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 use rayweave::model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave::model::{Crossing, Evaluator, Program, RegionId, Window};
-use rayweave::trace::Weave;
-use rayweave::{AnyEvaluator, Compiled};
+use rayweave::model::{Crossing, Evaluator, LeafKind, Program, RegionId, Window};
+use rayweave::{AnyEvaluator, AnyScratch, Compiled};
 
 use crate::error::{bad_type, bad_value};
 
-/// Rays or points that a thread takes at a time: enough to make the bookkeeping cheap, few enough for the cache.
-const CHUNK: usize = 1024;
+/// The least that a thread takes at a time: enough to make the bookkeeping cheap.
+const LEAST: usize = 1024;
+
+/// The most: Ctrl-C is noticed, and work shared out, between them.
+const MOST: usize = 8192;
+
+/// The pieces that each thread gets of a long question, so that none waits long for the last.
+const PIECES: usize = 8;
+
+/// Rays or points that are answered at a time: few enough for the nearest cache.
+pub const BLOCK: usize = 512;
 
 /// How long Ctrl-C may go unnoticed.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -27,28 +37,62 @@ pub struct Engine {
     pub program: Arc<Program>,
     /// The names of the media by their numbers; none for a solid alone.
     pub media: Option<Arc<[String]>>,
-    weave: Weave,
+    evaluator: AnyEvaluator,
+    leaves: OnceLock<Vec<i32>>,
     surface_names: PyOnceLock<Py<PyTuple>>,
+    medium_names: PyOnceLock<Py<PyTuple>>,
+    region_names: PyOnceLock<Py<PyTuple>>,
+    /// The rows that the hits of a short question needed last: a guess for the next one.
+    pub rows: AtomicUsize,
 }
 
 impl Engine {
     /// What answers questions about a solid.
-    pub fn of_solid(program: Program) -> Self {
+    pub fn of_solid(program: Program) -> PyResult<Self> {
         Engine::new(Arc::new(program), None)
     }
 
     /// What answers questions about a model.
-    pub fn of_model(compiled: &Compiled) -> Self {
+    pub fn of_model(compiled: &Compiled) -> PyResult<Self> {
         Engine::new(compiled.program.clone(), Some(compiled.media.clone()))
     }
 
-    fn new(program: Arc<Program>, media: Option<Arc<[String]>>) -> Self {
-        Engine { weave: Weave::new(program.clone()), program, media, surface_names: PyOnceLock::new() }
+    fn new(program: Arc<Program>, media: Option<Arc<[String]>>) -> PyResult<Self> {
+        Ok(Engine {
+            evaluator: AnyEvaluator::new(None, program.clone()).map_err(bad_value)?,
+            program,
+            media,
+            leaves: OnceLock::new(),
+            surface_names: PyOnceLock::new(),
+            medium_names: PyOnceLock::new(),
+            region_names: PyOnceLock::new(),
+            rows: AtomicUsize::new(2),
+        })
     }
 
     /// The evaluator for daily use.
-    pub fn weave(&self) -> &Weave {
-        &self.weave
+    pub fn evaluator(&self) -> &AnyEvaluator {
+        &self.evaluator
+    }
+
+    /// The evaluator that is to answer a question.
+    pub fn chosen(&self, py: Python<'_>, how: &How) -> PyResult<Cow<'_, AnyEvaluator>> {
+        let Some(name) = &how.evaluator else { return Ok(Cow::Borrowed(&self.evaluator)) };
+        let made = py.detach(|| AnyEvaluator::new(Some(name), self.program.clone()));
+        Ok(Cow::Owned(made.map_err(bad_value)?))
+    }
+
+    /// The leaves that the faces belong to, by the numbers of the faces.
+    pub fn leaves(&self) -> &[i32] {
+        self.leaves.get_or_init(|| {
+            let mut leaves = vec![-1; self.program.facets().len()];
+            for (number, leaf) in self.program.leaves().iter().enumerate() {
+                if let LeafKind::Shape { facets, .. } = &leaf.kind {
+                    leaves[facets.start as usize..facets.end as usize].fill(number as i32);
+                }
+            }
+            leaves
+        })
     }
 
     /// The names of all faces, by their numbers.
@@ -57,6 +101,25 @@ impl Engine {
             Ok::<_, PyErr>(PyTuple::new(py, self.program.facets().iter().map(|facet| &*facet.name))?.unbind())
         };
         Ok(self.surface_names.get_or_try_init(py, names)?.bind(py).clone())
+    }
+
+    /// The names of the media by their numbers.
+    pub fn medium_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let names = || {
+            let names: Vec<_> = self.media.iter().flat_map(|media| media.iter()).collect();
+            Ok::<_, PyErr>(PyTuple::new(py, names)?.unbind())
+        };
+        Ok(self.medium_names.get_or_try_init(py, names)?.bind(py).clone())
+    }
+
+    /// The names of the regions by their numbers; number 0 is the world.
+    pub fn region_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let names = || {
+            let regions = self.program.regions().iter().map(|region| region.name.as_str());
+            let names: Vec<_> = std::iter::once("world").chain(regions).collect();
+            Ok::<_, PyErr>(PyTuple::new(py, names)?.unbind())
+        };
+        Ok(self.region_names.get_or_try_init(py, names)?.bind(py).clone())
     }
 }
 
@@ -99,62 +162,100 @@ pub fn thread_argument(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
         .ok_or_else(|| bad_value(format!("threads is {number} (it must be at least 1)")))
 }
 
-/// A question that is asked chunk by chunk, of any evaluator.
-pub trait Question: Sync {
-    /// The answer to one chunk.
-    type Answer: Send;
-    /// What a thread keeps between chunks, beside the evaluator's own memory.
-    type Scratch: Default;
-
-    /// The number of rays or points.
-    fn len(&self) -> usize;
-
-    /// The answer for a part of them.
-    fn answer<E: Evaluator>(
-        &self,
-        evaluator: &E,
-        chunk: Range<usize>,
-        memory: &mut E::Scratch,
-        scratch: &mut Self::Scratch,
-    ) -> Self::Answer;
+/// How a number of rays or points is cut up for a number of threads.
+#[derive(Clone, Copy)]
+pub struct Cut {
+    /// The number of them.
+    pub len: usize,
+    /// How many a thread takes at a time, at least 1.
+    pub chunk: usize,
+    threads: NonZeroUsize,
 }
 
-impl Engine {
-    /// Asks a question with the interpreter released; `merge` takes the answers in order.
-    pub fn ask<Q: Question>(
-        &self,
-        py: Python<'_>,
-        how: &How,
-        question: &Q,
-        merge: impl FnMut(Q::Answer) + Send,
-    ) -> PyResult<()> {
-        py.detach(|| match &how.evaluator {
-            None => ask(&self.weave, how, question, merge),
-            Some(name) => {
-                let evaluator = AnyEvaluator::new(Some(name), self.program.clone()).map_err(bad_value)?;
-                ask(&evaluator, how, question, merge)
-            }
-        })
+impl Cut {
+    /// The chunks by the numbers of their first and last.
+    pub fn ranges(self) -> impl Iterator<Item = Range<usize>> + Send {
+        (0..self.len).step_by(self.chunk).map(move |start| start..self.len.min(start + self.chunk))
     }
 }
 
-fn ask<Q: Question, E: Evaluator>(
-    evaluator: &E,
-    how: &How,
-    question: &Q,
-    mut merge: impl FnMut(Q::Answer),
+impl Cut {
+    /// All in one.
+    pub fn whole(len: usize) -> Self {
+        Cut { len, chunk: len.max(1), threads: NonZeroUsize::MIN }
+    }
+
+    /// The number of chunks.
+    pub fn chunks(self) -> usize {
+        self.len.div_ceil(self.chunk)
+    }
+}
+
+impl How {
+    /// How a question about so many rays or points is cut up.
+    pub fn cut(&self, len: usize) -> Cut {
+        // looking up the number of threads takes longer than many a question
+        if len <= LEAST {
+            return Cut { len, chunk: LEAST, threads: NonZeroUsize::MIN };
+        }
+        let threads = thread_count(self.threads);
+        let chunk = (len / (threads.get() * PIECES)).clamp(LEAST, MOST).next_multiple_of(BLOCK);
+        Cut {
+            len,
+            chunk,
+            threads: NonZeroUsize::new(len.div_ceil(chunk)).map_or(threads, |n| threads.min(n)),
+        }
+    }
+}
+
+/// A thread that answers a question.
+pub struct Worker<'e, S> {
+    /// What answers.
+    pub evaluator: &'e AnyEvaluator,
+    /// The evaluator's own memory.
+    pub memory: AnyScratch,
+    /// What the question needs beside it.
+    pub scratch: S,
+}
+
+/// Asks a question chunk by chunk with the interpreter released; `merge` takes the answers in order. `work` answers one chunk,
+/// or `None` if a ray or point in it cannot be used: then the answer here is false.
+pub fn ask<C: Send, A: Send, S: Default>(
+    py: Python<'_>,
+    evaluator: &AnyEvaluator,
+    cut: Cut,
+    chunks: impl Iterator<Item = C> + Send,
+    work: impl Fn(&mut Worker<'_, S>, C) -> Option<A> + Send + Sync,
+    mut merge: impl FnMut(A) -> PyResult<()> + Send,
+) -> PyResult<bool> {
+    let worker = || Worker { evaluator, memory: evaluator.scratch(), scratch: S::default() };
+    let merge = |answer: Option<A>| Ok(merge(answer.ok_or(Halt::Refused)?)?);
+    py.detach(|| run(cut.threads, chunks, worker, work, merge))
+}
+
+/// Works on chunks that cannot be refused, with the interpreter released.
+pub fn share<C: Send>(
+    py: Python<'_>,
+    cut: Cut,
+    chunks: impl Iterator<Item = C> + Send,
+    work: impl Fn(C) + Send + Sync,
 ) -> PyResult<()> {
-    in_chunks(
-        question.len(),
-        CHUNK,
-        how.threads,
-        || (evaluator.scratch(), Q::Scratch::default()),
-        |(memory, scratch), chunk| question.answer(evaluator, chunk, memory, scratch),
-        |answer| {
-            merge(answer);
-            Ok(())
-        },
-    )
+    py.detach(|| run(cut.threads, chunks, || (), |(), chunk| work(chunk), |()| Ok(())))?;
+    Ok(())
+}
+
+/// Why work ends before its end.
+enum Halt {
+    /// A ray or point cannot be used.
+    Refused,
+    /// Something that Python is to be told.
+    Raised(PyErr),
+}
+
+impl From<PyErr> for Halt {
+    fn from(error: PyErr) -> Halt {
+        Halt::Raised(error)
+    }
 }
 
 /// Works on things by their numbers, so many at a time, on several threads; `merge` takes the results in order. To be called
@@ -162,17 +263,25 @@ fn ask<Q: Question, E: Evaluator>(
 pub fn in_chunks<A: Send, M>(
     len: usize,
     chunk: usize,
-    threads: Option<NonZeroUsize>,
+    asked: Option<NonZeroUsize>,
     memory: impl Fn() -> M + Sync,
     work: impl Fn(&mut M, Range<usize>) -> A + Sync,
     mut merge: impl FnMut(A) -> PyResult<()>,
 ) -> PyResult<()> {
-    let chunks = (0..len).step_by(chunk).map(|start| start..len.min(start + chunk));
-    // looking up the number of cores takes longer than many a question
-    let threads = match NonZeroUsize::new(len.div_ceil(chunk)) {
-        Some(many) if many.get() > 1 => thread_count(threads).min(many),
-        _ => NonZeroUsize::MIN,
-    };
+    let threads = NonZeroUsize::new(len.div_ceil(chunk)).unwrap_or(NonZeroUsize::MIN);
+    let threads = if threads.get() > 1 { thread_count(asked).min(threads) } else { threads };
+    run(threads, Cut { len, chunk, threads }.ranges(), memory, work, |answer| Ok(merge(answer)?))?;
+    Ok(())
+}
+
+/// Works on chunks on several threads; false if one was refused. Ctrl-C is noticed between chunks.
+fn run<C: Send, A: Send, M>(
+    threads: NonZeroUsize,
+    chunks: impl Iterator<Item = C> + Send,
+    memory: impl Fn() -> M + Sync,
+    work: impl Fn(&mut M, C) -> A + Sync,
+    mut merge: impl FnMut(A) -> Result<(), Halt>,
+) -> PyResult<bool> {
     let mut looked = Instant::now();
     let result = drive(threads, &Cancel::new(), chunks, memory, work, |answer| {
         merge(answer)?;
@@ -180,11 +289,12 @@ pub fn in_chunks<A: Send, M>(
             return Ok(());
         }
         looked = Instant::now();
-        Python::attach(|py| py.check_signals())
+        Ok(Python::attach(|py| py.check_signals())?)
     });
     match result {
-        Ok(()) => Ok(()),
-        Err(Stopped::Failed(error)) => Err(error),
+        Ok(()) => Ok(true),
+        Err(Stopped::Failed(Halt::Refused)) => Ok(false),
+        Err(Stopped::Failed(Halt::Raised(error))) => Err(error),
         Err(Stopped::Cancelled) => Err(pyo3::exceptions::PyKeyboardInterrupt::new_err("cancelled")),
     }
 }

@@ -1,95 +1,143 @@
 //! Hits: when rays enter and leave a solid, as hit arrays.
 
-use std::ops::Range;
+use std::borrow::Cow;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use numpy::ndarray::Array2;
-use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::ndarray::{Array2, ArrayViewMut2, s};
+use numpy::{Element, PyArray2, PyArrayMethods, PyReadwriteArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
-use rayweave::model::{Evaluator, Program, Query, RayAnswer, Window};
+use pyo3::types::{IntoPyDict, PyTuple};
+use rayweave::model::{Evaluator, HitRows, Rays, Window};
+use rayweave::{AnyEvaluator, AnyScratch};
 
-use crate::arrays::{room, shape_text};
-use crate::engine::{Engine, How, Question, inside, surface};
+use crate::arrays::{fresh_table, is_from_numpy, room, shape_text};
+use crate::engine::{BLOCK, Cut, Engine, How, Worker, ask};
 use crate::error::{bad_type, bad_value};
-use crate::rays::{Columns, RayRows, Vectors};
+use crate::rays::{Columns, RayArrays, RayRows};
 
-/// Entries and exits of every ray.
+/// Places for the hits of rays that follow each other: one piece of each row.
+#[derive(Default)]
+struct Places<'a> {
+    times: Vec<&'a mut [f64]>,
+    /// As many as there are times, or none.
+    faces: Vec<&'a mut [i32]>,
+}
+
+impl<'a> Places<'a> {
+    /// The rows of arrays; `None` if they have gaps.
+    fn new(
+        times: &'a mut ArrayViewMut2<'_, f64>,
+        faces: Option<&'a mut ArrayViewMut2<'_, i32>>,
+    ) -> Option<Self> {
+        let times = times.outer_iter_mut().map(|row| row.into_slice()).collect::<Option<_>>()?;
+        let faces = faces.into_iter().flat_map(|faces| faces.outer_iter_mut());
+        Some(Places { times, faces: faces.map(|row| row.into_slice()).collect::<Option<_>>()? })
+    }
+
+    /// Those of the first so many rays, or of all if there are fewer; these are left without.
+    fn take(&mut self, count: usize) -> Self {
+        let count = count.min(self.len());
+        Places { times: take(&mut self.times, count), faces: take(&mut self.faces, count) }
+    }
+
+    fn len(&self) -> usize {
+        self.times.first().map_or(0, |row| row.len())
+    }
+}
+
+fn take<'a, T>(rows: &mut [&'a mut [T]], count: usize) -> Vec<&'a mut [T]> {
+    rows.iter_mut().filter_map(|row| row.split_off_mut(..count)).collect()
+}
+
+/// Entries and exits of rays.
 struct HitsQuestion<'a> {
     rays: RayRows<'a>,
     window: Window,
-    surfaces: bool,
+    /// Whether rays with more entries than there are rows are kept aside, or only counted.
+    keeps: bool,
+    /// The most entries that a ray is known to have.
+    most: AtomicUsize,
 }
 
-/// For each ray how many entries it has below +inf, and those entries one after the other.
-#[derive(Default)]
-struct Hits {
-    counts: Vec<usize>,
-    times: Vec<f64>,
-    surfaces: Vec<i32>,
+/// The hits of rays from the first on, for which there were too few rows.
+struct Aside {
+    first: usize,
+    times: Array2<f64>,
+    faces: Option<Array2<i32>>,
 }
 
-impl Hits {
-    fn push(&mut self, program: &Program, answer: &RayAnswer<'_>, surfaces: bool) {
-        let before = self.times.len();
-        let mut state = inside(program, answer.start);
-        if state {
-            self.times.push(f64::NEG_INFINITY);
-            self.surfaces.extend(surfaces.then_some(-1));
+/// The times and faces of a block.
+type Table = (Array2<f64>, Option<Array2<i32>>);
+
+type HitsWorker<'e> = Worker<'e, Columns>;
+
+impl HitsQuestion<'_> {
+    /// Answers for the rays from one on, as far as there are places; `None` if one of them cannot be used.
+    fn answer(
+        &self,
+        worker: &mut HitsWorker<'_>,
+        (mut first, mut places): (usize, Places<'_>),
+    ) -> Option<PyResult<Vec<Aside>>> {
+        let mut asides = Vec::new();
+        while places.len() > 0 {
+            let block = places.take(BLOCK);
+            let len = block.len();
+            let rays = worker.scratch.rays(self.rays, first..first + len)?;
+            let mut asked = (worker.evaluator, &mut worker.memory);
+            match self.block(&mut asked, rays, block) {
+                Ok(aside) => asides.extend(aside.map(|(times, faces)| Aside { first, times, faces })),
+                Err(error) => return Some(Err(error)),
+            }
+            first += len;
         }
-        for crossing in answer.crossings {
-            // from one medium to another: still inside
-            if inside(program, crossing.after) != state {
-                state = !state;
-                self.times.push(crossing.t);
-                self.surfaces.extend(surfaces.then(|| surface(program, crossing)));
+        Some(Ok(asides))
+    }
+
+    /// Answers for one block, into its places or aside.
+    fn block(
+        &self,
+        asked: &mut (&AnyEvaluator, &mut AnyScratch),
+        rays: Rays<'_>,
+        places: Places<'_>,
+    ) -> PyResult<Option<Table>> {
+        let (rows, with_faces) = (places.times.len(), !places.faces.is_empty());
+        if !self.keeps || self.most.load(Relaxed) <= rows {
+            let most = self.write(asked, rays, places);
+            if !self.keeps || most <= rows {
+                return Ok(None);
             }
         }
-        self.counts.push(self.times.len() - before);
-    }
-
-    fn append(&mut self, mut other: Hits) {
-        self.counts.append(&mut other.counts);
-        self.times.append(&mut other.times);
-        self.surfaces.append(&mut other.surfaces);
-    }
-
-    /// The least even number of rows, at least 2, that holds every column.
-    fn rows(&self) -> usize {
-        self.counts.iter().copied().max().unwrap_or(0).next_multiple_of(2).max(2)
-    }
-
-    /// Writes entries column by column, rows in order; `put` takes row, column and the number of the entry.
-    fn scatter(&self, mut put: impl FnMut(usize, usize, usize)) {
-        let mut entry = 0;
-        for (column, &count) in self.counts.iter().enumerate() {
-            (0..count).for_each(|row| put(row, column, entry + row));
-            entry += count;
+        loop {
+            let rows = even(self.most.load(Relaxed));
+            let mut times = filled(rows, rays.len(), f64::INFINITY)?;
+            let mut faces = with_faces.then(|| filled(rows, rays.len(), -1)).transpose()?;
+            let (mut times_view, mut faces_view) =
+                (times.view_mut(), faces.as_mut().map(|faces| faces.view_mut()));
+            let places = Places::new(&mut times_view, faces_view.as_mut()).unwrap_or_default();
+            if self.write(asked, rays, places) <= rows {
+                return Ok(Some((times, faces)));
+            }
         }
+    }
+
+    /// Asks for the hits of a block; the most entries that a ray has.
+    fn write(
+        &self,
+        (evaluator, memory): &mut (&AnyEvaluator, &mut AnyScratch),
+        rays: Rays<'_>,
+        mut places: Places<'_>,
+    ) -> usize {
+        let mut rows = HitRows { times: &mut places.times, faces: &mut places.faces };
+        let most = evaluator.hits(rays, self.window, memory, &mut rows);
+        self.most.fetch_max(most, Relaxed);
+        most
     }
 }
 
-impl Question for HitsQuestion<'_> {
-    type Answer = Hits;
-    type Scratch = Columns;
-
-    fn len(&self) -> usize {
-        self.rays.len()
-    }
-
-    fn answer<E: Evaluator>(
-        &self,
-        evaluator: &E,
-        chunk: Range<usize>,
-        memory: &mut E::Scratch,
-        columns: &mut Columns,
-    ) -> Hits {
-        let query = Query { window: self.window, ..Query::default() };
-        let mut hits = Hits::default();
-        let mut sink = |answer: RayAnswer<'_>| hits.push(evaluator.program(), &answer, self.surfaces);
-        evaluator.crossings(columns.rays(self.rays, chunk), &query, memory, &mut sink);
-        hits
-    }
+/// The least even number of rows, at least 2, that holds so many entries.
+fn even(entries: usize) -> usize {
+    entries.next_multiple_of(2).max(2)
 }
 
 /// A (rows, columns) array filled with one value, or a `MemoryError`.
@@ -100,59 +148,248 @@ fn filled<T: Clone>(rows: usize, columns: usize, value: T) -> PyResult<Array2<T>
     Array2::from_shape_vec((rows, columns), data).map_err(bad_value)
 }
 
+/// Rays, and how their hits are asked for.
+struct Asked<'a, 'py> {
+    py: Python<'py>,
+    engine: &'a Engine,
+    evaluator: Cow<'a, AnyEvaluator>,
+    rays: RayArrays<'py>,
+    window: Window,
+    cut: Cut,
+}
+
+/// Hit arrays of Python's: the times, and the faces if they are asked for.
+type Tables<'py> = (Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyArray2<i32>>>);
+
+impl<'py> Asked<'_, 'py> {
+    /// Writes the hits of all rays into places; the most entries that a ray has, and what was kept aside.
+    fn write(&self, mut places: Places<'_>, keeps: bool) -> PyResult<(usize, Vec<Aside>)> {
+        let mut asides = Vec::new();
+        let rays = self.rays.rows();
+        let question = HitsQuestion { rays, window: self.window, keeps, most: AtomicUsize::new(0) };
+        let chunks = self.cut.ranges().map(move |range| (range.start, places.take(range.len())));
+        let work = |worker: &mut HitsWorker<'_>, chunk| question.answer(worker, chunk);
+        let merge = |chunk: PyResult<Vec<Aside>>| {
+            asides.extend(chunk?);
+            Ok(())
+        };
+        if !ask(self.py, &self.evaluator, self.cut, chunks, work, merge)? {
+            return Err(self.rays.refusal());
+        }
+        Ok((question.most.into_inner(), asides))
+    }
+
+    /// How many rows there should be, from what was needed last or from rays spread over all.
+    fn guess(&self) -> usize {
+        let step = self.cut.len / SAMPLE;
+        if step < LITTLE {
+            return even(self.engine.rows.load(Relaxed));
+        }
+        let rays = self.rays.rows().every(step);
+        let question = HitsQuestion { rays, window: self.window, keeps: false, most: AtomicUsize::new(0) };
+        let evaluator = &*self.evaluator;
+        self.py.detach(|| {
+            let (memory, scratch) = (evaluator.scratch(), Columns::default());
+            let mut row = [0.0; SAMPLE];
+            let places = Places { times: vec![&mut row], faces: Vec::new() };
+            // a ray that cannot be used is told when all are asked
+            let _ = question.answer(&mut Worker { evaluator, memory, scratch }, (0, places));
+        });
+        even(question.most.into_inner())
+    }
+
+    /// The hits in new arrays, with just enough rows.
+    fn fresh(&self, surfaces: bool) -> PyResult<Tables<'py>> {
+        let shape = [self.guess(), self.cut.len];
+        let times = fresh_table(self.py, shape)?;
+        let faces = surfaces.then(|| fresh_table(self.py, shape)).transpose()?;
+        if self.cut.len == 0 {
+            return Ok((times, faces));
+        }
+        let tables = (times, faces);
+        let (most, asides) = with_places(&tables, ["times", "surfaces"], |places| match places {
+            Some(places) => self.write(places, true),
+            None => Err(bad_value("a new array has gaps")),
+        })?;
+        self.engine.rows.store(most, Relaxed);
+        let (times, faces) = tables;
+        let times = resized(times, even(most), f64::INFINITY)?;
+        let faces = faces.map(|faces| resized(faces, even(most), -1)).transpose()?;
+        for Aside { first, times: some, faces: with } in asides {
+            put(&times, first, &some)?;
+            faces.iter().zip(with).try_for_each(|(faces, some)| put(faces, first, &some))?;
+        }
+        Ok((times, faces))
+    }
+
+    /// Writes the hits into arrays of the caller's.
+    fn given(&self, tables: &Tables<'py>, names: [&str; 2]) -> PyResult<()> {
+        self.check_shape(tables.0.shape(), names[0], 2)?;
+        if self.cut.len == 0 {
+            return Ok(());
+        }
+        let most = with_places(tables, names, |places| match places {
+            Some(places) => self.write(places, false).map(|(most, _)| Some(most)),
+            None => Ok(None),
+        })?;
+        if let Some(most) = most {
+            return self.check_shape(tables.0.shape(), names[0], even(most));
+        }
+        let fresh = self.fresh(tables.1.is_some())?;
+        self.check_shape(tables.0.shape(), names[0], fresh.0.shape()[0])?;
+        copy(&fresh.0, &tables.0, f64::INFINITY)?;
+        tables.1.iter().zip(&fresh.1).try_for_each(|(to, from)| copy(from, to, -1))
+    }
+
+    fn check_shape(&self, shape: &[usize], name: &str, least: usize) -> PyResult<()> {
+        if shape[0] >= least && shape[0].is_multiple_of(2) && shape[1] == self.cut.len {
+            return Ok(());
+        }
+        Err(bad_value(format!(
+            "{name} has shape {} (the hits need {} columns and an even number of rows, at least {least})",
+            shape_text(shape),
+            self.cut.len,
+        )))
+    }
+}
+
+/// Rays that are asked to guess the number of rows that all of them need.
+const SAMPLE: usize = 128;
+
+/// With fewer than so many times as many, it is better to be wrong at times.
+const LITTLE: usize = 8;
+
+/// Calls a function with the places in arrays, or with none if their rows have gaps.
+fn with_places<R>(
+    (times, faces): &Tables<'_>,
+    names: [&str; 2],
+    call: impl FnOnce(Option<Places<'_>>) -> PyResult<R>,
+) -> PyResult<R> {
+    let mut times = writable(times, names[0])?;
+    let mut faces = faces.as_ref().map(|faces| writable(faces, names[1])).transpose()?;
+    let (mut times, mut faces) = (times.as_array_mut(), faces.as_mut().map(|faces| faces.as_array_mut()));
+    call(Places::new(&mut times, faces.as_mut()))
+}
+
+/// The array, to be written.
+fn writable<'py, T: Element>(
+    array: &Bound<'py, PyArray2<T>>,
+    name: &str,
+) -> PyResult<PyReadwriteArray2<'py, T>> {
+    let strides = array.strides();
+    if !array.is_aligned() || !strides.iter().all(|stride| stride % size_of::<T>() as isize == 0) {
+        let problem = "is laid out in parts of numbers (an aligned array is needed)";
+        return Err(bad_value(format!("{name} {problem}")));
+    }
+    let array = array.try_readwrite().map_err(|error| bad_value(format!("{name}: {error}")))?;
+    // from one element to the next along an axis, and from its first to beyond its last
+    let spans = std::iter::zip(strides, array.shape()).filter(|&(_, &len)| len > 1);
+    let mut spans: Vec<_> = spans.map(|(s, len)| (s.unsigned_abs(), s.unsigned_abs() * len)).collect();
+    spans.sort_unstable();
+    if spans.iter().any(|span| span.0 == 0) || spans.windows(2).any(|pair| pair[0].1 > pair[1].0) {
+        return Err(bad_value(format!("{name} has elements that share memory (each hit needs its own)")));
+    }
+    Ok(array)
+}
+
+/// The array, which nobody else has seen, with another number of rows, new ones filled with a value.
+fn resized<'py, T: Element + Copy>(
+    array: Bound<'py, PyArray2<T>>,
+    rows: usize,
+    value: T,
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let [before, columns] = [array.shape()[0], array.shape()[1]];
+    if before == rows {
+        return Ok(array);
+    }
+    if !is_from_numpy(&array) {
+        let mut table = filled(rows, columns, value)?;
+        let kept = rows.min(before);
+        table.slice_mut(s![..kept, ..]).assign(&array.readonly().as_array().slice(s![..kept, ..]));
+        return Ok(PyArray2::from_owned_array(array.py(), table));
+    }
+    // the memory is given back, or grows without a copy
+    let options = [("refcheck", false)].into_py_dict(array.py())?;
+    array.call_method("resize", ((rows, columns),), Some(&options))?;
+    if rows > before {
+        writable(&array, "the answer")?.as_array_mut().slice_mut(s![before.., ..]).fill(value);
+    }
+    Ok(array)
+}
+
+/// Puts a table, which may have fewer rows, to the columns from one on.
+fn put<T: Element + Copy>(to: &Bound<'_, PyArray2<T>>, first: usize, table: &Array2<T>) -> PyResult<()> {
+    let mut to = writable(to, "the answer")?;
+    to.as_array_mut().slice_mut(s![..table.nrows(), first..first + table.ncols()]).assign(table);
+    Ok(())
+}
+
+/// Copies a table into one that may have more rows, filled with a value.
+fn copy<T: Element + Copy>(
+    from: &Bound<'_, PyArray2<T>>,
+    to: &Bound<'_, PyArray2<T>>,
+    value: T,
+) -> PyResult<()> {
+    let from = from.try_readonly().map_err(bad_value)?;
+    let (from, mut to) = (from.as_array(), writable(to, "out")?);
+    let mut to = to.as_array_mut();
+    to.fill(value);
+    to.slice_mut(s![..from.nrows(), ..]).assign(&from);
+    Ok(())
+}
+
 /// The hits of every ray as an array (H, N), and the surfaces hit if they are asked for.
 pub fn hits<'py>(
     engine: &Engine,
-    [origins, directions]: [&Bound<'py, PyAny>; 2],
+    rays: [&Bound<'py, PyAny>; 2],
     how: &How,
     surfaces: bool,
     out: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let py = origins.py();
-    let (origins, directions) =
-        (Vectors::new(origins, "origins")?, Vectors::directions(directions, "directions")?);
-    let question = HitsQuestion { rays: RayRows::new(&origins, &directions)?, window: how.window, surfaces };
-    let mut hits = Hits { counts: room(question.len())?, ..Hits::default() };
-    engine.ask(py, how, &question, |chunk| hits.append(chunk))?;
-    let (times, rows) = match out {
-        None => {
-            let mut times = filled(hits.rows(), hits.counts.len(), f64::INFINITY)?;
-            py.detach(|| hits.scatter(|row, column, entry| times[[row, column]] = hits.times[entry]));
-            let rows = times.nrows();
-            (PyArray2::from_owned_array(py, times).into_any(), rows)
+    let py = rays[0].py();
+    let rays = RayArrays::new(rays)?;
+    let (evaluator, cut) = (engine.chosen(py, how)?, how.cut(rays.len()));
+    let asked = Asked { py, engine, evaluator, rays, window: how.window, cut };
+    let (times, faces) = match out {
+        None => asked.fresh(surfaces)?,
+        Some(out) => {
+            let (tables, names) = given_tables(out, surfaces)?;
+            asked.given(&tables, names)?;
+            tables
         }
-        Some(out) => (out.clone(), write_hits(&hits, out)?),
     };
-    if !surfaces {
-        return Ok(times);
+    match faces {
+        Some(faces) => Ok(PyTuple::new(py, [times.into_any(), faces.into_any()])?.into_any()),
+        None => Ok(times.into_any()),
     }
-    let mut table = filled(rows, hits.counts.len(), -1)?;
-    py.detach(|| hits.scatter(|row, column, entry| table[[row, column]] = hits.surfaces[entry]));
-    Ok(PyTuple::new(py, [times, PyArray2::from_owned_array(py, table).into_any()])?.into_any())
 }
 
-/// Writes hits into an array of the caller's and returns its number of rows.
-fn write_hits(hits: &Hits, out: &Bound<'_, PyAny>) -> PyResult<usize> {
-    let Ok(array) = out.cast::<PyArray2<f64>>() else {
-        return Err(bad_type("out is no float64 array of two dimensions (hits are written into it)"));
+/// The arrays that a caller gave: one for the times, or a pair with that for the surfaces; and what they are called.
+fn given_tables<'py>(out: &Bound<'py, PyAny>, surfaces: bool) -> PyResult<(Tables<'py>, [&'static str; 2])> {
+    let table = |array: &Bound<'py, PyAny>, name: &str| match array.cast::<PyArray2<f64>>() {
+        Ok(array) => Ok(array.clone()),
+        Err(_) => {
+            Err(bad_type(format!("{name} is no float64 array of two dimensions (hits are written into it)")))
+        }
     };
-    let (rows, columns) = (array.shape()[0], array.shape()[1]);
-    if rows < hits.rows() || rows % 2 == 1 || columns != hits.counts.len() {
-        return Err(bad_value(format!(
-            "out has shape {} (the hits need {} columns and an even number of rows, at least {})",
-            shape_text(array.shape()),
-            hits.counts.len(),
-            hits.rows()
-        )));
+    let Ok(pair) = out.cast::<PyTuple>() else {
+        let times = table(out, "out")?;
+        let shape = [times.shape()[0], times.shape()[1]];
+        let faces = surfaces.then(|| fresh_table(out.py(), shape)).transpose()?;
+        return Ok(((times, faces), ["out", "surfaces"]));
+    };
+    if !surfaces || pair.len() != 2 {
+        return Err(bad_type(
+            "out is a tuple (one array is needed, or a pair of arrays with return_surfaces)",
+        ));
     }
-    let whole = array.is_aligned() && array.strides().iter().all(|stride| stride % 8 == 0);
-    let mut view = match array.try_readwrite() {
-        Ok(view) if whole => view,
-        Ok(_) => return Err(bad_value("out is laid out in parts of numbers (an aligned array is needed)")),
-        Err(error) => return Err(bad_value(format!("out: {error}"))),
+    let (times, faces) = (table(&pair.get_item(0)?, "out[0]")?, pair.get_item(1)?);
+    let Ok(faces) = faces.cast_into::<PyArray2<i32>>() else {
+        return Err(bad_type("out[1] is no int32 array of two dimensions (surfaces are written into it)"));
     };
-    let mut view = view.as_array_mut();
-    view.fill(f64::INFINITY);
-    hits.scatter(|row, column, entry| view[[row, column]] = hits.times[entry]);
-    Ok(rows)
+    if faces.shape() != times.shape() {
+        let (first, second) = (shape_text(times.shape()), shape_text(faces.shape()));
+        return Err(bad_value(format!("out has shapes {first} and {second} (both must be the same)")));
+    }
+    Ok(((times, Some(faces)), ["out[0]", "out[1]"]))
 }

@@ -3,6 +3,7 @@
 //! This is the compiled half, `rayweave._core`; the half in Python beside it holds what needs no speed.
 
 mod along;
+mod answer;
 mod arrays;
 mod crossings;
 mod engine;
@@ -12,6 +13,7 @@ mod hit_array;
 mod hits;
 mod infill;
 mod model;
+mod nearest;
 mod pickle;
 mod points;
 mod polygons;

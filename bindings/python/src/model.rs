@@ -17,7 +17,7 @@ use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::render::notebook_png;
 use crate::solid::{PySolid, bounds_array};
-use crate::{along, crossings, hits, pickle, points};
+use crate::{along, crossings, hits, nearest, pickle, points};
 
 /// A model: an ordered list of regions, each a solid made of a medium. It never changes.
 ///
@@ -48,10 +48,13 @@ impl PyModel {
     /// The compiled model.
     pub fn compiled(&self, py: Python<'_>) -> PyResult<&(Compiled, Engine)> {
         if self.compiled.get().is_none() {
-            let compiled = py.detach(|| Compiled::new(&self.scene)).map_err(bad_value)?;
-            let engine = Engine::of_model(&compiled);
+            let both = py.detach(|| {
+                let compiled = Compiled::new(&self.scene).map_err(bad_value)?;
+                let engine = Engine::of_model(&compiled)?;
+                Ok::<_, PyErr>((compiled, engine))
+            })?;
             // another thread may have been faster
-            let _ = self.compiled.set((compiled, engine));
+            let _ = self.compiled.set(both);
         }
         self.compiled.get().ok_or_else(|| bad_value("the model was not compiled"))
     }
@@ -205,7 +208,8 @@ impl PyModel {
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        crossings::ask(engine, [origins, directions], &how, false)?.into_python(origins.py(), engine)
+        let (tables, cut) = crossings::ask(engine, [origins, directions], &how)?;
+        crossings::into_python(origins.py(), engine, tables, cut)
     }
 
     /// All changes of the medium by one curve, or by each in a list of curves, strictly between two times: see `ModelCrossings`, where
@@ -234,8 +238,8 @@ impl PyModel {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        crossings::ask(engine, [origins, directions], &how, true)?.into_python(origins.py(), engine)
+        let how = How::new(t_min, t_max, evaluator, threads)?;
+        nearest::nearest(self.engine(origins.py())?, [origins, directions], &how)
     }
 
     /// The pieces of each ray in one medium, from t_min to t_max: see `Partition`.
@@ -250,8 +254,8 @@ impl PyModel {
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        let table = crossings::ask(engine, [origins, directions], &how, false)?;
-        table.into_partition(origins.py(), engine, how.window)
+        let (tables, _) = crossings::ask(engine, [origins, directions], &how)?;
+        crossings::into_partition(origins.py(), engine, &tables, how.window)
     }
 
     /// Whether points (N, 3) or (3,) are in another medium than that of the world: bool (N,).

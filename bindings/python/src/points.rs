@@ -1,39 +1,15 @@
 //! Whether points are inside.
 
-use std::ops::Range;
-
-use numpy::PyArray1;
-use numpy::ndarray::ArrayView2;
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use rayweave::model::{Evaluator, RegionId};
 
-use crate::arrays::room;
-use crate::engine::{Engine, How, Question, inside};
-use crate::rays::{Columns, Vectors};
+use crate::arrays::fresh_flags;
+use crate::engine::{BLOCK, Engine, How, Worker, ask, inside};
+use crate::error::bad_value;
+use crate::rays::{Columns, Rows, Vectors, refusal};
 
-struct ContainsQuestion<'a>(ArrayView2<'a, f64>);
-
-impl Question for ContainsQuestion<'_> {
-    type Answer = Vec<bool>;
-    type Scratch = (Columns, Vec<RegionId>);
-
-    fn len(&self) -> usize {
-        self.0.nrows()
-    }
-
-    fn answer<E: Evaluator>(
-        &self,
-        evaluator: &E,
-        chunk: Range<usize>,
-        memory: &mut E::Scratch,
-        (columns, regions): &mut Self::Scratch,
-    ) -> Vec<bool> {
-        regions.clear();
-        regions.resize(chunk.len(), RegionId(0));
-        evaluator.regions_at(columns.points(self.0, chunk), memory, regions);
-        regions.iter().map(|&region| inside(evaluator.program(), region)).collect()
-    }
-}
+type PointWorker<'e> = Worker<'e, (Columns, Vec<RegionId>)>;
 
 /// Whether each point is inside: bool (N,).
 pub fn contains<'py>(
@@ -41,9 +17,34 @@ pub fn contains<'py>(
     points: &Bound<'py, PyAny>,
     how: &How,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let vectors = Vectors::new(points, "points")?;
-    let question = ContainsQuestion(vectors.view());
-    let mut inside = room(question.len())?;
-    engine.ask(points.py(), how, &question, |mut chunk| inside.append(&mut chunk))?;
-    Ok(PyArray1::from_vec(points.py(), inside))
+    let py = points.py();
+    let vectors = Vectors::points(points, "points")?;
+    let (cut, evaluator, rows) = (how.cut(vectors.len()), engine.chosen(py, how)?, vectors.rows());
+    let answer = fresh_flags(py, vectors.len())?;
+    let mut flags = answer.try_readwrite().map_err(bad_value)?;
+    let mut rest = flags.as_slice_mut().map_err(bad_value)?;
+    let chunks =
+        cut.ranges().map(move |range| (range.start, rest.split_off_mut(..range.len()).unwrap_or_default()));
+    let work = |worker: &mut PointWorker<'_>, chunk| write(worker, rows, chunk);
+    if !ask(py, &evaluator, cut, chunks, work, |()| Ok(()))? {
+        return Err(refusal(&[&vectors]));
+    }
+    drop(flags);
+    Ok(answer)
+}
+
+/// Answers for the points from one on.
+fn write(worker: &mut PointWorker<'_>, points: Rows<'_>, (first, flags): (usize, &mut [bool])) -> Option<()> {
+    let (evaluator, (columns, regions)) = (worker.evaluator, &mut worker.scratch);
+    for (k, flags) in flags.chunks_mut(BLOCK).enumerate() {
+        let start = first + k * BLOCK;
+        let points = columns.points(points, start..start + flags.len())?;
+        regions.clear();
+        regions.resize(flags.len(), RegionId(0));
+        evaluator.regions_at(points, &mut worker.memory, regions);
+        for (flag, &region) in flags.iter_mut().zip(&*regions) {
+            *flag = inside(evaluator.program(), region);
+        }
+    }
+    Some(())
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use numpy::ndarray::ArrayView2;
+use numpy::ndarray::{ArrayView2, s};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use rayweave::Ray;
@@ -11,21 +11,48 @@ use rayweave::model::Rays;
 use crate::arrays::{double_array, shape_text};
 use crate::error::bad_value;
 
-/// The greatest component in absolute value.
-fn largest(vector: [f64; 3]) -> f64 {
-    vector.into_iter().fold(0.0, |most, component| component.abs().max(most))
+/// What is asked of the components of vectors.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// That they are finite and not too large.
+    Point,
+    /// And that they do not all vanish.
+    Direction,
 }
 
-/// Vectors (N, 3), or one vector (3,) that stands for as many as are needed; all components are finite.
+impl Kind {
+    /// Whether a vector can be used. NaN is in no range.
+    fn accepts(self, [x, y, z]: [f64; 3]) -> bool {
+        let (x, y, z) = (x.abs(), y.abs(), z.abs());
+        // no branches: this is asked of millions in a row
+        let small = (x <= Ray::MOST) & (y <= Ray::MOST) & (z <= Ray::MOST);
+        small & ((self == Kind::Point) | (x >= Ray::LEAST) | (y >= Ray::LEAST) | (z >= Ray::LEAST))
+    }
+}
+
+/// Vectors (N, 3), or one vector (3,) that stands for as many as are needed.
+///
+/// Their components are checked as they are read: see [`Columns`].
 pub struct Vectors<'py> {
     rows: PyReadonlyArray2<'py, f64>,
     /// Given as (3,).
     single: bool,
+    name: &'static str,
+    kind: Kind,
 }
 
 impl<'py> Vectors<'py> {
-    /// The vectors in an object; `name` is the array's name in messages.
-    pub fn new(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
+    /// The points in an object; `name` is the array's name in messages.
+    pub fn points(object: &Bound<'py, PyAny>, name: &'static str) -> PyResult<Self> {
+        Vectors::new(object, name, Kind::Point)
+    }
+
+    /// The vectors in an object, none of which may be of length zero.
+    pub fn directions(object: &Bound<'py, PyAny>, name: &'static str) -> PyResult<Self> {
+        Vectors::new(object, name, Kind::Direction)
+    }
+
+    fn new(object: &Bound<'py, PyAny>, name: &'static str, kind: Kind) -> PyResult<Self> {
         let array = double_array(object, name)?;
         let (rows, single) = match array.shape() {
             [_, 3] => (array.into_any(), false),
@@ -36,81 +63,84 @@ impl<'py> Vectors<'py> {
             }
         };
         let rows = rows.cast_into::<PyArray2<f64>>()?;
-        let vectors = Vectors { rows: rows.try_readonly().map_err(bad_value)?, single };
-        // NaN is in no range
-        match vectors.position(|v| !v.iter().all(|component| (-Ray::MOST..=Ray::MOST).contains(component))) {
-            None => Ok(vectors),
-            Some(i) => Err(bad_value(format!(
-                "{}: {} (every component must be finite, from {:e} to {:e})",
-                vectors.place(name, i),
-                vectors.text(i),
-                -Ray::MOST,
-                Ray::MOST
-            ))),
-        }
+        Ok(Vectors { rows: rows.try_readonly().map_err(bad_value)?, single, name, kind })
     }
 
-    /// The vectors in an object, none of which may be of length zero.
-    pub fn directions(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
-        let vectors = Self::new(object, name)?;
-        match vectors.position(|v| largest(v) < Ray::LEAST) {
-            None => Ok(vectors),
-            Some(i) => {
-                let place = vectors.place(name, i);
-                Err(bad_value(match largest(vectors.row(i)) {
-                    0.0 => format!("{place}: zero length (a ray must go somewhere)"),
-                    _ => {
-                        format!("{place}: {} (its length must be at least {:e})", vectors.text(i), Ray::LEAST)
-                    }
-                }))
-            }
-        }
-    }
-
-    /// The rows (N, 3); N is 1 for a single vector.
-    pub fn view(&self) -> ArrayView2<'_, f64> {
-        self.rows.as_array()
+    /// The rows, to be read from any thread.
+    pub fn rows(&self) -> Rows<'_> {
+        let view = self.rows.as_array();
+        // one vector broadcast by NumPy: all rows are the same memory
+        let is_one = view.nrows() == 1 || view.nrows() > 1 && view.strides()[0] == 0;
+        let packed = if is_one { None } else { view.to_slice().map(|flat| flat.as_chunks().0) };
+        Rows { view, one: is_one.then(|| row(view, 0)), packed, kind: self.kind }
     }
 
     /// The number of vectors; 1 for a single one.
     pub fn len(&self) -> usize {
-        self.view().nrows()
+        self.rows.as_array().nrows()
     }
 
-    /// The first vector of which something is true.
-    fn position(&self, is_bad: impl Fn([f64; 3]) -> bool) -> Option<usize> {
-        let rows = self.view();
-        // one vector broadcast by NumPy: all rows are the same memory
-        let count = if rows.strides()[0] == 0 { rows.nrows().min(1) } else { rows.nrows() };
-        (0..count).position(|i| is_bad([rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]]))
-    }
-
-    fn row(&self, i: usize) -> [f64; 3] {
-        let rows = self.view();
-        [rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]]
-    }
-
-    fn place(&self, name: &str, i: usize) -> String {
-        if self.single { name.to_owned() } else { format!("{name}[{i}]") }
-    }
-
-    fn text(&self, i: usize) -> String {
-        let rows = self.view();
-        format!("({:?}, {:?}, {:?})", rows[[i, 0]], rows[[i, 1]], rows[[i, 2]])
+    /// What is wrong with the first vector that cannot be used.
+    pub fn problem(&self) -> Option<PyErr> {
+        let view = self.rows.as_array();
+        let first_bad = |kind: Kind| (0..view.nrows()).find(|&i| !kind.accepts(row(view, i)));
+        // a component out of range is told before a length, wherever it is
+        let i = first_bad(Kind::Point).or_else(|| first_bad(self.kind))?;
+        let [x, y, z] = row(view, i);
+        let place = if self.single { self.name.to_owned() } else { format!("{}[{i}]", self.name) };
+        Some(bad_value(match () {
+            () if !Kind::Point.accepts([x, y, z]) => format!(
+                "{place}: ({x:?}, {y:?}, {z:?}) (every component must be finite, from {:e} to {:e})",
+                -Ray::MOST,
+                Ray::MOST
+            ),
+            () if [x, y, z] == [0.0; 3] => format!("{place}: zero length (a ray must go somewhere)"),
+            () => format!("{place}: ({x:?}, {y:?}, {z:?}) (its length must be at least {:e})", Ray::LEAST),
+        }))
     }
 }
 
-/// Origins and directions, broadcast to as many rays as the longer of the two has.
+fn row(view: ArrayView2<'_, f64>, i: usize) -> [f64; 3] {
+    [view[[i, 0]], view[[i, 1]], view[[i, 2]]]
+}
+
+/// What is wrong with arrays in which something was refused.
+pub fn refusal(arrays: &[&Vectors<'_>]) -> PyErr {
+    let problem = arrays.iter().find_map(|vectors| vectors.problem());
+    problem.unwrap_or_else(|| bad_value("an array was changed while it was read (by another thread)"))
+}
+
+/// Rows of three components in whatever layout they came.
 #[derive(Clone, Copy)]
-pub struct RayRows<'a> {
-    origins: ArrayView2<'a, f64>,
-    directions: ArrayView2<'a, f64>,
+pub struct Rows<'a> {
+    view: ArrayView2<'a, f64>,
+    /// The row, if all are the same.
+    one: Option<[f64; 3]>,
+    /// The rows, if there are no gaps.
+    packed: Option<&'a [[f64; 3]]>,
+    kind: Kind,
+}
+
+impl Rows<'_> {
+    /// The first row of every so many.
+    fn every(self, step: usize) -> Self {
+        Rows { view: self.view.slice_move(s![..;step as isize, ..]), packed: None, ..self }
+    }
+}
+
+/// The arrays of a question about rays.
+pub struct RayArrays<'py> {
+    origins: Vectors<'py>,
+    directions: Vectors<'py>,
     len: usize,
 }
 
-impl<'a> RayRows<'a> {
-    /// Both arrays together, if their lengths are equal or one of them is 1.
-    pub fn new(origins: &'a Vectors<'_>, directions: &'a Vectors<'_>) -> PyResult<Self> {
+impl<'py> RayArrays<'py> {
+    /// Both arrays together, broadcast to as many rays as the longer of the two has; their lengths must be equal, or one
+    /// of them 1.
+    pub fn new([origins, directions]: [&Bound<'py, PyAny>; 2]) -> PyResult<Self> {
+        let origins = Vectors::points(origins, "origins")?;
+        let directions = Vectors::directions(directions, "directions")?;
         let len = match (origins.len(), directions.len()) {
             (a, b) if a == b => a,
             (1, n) | (n, 1) => n,
@@ -120,51 +150,108 @@ impl<'a> RayRows<'a> {
                 )));
             }
         };
-        Ok(RayRows { origins: origins.view(), directions: directions.view(), len })
+        // without rays nothing is read that could be refused
+        match (len == 0).then(|| origins.problem().or_else(|| directions.problem())).flatten() {
+            Some(problem) => Err(problem),
+            None => Ok(RayArrays { origins, directions, len }),
+        }
     }
 
     /// The number of rays.
     pub fn len(&self) -> usize {
         self.len
     }
+
+    /// The rays, to be read from any thread.
+    pub fn rows(&self) -> RayRows<'_> {
+        RayRows { origins: self.origins.rows(), directions: self.directions.rows() }
+    }
+
+    /// What is wrong with the rays, some of which were refused.
+    pub fn refusal(&self) -> PyErr {
+        refusal(&[&self.origins, &self.directions])
+    }
 }
 
-/// Rays or points of one chunk, component by component; kept by each thread.
+/// The origins and directions of rays.
+#[derive(Clone, Copy)]
+pub struct RayRows<'a> {
+    origins: Rows<'a>,
+    directions: Rows<'a>,
+}
+
+impl RayRows<'_> {
+    /// The first ray of every so many.
+    pub fn every(self, step: usize) -> Self {
+        RayRows { origins: self.origins.every(step), directions: self.directions.every(step) }
+    }
+}
+
+/// Rays or points of one block, component by component, checked; kept by each thread, for one question.
 #[derive(Default)]
 pub struct Columns {
-    origins: [Vec<f64>; 3],
-    directions: [Vec<f64>; 3],
+    origins: Three,
+    directions: Three,
 }
 
 impl Columns {
-    /// The rays of a chunk.
-    pub fn rays(&mut self, rows: RayRows<'_>, chunk: Range<usize>) -> Rays<'_> {
-        fill(&mut self.origins, rows.origins, chunk.clone());
-        fill(&mut self.directions, rows.directions, chunk);
-        Rays { origins: slices(&self.origins), directions: slices(&self.directions) }
+    /// The rays of a block; `None` if any of them cannot be used.
+    pub fn rays(&mut self, rays: RayRows<'_>, block: Range<usize>) -> Option<Rays<'_>> {
+        let origins = self.origins.fill(rays.origins, block.clone())?;
+        Some(Rays { origins, directions: self.directions.fill(rays.directions, block)? })
     }
 
-    /// The points of a chunk.
-    pub fn points(&mut self, points: ArrayView2<'_, f64>, chunk: Range<usize>) -> [&[f64]; 3] {
-        fill(&mut self.origins, points, chunk);
-        slices(&self.origins)
+    /// The points of a block; `None` if any of them cannot be used.
+    pub fn points(&mut self, points: Rows<'_>, block: Range<usize>) -> Option<[&[f64]; 3]> {
+        self.origins.fill(points, block)
     }
 }
 
-fn slices(columns: &[Vec<f64>; 3]) -> [&[f64]; 3] {
-    let [x, y, z] = columns;
-    [x, y, z]
+/// Vectors component by component.
+#[derive(Default)]
+struct Three {
+    columns: [Vec<f64>; 3],
 }
 
-/// Copies rows of vectors into columns; a single row is repeated.
-fn fill(columns: &mut [Vec<f64>; 3], rows: ArrayView2<'_, f64>, chunk: Range<usize>) {
-    for (k, column) in columns.iter_mut().enumerate() {
-        let values = rows.column(k);
-        column.clear();
-        if values.len() == 1 {
-            column.resize(chunk.len(), values[0]);
-        } else {
-            column.extend(chunk.clone().map(|i| values[i]));
+impl Three {
+    /// Copies rows of vectors into the columns; the columns, if all rows can be used.
+    fn fill(&mut self, rows: Rows<'_>, block: Range<usize>) -> Option<[&[f64]; 3]> {
+        let len = block.len();
+        if self.columns[0].len() < len {
+            // what the columns hold of a single vector stays there
+            let vector = rows.one.unwrap_or_default();
+            self.columns.iter_mut().zip(vector).for_each(|(column, value)| column.resize(len, value));
         }
+        let [x, y, z] = &mut self.columns;
+        let (x, y, z) = (&mut x[..len], &mut y[..len], &mut z[..len]);
+        let ok = match (rows.one, rows.packed) {
+            (Some(vector), _) => rows.kind.accepts(vector),
+            (None, Some(packed)) => {
+                transpose(&packed[block], [&mut *x, &mut *y, &mut *z]);
+                all_accepted(rows.kind, [x, y, z])
+            }
+            (None, None) => {
+                for (k, column) in [&mut *x, &mut *y, &mut *z].into_iter().enumerate() {
+                    let values = rows.view.column(k);
+                    column.iter_mut().zip(block.clone()).for_each(|(to, i)| *to = values[i]);
+                }
+                all_accepted(rows.kind, [x, y, z])
+            }
+        };
+        ok.then_some([x, y, z])
+    }
+}
+
+fn transpose(rows: &[[f64; 3]], [x, y, z]: [&mut [f64]; 3]) {
+    for (((row, x), y), z) in rows.iter().zip(x).zip(y).zip(z) {
+        [*x, *y, *z] = *row;
+    }
+}
+
+fn all_accepted(kind: Kind, [x, y, z]: [&[f64]; 3]) -> bool {
+    let rows = x.iter().zip(y).zip(z);
+    match kind {
+        Kind::Point => rows.fold(true, |ok, ((&x, &y), &z)| ok & Kind::Point.accepts([x, y, z])),
+        Kind::Direction => rows.fold(true, |ok, ((&x, &y), &z)| ok & Kind::Direction.accepts([x, y, z])),
     }
 }

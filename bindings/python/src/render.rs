@@ -13,7 +13,7 @@ use rayweave::model::{Program, Solid};
 use rayweave::picture::{Picture, PictureKind, Wishes, arrange};
 use rayweave::render::{Plane, Run, Size, Style};
 use rayweave::scene::{Camera, Colour, Medium, Projection, RenderSettings, Scene, SceneRegion, Unit};
-use rayweave::{AnyEvaluator, Compiled, Weave};
+use rayweave::{AnyEvaluator, Compiled};
 
 use crate::engine::thread_argument;
 use crate::error::{bad_type, bad_value};
@@ -28,7 +28,7 @@ const NOTEBOOK: (u32, u32) = (480, 360);
 struct Subject {
     scene: Scene,
     compiled: Compiled,
-    weave: Weave,
+    evaluator: AnyEvaluator,
 }
 
 impl Subject {
@@ -37,7 +37,7 @@ impl Subject {
         if let Ok(model) = object.cast::<PyModel>() {
             let (compiled, engine) = model.get().compiled(py)?;
             let scene = model.get().scene().clone();
-            return Ok(Subject { scene, compiled: compiled.clone(), weave: engine.weave().clone() });
+            return Ok(Subject { scene, compiled: compiled.clone(), evaluator: engine.evaluator().clone() });
         }
         let Ok(solid) = object.cast::<PySolid>() else {
             return Err(bad_type(format!("subject is {} (a Solid or a Model is needed)", object.get_type())));
@@ -46,7 +46,7 @@ impl Subject {
         Ok(Subject {
             scene: scene_of(solid.get().solid()),
             compiled: compiled_of(engine.program.clone()),
-            weave: engine.weave().clone(),
+            evaluator: engine.evaluator().clone(),
         })
     }
 }
@@ -109,7 +109,7 @@ fn draw(
 ) -> PyResult<Picture> {
     let (camera, settings) = arrange(&subject.scene, &subject.compiled, wishes).map_err(bad_value)?;
     let evaluator = match evaluator {
-        None => AnyEvaluator::Weave(subject.weave.clone()),
+        None => subject.evaluator.clone(),
         name => AnyEvaluator::new(name, subject.compiled.program.clone()).map_err(bad_value)?,
     };
     let cancel = Cancel::new();

@@ -17,7 +17,7 @@ use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::render::notebook_png;
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
-use crate::{along, crossings, hits, pickle, points};
+use crate::{along, crossings, hits, nearest, pickle, points};
 
 /// A solid: a boolean combination of shapes under affine maps. It never changes.
 ///
@@ -51,9 +51,10 @@ impl PySolid {
     /// The compiled solid.
     pub fn engine(&self, py: Python<'_>) -> PyResult<&Engine> {
         if self.engine.get().is_none() {
-            let program = py.detach(|| Program::compile(&self.solid)).map_err(bad_value)?;
+            let compile = || Engine::of_solid(Program::compile(&self.solid).map_err(bad_value)?);
+            let engine = py.detach(compile)?;
             // another thread may have been faster
-            let _ = self.engine.set(Engine::of_solid(program));
+            let _ = self.engine.set(engine);
         }
         self.engine.get().ok_or_else(|| bad_value("the solid was not compiled"))
     }
@@ -184,7 +185,8 @@ impl PySolid {
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        crossings::ask(engine, [origins, directions], &how, false)?.into_python(origins.py(), engine)
+        let (tables, cut) = crossings::ask(engine, [origins, directions], &how)?;
+        crossings::into_python(origins.py(), engine, tables, cut)
     }
 
     /// All crossings of the surface by one curve, or by each in a list of curves, strictly between two times: see `Crossings`, where
@@ -214,8 +216,8 @@ impl PySolid {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        crossings::ask(engine, [origins, directions], &how, true)?.into_python(origins.py(), engine)
+        let how = How::new(t_min, t_max, evaluator, threads)?;
+        nearest::nearest(self.engine(origins.py())?, [origins, directions], &how)
     }
 
     /// How the crossings of one ray come about: every decision of the single-hit evaluator, and why. Print the answer to read

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock};
 
 /// A flag by which a run can be stopped from another thread or a signal handler.
 #[derive(Clone, Debug, Default)]
@@ -45,10 +45,13 @@ pub enum Stopped<E> {
 /// Anything in the variable that is not a whole number above 0 is ignored.
 pub fn thread_count(asked: Option<NonZeroUsize>) -> NonZeroUsize {
     let from_variable = || std::env::var("RAYWEAVE_THREADS").ok()?.trim().parse().ok();
-    asked
-        .or_else(from_variable)
-        .or_else(|| std::thread::available_parallelism().ok())
-        .unwrap_or(NonZeroUsize::MIN)
+    asked.or_else(from_variable).unwrap_or_else(cores)
+}
+
+/// The number of cores, looked up once: the system takes longer to tell than a thousand rays take.
+fn cores() -> NonZeroUsize {
+    static CORES: OnceLock<NonZeroUsize> = OnceLock::new();
+    *CORES.get_or_init(|| std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
 }
 
 /// Chunks that a thread may be ahead of the merge.
@@ -56,8 +59,9 @@ const AHEAD: usize = 3;
 
 /// Runs `work` on every chunk and merges the results in the order of the chunks.
 ///
-/// Each thread makes its own scratch once. `merge` runs on the calling thread; its error ends the run, as
-/// does the token, which is looked at before each chunk and each merge. A panic in `work` is passed on.
+/// The calling thread is one of the threads. Each makes its own scratch once. `merge` runs on the calling thread; its
+/// error ends the run, as does the token, which is looked at before each chunk and each merge. A panic in `work` is
+/// passed on.
 pub fn drive<I, O, S, E>(
     threads: NonZeroUsize,
     cancel: &Cancel,
@@ -72,9 +76,10 @@ where
     if threads.get() == 1 {
         return drive_here(cancel, chunks, scratch, work, merge);
     }
-    let queue = Queue::new(chunks, AHEAD * threads.get());
+    let helpers = threads.get() - 1;
+    let queue = Queue::new(chunks, AHEAD * threads.get(), helpers);
     std::thread::scope(|scope| {
-        for _ in 0..threads.get() {
+        for _ in 0..helpers {
             scope.spawn(|| {
                 let _guard = Leaving(&queue);
                 let mut scratch = scratch();
@@ -83,9 +88,8 @@ where
                 }
             });
         }
-        let result = queue.merge_all(threads.get(), cancel, &mut merge);
-        queue.close();
-        result
+        let _guard = Closing(&queue);
+        queue.merge_all(cancel, &mut scratch(), &work, &mut merge)
     })
 }
 
@@ -119,14 +123,24 @@ struct QueueState<C, O> {
     pulled: usize,
     merged: usize,
     results: BTreeMap<usize, O>,
-    left: usize,
+    /// The threads beside the calling one that have not left.
+    helpers: usize,
+    /// The threads that wait for a change: nobody is woken where nobody sleeps.
+    waiting: usize,
     closed: bool,
 }
 
+/// What the calling thread does next.
+enum Turn<I, O> {
+    Merge(O),
+    Work(usize, I),
+    Done,
+}
+
 impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
-    fn new(chunks: C, ahead: usize) -> Self {
-        let state =
-            QueueState { chunks, pulled: 0, merged: 0, results: BTreeMap::new(), left: 0, closed: false };
+    fn new(chunks: C, ahead: usize, helpers: usize) -> Self {
+        let (results, closed) = (BTreeMap::new(), false);
+        let state = QueueState { chunks, pulled: 0, merged: 0, results, helpers, waiting: 0, closed };
         Queue { state: Mutex::new(state), changed: Condvar::new(), ahead }
     }
 
@@ -135,8 +149,20 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
         self.state.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
-    fn wait<'a>(&self, guard: MutexGuard<'a, QueueState<C, O>>) -> MutexGuard<'a, QueueState<C, O>> {
-        self.changed.wait(guard).unwrap_or_else(|poisoned| poisoned.into_inner())
+    fn wait<'a>(&self, mut guard: MutexGuard<'a, QueueState<C, O>>) -> MutexGuard<'a, QueueState<C, O>> {
+        guard.waiting += 1;
+        let mut guard = self.changed.wait(guard).unwrap_or_else(|poisoned| poisoned.into_inner());
+        guard.waiting -= 1;
+        guard
+    }
+
+    /// Changes the state and tells those who wait.
+    fn change(&self, change: impl FnOnce(&mut QueueState<C, O>)) {
+        let mut state = self.lock();
+        change(&mut state);
+        if state.waiting > 0 {
+            self.changed.notify_all();
+        }
     }
 
     /// The next chunk with its number, once the merge is near enough; `None` at the end.
@@ -145,64 +171,76 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
         while !state.closed && state.pulled >= state.merged + self.ahead {
             state = self.wait(state);
         }
-        if state.closed || cancel.is_cancelled() {
+        if cancel.is_cancelled() { None } else { self.pull(&mut state) }
+    }
+
+    fn pull(&self, state: &mut QueueState<C, O>) -> Option<(usize, I)> {
+        if state.closed {
             return None;
         }
-        let chunk = state.chunks.next();
-        match chunk {
-            Some(chunk) => {
-                state.pulled += 1;
-                Some((state.pulled - 1, chunk))
-            }
-            None => {
-                state.closed = true;
-                self.changed.notify_all();
-                None
-            }
-        }
+        let Some(chunk) = state.chunks.next() else {
+            state.closed = true;
+            self.changed.notify_all();
+            return None;
+        };
+        state.pulled += 1;
+        Some((state.pulled - 1, chunk))
     }
 
     fn deliver(&self, number: usize, result: O) {
-        self.lock().results.insert(number, result);
-        self.changed.notify_all();
+        self.change(|state| _ = state.results.insert(number, result));
     }
 
-    /// Merges results in order until all threads have left.
-    fn merge_all<E>(
+    /// Merges results in order, and works where the next one is not there yet, until all is merged.
+    fn merge_all<S, E>(
         &self,
-        threads: usize,
         cancel: &Cancel,
+        scratch: &mut S,
+        work: &impl Fn(&mut S, I) -> O,
         merge: &mut impl FnMut(O) -> Result<(), E>,
     ) -> Result<(), Stopped<E>> {
         loop {
-            let mut state = self.lock();
-            let next = state.merged;
-            let result = state.results.remove(&next);
-            match result {
-                Some(result) => {
-                    drop(state);
-                    if cancel.is_cancelled() {
-                        return Err(Stopped::Cancelled);
-                    }
+            let turn = self.turn();
+            if cancel.is_cancelled() {
+                return Err(Stopped::Cancelled);
+            }
+            match turn {
+                Turn::Merge(result) => {
                     merge(result)?;
-                    self.lock().merged += 1;
-                    self.changed.notify_all();
+                    self.change(|state| state.merged += 1);
                 }
-                None if state.left == threads => {
-                    return if cancel.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(()) };
-                }
-                None => {
-                    state = self.wait(state);
-                    drop(state);
-                }
+                Turn::Work(number, chunk) => self.deliver(number, work(scratch, chunk)),
+                Turn::Done => return Ok(()),
             }
         }
     }
 
-    /// Lets waiting threads go home.
-    fn close(&self) {
-        self.lock().closed = true;
-        self.changed.notify_all();
+    fn turn(&self) -> Turn<I, O> {
+        let mut state = self.lock();
+        loop {
+            let next = state.merged;
+            if let Some(result) = state.results.remove(&next) {
+                return Turn::Merge(result);
+            }
+            if state.pulled < state.merged + self.ahead
+                && let Some((number, chunk)) = self.pull(&mut state)
+            {
+                return Turn::Work(number, chunk);
+            }
+            if state.helpers == 0 {
+                return Turn::Done;
+            }
+            state = self.wait(state);
+        }
+    }
+}
+
+/// Lets waiting threads go home however the calling thread ends.
+struct Closing<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, O>);
+
+impl<I, C: Iterator<Item = I>, O> Drop for Closing<'_, I, C, O> {
+    fn drop(&mut self) {
+        self.0.change(|state| state.closed = true);
     }
 }
 
@@ -211,8 +249,7 @@ struct Leaving<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, O>);
 
 impl<I, C: Iterator<Item = I>, O> Drop for Leaving<'_, I, C, O> {
     fn drop(&mut self) {
-        self.0.lock().left += 1;
-        self.0.changed.notify_all();
+        self.0.change(|state| state.helpers -= 1);
     }
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,21 @@ class Crossings:
     """(N,) whether the ray is inside just after t_min."""
     surface_names: tuple[str, ...]
     """The names of all faces."""
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Makes `ray`, and `offsets` if there is one row a ray, when they are asked for: most never are."""
+            if name not in ("ray", "offsets") or "start_inside" not in self.__dict__:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            count = len(self.start_inside)
+            if name == "offsets":
+                value = np.arange(count + 1, dtype=np.int64)
+            elif "offsets" in self.__dict__:
+                value = np.repeat(np.arange(count, dtype=np.int64), np.diff(self.offsets))
+            else:
+                value = np.arange(count, dtype=np.int64)
+            return self.__dict__.setdefault(name, value)
 
     def __len__(self) -> int:
         """The number of rows, M."""
