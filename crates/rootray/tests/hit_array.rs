@@ -16,7 +16,7 @@ const A: [f64; 4] = [1.0, 4.0, 5.0, 10.0];
 const B: [f64; 10] = [0.0, 2.0, 3.0, 5.0, 6.0, 7.0, 8.0, 9.0, 11.0, 12.0];
 
 fn options<T>(sort_output: bool, regularize: Regularize<T>) -> CsgOptions<T> {
-    CsgOptions { sort_output, regularize }
+    CsgOptions { sort_output, regularize, ..CsgOptions::default() }
 }
 
 fn padded<T: Real>(hits: &[T], rows: usize) -> Vec<T> {

@@ -1,6 +1,6 @@
 //! `array_csg` against a table written by numpy: reference/array_csg.py says how.
 
-use rayweave_rootray::hit_array::{CsgOptions, HitArray, Operation, Real, Regularize, array_csg};
+use rayweave_rootray::hit_array::{CsgOptions, HitArray, Operation, Real, array_csg};
 
 const TABLE: &str = include_str!("reference/array_csg.txt");
 
@@ -28,7 +28,7 @@ fn check<T: Real>(operation: Operation, sort_output: bool, lines: &[&str], numbe
     assert_eq!(rows, rows1 + rows2);
     let array1 = HitArray::new(&data1, rows1, columns).unwrap();
     let array2 = HitArray::new(&data2, rows2, columns).unwrap();
-    let options = CsgOptions { sort_output, regularize: Regularize::No };
+    let options = CsgOptions { sort_output, ..CsgOptions::default() };
     assert_eq!(array_csg(array1, array2, operation, options).unwrap(), expected, "{lines:?}");
 }
 

@@ -58,11 +58,16 @@ impl<'a, T: Real> HitArray<'a, T> {
         used.iter().skip(column).step_by(self.columns.max(1)).copied()
     }
 
-    /// Refuses an odd number of rows, NaN and unsorted columns; `name` is the array's name in messages.
-    pub(crate) fn check(&self, name: &'static str) -> Result<(), HitArrayError> {
+    /// Refuses an odd number of rows; `name` is the array's name in messages.
+    pub(crate) fn check_rows(&self, name: &'static str) -> Result<(), HitArrayError> {
         if self.rows % 2 == 1 {
             return Err(HitArrayError::OddRows { array: name, rows: self.rows });
         }
+        Ok(())
+    }
+
+    /// Refuses NaN and unsorted columns, if the number of rows is even.
+    pub(crate) fn check_entries(&self, name: &'static str) -> Result<(), HitArrayError> {
         if self.is_sorted() {
             return Ok(());
         }

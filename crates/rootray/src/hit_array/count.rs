@@ -1,7 +1,9 @@
 //! The count vector of two hit arrays: the step between the merged entries and the result.
 
-use super::csg::{check_pair, output_len, walk};
+use super::csg::{check_pair, output_len};
 use super::kernel::Merge;
+use super::part::Part;
+use super::scalar::walk;
 use super::{HitArray, HitArrayError, Operation, Real};
 
 /// Merged entries and counts, both row by row: H1 + H2 rows, N columns.
@@ -28,7 +30,9 @@ pub fn count_array<T: Real>(
     let len = output_len(&array1, &array2);
     let mut counted = vec![(T::ZERO, 0); len];
     let inverted = if operation == Operation::Difference { 2 } else { 0 };
-    walk(&array1, &array2, &mut counted, |a, b, out| count(inverted, a, b, out));
+    let mut part = Part::whole(array1, array2, &mut counted);
+    let columns = 0..part.width();
+    walk(&mut part, columns, |a, b, out| count(inverted, a, b, out));
     let (times, counts) = counted.into_iter().unzip();
     Ok(CountArray { times, counts })
 }

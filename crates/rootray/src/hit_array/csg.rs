@@ -1,7 +1,12 @@
 //! Boolean operations on hit arrays: the shapes, the checks and the walk over the rays.
 
+use std::num::NonZeroUsize;
+
 use super::kernel::{self, TruthTable};
-use super::{HitArray, HitArrayError, Real};
+use super::part::{self, Part};
+use super::scalar::walk;
+use super::wide::{self, Plan};
+use super::{HitArray, HitArrayError, Instructions, Real};
 
 /// A boolean operation on two solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -35,11 +40,20 @@ pub struct CsgOptions<T = f64> {
     pub sort_output: bool,
     /// Default: `Regularize::No`. Anything else needs `sort_output`.
     pub regularize: Regularize<T>,
+    /// The most threads to use; small arrays are not worth more than one. Default: 1.
+    pub threads: NonZeroUsize,
+    /// The instructions to use. Default: the widest.
+    pub instructions: Instructions,
 }
 
 impl<T> Default for CsgOptions<T> {
     fn default() -> Self {
-        Self { sort_output: true, regularize: Regularize::No }
+        Self {
+            sort_output: true,
+            regularize: Regularize::No,
+            threads: NonZeroUsize::MIN,
+            instructions: Instructions::Widest,
+        }
     }
 }
 
@@ -72,10 +86,14 @@ pub fn array_csg_1d<T: Real>(
     array_csg(HitArray::single(array1), HitArray::single(array2), operation, options)
 }
 
-/// [`array_csg`] into memory of the caller, which is left as it was if there is an error.
+/// [`array_csg`] into memory of the caller.
+///
+/// The bits of the result depend neither on the number of threads nor on the instructions. With `sort_output` and without
+/// `regularize` as many rays are combined at once as a register holds; otherwise one after the other.
 ///
 /// # Errors
-/// As [`array_csg`]; `OutputLength` unless `out` holds (H1 + H2) * N numbers.
+/// As [`array_csg`]; `OutputLength` unless `out` holds (H1 + H2) * N numbers. `out` is left as it was, unless the error is
+/// `Nan` or `NotSorted`: entries are checked as they are read, and part of the result may have been written.
 pub fn array_csg_into<T: Real>(
     array1: HitArray<'_, T>,
     array2: HitArray<'_, T>,
@@ -84,24 +102,56 @@ pub fn array_csg_into<T: Real>(
     out: &mut [T],
 ) -> Result<(), HitArrayError> {
     check_options(options)?;
-    check_pair(&array1, &array2)?;
+    check_shapes(&array1, &array2)?;
     let expected = output_len(&array1, &array2);
     if out.len() != expected {
         return Err(HitArrayError::OutputLength { expected, found: out.len() });
     }
-    let table = TruthTable::new(operation);
-    match (options.regularize, options.sort_output) {
-        (Regularize::No, true) => walk(&array1, &array2, out, |a, b, out| kernel::keep(table, a, b, out)),
-        (Regularize::No, false) => walk(&array1, &array2, out, |a, b, out| kernel::mask(table, a, b, out)),
-        (Regularize::Exact, _) => {
-            walk(&array1, &array2, out, |a, b, out| kernel::regularize(table, a, b, out))
+    let columns = array1.columns();
+    let plain = options.regularize == Regularize::No && options.sort_output;
+    if plain
+        && columns > 1
+        && let Some(level) = options.instructions.level()
+        && wide::pays::<T>(level, array1.rows() + array2.rows(), columns)
+    {
+        let plan = Plan::new(operation, array1.rows(), array2.rows());
+        let parts = Part::whole(array1, array2, &mut *out).split(options.threads);
+        if part::all_parts(parts, |part| wide::combine(level, &plan, part)) {
+            return Ok(());
         }
-        (Regularize::Weld(min_sep), _) => walk(&array1, &array2, out, |a, b, out| {
+    }
+    check_entries(&array1, &array2)?;
+    one_by_one(array1, array2, operation, options, out);
+    Ok(())
+}
+
+/// [`array_csg_into`] one ray after the other, of entries that are known to be sorted.
+fn one_by_one<T: Real>(
+    array1: HitArray<'_, T>,
+    array2: HitArray<'_, T>,
+    operation: Operation,
+    options: CsgOptions<T>,
+    out: &mut [T],
+) {
+    let table = TruthTable::new(operation);
+    let kernel = |a: &[T], b: &[T], out: &mut [T]| match (options.regularize, options.sort_output) {
+        (Regularize::No, true) => kernel::keep(table, a, b, out),
+        (Regularize::No, false) => kernel::mask(table, a, b, out),
+        (Regularize::Exact, _) => kernel::regularize(table, a, b, out),
+        (Regularize::Weld(min_sep), _) => {
             kernel::regularize(table, a, b, out);
             kernel::weld(min_sep, out);
-        }),
+        }
+    };
+    if array1.columns() == 1 {
+        return kernel(array1.data(), array2.data(), out);
     }
-    Ok(())
+    let parts = Part::whole(array1, array2, out).split(options.threads);
+    part::all_parts(parts, |mut part| {
+        let columns = 0..part.width();
+        walk(&mut part, columns, kernel);
+        true
+    });
 }
 
 /// Numbers in the result. The sum cannot overflow where the arrays exist: each holds at most `isize::MAX` bytes.
@@ -121,67 +171,31 @@ fn check_options<T: Real>(options: CsgOptions<T>) -> Result<(), HitArrayError> {
     Ok(())
 }
 
+/// Refuses two arrays whose shapes cannot be combined.
+fn check_shapes<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> Result<(), HitArrayError> {
+    let (columns1, columns2) = (array1.columns(), array2.columns());
+    if columns1 != columns2 {
+        return Err(HitArrayError::Columns { columns1, columns2 });
+    }
+    array1.check_rows("array1")?;
+    match array2.check_rows("array2") {
+        // of several faults the first is named
+        Err(error) => array1.check_entries("array1").and(Err(error)),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// Refuses NaN and unsorted columns.
+fn check_entries<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> Result<(), HitArrayError> {
+    array1.check_entries("array1")?;
+    array2.check_entries("array2")
+}
+
 /// Refuses two arrays that cannot be combined.
 pub(super) fn check_pair<T: Real>(
     array1: &HitArray<'_, T>,
     array2: &HitArray<'_, T>,
 ) -> Result<(), HitArrayError> {
-    let (columns1, columns2) = (array1.columns(), array2.columns());
-    if columns1 != columns2 {
-        return Err(HitArrayError::Columns { columns1, columns2 });
-    }
-    array1.check("array1")?;
-    array2.check("array2")
-}
-
-/// Rays handled together. Two cache lines of f64 per row: whole lines are moved, and the scratch stays in the cache.
-const BLOCK: usize = 16;
-
-/// Calls `kernel` with the two columns and the output column of every ray.
-///
-/// Blocks of columns are turned into contiguous scratch and back, so that a kernel sees slices, and rows that lie a power of
-/// two apart do not fight for the same cache set. The scratch is allocated once.
-pub(super) fn walk<T: Real, O: Copy + Default>(
-    array1: &HitArray<'_, T>,
-    array2: &HitArray<'_, T>,
-    out: &mut [O],
-    mut kernel: impl FnMut(&[T], &[T], &mut [O]),
-) {
-    let (rows1, rows2, columns) = (array1.rows(), array2.rows(), array1.columns());
-    let rows = rows1 + rows2;
-    let width = BLOCK.min(columns);
-    let mut scratch1 = vec![T::ZERO; rows1 * width];
-    let mut scratch2 = vec![T::ZERO; rows2 * width];
-    let mut result = vec![O::default(); rows * width];
-    for start in (0..columns).step_by(BLOCK) {
-        let width = BLOCK.min(columns - start);
-        load(array1, start, width, &mut scratch1);
-        load(array2, start, width, &mut scratch2);
-        for lane in 0..width {
-            let first = &scratch1[lane * rows1..][..rows1];
-            let second = &scratch2[lane * rows2..][..rows2];
-            kernel(first, second, &mut result[lane * rows..][..rows]);
-        }
-        store(&result, start, width, columns, out);
-    }
-}
-
-/// Copies `width` columns from `start` on, each to a contiguous stretch.
-fn load<T: Real>(array: &HitArray<'_, T>, start: usize, width: usize, scratch: &mut [T]) {
-    let rows = array.rows();
-    for row in 0..rows {
-        for (lane, &t) in array.row(row)[start..start + width].iter().enumerate() {
-            scratch[lane * rows + row] = t;
-        }
-    }
-}
-
-/// Copies `width` contiguous columns to the columns from `start` on.
-fn store<O: Copy>(result: &[O], start: usize, width: usize, columns: usize, out: &mut [O]) {
-    let rows = out.len() / columns;
-    for row in 0..rows {
-        for (lane, entry) in out[row * columns + start..][..width].iter_mut().enumerate() {
-            *entry = result[lane * rows + row];
-        }
-    }
+    check_shapes(array1, array2)?;
+    check_entries(array1, array2)
 }

@@ -3,10 +3,23 @@
 use std::ops::{Add, Sub};
 
 mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
+    use fearless_simd::{Simd, SimdFloat, SimdFloatElement};
+
+    pub trait Sealed: SimdFloatElement {
+        /// As many numbers as one instruction handles.
+        type Lanes<S: Simd>: SimdFloat<S, Element = Self>;
+    }
+
+    impl Sealed for f32 {
+        type Lanes<S: Simd> = S::f32s;
+    }
+
+    impl Sealed for f64 {
+        type Lanes<S: Simd> = S::f64s;
+    }
 }
+
+pub(super) use sealed::Sealed as Wide;
 
 /// A floating-point number: `f32` or `f64`.
 pub trait Real:

@@ -1,0 +1,231 @@
+//! Any number of rows: a block of columns stays in the cache while networks put its rows in order.
+
+use std::ops::Range;
+
+use fearless_simd::prelude::*;
+
+use super::super::kernel::{self, TruthTable};
+use super::super::part::Part;
+use super::super::scalar::walk;
+use super::super::{Operation, Real};
+use super::network::{Exchange, Network};
+use super::rule::{self, Rule};
+use super::watch::Watch;
+use super::{load, store};
+
+/// Registers of a row of a block.
+const WIDTH: usize = 4;
+
+/// What is the same for all blocks of a call.
+pub(in super::super) struct Plan {
+    pub(super) operation: Operation,
+    /// Rows of the higher operand.
+    pub(super) rows: usize,
+    merge: Network,
+    sort: Network,
+}
+
+impl Plan {
+    pub(in super::super) fn new(operation: Operation, rows1: usize, rows2: usize) -> Self {
+        let (count, rows) = ((rows1 + rows2) / 2, rows1.max(rows2));
+        if rows <= super::direct::ROWS {
+            return Plan { operation, rows, merge: Network::default(), sort: Network::default() };
+        }
+        Plan { operation, rows, merge: Network::merge(rows1 / 2, rows2 / 2), sort: Network::sort(count) }
+    }
+}
+
+type Row<S, T> = [<T as super::super::real::Wide>::Lanes<S>; WIDTH];
+type Mask<S, T> = <<T as super::super::real::Wide>::Lanes<S> as SimdBase<S>>::Mask;
+
+/// A block of columns.
+struct Block<S: Simd, T: Real> {
+    /// Starts of pieces: those of the first operand, then those of the second; later all of them, sorted by the order of the network.
+    starts: Vec<Row<S, T>>,
+    /// Ends of pieces, likewise.
+    ends: Vec<Row<S, T>>,
+    /// Which pieces exist.
+    exist: Vec<[Mask<S, T>; WIDTH]>,
+}
+
+/// Combines the columns. False if a column is not sorted or holds NaN; the result is of no use then.
+#[inline(always)]
+pub(super) fn run<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>) -> bool {
+    let width = part.width();
+    let count = part.out.len() / 2;
+    let rule = Rule::new(plan.operation);
+    let padding = [T::Lanes::<S>::splat(simd, T::INFINITY); WIDTH];
+    let mut block = Block::<S, T> {
+        starts: vec![padding; count],
+        ends: vec![padding; count],
+        exist: vec![[SimdMask::splat(simd, true); WIDTH]; rule.pieces(count)],
+    };
+    for start in (0..width).step_by(WIDTH * T::Lanes::<S>::LEN) {
+        let columns = start..width.min(start + WIDTH * T::Lanes::<S>::LEN);
+        let watch = block.load(simd, rule, part, &columns);
+        if !watch.is_sorted() {
+            return false;
+        }
+        if watch.has_zero() && part.has_negative_zero(&columns) {
+            let table = TruthTable::new(plan.operation);
+            walk(part, columns, |a, b, out| kernel::keep(table, a, b, out));
+            continue;
+        }
+        exchange_all(&plan.merge.exchanges, &mut block.starts);
+        exchange_all(&plan.merge.exchanges, &mut block.ends);
+        if block.compare(simd, rule, &plan.merge.order) {
+            block.compare_operands(simd, rule, part, &columns);
+        }
+        block.drop_rest(simd, rule, &plan.merge.order);
+        exchange_all(&plan.sort.exchanges, &mut block.starts);
+        exchange_all(&plan.sort.exchanges, &mut block.ends);
+        block.store(rule, &plan.sort.order, part, &columns);
+    }
+    true
+}
+
+impl<S: Simd, T: Real> Block<S, T> {
+    /// Reads starts and ends of both operands.
+    #[inline(always)]
+    fn load(&mut self, simd: S, rule: Rule, part: &Part<'_, T, T>, columns: &Range<usize>) -> Watch<S, T> {
+        let mut watch = Watch::new(simd);
+        let pieces1 = part.rows1.len() / 2;
+        for (rows, from, complement) in
+            [(&part.rows1, 0, rule.complement1), (&part.rows2, pieces1, rule.complement2)]
+        {
+            let mut above = [T::Lanes::<S>::splat(simd, T::ZERO - T::INFINITY); WIDTH];
+            for (k, row) in rows.iter().enumerate() {
+                let loaded = load_row::<S, T>(simd, &row[columns.clone()]);
+                unrolled!(k < WIDTH => {
+                    watch.order(above[k], loaded[k]);
+                    watch.sign(loaded[k]);
+                });
+                above = loaded;
+                let list = if (k % 2 == 1) == complement { &mut self.starts } else { &mut self.ends };
+                list[from + k / 2] = loaded;
+            }
+        }
+        watch
+    }
+
+    /// Sees from sorted starts and ends which pieces exist. True if equal times leave it open.
+    #[inline(always)]
+    fn compare(&mut self, simd: S, rule: Rule, order: &[usize]) -> bool {
+        let padding = T::Lanes::<S>::splat(simd, T::INFINITY);
+        let mut tied: Mask<S, T> = SimdMask::splat(simd, false);
+        for (piece, exist) in self.exist.iter_mut().enumerate() {
+            let (Some(start), true) = (rule.start_of(piece), piece < order.len()) else { continue };
+            if start >= order.len() {
+                continue;
+            }
+            let (starts, ends) = (&self.starts[order[start]], &self.ends[order[piece]]);
+            unrolled!(k < WIDTH => {
+                exist[k] = starts[k].simd_lt(ends[k]);
+                tied |= starts[k].simd_eq(ends[k]) & starts[k].simd_lt(padding);
+            });
+        }
+        tied.any_true()
+    }
+
+    /// Sees from the operands which pieces exist, equal times and all.
+    #[inline(always)]
+    fn compare_operands(&mut self, simd: S, rule: Rule, part: &Part<'_, T, T>, columns: &Range<usize>) {
+        let (mut first, mut second) = (Vec::new(), Vec::new());
+        for (rows, list) in [(&part.rows1, &mut first), (&part.rows2, &mut second)] {
+            for row in rows {
+                list.push(load_row::<S, T>(simd, &row[columns.clone()]));
+            }
+        }
+        let (complement1, complement2) = (rule.complement1, rule.complement2);
+        self.exist.fill([SimdMask::splat(simd, false); WIDTH]);
+        for i in 0..rule::pieces_of(complement1, first.len()) {
+            let begin1 = rule::begin(complement1, i);
+            let end1 = rule::end(complement1, i, first.len());
+            for j in 0..rule::pieces_of(complement2, second.len()) {
+                let begin2 = rule::begin(complement2, j);
+                let end2 = rule::end(complement2, j, second.len());
+                let mut both = [SimdMask::splat(simd, true); WIDTH];
+                if let (Some(begin), Some(end)) = (begin1, end2) {
+                    let (begins, ends) = (&first[begin], &second[end]);
+                    unrolled!(k < WIDTH => { both[k] &= begins[k].simd_le(ends[k]); });
+                }
+                if let (Some(begin), Some(end)) = (begin2, end1) {
+                    let (begins, ends) = (&second[begin], &first[end]);
+                    unrolled!(k < WIDTH => { both[k] &= begins[k].simd_lt(ends[k]); });
+                }
+                let exist = &mut self.exist[i + j];
+                unrolled!(k < WIDTH => { exist[k] |= both[k]; });
+            }
+        }
+    }
+
+    /// Makes +inf of all starts and ends but those of pieces that exist.
+    #[inline(always)]
+    fn drop_rest(&mut self, simd: S, rule: Rule, order: &[usize]) {
+        let padding = T::Lanes::<S>::splat(simd, T::INFINITY);
+        for (k, &row) in order.iter().enumerate() {
+            let from = rule.piece_from(k).and_then(|piece| self.exist.get(piece));
+            keep(padding, from, &mut self.starts[row]);
+            keep(padding, self.exist.get(k), &mut self.ends[row]);
+        }
+    }
+
+    /// Writes sorted starts and ends to the rows of the result.
+    #[inline(always)]
+    fn store(&self, rule: Rule, order: &[usize], part: &mut Part<'_, T, T>, columns: &Range<usize>) {
+        for (&row, out) in order.iter().zip(part.out.chunks_exact_mut(2)) {
+            let pair = [&self.starts[row], &self.ends[row]];
+            let (entry, next) = if rule.is_complement() { (1, 0) } else { (0, 1) };
+            store_row::<S, T>(pair[entry], &mut out[0][columns.clone()]);
+            store_row::<S, T>(pair[next], &mut out[1][columns.clone()]);
+        }
+    }
+}
+
+/// A row of a block.
+#[inline(always)]
+fn load_row<S: Simd, T: Real>(simd: S, numbers: &[T]) -> Row<S, T> {
+    let len = T::Lanes::<S>::LEN;
+    let mut row = [T::Lanes::<S>::splat(simd, T::INFINITY); WIDTH];
+    if numbers.len() == WIDTH * len {
+        unrolled!(k < WIDTH => { row[k] = T::Lanes::<S>::from_slice(simd, &numbers[k * len..(k + 1) * len]); });
+    } else {
+        for (t, numbers) in row.iter_mut().zip(numbers.chunks(len)) {
+            *t = load(simd, numbers);
+        }
+    }
+    row
+}
+
+/// Writes the columns that exist.
+#[inline(always)]
+fn store_row<S: Simd, T: Real>(row: &Row<S, T>, numbers: &mut [T]) {
+    let len = T::Lanes::<S>::LEN;
+    if numbers.len() == WIDTH * len {
+        unrolled!(k < WIDTH => { row[k].store_slice(&mut numbers[k * len..(k + 1) * len]); });
+    } else {
+        for (t, numbers) in row.iter().zip(numbers.chunks_mut(len)) {
+            store::<S, T>(*t, numbers);
+        }
+    }
+}
+
+/// Makes +inf of what does not exist.
+#[inline(always)]
+fn keep<S: Simd, V: SimdBase<S>>(padding: V, exist: Option<&[V::Mask; WIDTH]>, row: &mut [V; WIDTH]) {
+    match exist {
+        Some(exist) => {
+            unrolled!(k < WIDTH => { row[k] = exist[k].select(row[k], padding); });
+        }
+        None => *row = [padding; WIDTH],
+    }
+}
+
+#[inline(always)]
+fn exchange_all<S: Simd, V: SimdFloat<S>>(network: &[Exchange], rows: &mut [[V; WIDTH]]) {
+    for &(low, high) in network {
+        if let Ok([low, high]) = rows.get_disjoint_mut([low, high]) {
+            unrolled!(k < WIDTH => { (low[k], high[k]) = (low[k].min(high[k]), low[k].max(high[k])); });
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Many rays at once, one in each lane of a register.
+//!
+//! The lanes never mix, so the result does not depend on how many there are. Nothing branches on the numbers but where zeros
+//! have signs, or where in a block equal times meet.
+
+/// Repeats its body for the numbers below `$n`, at most nine of them, each a constant: arrays of lanes then live in registers, and
+/// no bound is checked. No closures there: the compiler does not always compile them for the instructions that lanes need.
+macro_rules! unrolled {
+    ($k:ident < $n:expr => $body:block) => {
+        unrolled!(@ $k, $n, $body, 0 1 2 3 4 5 6 7 8)
+    };
+    (@ $k:ident, $n:expr, $body:block, $($number:literal)*) => {
+        $({
+            let $k: usize = $number;
+            if $k < $n $body
+        })*
+    };
+}
+
+mod block;
+mod direct;
+mod network;
+mod rule;
+mod watch;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+
+use super::Real;
+use super::part::Part;
+
+pub(super) use block::Plan;
+
+/// The lanes of the widest register.
+const WIDEST: usize = 16;
+
+/// Whether so many columns of so many rows, of both operands together, are sooner combined here than one by one. Networks take
+/// O(rows log^2 rows) steps, each for all lanes at once; the border was found by trial, and the scratch stays in the second cache.
+pub(super) fn pays<T: Real>(level: Level, rows: usize, columns: usize) -> bool {
+    let lanes = dispatch!(level, simd => lanes::<_, T>(simd));
+    columns >= lanes.min(8) && rows <= (64 * lanes * lanes).min(2048)
+}
+
+#[inline(always)]
+fn lanes<S: Simd, T: Real>(_: S) -> usize {
+    T::Lanes::<S>::LEN
+}
+
+/// Combines the columns of a part. False if a column is not sorted or holds NaN; the result is of no use then.
+pub(super) fn combine<T: Real>(level: Level, plan: &Plan, mut part: Part<'_, T, T>) -> bool {
+    match plan.rows {
+        0..=2 => dispatch!(level, simd => direct::run::<_, T, 2>(simd, plan.operation, &mut part)),
+        3..=4 => dispatch!(level, simd => direct::run::<_, T, 4>(simd, plan.operation, &mut part)),
+        5..=direct::ROWS => dispatch!(level, simd => direct::run::<_, T, 8>(simd, plan.operation, &mut part)),
+        _ => dispatch!(level, simd => block::run(simd, plan, &mut part)),
+    }
+}
+
+/// As many numbers as there are lanes, or fewer, then the other lanes are +inf.
+#[inline(always)]
+fn load<S: Simd, T: Real>(simd: S, numbers: &[T]) -> T::Lanes<S> {
+    if numbers.len() == T::Lanes::<S>::LEN {
+        return T::Lanes::<S>::from_slice(simd, numbers);
+    }
+    let mut lanes = [T::INFINITY; WIDEST];
+    lanes[..numbers.len()].copy_from_slice(numbers);
+    T::Lanes::<S>::from_slice(simd, &lanes[..T::Lanes::<S>::LEN])
+}
+
+/// Writes all lanes, or the first ones.
+#[inline(always)]
+fn store<S: Simd, T: Real>(lanes: T::Lanes<S>, numbers: &mut [T]) {
+    if numbers.len() == T::Lanes::<S>::LEN {
+        return lanes.store_slice(numbers);
+    }
+    numbers.copy_from_slice(&lanes.as_slice()[..numbers.len()]);
+}

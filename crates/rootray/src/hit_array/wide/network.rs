@@ -1,0 +1,124 @@
+//! Comparator networks: which pairs of rows to put in order, one after the other, so that all rows are sorted in the end.
+
+/// Puts two rows in order: the lesser numbers go to the first, the greater to the second.
+pub(super) type Exchange = (usize, usize);
+
+/// A comparator network over rows.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Network {
+    /// What to do, in this order.
+    pub exchanges: Vec<Exchange>,
+    /// The rows that hold the least numbers, the next, and so on, when all is done.
+    pub order: Vec<usize>,
+}
+
+/// Wires of a network: the row on each, or none where nothing but +inf would run.
+struct Wires {
+    rows: Vec<Option<usize>>,
+    exchanges: Vec<Exchange>,
+}
+
+impl Wires {
+    fn new(rows: Vec<Option<usize>>) -> Self {
+        Wires { rows, exchanges: Vec::new() }
+    }
+
+    /// A comparator between two wires. +inf on one of them makes it a change of names, or nothing at all.
+    fn exchange(&mut self, low: usize, high: usize) {
+        match (self.rows[low], self.rows[high]) {
+            (Some(low), Some(high)) => self.exchanges.push((low, high)),
+            (None, Some(_)) => self.rows.swap(low, high),
+            (_, None) => (),
+        }
+    }
+
+    /// Batcher's odd-even merge ("Sorting networks and their applications", 1968) of the sorted halves of `2 * half` wires from
+    /// `first` on; `half` is a power of two.
+    fn merge(&mut self, first: usize, half: usize) {
+        (first..first + half).for_each(|low| self.exchange(low, low + half));
+        let mut step = half / 2;
+        while step > 0 {
+            let odd = (step..2 * half - step).filter(|wire| wire & step != 0);
+            odd.for_each(|wire| self.exchange(first + wire, first + wire + step));
+            step /= 2;
+        }
+    }
+
+    fn finish(self) -> Network {
+        Network { exchanges: self.exchanges, order: self.rows.into_iter().flatten().collect() }
+    }
+}
+
+impl Network {
+    /// Merges rows 0 to `first`, which are sorted, with the `second` rows behind them, which are sorted, too.
+    pub fn merge(first: usize, second: usize) -> Self {
+        let half = first.max(second).next_power_of_two();
+        let wire = |count: usize, offset: usize, k: usize| (k < count).then_some(offset + k);
+        let lower = (0..half).map(|k| wire(first, 0, k));
+        let mut wires = Wires::new(lower.chain((0..half).map(|k| wire(second, first, k))).collect());
+        wires.merge(0, half);
+        wires.finish()
+    }
+
+    /// Sorts so many rows.
+    pub fn sort(count: usize) -> Self {
+        let wide = count.next_power_of_two();
+        let mut wires = Wires::new((0..wide).map(|k| (k < count).then_some(k)).collect());
+        let mut half = 1;
+        while half < wide {
+            (0..wide).step_by(2 * half).for_each(|first| wires.merge(first, half));
+            half *= 2;
+        }
+        wires.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A network sorts everything if it sorts all zeros and ones (Knuth, TAOCP 5.3.4, theorem Z).
+    fn run(network: &Network, mut rows: Vec<u32>) -> Vec<u32> {
+        for &(low, high) in &network.exchanges {
+            (rows[low], rows[high]) = (rows[low].min(rows[high]), rows[low].max(rows[high]));
+        }
+        network.order.iter().map(|&row| rows[row]).collect()
+    }
+
+    fn steps(zeros: usize, ones: usize) -> Vec<u32> {
+        [vec![0; zeros], vec![1; ones]].concat()
+    }
+
+    #[test]
+    fn merges_sort_all_pairs_of_sorted_lists() {
+        for (first, second) in (0..20).flat_map(|first| (0..20).map(move |second| (first, second))) {
+            let network = Network::merge(first, second);
+            for (zeros1, zeros2) in (0..=first).flat_map(|z1| (0..=second).map(move |z2| (z1, z2))) {
+                let (ones1, ones2) = (first - zeros1, second - zeros2);
+                let rows = [steps(zeros1, ones1), steps(zeros2, ones2)].concat();
+                assert_eq!(run(&network, rows), steps(zeros1 + zeros2, ones1 + ones2), "{first} {second}");
+            }
+        }
+    }
+
+    #[test]
+    fn sorts_sort_everything() {
+        for count in 0..13 {
+            let network = Network::sort(count);
+            for bits in 0..1_u32 << count {
+                let rows: Vec<u32> = (0..count).map(|k| bits >> k & 1).collect();
+                let ones = bits.count_ones() as usize;
+                assert_eq!(run(&network, rows), steps(count - ones, ones), "{count} {bits:b}");
+            }
+        }
+    }
+
+    /// The sizes that Batcher states.
+    #[test]
+    fn networks_are_as_small_as_they_should_be() {
+        let merges = [(1, 1), (2, 3), (4, 9), (8, 25), (16, 65)];
+        assert!(merges.iter().all(|&(half, size)| Network::merge(half, half).exchanges.len() == size));
+        let sorts = [(2, 1), (3, 3), (4, 5), (8, 19), (16, 63), (32, 191)];
+        assert!(sorts.iter().all(|&(count, size)| Network::sort(count).exchanges.len() == size));
+    }
+}
