@@ -86,9 +86,9 @@ impl Engine {
     pub fn leaves(&self) -> &[i32] {
         self.leaves.get_or_init(|| {
             let mut leaves = vec![-1; self.program.facets().len()];
-            for (number, leaf) in self.program.leaves().iter().enumerate() {
-                if let LeafKind::Shape { facets, .. } = &leaf.kind {
-                    leaves[facets.start as usize..facets.end as usize].fill(number as i32);
+            for leaf in self.program.leaves() {
+                if let LeafKind::Shape { facets } = leaf.kind() {
+                    leaves[facets.start as usize..facets.end as usize].fill(leaf.id().0 as i32);
                 }
             }
             leaves
@@ -97,9 +97,8 @@ impl Engine {
 
     /// The names of all faces, by their numbers.
     pub fn surface_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let names = || {
-            Ok::<_, PyErr>(PyTuple::new(py, self.program.facets().iter().map(|facet| &*facet.name))?.unbind())
-        };
+        let names =
+            || Ok::<_, PyErr>(PyTuple::new(py, self.program.face_names().collect::<Vec<_>>())?.unbind());
         Ok(self.surface_names.get_or_try_init(py, names)?.bind(py).clone())
     }
 

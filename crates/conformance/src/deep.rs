@@ -32,8 +32,9 @@ fn chain<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     assert!((DEPTH / 3..=DEPTH).contains(&leaves), "{leaves} leaves");
     // what is kept grows with the leaves, not with their number times the depth
     let nodes = program.prototypes()[0].expression.nodes();
-    let operands: usize = nodes.iter().map(operand_count).sum();
-    assert!(nodes.len() + operands <= 6 * DEPTH, "{} nodes, {operands} operands", nodes.len());
+    let count = nodes.len();
+    let operands: usize = nodes.map(operand_count).sum();
+    assert!(count + operands <= 6 * DEPTH, "{count} nodes, {operands} operands");
     let evaluator = make(program);
     for row in 0..20 {
         let at = Vec3::new(-9.0, 3.0 * f64::from(row * 37), 0.1);
@@ -51,7 +52,7 @@ fn chain<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     }
 }
 
-fn operand_count(gate: &rayweave_model::Gate) -> usize {
+fn operand_count(gate: rayweave_model::Gate<'_>) -> usize {
     match gate {
         rayweave_model::Gate::Join(_, operands) => operands.len(),
         _ => 0,

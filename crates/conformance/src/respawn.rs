@@ -7,8 +7,8 @@ use crate::{Effort, Random, Tally, list};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
-    Collected, Crossing, Evaluator, Face, LeafKind, Limit, PlacementId, Program, Query, RegionId, Solid,
-    Start, StartLists, dress,
+    Collected, Crossing, Evaluator, Face, LeafId, Limit, PlacementId, Program, Query, RegionId, Solid, Start,
+    StartLists, dress,
 };
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::Primitive;
@@ -194,12 +194,11 @@ impl<E: Evaluator> Walk<'_, E> {
             let placement = PlacementId(placement);
             let (_, group) = self.program.placement(placement);
             let leaves = self.program.prototype(group).leaves.clone();
-            for leaf in &self.program.leaves()[leaves.start as usize..leaves.end as usize] {
-                let LeafKind::Shape { facets, .. } = &leaf.kind else { continue };
-                for facet in &self.program.facets()[facets.start as usize..facets.end as usize] {
-                    let face = Face { surface: facet.surface, placement, ..crossing.face };
+            for leaf in leaves {
+                for facet in self.program.leaf(LeafId(leaf)).facets() {
+                    let face = Face { surface: facet.surface(), placement, ..crossing.face };
                     if self.is_on(face, ray, crossing.t) {
-                        starts.push(Start { surface: facet.surface, placement, inside: facet.inside });
+                        starts.push(Start { surface: facet.surface(), placement, inside: facet.inside() });
                     }
                 }
             }

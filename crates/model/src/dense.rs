@@ -83,9 +83,8 @@ impl FirstHits<'_> {
         self.before[i] = first.map_or(answer.start, |crossing| crossing.before).0;
         self.after[i] = first.map_or(answer.start, |crossing| crossing.after).0;
         if let Some(columns) = &mut self.normal {
-            let normal = first.map_or([f64::NAN; 3], |crossing| {
-                dress::normal(program, &rays.get(i), crossing).to_array()
-            });
+            let normal = first
+                .map_or([f64::NAN; 3], |crossing| dress::normal(program, &rays.get(i), crossing).to_array());
             columns.iter_mut().zip(normal).for_each(|(column, component)| column[i] = component);
         }
     }

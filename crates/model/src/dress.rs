@@ -1,7 +1,7 @@
 //! Points and normals of crossings, computed once and only for those that are reported.
 
 use crate::weld::local_ray;
-use crate::{Crossing, Face, LeafKind, Program};
+use crate::{Crossing, Face, Program};
 use rayweave_math::Vec3;
 use rayweave_shape::Ray;
 
@@ -36,7 +36,6 @@ pub fn world_gradient(program: &Program, ray: &Ray, face: Face, t: f64) -> Vec3 
 
 /// +1 if the gradient of a face's surface points out of its leaf, else -1: decides where a ray only grazes.
 fn outward(program: &Program, face: Face) -> f64 {
-    let facet = &program.facets()[program.face_number(face.leaf, face.facet) as usize];
-    let complement = matches!(program.leaf(face.leaf).kind, LeafKind::Shape { complement: true, .. });
-    if facet.inside ^ complement { 1.0 } else { -1.0 }
+    let leaf = program.leaf(face.leaf);
+    if leaf.facets()[face.facet as usize].inside() ^ leaf.is_complement() { 1.0 } else { -1.0 }
 }

@@ -1,6 +1,8 @@
 //! The trait between the two sides of the house: rays and questions in, crossings out.
 
-use crate::{BadRay, FirstHits, HitRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays, RegionId, SurfaceId};
+use crate::{
+    BadRay, FirstHits, HitRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays, RegionId, SurfaceId,
+};
 use rayweave_math::Vec3;
 use rayweave_shape::{Ray, RayError};
 
@@ -273,13 +275,7 @@ pub trait Evaluator: Sync {
     }
 
     /// What every ray of a batch meets first in the window.
-    fn nearest(
-        &self,
-        rays: Rays<'_>,
-        window: Window,
-        scratch: &mut Self::Scratch,
-        hits: &mut FirstHits<'_>,
-    ) {
+    fn nearest(&self, rays: Rays<'_>, window: Window, scratch: &mut Self::Scratch, hits: &mut FirstHits<'_>) {
         let program = self.program();
         let query = Query { window, limit: Limit::First, starts: None };
         self.crossings(rays, &query, scratch, &mut |answer: RayAnswer<'_>| hits.put(program, &rays, &answer));

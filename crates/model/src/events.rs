@@ -1,7 +1,7 @@
 //! Where one leaf changes along a ray: the meaning of a leaf, for every evaluator.
 
-use crate::{Face, LeafFacet, PlacementId, Program, Prototype, PrototypeId, Start, chord};
-use rayweave_math::{Transform, Vec3};
+use crate::{Face, LeafFacet, Place, PlacementId, Program, Prototype, PrototypeId, Start, chord};
+use rayweave_math::Vec3;
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Aside, Chord, SurfaceCrossings};
 
@@ -47,7 +47,7 @@ pub struct GroupRay<'a> {
 /// The ray has the same times, but was rounded on the way: by the position of its origin and by the lengths
 /// of the translations, which may be large in the frame outside and cancel in the frame inside. `reach` is
 /// what earlier steps have added in the frame outside.
-pub fn carried(place: &Transform, ray: &Ray, reach: f64) -> (Ray, f64) {
+pub fn carried(place: &Place, ray: &Ray, reach: f64) -> (Ray, f64) {
     let down = &place.local_from_world;
     (ray.transformed(down), down.stretch() * (ray.origin.length() + place.path + reach))
 }
@@ -70,7 +70,7 @@ impl GroupPoint {
     }
 
     /// The same point as a solid placed in the group sees it.
-    pub fn placed(&self, place: &Transform) -> GroupPoint {
+    pub fn placed(&self, place: &Place) -> GroupPoint {
         let down = &place.local_from_world;
         let reach = down.stretch() * (self.point.length() + place.path + self.reach);
         GroupPoint { point: down.point(self.point), aside: self.aside.transformed(down), reach }
@@ -85,7 +85,7 @@ impl<'a> GroupRay<'a> {
     }
 
     /// The same ray as a solid placed in the group sees it; `placement` is counted from that of the group.
-    pub fn placed(&self, place: &Transform, inner: &Prototype, placement: u32) -> GroupRay<'a> {
+    pub fn placed(&self, place: &Place, inner: &Prototype, placement: u32) -> GroupRay<'a> {
         let (ray, reach) = carried(place, &self.ray, self.reach);
         let mut chord = chord(&inner.ball, &ray);
         chord.aside = self.chord.aside.transformed(&place.local_from_world);
@@ -94,9 +94,10 @@ impl<'a> GroupRay<'a> {
     }
 
     /// Where the ray crosses a facet, as "inside the facet" before and after.
-    fn crossings(&self, program: &Program, facet: &LeafFacet) -> SurfaceCrossings {
-        let entry = program.surface(facet.surface);
-        let start = self.starts.iter().find(|s| s.surface == facet.surface && s.placement == self.placement);
+    fn crossings(&self, program: &Program, facet: LeafFacet) -> SurfaceCrossings {
+        let entry = program.surface(facet.surface());
+        let start =
+            self.starts.iter().find(|s| s.surface == facet.surface() && s.placement == self.placement);
         let crossings = match start {
             Some(start) => entry.surface.crossings_from_in(&self.ray, start.inside, &self.chord.aside),
             None => match self.chord.lies_in(&entry.surface, entry.reach + self.reach, &self.ray) {
@@ -104,7 +105,7 @@ impl<'a> GroupRay<'a> {
                 None => entry.surface.crossings(&self.ray),
             },
         };
-        if facet.inside { crossings } else { crossings.negated() }
+        if facet.inside() { crossings } else { crossings.negated() }
     }
 }
 
@@ -116,7 +117,7 @@ pub fn leaf_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, even
     events.flips.clear();
     events.starts_inside = false;
     let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0u32), (f64::INFINITY, 0u32));
-    for (k, facet) in facets.iter().enumerate() {
+    for (k, &facet) in facets.iter().enumerate() {
         let crossings = ray.crossings(program, facet);
         match (crossings.starts_negative(), crossings.times()) {
             (true, []) => {}
@@ -149,7 +150,7 @@ fn earlier(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
 /// The same where some facet is inside in more than one piece.
 fn general_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, events: &mut LeafEvents) {
     events.conjunction(facets.len(), |k, flip| {
-        let crossings = ray.crossings(program, &facets[k]);
+        let crossings = ray.crossings(program, facets[k]);
         crossings.times().iter().for_each(|&t| flip(t));
         crossings.starts_negative()
     });
@@ -197,8 +198,8 @@ impl LeafEvents {
 /// lies in it: where moving aside leads.
 pub fn facets_contain(program: &Program, facets: &[LeafFacet], point: &GroupPoint) -> bool {
     facets.iter().all(|facet| {
-        let (value, gradient) = program.surface(facet.surface).surface.value_and_gradient(point.point);
+        let (value, gradient) = program.surface(facet.surface()).surface.value_and_gradient(point.point);
         let negative = if value == 0.0 { point.aside.leads_inside(gradient) } else { value < 0.0 };
-        negative == facet.inside
+        negative == facet.inside()
     })
 }

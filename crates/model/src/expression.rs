@@ -4,6 +4,9 @@ use crate::simplify::{Formula, Op, Term};
 use crate::{LeafId, NodeId};
 use std::borrow::Cow;
 
+/// The number of the node that leaf 0 is.
+const FIRST_LEAF: u32 = 2;
+
 /// When a gate is inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rule {
@@ -60,51 +63,158 @@ impl Edge {
 
 /// A node of an expression.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Gate {
+pub enum Gate<'e> {
     /// Never inside; node 0.
     Vacuum,
     /// Always inside; node 1.
     Plenum,
-    /// A leaf, by its number in the group.
+    /// A leaf, by its number in the group; node number + 2.
     Leaf(LeafId),
     /// A boolean function of other nodes.
-    Join(Rule, Vec<Edge>),
+    Join(Rule, Cow<'e, [Edge]>),
 }
 
 /// The boolean expression of one group over its leaves, as its formula was prepared
-/// ([`simplify`](crate::simplify)): equal nodes are stored once, operands stand before the nodes that use them, and
-/// node 0 is vacuum, node 1 plenum.
+/// ([`simplify`](crate::simplify)): equal nodes are stored once, and operands stand before the nodes that use them.
+///
+/// Node 0 is vacuum, node 1 plenum, node k + 2 leaf k of the group, whether it is used or not; the others are joins. A
+/// leaf costs nothing but the four bytes of each use of it.
 #[derive(Clone, Debug)]
 pub struct Expression {
-    nodes: Vec<Gate>,
+    leaf_count: u32,
+    joins: Vec<Join>,
+    operands: Vec<Edge>,
+    outputs: Vec<Edge>,
+}
+
+/// A join of an expression.
+#[derive(Clone, Copy, Debug)]
+struct Join {
+    rule: Rule,
+    /// Where its operands end; they begin where those of the join before it end.
+    end: u32,
 }
 
 impl Expression {
-    /// The same nodes as those of a formula, under the same numbers.
-    pub fn new(formula: &Formula) -> Expression {
-        let gate = |(_, term, operands): (NodeId, Term, &[Edge])| match term {
-            Term::Vacuum => Gate::Vacuum,
-            Term::Plenum => Gate::Plenum,
-            Term::Leaf(leaf) => Gate::Leaf(leaf),
-            Term::Join(op) => join(op, operands),
+    /// The same joins as those of a formula, in the same order, over so many leaves.
+    pub fn new(formula: &Formula, leaf_count: usize) -> Expression {
+        let mut expression = Expression {
+            leaf_count: leaf_count as u32,
+            joins: Vec::new(),
+            operands: Vec::new(),
+            outputs: Vec::new(),
         };
-        Expression { nodes: formula.nodes().map(gate).collect() }
+        let mut number: Vec<NodeId> = Vec::with_capacity(formula.node_count());
+        let renumbered =
+            |number: &[NodeId], edge: Edge| Edge::new(number[edge.node().index()], edge.is_complemented());
+        for (node, term, operands) in formula.nodes() {
+            number.push(match term {
+                Term::Vacuum | Term::Plenum => node,
+                Term::Leaf(leaf) => NodeId(FIRST_LEAF + leaf.0),
+                Term::Join(op) => {
+                    expression.operands.extend(operands.iter().map(|&edge| renumbered(&number, edge)));
+                    expression.join(op, operands.len())
+                }
+            });
+        }
+        expression.outputs = formula.outputs().iter().map(|&edge| renumbered(&number, edge)).collect();
+        expression.joins.shrink_to_fit();
+        expression.operands.shrink_to_fit();
+        expression
+    }
+
+    /// Makes a join of the last operands.
+    fn join(&mut self, op: Op, count: usize) -> NodeId {
+        let first = self.operands.len() - count;
+        if op == Op::Difference {
+            self.operands[first..].iter_mut().skip(1).for_each(|edge| *edge = edge.complement());
+        }
+        let rule = match op {
+            Op::Union => Rule::AtLeast(1),
+            Op::Difference if count == 0 => Rule::AtLeast(1),
+            Op::Intersection | Op::Difference => Rule::AtLeast(count as u32),
+            Op::AtLeast(least) => Rule::AtLeast(least),
+            Op::SymmetricDifference => Rule::Odd,
+        };
+        self.joins.push(Join { rule, end: self.operands.len() as u32 });
+        NodeId::from(self.node_count() - 1)
+    }
+
+    /// What is asked of the group: one edge per region for the model, one for a placed solid.
+    pub fn outputs(&self) -> &[Edge] {
+        &self.outputs
+    }
+
+    /// The number of nodes, constants and leaves included.
+    pub fn node_count(&self) -> usize {
+        (FIRST_LEAF + self.leaf_count) as usize + self.joins.len()
+    }
+
+    /// The number of leaves of the group, whether they are used or not.
+    pub fn leaf_count(&self) -> usize {
+        self.leaf_count as usize
+    }
+
+    /// A node.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn node(&self, id: NodeId) -> Gate<'_> {
+        match (id.0, id.0.checked_sub(FIRST_LEAF)) {
+            (0, _) => Gate::Vacuum,
+            (_, None) => Gate::Plenum,
+            (_, Some(leaf)) if leaf < self.leaf_count => Gate::Leaf(LeafId(leaf)),
+            (_, Some(k)) => {
+                let (rule, operands) = self.join_at((k - self.leaf_count) as usize);
+                Gate::Join(rule, Cow::Borrowed(operands))
+            }
+        }
     }
 
     /// The nodes in topological order.
-    pub fn nodes(&self) -> &[Gate] {
-        &self.nodes
+    pub fn nodes(&self) -> impl DoubleEndedIterator<Item = Gate<'_>> + ExactSizeIterator {
+        (0..self.node_count()).map(|k| self.node(NodeId::from(k)))
+    }
+
+    /// The joins in topological order; the first one is node `leaf_count` + 2.
+    pub fn joins(&self) -> impl DoubleEndedIterator<Item = (Rule, &[Edge])> + ExactSizeIterator {
+        (0..self.joins.len()).map(|k| self.join_at(k))
+    }
+
+    fn join_at(&self, k: usize) -> (Rule, &[Edge]) {
+        let begin = k.checked_sub(1).map_or(0, |before| self.joins[before].end);
+        (self.joins[k].rule, &self.operands[begin as usize..self.joins[k].end as usize])
+    }
+
+    /// The same as a formula, under the same numbers.
+    pub fn formula(&self) -> Formula {
+        let mut formula = Formula::with_capacity(self.node_count(), self.operands.len());
+        (0..self.leaf_count).for_each(|leaf| _ = formula.leaf(LeafId(leaf)));
+        for (rule, operands) in self.joins() {
+            let op = match rule {
+                Rule::AtLeast(least) => Op::AtLeast(least),
+                Rule::Odd => Op::SymmetricDifference,
+            };
+            formula.join(op, operands);
+        }
+        self.outputs.iter().for_each(|&output| formula.ask(output));
+        formula
+    }
+
+    /// The bytes that it holds on to.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.joins[..]) + size_of_val(&self.operands[..]) + size_of_val(&self.outputs[..])
     }
 
     /// The expression below an edge as text: leaves by number, `~` complement, `any{..}`, `all{..}`, `odd{..}`.
     /// Linear in the size of the text, which writes shared nodes out wherever they are used.
     pub fn text(&self, edge: Edge) -> String {
         let writing = |node: NodeId| {
-            let (rule, operands) = match &self.nodes[node.index()] {
+            let (rule, operands) = match self.node(node) {
                 Gate::Vacuum => return Writing::Text("vacuum".into()),
                 Gate::Plenum => return Writing::Text("plenum".into()),
                 Gate::Leaf(leaf) => return Writing::Text(leaf.0.to_string()),
-                Gate::Join(rule, operands) => (*rule, operands),
+                Gate::Join(..) => self.join_at(node.index() - (FIRST_LEAF + self.leaf_count) as usize),
             };
             let name: Cow<'static, str> = match rule {
                 Rule::AtLeast(1) => "any".into(),
@@ -121,36 +231,13 @@ impl Expression {
     /// expression, against which faster networks are tested.
     pub fn evaluate(&self, inside: impl Fn(LeafId) -> bool, values: &mut Vec<bool>) {
         values.clear();
-        for gate in &self.nodes {
-            let value = match gate {
-                Gate::Vacuum => false,
-                Gate::Plenum => true,
-                Gate::Leaf(leaf) => inside(*leaf),
-                Gate::Join(rule, operands) => {
-                    let count =
-                        operands.iter().filter(|e| values[e.node().index()] ^ e.is_complemented()).count();
-                    rule.holds(count as u32)
-                }
-            };
-            values.push(value);
+        values.extend([false, true]);
+        values.extend((0..self.leaf_count).map(|leaf| inside(LeafId(leaf))));
+        for (rule, operands) in self.joins() {
+            let holds = |edge: &&Edge| values[edge.node().index()] ^ edge.is_complemented();
+            let count = operands.iter().filter(holds).count();
+            values.push(rule.holds(count as u32));
         }
-    }
-}
-
-/// The gate of an operation.
-fn join(op: Op, operands: &[Edge]) -> Gate {
-    let count = operands.len() as u32;
-    let complements = operands.iter().enumerate();
-    match op {
-        Op::Union => Gate::Join(Rule::AtLeast(1), operands.to_vec()),
-        Op::Difference if count == 0 => Gate::Join(Rule::AtLeast(1), Vec::new()),
-        Op::Intersection => Gate::Join(Rule::AtLeast(count), operands.to_vec()),
-        Op::AtLeast(least) => Gate::Join(Rule::AtLeast(least), operands.to_vec()),
-        Op::SymmetricDifference => Gate::Join(Rule::Odd, operands.to_vec()),
-        Op::Difference => Gate::Join(
-            Rule::AtLeast(count),
-            complements.map(|(k, &edge)| if k == 0 { edge } else { edge.complement() }).collect(),
-        ),
     }
 }
 

@@ -13,6 +13,7 @@ pub mod gate;
 pub mod simplify;
 pub mod weld;
 
+mod boxes;
 mod chord;
 mod compile;
 mod dense;
@@ -21,6 +22,9 @@ mod evaluator;
 mod events;
 mod expression;
 mod ids;
+mod instances;
+mod label;
+mod leaf;
 mod lower;
 mod print;
 
@@ -28,6 +32,7 @@ mod program;
 mod rays;
 mod solid;
 mod sweep;
+mod tables;
 
 pub use chord::{Ball, chord};
 pub use dense::{FirstHits, HitRows};
@@ -39,7 +44,9 @@ pub use evaluator::{
 pub use events::{Event, GroupPoint, GroupRay, LeafEvents, carried, facets_contain, leaf_events};
 pub use expression::{Edge, Expression, Gate, Rule};
 pub use ids::{LeafId, NodeId, PlacementId, PrototypeId, RegionId, SurfaceId};
-pub use program::{Leaf, LeafFacet, LeafKind, MARGIN, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
+pub use instances::Place;
+pub use leaf::{Leaf, LeafFacet, LeafKind};
+pub use program::{MARGIN, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
 pub use rays::{BadRay, RayBatch, Rays};
 pub use solid::{Node, Region, Solid};
 pub use sweep::{NetworkFlips, Sweep};

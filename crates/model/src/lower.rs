@@ -3,34 +3,47 @@
 //! One walk with an explicit stack: transforms are composed on the way down, leaves and operators are numbered in the
 //! order in which they are met. Shared sub-trees are walked once per placement.
 
+use crate::leaf::MOST_LEAVES;
 use crate::simplify::{Formula, Op};
 use crate::{CompileError, CompileProblem, Edge, LeafId, Node, PrototypeId, Solid};
 use rayweave_math::Affine;
-use rayweave_shape::primitive::{Lowered, Primitive};
+use rayweave_shape::primitive::Primitive;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A group of leaves in one frame, with the solids asked of it.
-pub(crate) struct Group {
+pub(crate) struct Group<'a> {
     /// As it was written, with an output for each solid asked for.
     pub formula: Formula,
     /// The names of compounds, by the number of their node in the formula.
     pub names: HashMap<u32, Arc<str>>,
-    pub leaves: Vec<RawLeaf>,
+    /// What the leaves are, in order.
+    pub parts: Vec<Part<'a>>,
+    pub leaf_count: usize,
     contexts: Vec<Context>,
 }
 
-impl Group {
+impl Group<'_> {
     /// The way from the root to a leaf, for messages. Made only when it is asked for: the ways to all leaves
     /// of a deep tree together are of quadratic length.
-    pub fn path(&self, leaf: &RawLeaf) -> String {
-        path(&self.contexts, leaf.context, leaf.what)
+    pub fn path(&self, part: &Part<'_>) -> String {
+        let what = match &part.content {
+            Content::Shape(primitive) => primitive.name(),
+            Content::Copies(..) => "place",
+        };
+        path(&self.contexts, part.context, what)
+    }
+
+    /// The map of a part into the frame of the group, and the lengths of the translations composed into it.
+    pub fn place(&self, part: &Part<'_>) -> (Affine, f64) {
+        let Context { world_from_local, way, .. } = self.contexts[part.context as usize];
+        (world_from_local, way)
     }
 
     /// The name around the one that a leaf is called by, if it is near.
-    pub fn outer_name(&self, leaf: &RawLeaf) -> Option<&str> {
+    pub fn outer_name(&self, part: &Part<'_>) -> Option<&str> {
         let above = |&context: &u32| (context != 0).then(|| self.contexts[context as usize].parent);
-        let contexts = std::iter::successors(Some(leaf.context), above).take(NEAR);
+        let contexts = std::iter::successors(Some(part.context), above).take(NEAR);
         contexts.filter_map(|context| self.contexts[context as usize].name.as_deref()).nth(1)
     }
 }
@@ -38,30 +51,23 @@ impl Group {
 /// So many maps and names are looked through for a name, so that to name all leaves of a deep tree takes linear time.
 const NEAR: usize = 64;
 
-/// A leaf before its surfaces are brought into the group's frame.
-pub(crate) struct RawLeaf {
+/// A leaf, or the copies of a placed solid, before they are brought into the group's frame.
+pub(crate) struct Part<'a> {
+    /// What the leaf is called; copies, with their number behind.
     pub name: Arc<str>,
-    /// Where it stands, for [`Group::path`].
+    /// Where it stands.
     context: u32,
-    /// What it is, for messages.
-    what: &'static str,
-    pub content: Content,
-    pub world_from_local: Affine,
-    /// The lengths of the translations composed into the map.
-    pub way: f64,
+    pub content: Content<'a>,
 }
 
-/// What stands at a leaf.
-pub(crate) enum Content {
-    Shape(Box<(Primitive, Lowered)>),
-    Instance(PrototypeId),
+/// What a part is.
+pub(crate) enum Content<'a> {
+    Shape(&'a Primitive),
+    Copies(PrototypeId, &'a [Affine]),
 }
-
-/// More than this many of anything do not fit the numbers of a program.
-const LIMIT: usize = 1 << 31;
 
 /// Lowers solids, and all solids placed in them, to groups; the first group is the model itself.
-pub(crate) fn lower(solids: &[&Solid]) -> Result<Vec<Group>, CompileError> {
+pub(crate) fn lower<'a>(solids: &[&'a Solid]) -> Result<Vec<Group<'a>>, CompileError> {
     let mut prototypes = Prototypes::default();
     let mut groups = vec![Lowering::new(&mut prototypes).run(solids)?];
     while groups.len() <= prototypes.solids.len() {
@@ -131,8 +137,10 @@ struct Lowering<'p, 'a> {
     prototypes: &'p mut Prototypes<'a>,
     formula: Formula,
     names: HashMap<u32, Arc<str>>,
-    leaves: Vec<RawLeaf>,
+    parts: Vec<Part<'a>>,
+    leaf_count: usize,
     contexts: Vec<Context>,
+    leaf_names: LeafNames,
     context_of: HashMap<(u32, usize), u32>,
     leaf_of: HashMap<Key, Edge>,
     done: HashMap<Key, Edge>,
@@ -156,8 +164,10 @@ impl<'p, 'a> Lowering<'p, 'a> {
             prototypes,
             formula: Formula::default(),
             names: HashMap::new(),
-            leaves: Vec::new(),
+            parts: Vec::new(),
+            leaf_count: 0,
             contexts: vec![root],
+            leaf_names: LeafNames::default(),
             context_of: HashMap::new(),
             leaf_of: HashMap::new(),
             done: HashMap::new(),
@@ -167,7 +177,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         }
     }
 
-    fn run(mut self, solids: &[&'a Solid]) -> Result<Group, CompileError> {
+    fn run(mut self, solids: &[&'a Solid]) -> Result<Group<'a>, CompileError> {
         self.visit_all(solids.iter().copied(), 0);
         while let Some(task) = self.tasks.pop() {
             match task {
@@ -176,8 +186,8 @@ impl<'p, 'a> Lowering<'p, 'a> {
             }
         }
         self.operands.iter().for_each(|&output| self.formula.ask(output));
-        let Lowering { formula, names, leaves, contexts, .. } = self;
-        Ok(Group { formula, names, leaves, contexts })
+        let Lowering { formula, names, parts, leaf_count, contexts, .. } = self;
+        Ok(Group { formula, names, parts, leaf_count, contexts })
     }
 
     /// Puts operands on the stack so that they are visited in order.
@@ -188,18 +198,18 @@ impl<'p, 'a> Lowering<'p, 'a> {
     }
 
     fn visit(&mut self, visit: Visit<'a>) -> Result<(), CompileError> {
-        let Visit { solid, context, complemented, .. } = visit;
+        let Visit { solid, complemented, .. } = visit;
         match solid.node() {
             Node::Vacuum => self.operand(Edge::VACUUM, complemented),
             Node::Plenum => self.operand(Edge::PLENUM, complemented),
             Node::Primitive(primitive) => self.shape(visit, primitive)?,
             Node::Complement(inner) => self.pass(inner, Visit { complemented: !complemented, ..visit }),
             Node::Transformed(map, inner) => {
-                let context = self.moved(context, solid, map)?;
+                let context = self.moved(&visit, map)?;
                 self.pass(inner, Visit { context, ..visit });
             }
             Node::Named(name, inner) => {
-                let context = self.named(context, solid, name);
+                let context = self.named(&visit, name);
                 self.pass(inner, Visit { context, ..visit });
             }
             Node::Union(all) => self.join(Op::Union, visit, all.iter()),
@@ -250,41 +260,33 @@ impl<'p, 'a> Lowering<'p, 'a> {
         self.operand(edge, complemented);
     }
 
-    fn shape(&mut self, visit: Visit<'a>, primitive: &Primitive) -> Result<(), CompileError> {
-        let Visit { solid, context, complemented, .. } = visit;
+    fn shape(&mut self, visit: Visit<'a>, primitive: &'a Primitive) -> Result<(), CompileError> {
+        let Visit { solid, context, complemented, shared } = visit;
         let key = (solid.address(), context);
-        let edge = match self.leaf_of.get(&key) {
-            Some(&known) => known,
-            None => {
-                let lowered = primitive.lower();
-                let inverted = lowered.complement;
-                let (name, what) = (self.leaf_name(context, primitive.name()), primitive.name());
-                let content = Content::Shape(Box::new((primitive.clone(), lowered)));
-                let leaf = self.leaf(name, context, what, content)?;
-                let edge = self.formula.leaf(leaf);
-                let edge = if inverted { edge.complement() } else { edge };
-                self.leaf_of.insert(key, edge);
-                edge
-            }
-        };
+        if let Some(&known) = shared.then(|| self.leaf_of.get(&key)).flatten() {
+            self.operand(known, complemented);
+            return Ok(());
+        }
+        let (name, what) = (self.leaf_name(context, primitive.name()), primitive.name());
+        let leaf = self.part(Part { name, context, content: Content::Shape(primitive) }, 1, what)?;
+        let edge = self.formula.leaf(leaf);
+        if shared {
+            self.leaf_of.insert(key, edge);
+        }
         self.operand(edge, complemented);
         Ok(())
     }
 
-    fn leaf(
-        &mut self,
-        name: Arc<str>,
-        context: u32,
-        what: &'static str,
-        content: Content,
-    ) -> Result<LeafId, CompileError> {
-        if self.leaves.len() >= LIMIT {
-            let path = self.path(context, what);
+    /// Adds a part of so many leaves; the number of the first.
+    fn part(&mut self, part: Part<'a>, leaves: usize, what: &str) -> Result<LeafId, CompileError> {
+        let first = self.leaf_count;
+        if first + leaves > MOST_LEAVES {
+            let path = self.path(part.context, what);
             return Err(CompileError { path, problem: CompileProblem::TooLarge { what: "leaves" } });
         }
-        let Context { world_from_local, way, .. } = self.contexts[context as usize];
-        self.leaves.push(RawLeaf { name, context, what, content, world_from_local, way });
-        Ok(LeafId::from(self.leaves.len() - 1))
+        self.parts.push(part);
+        self.leaf_count += leaves;
+        Ok(LeafId::from(first))
     }
 
     /// The union of instances; a single one is an ordinary transform.
@@ -299,7 +301,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
             // no group of its own: one that nothing places would have no place in the program
             [] => self.operand(Edge::VACUUM, complemented),
             [ref map] => {
-                let context = self.moved(context, solid, map)?;
+                let context = self.moved(&visit, map)?;
                 self.pass(inner, Visit { context, ..visit });
             }
             _ => {
@@ -322,27 +324,26 @@ impl<'p, 'a> Lowering<'p, 'a> {
         maps: &'a Arc<[Affine]>,
     ) -> Result<Edge, CompileError> {
         let prototype = self.prototypes.of(inner);
-        let mut edges = Vec::with_capacity(maps.len());
+        let name = self.leaf_name(context, "place");
         for (number, map) in maps.iter().enumerate() {
-            let moved = self.step(context, map);
-            let name: Arc<str> = format!("{}[{number}]", self.leaf_name(context, "place")).into();
-            map.inverse().map_err(|e| CompileError { path: self.path(context, &name), problem: e.into() })?;
-            self.contexts.push(moved);
-            let place = (self.contexts.len() - 1) as u32;
-            let leaf = self.leaf(name, place, "place", Content::Instance(prototype))?;
-            self.contexts.pop();
-            self.leaves[leaf.index()].context = context;
-            edges.push(self.formula.leaf(leaf));
+            map.inverse().map_err(|e| {
+                let path = self.path(context, &format!("{name}[{number}]"));
+                CompileError { path, problem: e.into() }
+            })?;
         }
+        let content = Content::Copies(prototype, maps);
+        let first = self.part(Part { name, context, content }, maps.len(), "place")?;
+        let edges: Vec<Edge> =
+            (0..maps.len() as u32).map(|k| self.formula.leaf(LeafId(first.0 + k))).collect();
         Ok(self.formula.join(Op::Union, &edges))
     }
 
     /// The context under a map, the same for each visit of the node.
-    fn moved(&mut self, context: u32, solid: &Solid, map: &Affine) -> Result<u32, CompileError> {
+    fn moved(&mut self, visit: &Visit<'a>, map: &Affine) -> Result<u32, CompileError> {
         map.inverse()
-            .map_err(|e| CompileError { path: self.path(context, "transform"), problem: e.into() })?;
-        let next = self.step(context, map);
-        Ok(self.enter(context, solid, next))
+            .map_err(|e| CompileError { path: self.path(visit.context, "transform"), problem: e.into() })?;
+        let next = self.step(visit.context, map);
+        Ok(self.enter(visit, next))
     }
 
     fn step(&self, context: u32, map: &Affine) -> Context {
@@ -357,15 +358,19 @@ impl<'p, 'a> Lowering<'p, 'a> {
         }
     }
 
-    fn named(&mut self, context: u32, solid: &Solid, name: &Arc<str>) -> u32 {
-        let mut next = self.step(context, &Affine::IDENTITY);
+    fn named(&mut self, visit: &Visit<'a>, name: &Arc<str>) -> u32 {
+        let mut next = self.step(visit.context, &Affine::IDENTITY);
         (next.name, next.leaf_name, next.direct) = (Some(name.clone()), Some(name.clone()), true);
-        self.enter(context, solid, next)
+        self.enter(visit, next)
     }
 
-    fn enter(&mut self, parent: u32, solid: &Solid, next: Context) -> u32 {
+    fn enter(&mut self, visit: &Visit<'a>, next: Context) -> u32 {
         let fresh = self.contexts.len() as u32;
-        let context = *self.context_of.entry((parent, solid.address())).or_insert(fresh);
+        let context = match visit.shared {
+            true => *self.context_of.entry((visit.context, visit.solid.address())).or_insert(fresh),
+            // nobody comes by again
+            false => fresh,
+        };
         if context == fresh {
             self.contexts.push(next);
         }
@@ -380,17 +385,32 @@ impl<'p, 'a> Lowering<'p, 'a> {
     }
 
     /// The name of a leaf: the name given to it, or its kind after the name of the compound that it is in.
-    fn leaf_name(&self, context: u32, kind: &str) -> Arc<str> {
-        let context = &self.contexts[context as usize];
-        match &context.leaf_name {
-            Some(name) if context.direct => name.clone(),
-            Some(name) => format!("{name}.{kind}").into(),
-            None => kind.into(),
+    fn leaf_name(&mut self, context: u32, kind: &'static str) -> Arc<str> {
+        let Context { leaf_name, direct, .. } = &self.contexts[context as usize];
+        match leaf_name {
+            Some(name) if *direct => name.clone(),
+            name => self.leaf_names.of(name.as_ref(), kind),
         }
     }
 
     fn path(&self, context: u32, what: &str) -> String {
         path(&self.contexts, context, what)
+    }
+}
+
+/// The names of leaves that nobody has named, each made once.
+#[derive(Default)]
+struct LeafNames {
+    /// By the address of the name around and that of the kind. (Contexts hold on to the former.)
+    known: HashMap<(usize, usize), Arc<str>>,
+}
+
+impl LeafNames {
+    /// The kind, after the name of the compound that the leaf is in.
+    fn of(&mut self, outer: Option<&Arc<str>>, kind: &'static str) -> Arc<str> {
+        let key = (outer.map_or(0, |name| name.as_ptr() as usize), kind.as_ptr() as usize);
+        let name = || outer.map_or_else(|| kind.into(), |name| format!("{name}.{kind}").into());
+        self.known.entry(key).or_insert_with(name).clone()
     }
 }
 

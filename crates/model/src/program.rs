@@ -1,11 +1,16 @@
 //! The compiled model: flat, immutable, read by every evaluator.
 
+use crate::boxes::{Boxes, Extent};
 use crate::gate::Network;
-use crate::{Ball, Expression, LeafId, PlacementId, PrototypeId, RegionId, SurfaceId};
-use rayweave_math::{Affine, Bounds, Transform, UNIT_ROUNDOFF};
-use rayweave_shape::primitive::Primitive;
+use crate::instances::Instances;
+use crate::leaf::LeafTable;
+use crate::simplify::{self, leaf_needs};
+use crate::{
+    Ball, Expression, Leaf, LeafFacet, LeafId, Place, PlacementId, PrototypeId, RegionId, SurfaceId,
+};
+use rayweave_math::{Affine, Bounds, UNIT_ROUNDOFF};
 use rayweave_shape::surface::Surface;
-use std::sync::Arc;
+use std::ops::Range;
 
 /// A compiled model.
 ///
@@ -15,8 +20,7 @@ use std::sync::Arc;
 pub struct Program {
     pub(crate) prototypes: Vec<Prototype>,
     pub(crate) surfaces: Vec<SurfaceEntry>,
-    pub(crate) leaves: Vec<Leaf>,
-    pub(crate) facets: Vec<LeafFacet>,
+    pub(crate) leaves: LeafTable,
     pub(crate) regions: Vec<RegionInfo>,
 }
 
@@ -25,12 +29,10 @@ pub struct Program {
 pub struct Prototype {
     /// The leaves of this group: a range of the program's leaf table, in the order of declaration.
     pub leaves: std::ops::Range<u32>,
-    /// The boolean skeleton over the group's leaves.
+    /// The boolean skeleton over the group's leaves, with one output per region for the model, one for a placed solid.
     pub network: Network,
     /// The same as plain expression: the meaning of `network`.
     pub expression: Expression,
-    /// What is asked of the group: one edge per region for the model, one for a placed solid.
-    pub outputs: Vec<crate::Edge>,
     /// A box that holds the solid (of the model: all regions).
     pub bounds: Bounds,
     /// The ball whose chords say whether a ray lies in a surface.
@@ -40,8 +42,10 @@ pub struct Prototype {
     pub condition: f64,
     /// The number of placements that one occurrence of the group stands for, itself included.
     pub placements: u32,
-    /// The instances among the leaves, as (number of the placement within the group, leaf), in order.
-    pub instances: Vec<(u32, LeafId)>,
+    /// The same with what only the groups need to know in which the solid is placed.
+    pub(crate) extent: Extent,
+    /// The runs of instances among the leaves: a range of those of the program.
+    pub(crate) instances: std::ops::Range<u32>,
 }
 
 /// Boxes are grown by this times the lengths involved.
@@ -54,59 +58,6 @@ pub struct SurfaceEntry {
     pub surface: Surface,
     /// The size and position of the surface plus the lengths of all translations composed on the way.
     pub reach: f64,
-}
-
-/// One occurrence of a primitive or of a placed solid.
-#[derive(Clone, Debug)]
-pub struct Leaf {
-    /// The name given to it, or its kind.
-    pub name: Arc<str>,
-    /// What it is.
-    pub kind: LeafKind,
-    /// A box, in the frame of the group, that holds the conjunction of its facets.
-    pub bounds: Bounds,
-    /// How far that box has to be grown to hold everything that may be found of the leaf on a ray that starts
-    /// near the origin; a ray from far away adds its share.
-    ///
-    /// It is [`MARGIN`] of the lengths involved, four times the distance at which a computed root may lie off
-    /// its surface. Among these lengths is the group's ball: whether a ray lies in a face is judged along it.
-    pub margin: f64,
-    /// The part of the box, grown by the margin, where the leaf can matter to what is asked of the group.
-    pub matters: Bounds,
-    /// Its place in its group.
-    pub transform: Transform,
-}
-
-/// What a leaf is.
-#[derive(Clone, Debug)]
-pub enum LeafKind {
-    /// A conjunction of sides of surfaces.
-    Shape {
-        /// The facets: a range of the program's facet table.
-        facets: std::ops::Range<u32>,
-        /// The shape in its own frame.
-        primitive: Primitive,
-        /// True if the shape is the complement of the conjunction.
-        complement: bool,
-    },
-    /// A solid compiled on its own, in its own frame.
-    Instance {
-        /// The group.
-        prototype: PrototypeId,
-        /// The number of this placement, counted from that of the group that the leaf belongs to.
-        placement: u32,
-    },
-}
-
-/// A side of a surface that bounds a leaf.
-#[derive(Clone, Debug)]
-pub struct LeafFacet {
-    /// The surface.
-    pub surface: SurfaceId,
-    /// True if the leaf lies where f < 0.
-    pub inside: bool,
-    /// The name of the face, as `rim.side`.
-    pub name: Arc<str>,
 }
 
 /// A region of the model, or the solid that was compiled.
@@ -143,26 +94,55 @@ impl Program {
     }
 
     /// All leaves, group by group in the order of declaration.
-    pub fn leaves(&self) -> &[Leaf] {
-        &self.leaves
+    pub fn leaves(&self) -> impl DoubleEndedIterator<Item = Leaf<'_>> + ExactSizeIterator {
+        (0..self.leaves.len()).map(|k| self.leaves.leaf(k))
     }
 
     /// A leaf by its number.
-    pub fn leaf(&self, id: LeafId) -> &Leaf {
-        &self.leaves[id.index()]
+    #[inline]
+    pub fn leaf(&self, id: LeafId) -> Leaf<'_> {
+        self.leaves.leaf(id.index())
+    }
+
+    /// For each leaf of a group the part of its box, grown by its margin, where it can matter to what is asked of the group;
+    /// nothing of leaves that matter nowhere.
+    ///
+    /// Computed anew each time, in time linear in the size of the group: meant for those who build something of it.
+    pub fn matters(&self, group: &Prototype) -> Vec<Bounds> {
+        let inner = |id: PrototypeId| self.prototype(id).extent;
+        let boxes = Boxes { leaves: &self.leaves, surfaces: &self.surfaces, inner };
+        let grown: Vec<Bounds> =
+            group.leaves.clone().map(|leaf| boxes.grown(leaf as usize, &group.ball).0).collect();
+        let formula = group.expression.formula();
+        leaf_needs(&formula, &simplify::bounds(&formula, &grown), grown.len())
+    }
+
+    /// A box, in the frame of its group, that holds the conjunction of the facets of a leaf.
+    pub fn leaf_bounds(&self, id: LeafId) -> Bounds {
+        let inner = |id: PrototypeId| self.prototype(id).extent;
+        Boxes { leaves: &self.leaves, surfaces: &self.surfaces, inner }.bounds(id.index())
     }
 
     /// All facets, leaf by leaf: the faces that answers name.
+    #[inline]
     pub fn facets(&self) -> &[LeafFacet] {
-        &self.facets
+        &self.leaves.facets
     }
 
     /// The number of a face in [`Program::facets`], from its leaf and its number there.
     pub fn face_number(&self, leaf: LeafId, facet: u32) -> u32 {
-        match &self.leaf(leaf).kind {
-            LeafKind::Shape { facets, .. } => facets.start + facet,
-            LeafKind::Instance { .. } => facet,
-        }
+        self.leaf(leaf).first_facet() as u32 + facet
+    }
+
+    /// The name of a face by its number in [`Program::facets`], as `rim.side`.
+    pub fn face_name(&self, face: u32) -> String {
+        let leaf = self.leaves.leaf_of_facet(face as usize);
+        leaf.face_name(face as usize - leaf.first_facet())
+    }
+
+    /// The names of all faces, in the order of their numbers.
+    pub fn face_names(&self) -> impl Iterator<Item = String> {
+        self.leaves().flat_map(|leaf| (0..leaf.facets().len()).map(move |k| leaf.face_name(k)))
     }
 
     /// The regions in order; number k of this list is [`RegionId`] k + 1.
@@ -179,7 +159,8 @@ impl Program {
     /// the group.
     pub fn expression_text(&self, id: PrototypeId) -> String {
         let group = self.prototype(id);
-        let lines: Vec<_> = group.outputs.iter().map(|&edge| group.expression.text(edge)).collect();
+        let lines: Vec<_> =
+            group.expression.outputs().iter().map(|&edge| group.expression.text(edge)).collect();
         lines.join("\n")
     }
 
@@ -191,37 +172,41 @@ impl Program {
     /// The map from a placement's frame to the world and the group that is placed there.
     pub fn placement(&self, id: PlacementId) -> (Affine, PrototypeId) {
         let (mut rest, mut group, mut map) = (id.0, PrototypeId(0), Affine::IDENTITY);
-        while rest > 0 {
-            let Some((leaf, child, first)) = self.instance_before(group, rest) else {
-                break;
-            };
-            map = leaf.transform.world_from_local.then(&map);
-            (rest, group) = (rest - first, child);
+        while let Some((run, k)) = self.instance_before(group, rest) {
+            map = run.world_from_local(k).then(&map);
+            (rest, group) = (rest - run.placement(k), run.prototype);
         }
         (map, group)
     }
 
     /// The steps by which a world ray is carried into a placement's frame, outermost first.
-    pub fn descend(&self, id: PlacementId) -> impl Iterator<Item = &Transform> {
+    pub fn descend(&self, id: PlacementId) -> impl Iterator<Item = Place> {
         let (mut rest, mut group) = (id.0, PrototypeId(0));
         std::iter::from_fn(move || {
-            if rest == 0 {
-                return None;
-            }
-            let (leaf, child, first) = self.instance_before(group, rest)?;
-            (rest, group) = (rest - first, child);
-            Some(&leaf.transform)
+            let (run, k) = self.instance_before(group, rest)?;
+            (rest, group) = (rest - run.placement(k), run.prototype);
+            Some(run.place(k))
         })
     }
 
-    /// The last instance of a group whose first placement number is not above `rest`.
-    fn instance_before(&self, group: PrototypeId, rest: u32) -> Option<(&Leaf, PrototypeId, u32)> {
-        let instances = &self.prototype(group).instances;
-        let at = instances.partition_point(|&(first, _)| first <= rest);
-        let &(first, leaf) = instances[..at].last()?;
-        match &self.leaf(leaf).kind {
-            LeafKind::Instance { prototype, .. } => Some((self.leaf(leaf), *prototype, first)),
-            LeafKind::Shape { .. } => None,
-        }
+    /// The last instance of a group whose first placement number is not above `rest`; none for the group itself.
+    fn instance_before(&self, group: PrototypeId, rest: u32) -> Option<(&Instances, usize)> {
+        let Range { start, end } = self.prototype(group).instances;
+        let runs = &self.leaves.instances[start as usize..end as usize];
+        let run = runs[..runs.partition_point(|run| run.first_placement <= rest)].last()?;
+        let k = (rest - run.first_placement) / run.placements_each;
+        Some((run, (k as usize).min(run.len() - 1)))
+    }
+
+    /// The bytes that it holds on to, by part; a name that solids hold, too, is not counted.
+    pub fn bytes(&self) -> Vec<(&'static str, usize)> {
+        let sum = |of: fn(&Prototype) -> usize| self.prototypes.iter().map(of).sum();
+        let mut parts = vec![
+            ("surfaces", size_of_val(&self.surfaces[..])),
+            ("network", sum(|group| group.network.bytes())),
+            ("expression", sum(|group| group.expression.bytes())),
+        ];
+        parts.extend(self.leaves.bytes());
+        parts
     }
 }

@@ -306,5 +306,5 @@ fn region_state<F: Flips>(region: RegionId) -> impl Fn(&mut F) -> u32 {
 /// A ray of the world in the frame of a placement, by the same steps by which evaluators carried it there, and
 /// what they add to the reach of surfaces.
 pub fn local_ray(program: &Program, ray: &Ray, placement: PlacementId) -> (Ray, f64) {
-    program.descend(placement).fold((*ray, 0.0), |(ray, reach), place| carried(place, &ray, reach))
+    program.descend(placement).fold((*ray, 0.0), |(ray, reach), place| carried(&place, &ray, reach))
 }

@@ -1,7 +1,7 @@
 //! What solids are compiled to, by short prints.
 
 use rayweave_math::{Affine, Bounds, Vec3};
-use rayweave_model::{CompileProblem, LeafKind, PlacementId, Program, PrototypeId, Region, Solid};
+use rayweave_model::{CompileProblem, LeafId, LeafKind, PlacementId, Program, PrototypeId, Region, Solid};
 use rayweave_shape::primitive::{Value, build};
 
 fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
@@ -63,7 +63,8 @@ fn what_bounds_show_not_to_matter_is_not_asked() {
     check(&((&a | &b | &c) & &d), "all{2, 3}");
     let program = Program::compile(&(&a - &c)).unwrap();
     assert_eq!(program.leaves().len(), 2);
-    assert!(program.leaves()[1].matters.is_empty());
+    assert!(!program.leaf(LeafId(1)).is_asked() && program.leaf(LeafId(0)).is_asked());
+    assert!(program.matters(program.prototype(PrototypeId(0)))[1].is_empty());
     assert_eq!(program.surfaces().len(), 2);
 }
 
@@ -97,7 +98,7 @@ fn names_lead_to_faces() {
     let [a, b] = balls();
     let lens = (a.named("front") & b.translate([1.0, 0.0, 0.0])).named("lens");
     let program = Program::compile(&lens).unwrap();
-    let names: Vec<&str> = program.facets().iter().map(|f| &*f.name).collect();
+    let names: Vec<String> = program.face_names().collect();
     assert!(names[0].starts_with("front.") && names[1].starts_with("lens.sphere."), "{names:?}");
     assert_eq!(program.regions()[0].name, "lens");
 }
@@ -134,8 +135,7 @@ fn placements_are_numbered_depth_first() {
         (0..10).map(origin).collect::<Vec<_>>(),
         [0., 0., 0., 10., 100., 100., 110., 200., 200., 210.]
     );
-    let leaves = program.leaves();
-    assert!(matches!(leaves[0].kind, LeafKind::Instance { .. }));
+    assert!(matches!(program.leaf(LeafId(0)).kind(), LeafKind::Instance { .. }));
 }
 
 #[test]

@@ -46,7 +46,7 @@
 //! let first = &nearest.of(0)[0];
 //! assert_eq!(rayweave::model::dress::normal(&program, &ray, first), Vec3::NEG_X);
 //! let face = program.face_number(first.face.leaf, first.face.facet);
-//! assert_eq!(&*program.facets()[face as usize].name, "sphere.side");
+//! assert_eq!(program.face_name(face as u32), "sphere.side");
 //!
 //! assert!(weave.contains(Vec3::new(0.0, 1.5, 0.0)) && !weave.contains(Vec3::ZERO));
 //! # Ok::<(), rayweave::Error>(())

@@ -79,7 +79,7 @@ impl Occlusion {
         if (1.0 - t) * ray.direction.length() <= delta(0.0, &ray, 1.0) {
             return false;
         }
-        let surface_of = |face: i32| program.facets()[face as usize].surface;
+        let surface_of = |face: i32| program.facets()[face as usize].surface();
         let surface = surface_of(self.rays.face[k]);
         let placement = self.rays.placement[k];
         if surface != surface_of(sight.face[i]) || placement != sight.placement[i] {

@@ -82,7 +82,7 @@ fn regions_leaves_and_faces_of_boxes() {
     let faces = ids(&weave, &camera, size(12, 12), IdKind::Face, &mut run(1)).unwrap();
     let name = |x, y| {
         let face = usize::try_from(*faces.get(x, y).unwrap()).ok()?;
-        Some(weave.program().facets()[face].name.to_string())
+        Some(weave.program().face_name(face as u32))
     };
     assert_eq!(name(0, 0), None);
     assert_eq!(name(2, 8).unwrap(), "low.y-");

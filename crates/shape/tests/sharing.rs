@@ -95,7 +95,7 @@ fn what_differs_by_more_than_the_tolerance_stays_apart() {
         assert_eq!(representative as usize == k, !same_as_first || representative as usize == k);
         assert_eq!(shared.representative[kind] == representative, copy == 0 || same_as_first);
     }
-    assert_eq!(share(&[]).unwrap().representative.len(), 0);
+    assert_eq!(share::<Surface>(&[]).unwrap().representative.len(), 0);
 }
 
 #[test]

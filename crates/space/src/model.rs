@@ -17,12 +17,12 @@ use crate::curve::CurveError;
 use crate::isolate::check_window;
 use crate::{Curve, Point};
 use boxes::Boxes;
-use rayweave_math::Vec3;
+use rayweave_math::{Bounds, Vec3};
 use rayweave_model::gate::NetworkState;
 use rayweave_model::weld::{Flips, Trajectory, Weld};
 use rayweave_model::{
-    Crossing, Event, Face, LeafEvents, LeafFacet, LeafId, LeafKind, Program, Prototype, PrototypeId,
-    RegionId, State, Sweep, dress,
+    Crossing, Event, Face, LeafEvents, LeafId, LeafKind, Program, Prototype, PrototypeId, RegionId, State,
+    Sweep, dress,
 };
 use rayweave_rootray::RootRay;
 use rayweave_shape::Ray;
@@ -110,6 +110,8 @@ struct Frame<'a> {
     view: View<'a>,
     /// The leaf of the group around it that it stands for.
     stands_for: u32,
+    /// Where each leaf can matter.
+    matters: Vec<Bounds>,
     next: u32,
     /// What is isolated already, by surface.
     known: HashMap<u32, RootRay>,
@@ -126,6 +128,7 @@ impl<'a> Frame<'a> {
             prototype,
             view,
             stands_for,
+            matters: program.matters(prototype),
             next: 0,
             known: HashMap::new(),
             state: prototype.network.start(),
@@ -141,8 +144,7 @@ impl<'a> Frame<'a> {
             let leaf = self.next;
             self.next += 1;
             let condition = self.prototype.condition;
-            let entry = self.program.leaf(LeafId(leaves.start + leaf));
-            if boxes.meet(&entry.matters, condition, &self.view) {
+            if boxes.meet(&self.matters[leaf as usize], condition, &self.view) {
                 return Some(leaf);
             }
         }
@@ -153,10 +155,10 @@ impl<'a> Frame<'a> {
     fn enter(&mut self, leaf: u32, window: (f64, f64)) -> Result<Option<Frame<'a>>, CurveError> {
         let id = LeafId(self.prototype.leaves.start + leaf);
         let entry = self.program.leaf(id);
-        match &entry.kind {
+        match &entry.kind() {
             LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, window).map(|()| None),
             LeafKind::Instance { prototype, placement } => {
-                let view = self.view.placed(&entry.transform, *placement);
+                let view = self.view.placed(&entry.place(), *placement);
                 Ok(Some(Frame::new(self.program, *prototype, view, leaf)))
             }
         }
@@ -171,18 +173,17 @@ impl<'a> Frame<'a> {
     ) -> Result<(), CurveError> {
         let table = &self.program.facets()[facets.start as usize..facets.end as usize];
         for facet in table {
-            self.isolate(facet.surface.0, window)?;
+            self.isolate(facet.surface().0, window)?;
         }
         let known = &self.known;
         self.leaf_events.conjunction(table.len(), |k, flip| {
-            let LeafFacet { surface, inside, .. } = &table[k];
-            let ray = known.get(&surface.0);
+            let ray = known.get(&table[k].surface().0);
             ray.into_iter().flat_map(RootRay::times).for_each(flip);
-            ray.is_some_and(|ray| ray.start().is_inside()) == *inside
+            ray.is_some_and(|ray| ray.start().is_inside()) == table[k].inside()
         });
         let placement = self.view.placement;
         self.events.extend(self.leaf_events.flips.iter().map(|&(t, facet)| {
-            let surface = table[facet as usize].surface;
+            let surface = table[facet as usize].surface();
             Event { t, leaf, face: Face { leaf: id, facet, surface, placement } }
         }));
         self.start_at(leaf, self.leaf_events.starts_inside);
@@ -238,7 +239,7 @@ struct Along<'a>(&'a dyn Curve<3>);
 impl Trajectory for Along<'_> {
     fn hugs(&self, program: &Program, face: Face, a: f64, b: f64) -> bool {
         let steps = program.descend(face.placement);
-        let view = steps.fold(View::world(self.0), |view, place| view.placed(place, 0));
+        let view = steps.fold(View::world(self.0), |view, place| view.placed(&place, 0));
         // a curve that breaks its promises was found out in isolation; what is new here hugs nothing
         view.hugs(program.surface(face.surface), a, b).unwrap_or(false)
     }

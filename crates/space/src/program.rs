@@ -58,8 +58,8 @@ impl<const D: usize> Program<D> {
     pub(crate) fn new(solid: &Solid<D>) -> Result<Self, SpaceError> {
         let lowered = Lowering::run(solid)?;
         let formula = prepare(&lowered.formula, &vec![Bounds::ALL; lowered.faces.len()]);
-        let expression = Expression::new(&formula);
-        let network = Network::new(&expression, formula.outputs(), lowered.faces.len());
+        let expression = Expression::new(&formula, lowered.faces.len());
+        let network = Network::new(&expression);
         Ok(Program {
             ball: Ball::around(
                 lowered.finite,
@@ -67,7 +67,7 @@ impl<const D: usize> Program<D> {
             ),
             leaves: lowered.leaves,
             faces: lowered.faces,
-            output: formula.outputs()[0],
+            output: expression.outputs()[0],
             expression,
             network,
         })

@@ -38,9 +38,9 @@ fn is_borderline(program: &Program, ray: &Ray, times: [f64; 3]) -> bool {
     let placements = program.prototype(PrototypeId(0)).placements;
     (0..placements).map(PlacementId).any(|placement| {
         let leaves = &program.prototype(program.placement(placement).1).leaves;
-        leaves.clone().any(|leaf| match &program.leaf(LeafId(leaf)).kind {
+        leaves.clone().any(|leaf| match &program.leaf(LeafId(leaf)).kind() {
             LeafKind::Shape { facets, .. } => facets.clone().any(|facet| {
-                let surface = program.facets()[facet as usize].surface;
+                let surface = program.facets()[facet as usize].surface();
                 times.iter().any(|&t| (0.25..4.0).contains(&deltas(program, ray, placement, surface, t)))
             }),
             LeafKind::Instance { .. } => false,

@@ -39,7 +39,7 @@ impl Reference {
         let prototype = self.program.prototype(group);
         let leaves: Vec<(bool, Vec<Event>)> =
             (0..prototype.leaves.len() as u32).map(|leaf| self.leaf(prototype, leaf, ray)).collect();
-        let outputs = root_rays(&prototype.expression, &prototype.outputs, &leaves);
+        let outputs = root_rays(&prototype.expression, &leaves);
         let starts_inside = leaves.iter().map(|leaf| leaf.0).collect();
         let mut events: Vec<Event> = leaves.into_iter().flat_map(|leaf| leaf.1).collect();
         events.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
@@ -49,7 +49,7 @@ impl Reference {
     /// The flips of one leaf of a group.
     fn leaf(&self, prototype: &Prototype, leaf: u32, ray: &GroupRay<'_>) -> (bool, Vec<Event>) {
         let id = LeafId(prototype.leaves.start + leaf);
-        match &self.program.leaf(id).kind {
+        match &self.program.leaf(id).kind() {
             LeafKind::Shape { facets, .. } => {
                 let table = &self.program.facets()[facets.start as usize..facets.end as usize];
                 let mut flips = LeafEvents::default();
@@ -60,21 +60,17 @@ impl Reference {
                     face: rayweave_model::Face {
                         leaf: id,
                         facet,
-                        surface: table[facet as usize].surface,
+                        surface: table[facet as usize].surface(),
                         placement: ray.placement,
                     },
                 };
                 (flips.starts_inside, flips.flips.iter().map(event).collect())
             }
             LeafKind::Instance { prototype: inner, placement } => {
-                let place = &self.program.leaf(id).transform;
+                let place = &self.program.leaf(id).place();
                 let local = ray.placed(place, self.program.prototype(*inner), *placement);
                 let answer = self.group(*inner, &local);
-                answer.into_leaf(
-                    &self.program.prototype(*inner).expression,
-                    leaf,
-                    self.program.prototype(*inner),
-                )
+                answer.into_leaf(&self.program.prototype(*inner).expression, leaf)
             }
         }
     }
@@ -98,8 +94,7 @@ impl Reference {
     fn one_ray(&self, ray: Ray, query: &Query<'_>, starts: &[Start], out: &mut Vec<Crossing>) -> RegionId {
         let answer = self.group(PrototypeId(0), &GroupRay::world(&self.program, ray, starts));
         let prototype = self.program.prototype(PrototypeId(0));
-        let mut flips =
-            PlainFlips::new(&prototype.expression, &prototype.outputs, answer.starts_inside.clone());
+        let mut flips = PlainFlips::new(&prototype.expression, answer.starts_inside.clone());
         let (mut now, changes) = self.changes(&answer);
         let window = query.window;
         let mut start = now.region;
@@ -128,19 +123,24 @@ impl Reference {
         let prototype = self.program.prototype(group);
         let inside = |leaf: LeafId| {
             let leaf = self.program.leaf(LeafId(prototype.leaves.start + leaf.0));
-            match &leaf.kind {
+            match &leaf.kind() {
                 LeafKind::Shape { facets, .. } => {
                     let table = &self.program.facets()[facets.start as usize..facets.end as usize];
                     facets_contain(&self.program, table, point)
                 }
                 LeafKind::Instance { prototype, .. } => {
-                    self.inside_group(*prototype, &point.placed(&leaf.transform))[0]
+                    self.inside_group(*prototype, &point.placed(&leaf.place()))[0]
                 }
             }
         };
         let mut values = Vec::new();
         prototype.expression.evaluate(inside, &mut values);
-        prototype.outputs.iter().map(|edge| values[edge.node().index()] ^ edge.is_complemented()).collect()
+        prototype
+            .expression
+            .outputs()
+            .iter()
+            .map(|edge| values[edge.node().index()] ^ edge.is_complemented())
+            .collect()
     }
 }
 
@@ -195,8 +195,8 @@ struct GroupAnswer {
 
 impl GroupAnswer {
     /// The placed solid as one leaf of the group around it.
-    fn into_leaf(self, expression: &Expression, leaf: u32, inner: &Prototype) -> (bool, Vec<Event>) {
-        let mut flips = PlainFlips::new(expression, &inner.outputs, self.starts_inside);
+    fn into_leaf(self, expression: &Expression, leaf: u32) -> (bool, Vec<Event>) {
+        let mut flips = PlainFlips::new(expression, self.starts_inside);
         let Some(output) = self.outputs.first() else {
             return (false, Vec::new());
         };
@@ -215,13 +215,12 @@ impl GroupAnswer {
 
 /// The root-rays of the outputs: those of all gates in the order of the expression, each dropped after its
 /// last use.
-fn root_rays(expression: &Expression, outputs: &[Edge], leaves: &[(bool, Vec<Event>)]) -> Vec<RootRay<()>> {
-    let mut uses = vec![0usize; expression.nodes().len()];
+fn root_rays(expression: &Expression, leaves: &[(bool, Vec<Event>)]) -> Vec<RootRay<()>> {
+    let outputs = expression.outputs();
+    let mut uses = vec![0usize; expression.node_count()];
     outputs.iter().for_each(|edge| uses[edge.node().index()] += 1);
-    for gate in expression.nodes() {
-        if let Gate::Join(_, operands) = gate {
-            operands.iter().for_each(|edge| uses[edge.node().index()] += 1);
-        }
+    for (_, operands) in expression.joins() {
+        operands.iter().for_each(|edge| uses[edge.node().index()] += 1);
     }
     let mut known: Vec<Option<RootRay<()>>> = Vec::with_capacity(uses.len());
     let take = |known: &mut Vec<Option<RootRay<()>>>, uses: &mut Vec<usize>, edge: Edge| {
@@ -238,7 +237,7 @@ fn root_rays(expression: &Expression, outputs: &[Edge], leaves: &[(bool, Vec<Eve
             Gate::Leaf(leaf) => leaf_ray(&leaves[leaf.index()]),
             Gate::Join(rule, operands) => {
                 let rays: Vec<_> = operands.iter().map(|&edge| take(&mut known, &mut uses, edge)).collect();
-                match *rule {
+                match rule {
                     Rule::Odd => RootRay::symmetric_difference_all(&rays),
                     Rule::AtLeast(least) => RootRay::at_least(least as usize, &rays),
                 }
@@ -265,21 +264,20 @@ fn leaf_ray((starts_inside, events): &(bool, Vec<Event>)) -> RootRay<()> {
 /// Leaf states as plain values, from which everything is computed anew whenever it is asked for.
 struct PlainFlips<'a> {
     expression: &'a Expression,
-    outputs: &'a [Edge],
     inside: Vec<bool>,
     values: Vec<bool>,
 }
 
 impl<'a> PlainFlips<'a> {
-    fn new(expression: &'a Expression, outputs: &'a [Edge], inside: Vec<bool>) -> Self {
-        PlainFlips { expression, outputs, inside, values: Vec::new() }
+    fn new(expression: &'a Expression, inside: Vec<bool>) -> Self {
+        PlainFlips { expression, inside, values: Vec::new() }
     }
 
     fn evaluate(&mut self) -> impl DoubleEndedIterator<Item = bool> + ExactSizeIterator + '_ {
         let inside = &self.inside;
         self.expression.evaluate(|leaf| inside[leaf.index()], &mut self.values);
         let values = &self.values;
-        self.outputs.iter().map(|edge| values[edge.node().index()] ^ edge.is_complemented())
+        self.expression.outputs().iter().map(|edge| values[edge.node().index()] ^ edge.is_complemented())
     }
 }
 

@@ -137,7 +137,7 @@ fn check(models: u64, rays: usize) {
         let (tree, solid) = tree(rng, &leaves);
         let alone: Vec<Weave> = leaves.iter().map(|leaf| Weave::new(compiled(leaf))).collect();
         let program = compiled(&solid);
-        unasked += program.leaves().iter().filter(|leaf| leaf.matters.is_empty()).count();
+        unasked += program.leaves().filter(|leaf| !leaf.is_asked()).count();
         let (reference, weave) = (Reference::new(program.clone()), Weave::new(program.clone()));
         let (spans, single_hit) = (Spans::new(program.clone()), SingleHit::new(program).unwrap());
         for _ in 0..rays {

@@ -37,8 +37,8 @@ fn passes(crossings: &[Crossing]) -> Vec<(f64, u32, u32)> {
     crossings.iter().map(|c| (c.t - 10.0, c.before.0, c.after.0)).collect()
 }
 
-fn face_name(program: &Program, face: Face) -> &str {
-    &program.facets()[program.face_number(face.leaf, face.facet) as usize].name
+fn face_name(program: &Program, face: Face) -> String {
+    program.leaf(face.leaf).face_name(face.facet as usize)
 }
 
 #[test]

@@ -126,7 +126,7 @@ struct Tried {
 }
 
 struct Forms {
-    gates: Vec<Gate>,
+    gates: Vec<Gate<'static>>,
     lines: Lines,
 }
 
@@ -148,7 +148,7 @@ impl Forms {
             Operator::Intersection => (2, b.edge, a.truth.intersection(&b.truth)),
             Operator::Difference => (2, b.edge.complement(), a.truth.difference(&b.truth)),
         };
-        self.gates.push(Gate::Join(Rule::AtLeast(rule), vec![a.edge, second]));
+        self.gates.push(Gate::Join(Rule::AtLeast(rule), vec![a.edge, second].into()));
         let edge = Edge::new(NodeId(self.gates.len() as u32 - 1), false);
         Tried { complete: CompleteTree::join(operator, &a.complete, &b.complete), edge, truth }
     }
@@ -382,7 +382,7 @@ fn a_positive_view_of_any_tree_without_symmetric_differences() {
         let answer = next(&complete, &Tables::from_rule(), limits, &forms.lines, t_min);
         assert_eq!(answer, Ok(next_of(&truth, t_min)), "seed {seed}");
         // and none with one
-        forms.gates.push(Gate::Join(Rule::Odd, vec![edge, Edge::new(NodeId(2), false)]));
+        forms.gates.push(Gate::Join(Rule::Odd, vec![edge, Edge::new(NodeId(2), false)].into()));
         let odd = Edge::new(NodeId(forms.gates.len() as u32 - 1), false);
         assert_eq!(CompleteTree::view(&Tree::new(&forms.gates, &[odd], MOST_NODES).unwrap()), None);
     }

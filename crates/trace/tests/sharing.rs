@@ -60,11 +60,11 @@ fn chains_whose_members_are_all_used_stay_linear() {
         chain.push(next);
     }
     let program = Program::compile(&Solid::symmetric_difference(chain)).unwrap();
-    let operands = |gate: &rayweave_model::Gate| match gate {
+    let operands = |gate: rayweave_model::Gate<'_>| match gate {
         rayweave_model::Gate::Join(_, operands) => operands.len(),
         _ => 0,
     };
-    let edges: usize = program.prototypes()[0].expression.nodes().iter().map(operands).sum();
+    let edges: usize = program.prototypes()[0].expression.nodes().map(operands).sum();
     assert!(edges < 8000, "{edges}");
 }
 
@@ -80,7 +80,7 @@ fn placing_nothing_is_vacuum_and_shifts_no_other_placement() {
 fn a_placed_solid_met_twice_is_one() {
     let pair = ball().place([Affine::translate(Vec3::X * -3.0), Affine::translate(Vec3::X * 3.0)]);
     let program = Program::compile(&((&pair | &ball()) - !&pair)).unwrap();
-    assert_eq!(program.leaves().iter().filter(|leaf| leaf.name.starts_with("place")).count(), 2);
+    assert_eq!(program.leaves().filter(|leaf| leaf.name().starts_with("place")).count(), 2);
     assert_eq!(times(&(&pair ^ &pair)), [0.0; 0]);
 }
 

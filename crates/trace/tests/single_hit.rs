@@ -43,7 +43,7 @@ fn between(a: f64, b: f64) -> RootRay {
 
 /// Gates in topological order over `leaves` leaves: vacuum, plenum, the leaves, then joins.
 struct Skeleton {
-    gates: Vec<Gate>,
+    gates: Vec<Gate<'static>>,
 }
 
 impl Skeleton {
@@ -58,7 +58,7 @@ impl Skeleton {
     }
 
     fn join(&mut self, rule: Rule, operands: Vec<Edge>) -> Edge {
-        self.gates.push(Gate::Join(rule, operands));
+        self.gates.push(Gate::Join(rule, operands.into()));
         Edge::new(NodeId(self.gates.len() as u32 - 1), false)
     }
 

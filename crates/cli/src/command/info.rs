@@ -102,7 +102,7 @@ impl Info {
             "media": scene.media.iter().map(medium).collect::<Vec<_>>(),
             "bounds": bounds_json(&program.bounds()),
             "statistics": statistics(program).map(|(name, n)| (name.to_owned(), json!(n))).into_iter().collect::<serde_json::Map<_, _>>(),
-            "leaves": program.leaves().iter().map(|leaf| leaf_json(program, leaf)).collect::<Vec<_>>(),
+            "leaves": program.leaves().map(|leaf| leaf_json(program, leaf)).collect::<Vec<_>>(),
         })
     }
 }
@@ -165,7 +165,7 @@ fn statistics(program: &Program) -> [(&'static str, usize); 7] {
 fn shared_surfaces(program: &Program) -> usize {
     let mut faces = vec![0u32; program.surfaces().len()];
     for facet in program.facets() {
-        faces[facet.surface.index()] += 1;
+        faces[facet.surface().index()] += 1;
     }
     faces.iter().filter(|&&count| count > 1).count()
 }
@@ -223,21 +223,17 @@ fn preparation_json(preparation: &Preparation) -> Value {
     })
 }
 
-fn leaf_json(program: &Program, leaf: &Leaf) -> Value {
-    let (kind, faces) = match &leaf.kind {
-        LeafKind::Shape { primitive, facets, .. } => {
-            let facets = &program.facets()[facets.start as usize..facets.end as usize];
-            let face = |facet: &rayweave::model::LeafFacet| json!({ "name": &*facet.name, "surface": facet.surface.0 });
-            (primitive.name().to_owned(), facets.iter().map(face).collect::<Vec<_>>())
-        }
-        LeafKind::Instance { prototype, .. } => {
-            (format!("instance of prototype {}", prototype.0), Vec::new())
-        }
+fn leaf_json(program: &Program, leaf: Leaf<'_>) -> Value {
+    let kind = match leaf.kind() {
+        LeafKind::Shape { .. } => leaf.shape_name().unwrap_or_default().to_owned(),
+        LeafKind::Instance { prototype, .. } => format!("instance of prototype {}", prototype.0),
     };
+    let face = |(k, facet): (usize, &rayweave::model::LeafFacet)| json!({ "name": leaf.face_name(k), "surface": facet.surface().0 });
+    let faces: Vec<Value> = leaf.facets().iter().enumerate().map(face).collect();
     json!({
-        "name": &*leaf.name,
+        "name": leaf.name(),
         "kind": kind,
         "faces": faces,
-        "bounds": bounds_json(&leaf.bounds),
+        "bounds": bounds_json(&program.leaf_bounds(leaf.id())),
     })
 }

@@ -168,13 +168,13 @@ impl Found<'_> {
         self.answer.of(0).iter()
     }
 
-    fn face(&self, face: Face) -> &str {
+    fn face(&self, face: Face) -> String {
         let program = &self.compiled.program;
-        &program.facets()[program.face_number(face.leaf, face.facet) as usize].name
+        program.leaf(face.leaf).face_name(face.facet as usize)
     }
 
     /// The face of the region that is left and that of the one that is entered, where they are not the world.
-    fn sides(&self, crossing: &Crossing) -> [Option<&str>; 2] {
+    fn sides(&self, crossing: &Crossing) -> [Option<String>; 2] {
         let of = |region, face| self.compiled.region_name(region).map(|_| self.face(face));
         [of(crossing.before, crossing.left), of(crossing.after, crossing.entered)]
     }

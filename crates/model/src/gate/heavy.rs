@@ -62,6 +62,10 @@ impl HeavyState {
         HeavyState { trees: Vec::new(), values: values.to_vec() }
     }
 
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.trees[..]) + size_of_val(&self.values[..])
+    }
+
     /// Notes the settled value of a gate; true if it is new.
     pub fn changed(&mut self, index: usize, value: bool) -> bool {
         std::mem::replace(&mut self.values[index], value) != value
@@ -101,6 +105,13 @@ impl HeavyPaths {
         let size = this.lay_trees(&length);
         let state = this.first_state(network, counts, values, size);
         (this, state)
+    }
+
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.path_of[..])
+            + size_of_val(&self.place_of[..])
+            + size_of_val(&self.heavy[..])
+            + size_of_val(&self.paths[..])
     }
 
     fn lay_trees(&mut self, length: &[u32]) -> usize {
@@ -195,7 +206,7 @@ fn heavy_operands(network: &Network) -> Vec<(u32, bool)> {
         };
         let gate = (user >> 1) as usize - leaves;
         size[gate + leaves] += size[node];
-        if size[node] > best[gate] && !network.feeds[node] {
+        if size[node] > best[gate] && !network.feeds.get(node as u32) {
             (best[gate], heavy[gate]) = (size[node], (node as u32, user & 1 == 1));
         }
     }

@@ -10,7 +10,7 @@
 mod heavy;
 mod winner;
 
-use crate::{Edge, Expression, Gate, Rule};
+use crate::{Edge, Expression, Rule};
 use heavy::HeavyPaths;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -27,14 +27,64 @@ pub struct Network {
     /// Leaves first, then gates, operands before users.
     rules: Vec<Rule>,
     leaf_count: u32,
-    /// Users of node k: `users[first_user[k]..first_user[k + 1]]`, bit 0 set where k is complemented.
-    first_user: Vec<u32>,
-    users: Vec<u32>,
+    users: Users,
     /// The outputs that a node feeds, as (node, output, complemented), sorted by node.
     fed: Vec<(u32, u32, bool)>,
-    feeds: Vec<bool>,
+    feeds: BitSet,
     layout: Layout,
+    /// The state in which every leaf is outside, but for the leaves.
     initial: NetworkState,
+}
+
+/// The users of each node, bit 0 set where they take its complement.
+#[derive(Clone, Debug)]
+enum Users {
+    /// At most one: [`NO_USER`] where there is none.
+    One(Vec<u32>),
+    /// Those of node k: `users[first[k]..first[k + 1]]`.
+    Many { first: Vec<u32>, users: Vec<u32> },
+}
+
+/// Instead of a user: more than twice the number of any gate.
+const NO_USER: u32 = u32::MAX;
+
+impl Users {
+    #[inline]
+    fn of(&self, node: u32) -> &[u32] {
+        match self {
+            Users::One(users) => match &users[node as usize] {
+                &NO_USER => &[],
+                user => std::slice::from_ref(user),
+            },
+            Users::Many { first, users } => {
+                &users[first[node as usize] as usize..first[node as usize + 1] as usize]
+            }
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        match self {
+            Users::One(users) => size_of_val(&users[..]),
+            Users::Many { first, users } => size_of_val(&first[..]) + size_of_val(&users[..]),
+        }
+    }
+}
+
+/// A set of small numbers.
+#[derive(Clone, Debug)]
+struct BitSet(Vec<u64>);
+
+impl BitSet {
+    fn new(size: usize, members: impl Iterator<Item = u32>) -> BitSet {
+        let mut words = vec![0; size.div_ceil(64)];
+        members.for_each(|k| words[k as usize / 64] |= 1 << (k % 64));
+        BitSet(words)
+    }
+
+    #[inline]
+    fn get(&self, k: u32) -> bool {
+        self.0[k as usize / 64] >> (k % 64) & 1 == 1
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -65,6 +115,13 @@ impl NetworkState {
         self.winner.get(k)
     }
 
+    fn bytes(&self) -> usize {
+        size_of_val(&self.leaves[..])
+            + size_of_val(&self.counts[..])
+            + self.winner.bytes()
+            + self.heavy.bytes()
+    }
+
     /// True if a leaf is inside.
     pub fn leaf(&self, leaf: u32) -> bool {
         self.leaves[leaf as usize]
@@ -72,14 +129,14 @@ impl NetworkState {
 }
 
 impl Network {
-    /// Lays out an expression over `leaf_count` leaves for the given outputs.
-    pub fn new(expression: &Expression, outputs: &[Edge], leaf_count: usize) -> Network {
-        Builder::new(expression, outputs, leaf_count).finish()
+    /// Lays out an expression for its outputs.
+    pub fn new(expression: &Expression) -> Network {
+        Builder::new(expression).finish()
     }
 
     /// The state in which every leaf is outside.
     pub fn start(&self) -> NetworkState {
-        self.initial.clone()
+        NetworkState { leaves: vec![false; self.leaf_count as usize], ..self.initial.clone() }
     }
 
     /// The number of gates.
@@ -99,13 +156,25 @@ impl Network {
         }
     }
 
+    /// The bytes that it holds on to.
+    pub(crate) fn bytes(&self) -> usize {
+        let heavy = if let Layout::Heavy(paths) = &self.layout { paths.bytes() } else { 0 };
+        size_of_val(&self.rules[..])
+            + size_of_val(&self.fed[..])
+            + size_of_val(&self.feeds.0[..])
+            + self.users.bytes()
+            + self.initial.bytes()
+            + heavy
+    }
+
+    #[inline]
     fn users_of(&self, node: u32) -> &[u32] {
-        &self.users[self.first_user[node as usize] as usize..self.first_user[node as usize + 1] as usize]
+        self.users.of(node)
     }
 
     /// Passes a node's new value on to the outputs that it feeds.
     fn feed(&self, winner: &mut Winner, node: u32, inside: bool) {
-        if self.feeds[node as usize] {
+        if self.feeds.get(node) {
             let first = self.fed.partition_point(|&(fed, ..)| fed < node);
             for &(_, output, complemented) in self.fed[first..].iter().take_while(|&&(fed, ..)| fed == node) {
                 winner.set(output, inside ^ complemented);
@@ -161,79 +230,84 @@ impl Network {
     }
 }
 
-/// Lays a network out.
+/// Lays a network out. Its nodes are the leaves and those joins of the expression that are reached from an output.
 struct Builder<'e> {
-    expression: &'e Expression,
     outputs: &'e [Edge],
     leaf_count: u32,
-    /// Number in the network of each node of the expression, where it is reached from an output.
-    number: Vec<Option<u32>>,
-    gates: Vec<usize>,
+    /// The number in the network of each join of the expression; [`NO_NODE`] where it is not reached.
+    number: Vec<u32>,
+    gates: Vec<(Rule, &'e [Edge])>,
 }
 
+/// No node of the network.
+const NO_NODE: u32 = u32::MAX;
+
 impl<'e> Builder<'e> {
-    fn new(expression: &'e Expression, outputs: &'e [Edge], leaf_count: usize) -> Self {
-        let mut reached = vec![false; expression.nodes().len()];
-        outputs.iter().for_each(|edge| reached[edge.node().index()] = true);
-        for (node, gate) in expression.nodes().iter().enumerate().rev() {
-            if let (true, Gate::Join(_, operands)) = (reached[node], gate) {
-                operands.iter().for_each(|edge| reached[edge.node().index()] = true);
+    fn new(expression: &'e Expression) -> Self {
+        let first_join = expression.leaf_count() + 2;
+        let mut number = vec![NO_NODE; expression.joins().len()];
+        let reach = |edges: &[Edge], number: &mut Vec<u32>| {
+            let joins = edges.iter().filter_map(|edge| edge.node().index().checked_sub(first_join));
+            joins.for_each(|join| number[join] = 0);
+        };
+        reach(expression.outputs(), &mut number);
+        for (join, (_, operands)) in expression.joins().enumerate().rev() {
+            if number[join] != NO_NODE {
+                reach(operands, &mut number);
             }
         }
-        let mut builder = Builder {
-            expression,
-            outputs,
-            leaf_count: leaf_count as u32,
-            number: Vec::new(),
-            gates: Vec::new(),
-        };
-        for (node, gate) in expression.nodes().iter().enumerate() {
-            let number = match gate {
-                Gate::Leaf(leaf) => Some(leaf.0),
-                Gate::Join(..) if reached[node] => {
-                    builder.gates.push(node);
-                    Some((leaf_count + builder.gates.len() - 1) as u32)
-                }
-                _ => None,
-            };
-            builder.number.push(number);
+        let mut gates = Vec::new();
+        for (join, number) in expression.joins().zip(&mut number).filter(|(_, number)| **number != NO_NODE) {
+            *number = (expression.leaf_count() + gates.len()) as u32;
+            gates.push(join);
         }
-        builder
+        Builder { outputs: expression.outputs(), leaf_count: expression.leaf_count() as u32, number, gates }
     }
 
     fn operands(&self, gate: usize) -> (Rule, &'e [Edge]) {
-        match &self.expression.nodes()[self.gates[gate]] {
-            Gate::Join(rule, operands) => (*rule, operands),
-            _ => (Rule::AtLeast(1), &[]),
+        self.gates[gate]
+    }
+
+    /// The number of a node in the network; [`NO_NODE`] for a constant.
+    fn number_of(&self, edge: Edge) -> u32 {
+        match edge.node().0.checked_sub(2) {
+            None => NO_NODE,
+            Some(leaf) if leaf < self.leaf_count => leaf,
+            Some(other) => self.number[(other - self.leaf_count) as usize],
         }
     }
 
-    fn number_of(&self, edge: Edge) -> u32 {
-        self.number[edge.node().index()].unwrap_or(u32::MAX)
+    fn uses(&self) -> impl Iterator<Item = (u32, u32)> {
+        let user = |gate: usize, edge: Edge| {
+            (self.leaf_count + gate as u32) << 1 | u32::from(edge.is_complemented())
+        };
+        let of = move |(gate, (_, operands)): (usize, &(Rule, &'e [Edge]))| {
+            operands.iter().map(move |&edge| (self.number_of(edge), user(gate, edge)))
+        };
+        self.gates.iter().enumerate().flat_map(of)
+    }
+
+    fn users(&self) -> Users {
+        let nodes = self.leaf_count as usize + self.gates.len();
+        let mut one = vec![NO_USER; nodes];
+        let is_first = |(node, user): (u32, u32)| std::mem::replace(&mut one[node as usize], user) == NO_USER;
+        if self.uses().all(is_first) { Users::One(one) } else { self.many_users(nodes) }
     }
 
     /// The user lists of all nodes, in compressed rows.
-    fn users(&self) -> (Vec<u32>, Vec<u32>) {
-        let nodes = self.leaf_count as usize + self.gates.len();
+    fn many_users(&self, nodes: usize) -> Users {
         let mut first = vec![0u32; nodes + 1];
-        for gate in 0..self.gates.len() {
-            for &edge in self.operands(gate).1 {
-                first[self.number_of(edge) as usize + 1] += 1;
-            }
-        }
+        self.uses().for_each(|(node, _)| first[node as usize + 1] += 1);
         for k in 0..nodes {
             first[k + 1] += first[k];
         }
         let (mut next, mut users) = (first.clone(), vec![0; first[nodes] as usize]);
-        for gate in 0..self.gates.len() {
-            for &edge in self.operands(gate).1 {
-                let slot = &mut next[self.number_of(edge) as usize];
-                users[*slot as usize] =
-                    (self.leaf_count + gate as u32) << 1 | u32::from(edge.is_complemented());
-                *slot += 1;
-            }
+        for (node, user) in self.uses() {
+            let slot = &mut next[node as usize];
+            users[*slot as usize] = user;
+            *slot += 1;
         }
-        (first, users)
+        Users::Many { first, users }
     }
 
     /// Values with every leaf outside: `(count of operands inside, value)` of each gate.
@@ -259,36 +333,29 @@ impl<'e> Builder<'e> {
     }
 
     fn finish(self) -> Network {
-        let (first_user, users) = self.users();
+        let users = self.users();
         let (counts, values) = self.counts();
-        let rules: Vec<Rule> = (0..self.gates.len()).map(|gate| self.operands(gate).0).collect();
+        let rules: Vec<Rule> = self.gates.iter().map(|gate| gate.0).collect();
         let mut winner = Winner::new(self.outputs.len());
         let mut fed = Vec::new();
         for (k, &edge) in self.outputs.iter().enumerate() {
             let output = k as u32;
-            match self.number[edge.node().index()] {
-                Some(node) => {
+            match self.number_of(edge) {
+                NO_NODE => winner.set(output, edge == Edge::PLENUM),
+                node => {
                     winner.set(output, values[node as usize] ^ edge.is_complemented());
                     fed.push((node, output, edge.is_complemented()));
                 }
-                None => winner.set(output, edge == Edge::PLENUM),
             }
         }
         fed.sort_unstable();
-        let mut feeds = vec![false; values.len()];
-        fed.iter().for_each(|&(node, ..)| feeds[node as usize] = true);
-        let is_tree = first_user.windows(2).all(|pair| pair[1] - pair[0] <= 1);
-        let mut initial = NetworkState {
-            leaves: vec![false; self.leaf_count as usize],
-            counts,
-            winner,
-            ..NetworkState::default()
-        };
+        let feeds = BitSet::new(values.len(), fed.iter().map(|&(node, ..)| node));
+        let is_tree = matches!(users, Users::One(_));
+        let mut initial = NetworkState { counts, winner, ..NetworkState::default() };
         let depth = self.depth();
         let mut network = Network {
             rules,
             leaf_count: self.leaf_count,
-            first_user,
             users,
             fed,
             feeds,
@@ -325,7 +392,7 @@ mod tests {
     }
 
     /// A random expression over `leaves` leaves; `deep` makes chains, `shared` uses nodes several times.
-    fn random(stream: &mut Stream, leaves: usize, deep: bool, shared: bool) -> (Expression, Vec<Edge>) {
+    fn random(stream: &mut Stream, leaves: usize, deep: bool, shared: bool) -> Expression {
         let mut formula = Formula::default();
         let mut pool: Vec<Edge> = (0..leaves).map(|k| formula.leaf(LeafId::from(k))).collect();
         while pool.len() > 3 {
@@ -341,14 +408,13 @@ mod tests {
             pool.push(formula.join(op, &operands));
         }
         pool.into_iter().for_each(|edge| formula.ask(edge));
-        let formula = share(&formula);
-        (Expression::new(&formula), formula.outputs().to_vec())
+        Expression::new(&share(&formula), leaves)
     }
 
     fn check(seed: u64, leaves: usize, deep: bool, shared: bool) {
         let mut stream = Stream(seed);
-        let (expression, outputs) = random(&mut stream, leaves, deep, shared);
-        let network = Network::new(&expression, &outputs, leaves);
+        let expression = random(&mut stream, leaves, deep, shared);
+        let network = Network::new(&expression);
         let mut state = network.start();
         let (mut inside, mut values) = (vec![false; leaves], Vec::new());
         for _ in 0..60 {
@@ -357,7 +423,7 @@ mod tests {
             network.flip(&mut state, leaf as u32);
             expression.evaluate(|l| inside[l.index()], &mut values);
             let mut last = 0;
-            for (k, edge) in outputs.iter().enumerate() {
+            for (k, edge) in expression.outputs().iter().enumerate() {
                 let value = values[edge.node().index()] ^ edge.is_complemented();
                 assert_eq!(state.output(k as u32), value, "seed {seed}");
                 last = if value { k as u32 + 1 } else { last };
@@ -378,8 +444,7 @@ mod tests {
 
     #[test]
     fn deep_chains_use_heavy_paths() {
-        let (expression, outputs) = random(&mut Stream(7), 300, true, false);
-        let network = Network::new(&expression, &outputs, 300);
+        let network = Network::new(&random(&mut Stream(7), 300, true, false));
         assert!(matches!(network.layout, Layout::Heavy(_)));
     }
 }

@@ -21,6 +21,10 @@ impl Winner {
         }
     }
 
+    pub(super) fn bytes(&self) -> usize {
+        self.levels.iter().map(|level| size_of_val(&level[..])).sum()
+    }
+
     /// True if a number is in the set.
     pub fn get(&self, member: u32) -> bool {
         self.levels[0][member as usize / 64] >> (member % 64) & 1 == 1

@@ -113,6 +113,17 @@ impl Formula {
         self.push(term, tag)
     }
 
+    /// Complements some leaves wherever they are used.
+    pub(crate) fn complement_leaves(&mut self, complements: impl Fn(LeafId) -> bool) {
+        let complemented = |term: &Term| matches!(term, Term::Leaf(leaf) if complements(*leaf));
+        let nodes: Vec<bool> = self.terms.iter().map(complemented).collect();
+        if nodes.contains(&true) {
+            for edge in self.operands.iter_mut().chain(&mut self.outputs) {
+                *edge = if nodes[edge.node().index()] { edge.complement() } else { *edge };
+            }
+        }
+    }
+
     /// Adds an output.
     pub fn ask(&mut self, output: Edge) {
         self.outputs.push(output);

@@ -6,8 +6,8 @@ use super::positive::keeps_complements;
 use super::prune::{Cut, Reason, reason};
 use super::{Pass, Watch, balance, height};
 use crate::compile::compile_watched;
-use crate::lower::Group;
-use crate::{CompileError, Edge, Leaf, LeafId, LeafKind, Program, PrototypeId, Region};
+use crate::lower::{Content, Group};
+use crate::{CompileError, Edge, LeafId, Program, PrototypeId, Region};
 use rayweave_math::Bounds;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -136,11 +136,9 @@ impl fmt::Display for Preparation {
 
 /// What a placed solid is called, and how often it is placed within the groups that use it.
 fn placed(program: &Program, group: PrototypeId) -> String {
-    let is_instance =
-        |leaf: &&Leaf| matches!(leaf.kind, LeafKind::Instance { prototype, .. } if prototype == group);
-    let mut instances = program.leaves().iter().filter(is_instance);
-    let name = instances.next().map_or("", |leaf| leaf.name.split('[').next().unwrap_or(""));
-    format!("the solid placed as {name}, {} times", 1 + instances.count())
+    let runs = program.leaves.instances.iter().filter(|run| run.prototype == group);
+    let name = runs.clone().next().map_or("", |run| &run.name);
+    format!("the solid placed as {name}, {} times", runs.map(|run| run.len()).sum::<usize>())
 }
 
 fn row(pass: &str, operators: &str, complements: &str, height: &str, promise: &str) -> String {
@@ -263,10 +261,20 @@ fn distinct_names(group: &Group) -> Vec<Arc<str>> {
         names.iter().for_each(|name| *counts.entry(name.clone()).or_default() += 1);
         counts
     };
-    let mut names: Vec<Arc<str>> = group.leaves.iter().map(|leaf| leaf.name.clone()).collect();
+    let mut names: Vec<Arc<str>> = Vec::with_capacity(group.leaf_count);
+    let mut parts = Vec::with_capacity(group.leaf_count);
+    for part in &group.parts {
+        match &part.content {
+            Content::Shape(_) => names.push(part.name.clone()),
+            Content::Copies(_, maps) => {
+                names.extend((0..maps.len()).map(|k| Arc::from(format!("{}[{k}]", part.name))));
+            }
+        }
+        parts.resize(names.len(), part);
+    }
     let counts = count(&names);
-    for (name, leaf) in names.iter_mut().zip(&group.leaves).filter(|(name, _)| counts[&**name] > 1) {
-        if let Some(outer) = group.outer_name(leaf) {
+    for (name, part) in names.iter_mut().zip(parts).filter(|(name, _)| counts[&**name] > 1) {
+        if let Some(outer) = group.outer_name(part) {
             *name = format!("{outer}/{name}").into();
         }
     }

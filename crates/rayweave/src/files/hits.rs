@@ -28,7 +28,7 @@ impl HitTable {
     /// None that a model can bring about: the names of the columns are fixed.
     pub fn new(compiled: &Compiled) -> Result<HitTable, Error> {
         let program = &compiled.program;
-        let faces: Arc<[String]> = program.facets().iter().map(|f| f.name.to_string()).collect();
+        let faces: Arc<[String]> = program.face_names().collect();
         let solids: Arc<[String]> = program.regions().iter().map(|r| r.name.clone()).collect();
         let mut columns = vec![Column::new("ray", DType::I64), Column::new("crossing", DType::I64)];
         let numbers = ["t", "x", "y", "z", "nx", "ny", "nz"];

@@ -57,8 +57,8 @@ pub fn picture() -> String {
 
 /// The circles in which the plane of the ray cuts the chain, as the program knows them.
 fn balls(sheet: &mut Sheet, program: &Program) {
-    for (k, leaf) in program.leaves().iter().enumerate() {
-        let bounds = leaf.bounds;
+    for (k, leaf) in program.leaves().enumerate() {
+        let bounds = program.leaf_bounds(leaf.id());
         let centre = 0.5 * (bounds.lo + bounds.hi);
         let at = [place(centre.x), BALLS - UNIT * (centre.z - HEIGHT)];
         sheet.svg.circle(if k % 2 == 0 { "a tint" } else { "b tint" }, at, UNIT * BALL, "");

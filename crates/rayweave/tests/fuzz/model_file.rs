@@ -1,6 +1,6 @@
 //! Bytes as a model file: read, written, read again, compiled, asked.
 
-use rayweave::model::{Collected, LeafKind, PrototypeId, RayBatch};
+use rayweave::model::{Collected, LeafId, LeafKind, PrototypeId, RayBatch};
 use rayweave::scene::{Document, Scene, parse};
 use rayweave::{AnyEvaluator, Compiled, Evaluator, Program, Query, Ray, Vec3};
 
@@ -62,9 +62,9 @@ fn ask(scene: &Scene) {
 fn shapes(program: &Program, group: PrototypeId) -> usize {
     let leaves = &program.prototype(group).leaves;
     let mut count = 0;
-    for leaf in &program.leaves()[leaves.start as usize..leaves.end as usize] {
-        count += match &leaf.kind {
-            LeafKind::Instance { prototype, .. } => shapes(program, *prototype),
+    for leaf in leaves.clone() {
+        count += match program.leaf(LeafId(leaf)).kind() {
+            LeafKind::Instance { prototype, .. } => shapes(program, prototype),
             LeafKind::Shape { .. } => 1,
         };
         if count > MOST_SHAPES {

@@ -48,7 +48,7 @@ pub fn times(solid: &Solid, ray: Ray) -> Vec<f64> {
 /// What a face is called.
 pub fn face(program: &Program, crossing: &Crossing) -> String {
     let number = program.face_number(crossing.face.leaf, crossing.face.facet);
-    program.facets()[number as usize].name.to_string()
+    program.face_name(number)
 }
 
 /// The first crossing that is not behind the origin.

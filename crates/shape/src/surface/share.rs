@@ -18,6 +18,7 @@
 
 use super::{Plane, Surface};
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
+use std::borrow::Borrow;
 use std::cmp::Ordering;
 
 /// For each surface the one that stands for it.
@@ -57,11 +58,13 @@ const TOLERANCE: f64 = 64.0 * UNIT_ROUNDOFF;
 
 /// Finds equal surfaces. Each is given with its reach: its own or, better, one that counts the translations
 /// composed on its way. At most `u32::MAX` surfaces.
-pub fn share(surfaces: &[(Surface, f64)]) -> Result<Shared, WideClass> {
+pub fn share<S: Borrow<Surface>>(surfaces: &[(S, f64)]) -> Result<Shared, WideClass> {
+    let surfaces: &[(&Surface, f64)] =
+        &surfaces.iter().map(|(s, reach)| (s.borrow(), *reach)).collect::<Vec<_>>();
     let entries = entries(surfaces);
     let mut classes = Classes::new(surfaces.len());
     for kind in Kind::ALL {
-        let of_kind = entries.iter().filter(|e| Kind::of(&surfaces[e.index()].0) == kind);
+        let of_kind = entries.iter().filter(|e| Kind::of(surfaces[e.index()].0) == kind);
         let part: Vec<Entry> = of_kind.copied().collect();
         sweep(surfaces, kind, part, &mut classes);
     }
@@ -83,7 +86,7 @@ impl Entry {
 
 /// Each surface in the sense in which its vector points along a fixed direction; in both senses where that is
 /// within the tolerance of neither.
-fn entries(surfaces: &[(Surface, f64)]) -> Vec<Entry> {
+fn entries(surfaces: &[(&Surface, f64)]) -> Vec<Entry> {
     let mut entries = Vec::with_capacity(surfaces.len());
     for (index, (surface, _)) in surfaces.iter().enumerate() {
         let along = sense(surface).map_or(1.0, |v| v.dot(SENSE));
@@ -216,7 +219,7 @@ struct Part {
 }
 
 /// Cuts the entries of one kind until nothing cuts them, and joins what is left.
-fn sweep(surfaces: &[(Surface, f64)], kind: Kind, mut entries: Vec<Entry>, classes: &mut Classes) {
+fn sweep(surfaces: &[(&Surface, f64)], kind: Kind, mut entries: Vec<Entry>, classes: &mut Classes) {
     let numbers = kind.numbers();
     let whole = Part { first: 0, last: entries.len(), next: 0, uncut: 0 };
     let mut parts = vec![whole];
@@ -245,7 +248,7 @@ fn sweep(surfaces: &[(Surface, f64)], kind: Kind, mut entries: Vec<Entry>, class
 /// An entry with one of its numbers and its tolerance.
 type Keyed = (f64, f64, Entry);
 
-fn sort_by_number(surfaces: &[(Surface, f64)], entries: &mut [Entry], k: usize, keyed: &mut Vec<Keyed>) {
+fn sort_by_number(surfaces: &[(&Surface, f64)], entries: &mut [Entry], k: usize, keyed: &mut Vec<Keyed>) {
     keyed.clear();
     keyed.extend(entries.iter().map(|e| {
         let (surface, reach) = &surfaces[e.index()];
@@ -269,7 +272,7 @@ fn cuts(keyed: &[Keyed]) -> impl Iterator<Item = usize> {
 }
 
 /// Joins the entries of an uncut part: all of them if it is narrow, else those pairs that are equal.
-fn join(surfaces: &[(Surface, f64)], numbers: usize, part: &mut [Entry], classes: &mut Classes) {
+fn join(surfaces: &[(&Surface, f64)], numbers: usize, part: &mut [Entry], classes: &mut Classes) {
     let widths = (0..numbers).map(|k| width(surfaces, part, k));
     let widest = widths.max_by(|a, b| a.tolerances().total_cmp(&b.tolerances()));
     if widest.as_ref().is_none_or(|w| w.tolerances() <= 1.0) {
@@ -293,7 +296,7 @@ fn join(surfaces: &[(Surface, f64)], numbers: usize, part: &mut [Entry], classes
     }
 }
 
-fn equal(surfaces: &[(Surface, f64)], numbers: usize, a: &Entry, b: &Entry) -> bool {
+fn equal(surfaces: &[(&Surface, f64)], numbers: usize, a: &Entry, b: &Entry) -> bool {
     let of = |e: &Entry, k: usize| {
         let (surface, reach) = &surfaces[e.index()];
         number(surface, *reach, e.reversed, k)
@@ -321,7 +324,7 @@ impl Width {
     }
 }
 
-fn width(surfaces: &[(Surface, f64)], entries: &[Entry], k: usize) -> Width {
+fn width(surfaces: &[(&Surface, f64)], entries: &[Entry], k: usize) -> Width {
     let mut width =
         Width { number: k, lo: (f64::INFINITY, 0), hi: (f64::NEG_INFINITY, 0), tolerance: f64::INFINITY };
     for entry in entries {
@@ -362,7 +365,7 @@ impl Classes {
         self.parent[a.max(b) as usize] = a.min(b);
     }
 
-    fn into_shared(mut self, surfaces: &[(Surface, f64)]) -> Result<Shared, WideClass> {
+    fn into_shared(mut self, surfaces: &[(&Surface, f64)]) -> Result<Shared, WideClass> {
         let count = surfaces.len() as u32;
         let mut members: Vec<(u32, u32)> = (0..count).map(|k| (self.root(k), k)).collect();
         members.sort_unstable();
@@ -376,11 +379,11 @@ impl Classes {
 }
 
 fn add_class(
-    surfaces: &[(Surface, f64)],
+    surfaces: &[(&Surface, f64)],
     class: &[(u32, u32)],
     shared: &mut Shared,
 ) -> Result<(), WideClass> {
-    let surface = |k: u32| &surfaces[k as usize].0;
+    let surface = |k: u32| surfaces[k as usize].0;
     let chosen = class
         .iter()
         .map(|&(_, k)| k)

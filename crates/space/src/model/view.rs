@@ -3,8 +3,8 @@
 use crate::curve::{CurveError, Mapped};
 use crate::isolate::{hugs, isolate_aside};
 use crate::{Curve, Field, Point};
-use rayweave_math::{Affine, Interval, Transform, Vec3};
-use rayweave_model::{PlacementId, SurfaceEntry};
+use rayweave_math::{Affine, Interval, Vec3};
+use rayweave_model::{Place, PlacementId, SurfaceEntry};
 use rayweave_rootray::RootRay;
 use rayweave_shape::surface::{Aside, Surface};
 
@@ -35,7 +35,7 @@ impl<'a> View<'a> {
 
     /// As a solid placed in the group sees it; `placement` is counted from that of the group. The reach grows as
     /// that of a ray ([`rayweave_model::carried`]), whose position is counted with the curve's own size.
-    pub fn placed(&self, place: &Transform, placement: u32) -> View<'a> {
+    pub fn placed(&self, place: &Place, placement: u32) -> View<'a> {
         let down = &place.local_from_world;
         View {
             world: self.world,

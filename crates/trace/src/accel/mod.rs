@@ -1,6 +1,6 @@
 //! Which leaves a ray can touch. May change speed, never an answer.
 //!
-//! A leaf counts where it can matter ([`rayweave_model::Leaf::matters`]): a ray that passes outside of that box
+//! A leaf counts where it can matter ([`Program::matters`]): a ray that passes outside of that box
 //! would see no flip of it that changes anything. Boxes are grown by more than any kernel can err.
 
 mod build;
@@ -30,12 +30,11 @@ fn ray_margin(origin: Vec3, reach: f64) -> f64 {
 
 impl Accel {
     pub fn new(program: &Program, group: &Prototype) -> Accel {
-        let leaves = &program.leaves()[group.leaves.start as usize..group.leaves.end as usize];
         let (mut unbounded, mut boxes) = (Vec::new(), Vec::new());
-        for (k, leaf) in leaves.iter().enumerate() {
-            if leaf.matters.is_finite() {
-                boxes.push((leaf.matters, k as u32));
-            } else if !leaf.matters.is_empty() {
+        for (k, matters) in program.matters(group).into_iter().enumerate() {
+            if matters.is_finite() {
+                boxes.push((matters, k as u32));
+            } else if !matters.is_empty() {
                 unbounded.push(k as u32);
             }
         }

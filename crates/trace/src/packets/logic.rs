@@ -86,14 +86,13 @@ impl Logic {
         if complement { plain.not() } else { plain }
     }
 
-    /// The function below an edge of an expression; `leaf` gives that of a leaf.
+    /// The functions of the outputs of an expression; `leaf` gives that of a leaf.
     pub fn outputs(
         &mut self,
         expression: &Expression,
-        outputs: &[Edge],
         mut leaf: impl FnMut(&mut Logic, LeafId) -> Wire,
     ) -> Vec<Wire> {
-        let mut wires: Vec<Wire> = Vec::with_capacity(expression.nodes().len());
+        let mut wires: Vec<Wire> = Vec::with_capacity(expression.node_count());
         let along = |wires: &[Wire], edge: Edge| {
             let wire = wires[edge.node().index()];
             if edge.is_complemented() { wire.not() } else { wire }
@@ -102,15 +101,15 @@ impl Logic {
             let wire = match gate {
                 Gate::Vacuum => Wire::FALSE,
                 Gate::Plenum => Wire::TRUE,
-                Gate::Leaf(id) => leaf(self, *id),
+                Gate::Leaf(id) => leaf(self, id),
                 Gate::Join(rule, operands) => {
                     let operands: Vec<Wire> = operands.iter().map(|&edge| along(&wires, edge)).collect();
-                    self.join(*rule, &operands)
+                    self.join(rule, &operands)
                 }
             };
             wires.push(wire);
         }
-        outputs.iter().map(|&edge| along(&wires, edge)).collect()
+        expression.outputs().iter().map(|&edge| along(&wires, edge)).collect()
     }
 
     fn join(&mut self, rule: Rule, operands: &[Wire]) -> Wire {

@@ -1,7 +1,7 @@
 //! What is done for every eight rays, laid out once for a small model.
 
 use super::logic::{Logic, Tape, Wire};
-use rayweave_model::{Face, LeafKind, PlacementId, Program, Prototype, PrototypeId};
+use rayweave_model::{Face, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId};
 use rayweave_shape::lanes::{Facet, Kernel, LaneLimits};
 use rayweave_shape::surface::Surface;
 
@@ -86,8 +86,7 @@ impl Plan {
     /// For a model; `None` for one that is too large for lanes or has surfaces for which there is no kernel.
     pub fn new(program: &Program) -> Option<Plan> {
         let group = program.prototype(PrototypeId(0));
-        let ids = group.leaves.start as usize..group.leaves.end as usize;
-        if ids.len() > MOST || group.ball.radius <= 0.0 {
+        if group.leaves.len() > MOST || group.ball.radius <= 0.0 {
             return None;
         }
         let mut plan = Plan {
@@ -102,18 +101,18 @@ impl Plan {
         };
         let mut logic = Logic::new();
         let (mut stretches, mut wires) = (0, Vec::new());
-        for leaf in &program.leaves()[ids] {
-            let LeafKind::Shape { facets, .. } = &leaf.kind else { return None };
-            wires.push(plan.leaf(program, facets.clone(), &mut logic, &mut stretches)?);
+        for leaf in group.leaves.clone() {
+            let LeafKind::Shape { facets } = program.leaf(LeafId(leaf)).kind() else { return None };
+            wires.push(plan.leaf(program, facets, &mut logic, &mut stretches)?);
         }
-        let outputs = logic.outputs(&group.expression, &group.outputs, |_, leaf| wires[leaf.index()]);
+        let outputs = logic.outputs(&group.expression, |_, leaf| wires[leaf.index()]);
         plan.differences = (0..stretches).map(|k| Difference::new(&mut logic, &outputs, k)).collect();
         plan.regions = logic.tape(&outputs);
         let steps = plan.differences.iter().map(Difference::steps).chain([plan.regions.steps.len()]);
         if steps.max() > Some(STEPS) {
             return None;
         }
-        let bounded = program.leaves().iter().all(|leaf| leaf.bounds.is_finite() || leaf.bounds.is_empty());
+        let bounded = program.leaves().map(|leaf| program.leaf_bounds(leaf.id())).all(|b| b.is_finite() || b.is_empty());
         plan.start = bounded.then(|| {
             let held = plan.regions.evaluate(0);
             held.iter().rposition(|&inside| inside).map_or(0, |k| k as u32 + 1)
@@ -132,9 +131,9 @@ impl Plan {
         let (span, first) = (take(stretches)?, self.facets.len());
         let mut inside = logic.input(span);
         for number in facets {
-            let facet = &program.facets()[number as usize];
-            let kernel = Kernel::of(&program.surface(facet.surface).surface)?;
-            let mut facet = Facet { kernel, inside: facet.inside, face: f64::from(number), gap: NONE };
+            let facet = program.facets()[number as usize];
+            let kernel = Kernel::of(&program.surface(facet.surface()).surface)?;
+            let mut facet = Facet { kernel, inside: facet.inside(), face: f64::from(number), gap: NONE };
             if facet.can_gap() {
                 let gap = take(stretches)?;
                 facet.gap = gap as u32;
@@ -185,12 +184,11 @@ fn limits(program: &Program, group: &Prototype) -> Option<LaneLimits> {
 
 fn faces(program: &Program) -> Vec<Face> {
     let mut faces = Vec::with_capacity(program.facets().len());
-    for (k, leaf) in program.leaves().iter().enumerate() {
-        let LeafKind::Shape { facets, .. } = &leaf.kind else { continue };
-        faces.extend(facets.clone().map(|number| Face {
-            leaf: k.into(),
-            facet: number - facets.start,
-            surface: program.facets()[number as usize].surface,
+    for leaf in program.leaves() {
+        faces.extend(leaf.facets().iter().zip(0..).map(|(side, facet)| Face {
+            leaf: leaf.id(),
+            facet,
+            surface: side.surface(),
             placement: PlacementId(0),
         }));
     }

@@ -62,7 +62,8 @@ impl SingleHit {
         let mut trees = Vec::with_capacity(program.prototypes().len());
         let mut left = MOST_NODES;
         for group in program.prototypes() {
-            let tree = Tree::new(group.expression.nodes(), &group.outputs, left)?;
+            let tree =
+                Tree::new(&group.expression.nodes().collect::<Vec<_>>(), group.expression.outputs(), left)?;
             left -= tree.nodes().len() as u64;
             trees.push(tree);
         }
@@ -95,14 +96,14 @@ impl SingleHit {
         let leaves = &self.program.prototype(group).leaves;
         for leaf in 0..leaves.len() as u32 {
             let id = LeafId(leaves.start + leaf);
-            match &self.program.leaf(id).kind {
+            match &self.program.leaf(id).kind() {
                 // the tree does not ask it
-                _ if self.program.leaf(id).matters.is_empty() => {
+                _ if !self.program.leaf(id).is_asked() => {
                     level.roots.enter(false, std::iter::empty());
                 }
                 LeafKind::Shape { facets, .. } => self.shape(id, facets, ray, &mut level),
                 LeafKind::Instance { prototype, placement } => {
-                    let place = &self.program.leaf(id).transform;
+                    let place = &self.program.leaf(id).place();
                     let ray = ray.placed(place, self.program.prototype(*prototype), *placement);
                     let inside = self.instance(*prototype, &ray, depth + 1, scratch, &mut level.inner);
                     level.roots.enter(inside, level.inner.iter().copied());
@@ -116,7 +117,7 @@ impl SingleHit {
         let table = &self.program.facets()[facets.start as usize..facets.end as usize];
         leaf_events(&self.program, table, ray, &mut level.leaf);
         let face = |facet: u32| {
-            let surface = table[facet as usize].surface;
+            let surface = table[facet as usize].surface();
             Face { leaf: id, facet, surface, placement: ray.placement }
         };
         let flips = level.leaf.flips.iter().map(|&(t, facet)| (t, face(facet)));
@@ -239,13 +240,13 @@ impl SingleHit {
         let first = self.program.prototype(group).leaves.start;
         let holds = |leaf: u32, values: &mut Vec<u32>| {
             let leaf = self.program.leaf(LeafId(first + leaf));
-            match &leaf.kind {
+            match &leaf.kind() {
                 LeafKind::Shape { facets, .. } => {
                     let table = &self.program.facets()[facets.start as usize..facets.end as usize];
                     facets_contain(&self.program, table, point)
                 }
                 LeafKind::Instance { prototype, .. } => {
-                    self.value_at(*prototype, &point.placed(&leaf.transform), values) != 0
+                    self.value_at(*prototype, &point.placed(&leaf.place()), values) != 0
                 }
             }
         };

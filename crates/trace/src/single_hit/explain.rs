@@ -242,7 +242,7 @@ impl<F> Recorder<'_, F> {
 
     fn face_name(&self, face: Face) -> Arc<str> {
         let program = self.names.program();
-        program.facets()[program.face_number(face.leaf, face.facet) as usize].name.clone()
+        program.leaf(face.leaf).face_name(face.facet as usize).into()
     }
 
     fn operand(&mut self, node: usize, answer: Step) -> Operand {

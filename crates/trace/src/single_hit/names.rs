@@ -3,6 +3,7 @@
 use super::explain::Meaning;
 use super::{Kind, Node, Op, SingleHit, Tree};
 use rayweave_model::{Evaluator, LeafId, Program, PrototypeId};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -14,7 +15,7 @@ pub(super) struct Names<'a> {
     program: &'a Program,
     tree: &'a Tree,
     /// How many leaves have the same name.
-    namesakes: HashMap<&'a str, u32>,
+    namesakes: HashMap<Cow<'a, str>, u32>,
     /// The nodes of the outputs with their numbers, sorted by node.
     outputs: Vec<(usize, usize)>,
     depths: Vec<u32>,
@@ -27,8 +28,8 @@ impl<'a> Names<'a> {
         let (program, tree) = (evaluator.program(), evaluator.tree(PrototypeId(0)));
         let mut namesakes = HashMap::new();
         let leaves = &program.prototype(PrototypeId(0)).leaves;
-        for leaf in &program.leaves()[leaves.start as usize..leaves.end as usize] {
-            *namesakes.entry(&*leaf.name).or_insert(0) += 1;
+        for leaf in leaves.clone() {
+            *namesakes.entry(program.leaf(LeafId(leaf)).name()).or_insert(0) += 1;
         }
         let outputs = (0..program.regions().len()).map(|k| (tree.output(k as u32), k)).collect();
         Names { program, tree, namesakes, outputs, depths: depths(tree), known: HashMap::new() }
@@ -84,10 +85,10 @@ impl<'a> Names<'a> {
     }
 
     fn leaf_name(&self, leaf: u32) -> String {
-        let name = &*self.program.leaf(self.leaf_id(leaf)).name;
-        match self.namesakes.get(name) {
+        let name = self.program.leaf(self.leaf_id(leaf)).name();
+        match self.namesakes.get(&name) {
             Some(&count) if count > 1 => format!("{name} {leaf}"),
-            _ => name.to_owned(),
+            _ => name.into_owned(),
         }
     }
 

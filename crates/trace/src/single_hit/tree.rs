@@ -189,7 +189,7 @@ struct Open {
 }
 
 struct Builder<'a> {
-    gates: &'a [Gate],
+    gates: &'a [Gate<'a>],
     outputs: &'a [Edge],
     tasks: Vec<Task>,
     nodes: Vec<Node>,

@@ -1,10 +1,9 @@
 //! What columns of hit arrays stand for: rays, or points.
 
 use crate::accel::Accel;
-use rayweave_math::Transform;
 use rayweave_model::{
-    GroupPoint, GroupRay, LeafEvents, LeafFacet, PlacementId, Program, Prototype, Query, facets_contain,
-    leaf_events,
+    GroupPoint, GroupRay, LeafEvents, LeafFacet, Place, PlacementId, Program, Prototype, Query,
+    facets_contain, leaf_events,
 };
 
 /// Something that leaves can be asked about, in the frame of a group.
@@ -16,7 +15,7 @@ pub(super) trait Asked: Copy {
     fn leaf(&self, program: &Program, facets: &[LeafFacet], query: &Query<'_>, events: &mut LeafEvents);
 
     /// The same as a solid placed in the group sees it; `placement` is counted from that of the group.
-    fn placed(&self, place: &Transform, inner: &Prototype, placement: u32) -> Self;
+    fn placed(&self, place: &Place, inner: &Prototype, placement: u32) -> Self;
 
     /// The placement of the group.
     fn placement(&self) -> PlacementId;
@@ -41,7 +40,7 @@ impl Asked for AskedRay {
         leaf_events(program, facets, &GroupRay { starts, ..self.ray }, events);
     }
 
-    fn placed(&self, place: &Transform, inner: &Prototype, placement: u32) -> Self {
+    fn placed(&self, place: &Place, inner: &Prototype, placement: u32) -> Self {
         AskedRay { ray: self.ray.placed(place, inner, placement), number: self.number }
     }
 
@@ -61,7 +60,7 @@ impl Asked for GroupPoint {
         events.starts_inside = facets_contain(program, facets, self);
     }
 
-    fn placed(&self, place: &Transform, _: &Prototype, _: u32) -> Self {
+    fn placed(&self, place: &Place, _: &Prototype, _: u32) -> Self {
         GroupPoint::placed(self, place)
     }
 

@@ -51,7 +51,7 @@ impl Spans {
         let groups = program
             .prototypes()
             .iter()
-            .map(|group| (Accel::new(&program, group), Schedule::new(&group.expression, &group.outputs)));
+            .map(|group| (Accel::new(&program, group), Schedule::new(&group.expression)));
         Spans { groups: groups.collect(), program }
     }
 

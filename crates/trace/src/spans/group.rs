@@ -83,11 +83,11 @@ impl Spans {
             return;
         }
         let id = LeafId(self.program.prototype(at.group).leaves.start + leaf);
-        match &self.program.leaf(id).kind {
+        match &self.program.leaf(id).kind() {
             LeafKind::Shape { facets, .. } => self.shape(at, leaf, id, facets, level, out),
             LeafKind::Instance { prototype, placement } => {
                 let mut inner = room.take_level(at.depth + 1);
-                let place = &self.program.leaf(id).transform;
+                let place = &self.program.leaf(id).place();
                 inner.asked.clear();
                 inner.asked.extend(level.touched.columns(leaf).iter().map(|&column| {
                     let asked = &level.asked[at.begin + column as usize];
@@ -118,7 +118,7 @@ impl Spans {
                 flips.push(column, Event { t: f64::NEG_INFINITY, leaf, face: NO_FACE });
             }
             for &(t, facet) in &found.flips {
-                let surface = table[facet as usize].surface;
+                let surface = table[facet as usize].surface();
                 let face = Face { leaf: id, facet, surface, placement: asked.placement() };
                 flips.push(column, Event { t, leaf, face });
             }

@@ -42,8 +42,8 @@ impl<P> Room<P> {
 
 impl Rest {
     fn new(group: &Prototype) -> Rest {
-        let mut outputs = Winner::new(group.outputs.len());
-        for (k, edge) in group.outputs.iter().enumerate() {
+        let mut outputs = Winner::new(group.expression.outputs().len());
+        for (k, edge) in group.expression.outputs().iter().enumerate() {
             outputs.set(k as u32, edge.is_complemented());
         }
         Rest { outputs, leaves: group.network.start() }

@@ -45,8 +45,8 @@ pub(super) struct Operand {
 
 impl Schedule {
     /// The schedule for all nodes that the outputs depend on.
-    pub fn new(expression: &Expression, outputs: &[Edge]) -> Schedule {
-        let nodes = expression.nodes();
+    pub fn new(expression: &Expression) -> Schedule {
+        let (nodes, outputs): (&[Gate], _) = (&expression.nodes().collect::<Vec<_>>(), expression.outputs());
         let mut builder = Builder {
             nodes,
             needs: needs(nodes),
@@ -103,7 +103,7 @@ fn needs(nodes: &[Gate]) -> Vec<u32> {
     needs
 }
 
-fn operands_of(gate: &Gate) -> &[Edge] {
+fn operands_of<'g>(gate: &'g Gate) -> &'g [Edge] {
     match gate {
         Gate::Join(_, operands) => operands,
         _ => &[],
@@ -111,7 +111,7 @@ fn operands_of(gate: &Gate) -> &[Edge] {
 }
 
 struct Builder<'e> {
-    nodes: &'e [Gate],
+    nodes: &'e [Gate<'e>],
     needs: Vec<u32>,
     uses: Vec<u32>,
     /// Where each node's result is, once it has been computed.
@@ -198,8 +198,8 @@ mod tests {
 
     /// Runs a schedule on plain sides and compares the outputs with the plain meaning of the formula.
     fn check(formula: &Formula, leaves: u32) -> Schedule {
-        let expression = Expression::new(formula);
-        let schedule = Schedule::new(&expression, formula.outputs());
+        let expression = Expression::new(formula, leaves as usize);
+        let schedule = Schedule::new(&expression);
         for pattern in 0..1u32 << leaves {
             let inside = |leaf: u32| pattern >> leaf & 1 == 1;
             let mut slots = vec![false; schedule.slots()];

@@ -78,10 +78,10 @@ impl Weave {
     ) -> bool {
         scratch.asked += 1;
         let id = LeafId(self.program.prototype(group).leaves.start + leaf);
-        match &self.program.leaf(id).kind {
+        match &self.program.leaf(id).kind() {
             LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, ray, level),
             LeafKind::Instance { prototype, placement } => {
-                let place = &self.program.leaf(id).transform;
+                let place = &self.program.leaf(id).place();
                 let local = ray.placed(place, self.program.prototype(*prototype), *placement);
                 level.inner.clear();
                 let starts = self.instance(*prototype, &local, window, depth + 1, scratch, &mut level.inner);
@@ -103,7 +103,7 @@ impl Weave {
         let table = &self.program.facets()[facets.start as usize..facets.end as usize];
         leaf_events(&self.program, table, ray, &mut level.leaf);
         level.events.extend(level.leaf.flips.iter().map(|&(t, facet)| {
-            let surface = table[facet as usize].surface;
+            let surface = table[facet as usize].surface();
             Event { t, leaf, face: Face { leaf: id, facet, surface, placement: ray.placement } }
         }));
         level.leaf.starts_inside

@@ -216,13 +216,13 @@ impl Walk<'_> {
     fn first_piece(&self, leaf: u32) -> Option<f64> {
         let program = &self.weave.program;
         let leaf = program.leaf(LeafId(program.prototype(MODEL).leaves.start + leaf));
-        let LeafKind::Instance { prototype, .. } = &leaf.kind else { return None };
-        let leaves = program.prototype(*prototype).leaves.len();
+        let LeafKind::Instance { prototype, .. } = leaf.kind() else { return None };
+        let leaves = program.prototype(prototype).leaves.len();
         if leaves <= LARGE {
             return None;
         }
         let size = self.weave.accel[prototype.index()].size();
-        let speed = leaf.transform.local_from_world.vector(self.ray.ray.direction).length();
+        let speed = leaf.place().local_from_world.vector(self.ray.ray.direction).length();
         Some(FIRST_PIECE * size / libm::cbrt(leaves as f64) / speed)
     }
 

@@ -43,13 +43,13 @@ impl Weave {
         self.accel[group.index()].around(point, &mut level.touched);
         level.touched.retain(|&leaf| {
             let leaf = self.program.leaf(LeafId(first + leaf));
-            match &leaf.kind {
+            match &leaf.kind() {
                 LeafKind::Shape { facets, .. } => {
                     let table = &self.program.facets()[facets.start as usize..facets.end as usize];
                     facets_contain(&self.program, table, point)
                 }
                 LeafKind::Instance { prototype, .. } => {
-                    self.instance_holds(*prototype, &point.placed(&leaf.transform), depth + 1, scratch)
+                    self.instance_holds(*prototype, &point.placed(&leaf.place()), depth + 1, scratch)
                 }
             }
         });

@@ -1,0 +1,88 @@
+//! Boxes around leaves, grown by what roots can err by, and where each leaf can matter.
+
+use crate::leaf::LeafTable;
+use crate::program::{MARGIN, SurfaceEntry};
+use crate::{Ball, PrototypeId};
+use rayweave_math::{Bounds, Vec3};
+
+/// What is known about where a compiled group is, for the groups that it is placed in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// A box that holds the solid (of the model: all regions).
+    pub bounds: Bounds,
+    /// A box that holds it at all times of a ray: see [`sure`].
+    pub sure: Bounds,
+    /// The largest margin of its leaves.
+    pub margin: f64,
+    /// The most by which a rounding in the group's frame can be magnified on the way in and back.
+    pub condition: f64,
+    /// The number of placements of one occurrence, itself included.
+    pub placements: u32,
+}
+
+impl Default for Extent {
+    fn default() -> Extent {
+        let bounds = Bounds::EMPTY;
+        Extent { bounds, sure: bounds, margin: 0.0, condition: 1.0, placements: 1 }
+    }
+}
+
+/// A box that does not end on all sides says nothing for certain: a ray nearly parallel to a face leaves it at
+/// a time of 1e16 or so, at no certain place.
+fn sure(bounds: Bounds) -> Bounds {
+    if bounds.is_finite() || bounds.is_empty() { bounds } else { Bounds::ALL }
+}
+
+/// The boxes of the leaves of one group.
+pub(crate) struct Boxes<'a, F> {
+    pub leaves: &'a LeafTable,
+    pub surfaces: &'a [SurfaceEntry],
+    /// What is known of a solid placed in the group.
+    pub inner: F,
+}
+
+impl<F: Fn(PrototypeId) -> Extent> Boxes<'_, F> {
+    /// A box, in the frame of the group, that holds the conjunction of the facets of a leaf.
+    pub fn bounds(&self, leaf: usize) -> Bounds {
+        match self.leaves.leaf(leaf).instance() {
+            Some((run, k)) => (self.inner)(run.prototype).bounds.transformed(&run.world_from_local(k)),
+            None => self.leaves.leaf(leaf).shape_bounds(),
+        }
+    }
+
+    /// The most by which a rounding can be magnified on the way into the frame of a leaf and back, at least 1.
+    pub fn condition(&self, leaf: usize) -> f64 {
+        self.leaves.leaf(leaf).instance().map_or(1.0, |(run, k)| {
+            let (up, down) = (run.world_from_local(k), run.place(k).local_from_world);
+            // a Frobenius norm is up to sqrt(3) times the greatest stretch: never too small
+            up.stretch() * down.stretch() * (self.inner)(run.prototype).condition
+        })
+    }
+
+    /// A box that holds the leaf at all times of a ray that starts near the origin, and how far it was grown for that; a ray
+    /// from far away adds its share.
+    ///
+    /// The margin is [`MARGIN`] of the lengths involved, four times the distance at which a computed root may lie off
+    /// its surface. Among these lengths are the leaf's own size and way, those of the faces that it shares surfaces with,
+    /// and the group's ball: whether a ray lies in a face is judged along a chord of it.
+    pub fn grown(&self, leaf: usize, ball: &Ball) -> (Bounds, f64) {
+        let far = |v: Vec3| if v.is_finite() { v.length() } else { 0.0 };
+        let chord = ball.centre.length() + 2.0 * ball.radius;
+        let view = self.leaves.leaf(leaf);
+        let (bounds, held, own, way) = match view.instance() {
+            Some((run, k)) => {
+                let (map, path, inner) =
+                    (run.world_from_local(k), run.place(k).path, (self.inner)(run.prototype));
+                let own = map.stretch() * inner.margin + MARGIN * self.condition(leaf) * path;
+                (inner.bounds.transformed(&map), inner.sure.transformed(&map), own, path)
+            }
+            None => {
+                let reach = view.facets().iter().map(|facet| self.surfaces[facet.surface().index()].reach);
+                let bounds = view.shape_bounds();
+                (bounds, bounds, 0.0, reach.fold(0.0, f64::max))
+            }
+        };
+        let margin = own + MARGIN * (far(bounds.lo) + far(bounds.hi) + way + chord);
+        (sure(held).grown(margin), margin)
+    }
+}

@@ -1,0 +1,79 @@
+//! What leaves and their faces are called: once for all leaves that are called the same.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The names of a shape and of its faces.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Label {
+    /// The name given to the leaf, or that of its kind.
+    pub name: Arc<str>,
+    /// What kind of shape it is.
+    pub kind: &'static str,
+    /// The faces, as the manual page of the kind names them.
+    pub faces: Arc<[Cow<'static, str>]>,
+}
+
+impl Label {
+    /// The name of a face by its number, as `rim.side`.
+    pub fn face_name(&self, facet: usize) -> String {
+        format!("{}.{}", self.name, self.faces.get(facet).map_or("", |face| face))
+    }
+}
+
+/// Labels with numbers, each once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Labels {
+    labels: Vec<Label>,
+    numbers: HashMap<Label, u32>,
+    /// Lists of faces, each once.
+    faces: HashMap<Arc<[Cow<'static, str>]>, ()>,
+}
+
+impl Labels {
+    /// The number of a label. Leaves one after the other are often called the same, which costs no look-up.
+    pub fn number(
+        &mut self,
+        name: &Arc<str>,
+        kind: &'static str,
+        faces: impl Iterator<Item = Cow<'static, str>> + Clone,
+    ) -> u32 {
+        let is_last = self.labels.last().is_some_and(|last| {
+            Arc::ptr_eq(&last.name, name) && last.kind == kind && faces.clone().eq(last.faces.iter().cloned())
+        });
+        if is_last {
+            return self.labels.len() as u32 - 1;
+        }
+        self.insert(Label { name: name.clone(), kind, faces: faces.collect() })
+    }
+
+    /// The number of a label.
+    pub fn insert(&mut self, mut label: Label) -> u32 {
+        label.faces = self.faces(label.faces);
+        let fresh = self.labels.len() as u32;
+        let number = *self.numbers.entry(label.clone()).or_insert(fresh);
+        if number == fresh {
+            self.labels.push(label);
+        }
+        number
+    }
+
+    fn faces(&mut self, faces: Arc<[Cow<'static, str>]>) -> Arc<[Cow<'static, str>]> {
+        if let Some((known, ())) = self.faces.get_key_value(&faces) {
+            return known.clone();
+        }
+        self.faces.insert(faces.clone(), ());
+        faces
+    }
+
+    /// A label by its number.
+    pub fn get(&self, number: u32) -> &Label {
+        &self.labels[number as usize]
+    }
+
+    /// The labels in the order of their numbers.
+    pub fn into_labels(self) -> Vec<Label> {
+        self.labels
+    }
+}

@@ -1,0 +1,252 @@
+//! The tables of a group while it is compiled.
+
+use crate::boxes::{Boxes, Extent};
+use crate::drive::{Cancel, Stopped, drive, thread_count};
+use crate::instances::{Instances, Numbers};
+use crate::label::Labels;
+use crate::leaf::{LeafFacet, LeafTable};
+use crate::lower::{Content, Group, Part};
+use crate::program::SurfaceEntry;
+use crate::simplify::{Watch, bounds, leaf_needs, output_bounds, prepare_watched};
+use crate::{Ball, CompileError, CompileProblem, Expression, PrototypeId, SurfaceId};
+use rayweave_math::{Bounds, Transform};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::Primitive;
+use rayweave_shape::surface::share;
+use std::num::NonZeroUsize;
+
+/// The leaves and surfaces of a group.
+#[derive(Default)]
+pub(crate) struct Tables {
+    pub leaves: LeafTable,
+    pub surfaces: Vec<SurfaceEntry>,
+}
+
+/// What becomes of a group besides its tables.
+pub(crate) struct Prepared {
+    pub expression: Expression,
+    pub ball: Ball,
+    pub extent: Extent,
+}
+
+/// So many shapes are brought into the group's frame at a time.
+const CHUNK: usize = 4096;
+
+/// Shapes in the frame of their group with labels of their own, or the copies of a placed solid.
+enum Lowered<'g, 'a> {
+    Shapes(Tables, Labels),
+    Copies(&'g Part<'a>),
+}
+
+impl Tables {
+    /// The leaves of a group with their surfaces, each its own; labels get numbers that hold for all groups.
+    pub fn of(
+        group: &Group<'_>,
+        labels: &mut Labels,
+        inner: impl Fn(PrototypeId) -> Extent,
+    ) -> Result<Tables, CompileError> {
+        let is_shape = |part: &Part<'_>| matches!(part.content, Content::Shape(_));
+        let runs = group.parts.chunk_by(|a, b| is_shape(a) && is_shape(b));
+        let chunks = runs.flat_map(|run| run.chunks(CHUNK));
+        let threads = if group.parts.len() > CHUNK { thread_count(None) } else { NonZeroUsize::MIN };
+        let (mut tables, mut placements) = (Tables::default(), 1);
+        let done = drive(
+            threads,
+            &Cancel::new(),
+            chunks,
+            || (),
+            |(), chunk| lowered(group, chunk),
+            |chunk| match chunk? {
+                Lowered::Shapes(shapes, names) => {
+                    tables.append(shapes, names, labels);
+                    Ok(())
+                }
+                Lowered::Copies(part) => tables.copies(group, part, &inner, &mut placements),
+            },
+        );
+        match done {
+            Ok(()) | Err(Stopped::Cancelled) => Ok(tables),
+            Err(Stopped::Failed(error)) => Err(error),
+        }
+    }
+
+    fn append(&mut self, shapes: Tables, names: Labels, labels: &mut Labels) {
+        let numbers: Vec<u32> = names.into_labels().into_iter().map(|label| labels.insert(label)).collect();
+        self.leaves.append(shapes.leaves, self.surfaces.len() as u32, |label| numbers[label as usize]);
+        self.surfaces.extend(shapes.surfaces);
+    }
+
+    fn shape(
+        &mut self,
+        part: &Part<'_>,
+        place: &Transform,
+        primitive: &Primitive,
+        labels: &mut Labels,
+    ) -> Result<(), CompileProblem> {
+        let lowered = primitive.lower();
+        let mut bounds = match lowered.complement {
+            true => Bounds::ALL,
+            false => lowered.bounds.transformed(&place.world_from_local),
+        };
+        let names = lowered.facets.iter().map(|facet| facet.name.clone());
+        let label = labels.number(&part.name, primitive.name(), names);
+        let first = self.surfaces.len();
+        for facet in &lowered.facets {
+            let surface = facet.surface.transformed(place);
+            let reach = surface.reach() + place.path;
+            let is_in_reach = reach <= Ray::MOST;
+            if !is_in_reach || !surface.is_finite() {
+                return Err(CompileProblem::NotFinite);
+            }
+            if facet.inside {
+                let both = bounds.intersection(&surface.inside_bounds());
+                // two boxes of something very thin may miss each other by a rounding
+                bounds = if both.is_empty() { bounds } else { both };
+            }
+            self.surfaces.push(SurfaceEntry { surface, reach });
+        }
+        self.leaves.push_shape(label, lowered.complement, bounds);
+        let facets = lowered.facets.iter().zip(first..);
+        self.leaves.facets.extend(facets.map(|(facet, k)| LeafFacet::new(SurfaceId::from(k), facet.inside)));
+        Ok(())
+    }
+
+    fn copies(
+        &mut self,
+        group: &Group<'_>,
+        part: &Part<'_>,
+        inner: impl Fn(PrototypeId) -> Extent,
+        placements: &mut u32,
+    ) -> Result<(), CompileError> {
+        let Content::Copies(prototype, maps) = part.content else { return Ok(()) };
+        let fail = |problem| CompileError { path: group.path(part), problem };
+        let placements_each = inner(prototype).placements;
+        let numbers = Numbers {
+            prototype,
+            first_leaf: self.leaves.len() as u32,
+            before: self.leaves.instance_count() as u32,
+            first_placement: *placements,
+            placements_each,
+        };
+        *placements = (maps.len() as u32)
+            .checked_mul(placements_each)
+            .and_then(|more| placements.checked_add(more))
+            .filter(|&all| all < 1 << 31)
+            .ok_or_else(|| fail(CompileProblem::TooLarge { what: "placements" }))?;
+        let (outer, way) = group.place(part);
+        let instances = Instances::new(&part.name, numbers, outer, way, maps).map_err(fail)?;
+        if (0..instances.len()).any(|k| instances.place(k).path > Ray::MOST) {
+            return Err(fail(CompileProblem::NotFinite));
+        }
+        self.leaves.push_instances(instances);
+        Ok(())
+    }
+
+    /// Faces that coincide get one surface, the same bits for all of them.
+    pub fn share(&mut self, group: &Group<'_>, labels: &Labels) -> Result<(), CompileError> {
+        let candidates: Vec<_> = self.surfaces.iter().map(|s| (&s.surface, s.reach)).collect();
+        let shared = share(&candidates).map_err(|wide| {
+            // until here each facet has a surface of its own, under the same number
+            let name = |facet: usize| {
+                let leaf = self.leaves.leaf_of_facet(facet);
+                labels.get(leaf.label_number()).face_name(facet - leaf.first_facet())
+            };
+            CompileError {
+                path: group.parts.first().map(|part| group.path(part)).unwrap_or_default(),
+                problem: CompileProblem::WideClass { first: name(wide.first), second: name(wide.second) },
+            }
+        })?;
+        let mut number = vec![u32::MAX; self.surfaces.len()];
+        let mut kept: Vec<SurfaceEntry> = Vec::new();
+        for (k, facet) in self.leaves.facets.iter_mut().enumerate() {
+            let representative = shared.representative[k] as usize;
+            if number[representative] == u32::MAX {
+                number[representative] = kept.len() as u32;
+                kept.push(self.surfaces[representative].clone());
+            }
+            let entry = &mut kept[number[representative] as usize];
+            // the class shares one tolerance, wide enough for each of its members
+            entry.reach = entry.reach.max(self.surfaces[k].reach);
+            *facet = LeafFacet::new(SurfaceId(number[representative]), facet.inside() ^ shared.flipped[k]);
+        }
+        self.surfaces = kept;
+        Ok(())
+    }
+
+    /// Prepares the formula of the group, and marks the leaves that do not matter.
+    pub fn prepare(
+        &mut self,
+        group: Group<'_>,
+        inner: impl Fn(PrototypeId) -> Extent,
+        watch: &mut impl Watch,
+    ) -> Prepared {
+        let Group { mut formula, .. } = group;
+        formula.complement_leaves(|leaf| self.leaves.leaf(leaf.index()).is_complement());
+        let boxes = Boxes { leaves: &self.leaves, surfaces: &self.surfaces, inner };
+        let count = self.leaves.len();
+        let exact: Vec<Bounds> = (0..count).map(|leaf| boxes.bounds(leaf)).collect();
+        let ball = self.ball(&exact);
+        // grown by more than rounding, so that parts that only touch are not taken for apart; a ray that starts so
+        // far away that its roots err by more than the gap between two parts gets what is true of them
+        let mut margin = 0.0f64;
+        let sure: Vec<Bounds> = (0..count)
+            .map(|leaf| {
+                let (grown, by) = boxes.grown(leaf, &ball);
+                margin = margin.max(by);
+                grown
+            })
+            .collect();
+        let condition = (0..count).map(|leaf| boxes.condition(leaf)).fold(1.0, f64::max);
+        let prepared = prepare_watched(&formula, &sure, watch);
+        let tight = output_bounds(&prepared, &bounds(&prepared, &exact));
+        watch.finish(&formula, &prepared, &exact, tight);
+        drop((exact, formula));
+        let nodes = bounds(&prepared, &sure);
+        let needs = leaf_needs(&prepared, &nodes, count);
+        needs
+            .iter()
+            .enumerate()
+            .filter(|(_, here)| here.is_empty())
+            .for_each(|(leaf, _)| self.leaves.unask(leaf));
+        let placements =
+            self.leaves.instances.iter().map(|run| run.placements_each * run.len() as u32).sum::<u32>();
+        let extent = Extent {
+            bounds: tight,
+            sure: output_bounds(&prepared, &nodes),
+            margin,
+            condition,
+            placements: 1 + placements,
+        };
+        Prepared { expression: Expression::new(&prepared, count), ball, extent }
+    }
+
+    /// The ball around the finite leaves and the anchors of the surfaces of the others.
+    fn ball(&self, bounds: &[Bounds]) -> Ball {
+        let mut finite = Bounds::EMPTY;
+        for (leaf, bounds) in bounds.iter().enumerate() {
+            if bounds.is_finite() {
+                finite = finite.union(bounds);
+            } else {
+                for facet in self.leaves.leaf(leaf).facets() {
+                    let anchor = self.surfaces[facet.surface().index()].surface.anchor();
+                    finite = finite.union(&Bounds { lo: anchor, hi: anchor });
+                }
+            }
+        }
+        Ball::around(&finite)
+    }
+}
+
+/// Brings some shapes into the frame of their group; copies are left to be numbered in order.
+fn lowered<'g, 'a>(group: &Group<'_>, parts: &'g [Part<'a>]) -> Result<Lowered<'g, 'a>, CompileError> {
+    let (mut tables, mut labels) = (Tables::default(), Labels::default());
+    for part in parts {
+        let Content::Shape(primitive) = part.content else { return Ok(Lowered::Copies(part)) };
+        let (world_from_local, way) = group.place(part);
+        Transform::new(world_from_local, way)
+            .map_err(CompileProblem::from)
+            .and_then(|place| tables.shape(part, &place, primitive, &mut labels))
+            .map_err(|problem| CompileError { path: group.path(part), problem })?;
+    }
+    Ok(Lowered::Shapes(tables, labels))
+}
