@@ -7,7 +7,6 @@ use super::vector::{Lanes, Mask, splat};
 use crate::surface::{Cylinder, Plane, Sphere, Surface};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use rayweave_math::Vec3;
 
 /// The kernels that exist for lanes.
 #[derive(Clone, Copy, Debug)]

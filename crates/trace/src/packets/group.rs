@@ -39,7 +39,7 @@ impl Default for Memory {
 /// Eight rays at work.
 #[derive(Debug)]
 pub(super) struct Group<'m, S: Simd> {
-    simd: S,
+    pub simd: S,
     pub memory: &'m mut Memory,
     values: [Mask<S>; STEPS],
 }
@@ -256,8 +256,9 @@ impl<'m, S: Simd> Group<'m, S> {
     }
 }
 
+/// Three columns of eight rays.
 #[inline(always)]
-fn load<S: Simd>(simd: S, columns: [&[f64]; 3], at: usize) -> Vec3Lanes<S> {
+pub(super) fn load<S: Simd>(simd: S, columns: [&[f64]; 3], at: usize) -> Vec3Lanes<S> {
     let [x, y, z] = columns.map(|column| lanes(simd, &column[at..]));
     Vec3Lanes { x, y, z }
 }

@@ -37,7 +37,7 @@ enum Node {
 }
 
 /// A graph of gates.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Logic {
     nodes: Vec<Node>,
     known: HashMap<Node, Wire>,
@@ -46,6 +46,11 @@ pub(super) struct Logic {
 impl Logic {
     pub fn new() -> Logic {
         Logic { nodes: vec![Node::Constant], known: HashMap::new() }
+    }
+
+    /// The number of gates.
+    pub fn size(&self) -> usize {
+        self.nodes.len()
     }
 
     fn node(&mut self, node: Node) -> Wire {

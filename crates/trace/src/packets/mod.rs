@@ -10,17 +10,21 @@
 mod group;
 mod logic;
 mod network;
+mod normal;
 mod plan;
 
 use crate::Weave;
 use crate::weave::WeaveScratch;
+use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
-use group::{Found, Group, Memory};
+use group::{Found, Group, Memory, Row, load};
+use normal::Hits;
 use plan::Plan;
 use rayweave_model::{
     Crossing, Evaluator, FirstHits, HitRows, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink, Window,
+    dress,
 };
-use rayweave_shape::lanes::LANES;
+use rayweave_shape::lanes::{LANES, Lanes, splat};
 use std::sync::Arc;
 
 /// The evaluator for daily use: lanes where they are sure, [`Weave`] elsewhere.
@@ -229,6 +233,9 @@ struct Firsts<'a, 'c> {
 impl Take for Firsts<'_, '_> {
     #[inline(always)]
     fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
+        if plan.is_plain && found.doubt == 0 && count == LANES {
+            return self.columns(plan, group, found, at);
+        }
         let program = self.weave.program();
         for lane in 0..count {
             let ray = at + lane;
@@ -242,6 +249,53 @@ impl Take for Firsts<'_, '_> {
             let crossings = &mut self.scratch.crossings;
             let start = list(program, plan, group, found, lane, Limit::First, crossings);
             self.hits.put(program, &self.rays, &RayAnswer { ray, start, crossings });
+        }
+    }
+}
+
+impl Firsts<'_, '_> {
+    /// Eight rays, all of them sure.
+    #[inline(always)]
+    fn columns<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize) {
+        let (mut t, mut face, mut hit) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]), 0);
+        for lane in 0..LANES {
+            if let Some(code) = group.code(0, lane) {
+                t.0[lane] = group.memory.ends[code].0[lane];
+                face.0[lane] = group.memory.faces[code].0[lane];
+                hit |= 1 << lane;
+            }
+        }
+        let here = at..at + LANES;
+        let FirstHits { t: times, face: faces, placement, before, after, normal } = &mut *self.hits;
+        times[here.clone()].copy_from_slice(&t.0);
+        placement[here.clone()].fill(0);
+        let (faces, before, after) =
+            (&mut faces[here.clone()], &mut before[here.clone()], &mut after[here.clone()]);
+        for lane in 0..LANES {
+            faces[lane] = face.0[lane] as i32;
+            before[lane] = found.starts[lane] as u32;
+            after[lane] = before[lane] ^ (hit >> lane & 1) as u32;
+        }
+        let Some([x, y, z]) = normal else { return };
+        let simd = group.simd;
+        let starts = Lanes::load_array(simd, found.starts);
+        let leaves = starts.simd_gt(splat(simd, 0.0));
+        let (origin, direction) = (load(simd, self.rays.origins, at), load(simd, self.rays.directions, at));
+        let hits = Hits { origin, direction, t: Lanes::load_array_ref(simd, &t.0), face, leaves, hit };
+        let (normals, mut others) = hits.normals(simd, &plan.slopes);
+        normals.x.store_slice(&mut x[here.clone()]);
+        normals.y.store_slice(&mut y[here.clone()]);
+        normals.z.store_slice(&mut z[here]);
+        while others != 0 {
+            let lane = others.trailing_zeros() as usize;
+            others &= others - 1;
+            let face = plan.faces[face.0[lane] as usize];
+            let [from, to] = [before[lane], after[lane]].map(RegionId);
+            let crossing =
+                Crossing { t: t.0[lane], face, left: face, entered: face, before: from, after: to };
+            let ray = self.rays.get(at + lane);
+            let normal = dress::normal(self.weave.program(), &ray, &crossing);
+            (x[at + lane], y[at + lane], z[at + lane]) = (normal.x, normal.y, normal.z);
         }
     }
 }

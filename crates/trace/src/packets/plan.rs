@@ -1,6 +1,7 @@
 //! What is done for every eight rays, laid out once for a small model.
 
 use super::logic::{Logic, Tape, Wire};
+use super::normal::Slope;
 use rayweave_model::{Face, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId};
 use rayweave_shape::lanes::{Facet, Kernel, LaneLimits};
 use rayweave_shape::surface::Surface;
@@ -10,6 +11,9 @@ pub(super) const MOST: usize = 32;
 
 /// Steps that each of its boolean functions may have.
 pub(super) const STEPS: usize = 128;
+
+/// Gates that the boolean skeleton may have: deep chains of operators over a few leaves are not worth it.
+const GATES: usize = 512;
 
 /// No stretch.
 pub(super) const NONE: u32 = u32::MAX;
@@ -31,6 +35,8 @@ pub(super) struct Plan {
     pub start: Option<u32>,
     /// The faces by their numbers.
     pub faces: Vec<Face>,
+    /// How their normals are found.
+    pub slopes: Vec<Slope>,
     /// True if inside is one region, and not of the medium of the world.
     pub is_plain: bool,
 }
@@ -56,7 +62,9 @@ pub(super) struct Literal {
 }
 
 impl Difference {
-    fn new(logic: &mut Logic, outputs: &[Wire], own: usize) -> Difference {
+    fn new(logic: &Logic, outputs: &[Wire], own: usize) -> Difference {
+        // in a copy: what one difference adds to the graph is nothing to the next
+        let mut logic = logic.clone();
         let difference = logic.difference(outputs, own);
         let literal =
             |(stretch, inside): (u32, bool)| Literal { stretch, inside, ties: stretch as usize > own };
@@ -97,6 +105,7 @@ impl Plan {
             regions: Tape::default(),
             start: None,
             faces: faces(program),
+            slopes: Slope::all(program),
             is_plain: program.regions().len() == 1 && program.regions()[0].medium != 0,
         };
         let mut logic = Logic::new();
@@ -106,13 +115,19 @@ impl Plan {
             wires.push(plan.leaf(program, facets, &mut logic, &mut stretches)?);
         }
         let outputs = logic.outputs(&group.expression, |_, leaf| wires[leaf.index()]);
-        plan.differences = (0..stretches).map(|k| Difference::new(&mut logic, &outputs, k)).collect();
+        if logic.size() > GATES {
+            return None;
+        }
+        plan.differences = (0..stretches).map(|k| Difference::new(&logic, &outputs, k)).collect();
         plan.regions = logic.tape(&outputs);
         let steps = plan.differences.iter().map(Difference::steps).chain([plan.regions.steps.len()]);
         if steps.max() > Some(STEPS) {
             return None;
         }
-        let bounded = program.leaves().map(|leaf| program.leaf_bounds(leaf.id())).all(|b| b.is_finite() || b.is_empty());
+        let bounded = program
+            .leaves()
+            .map(|leaf| program.leaf_bounds(leaf.id()))
+            .all(|b| b.is_finite() || b.is_empty());
         plan.start = bounded.then(|| {
             let held = plan.regions.evaluate(0);
             held.iter().rposition(|&inside| inside).map_or(0, |k| k as u32 + 1)
