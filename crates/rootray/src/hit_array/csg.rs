@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use super::kernel::{self, TruthTable};
 use super::part::{self, Part};
 use super::scalar::walk;
-use super::wide::{self, Plan};
+use super::wide::Plan;
 use super::{HitArray, HitArrayError, Instructions, Real};
 
 /// A boolean operation on two solids.
@@ -112,11 +112,11 @@ pub fn array_csg_into<T: Real>(
     if plain
         && columns > 1
         && let Some(level) = options.instructions.level()
-        && wide::pays::<T>(level, array1.rows() + array2.rows(), columns)
+        && T::pays(level, array1.rows() + array2.rows(), columns)
     {
         let plan = Plan::new(operation, array1.rows(), array2.rows());
         let parts = Part::whole(array1, array2, &mut *out).split(options.threads);
-        if part::all_parts(parts, |part| wide::combine(level, &plan, part)) {
+        if part::all_parts(parts, |part| T::combine(level, &plan, part)) {
             return Ok(());
         }
     }

@@ -57,4 +57,5 @@ pub use csg::{CsgOptions, Operation, Regularize, array_csg, array_csg_1d, array_
 pub use error::HitArrayError;
 pub use instructions::Instructions;
 pub use merged::{MergedHit, MergedHits};
+pub use part::most_threads;
 pub use real::Real;

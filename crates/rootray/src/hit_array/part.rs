@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::{HitArray, Real};
 
 /// The same columns of both operands and of the result, row by row; all rows are equally long.
-pub(super) struct Part<'a, T, O> {
+pub struct Part<'a, T, O> {
     /// Rows of `array1`.
     pub rows1: Vec<&'a [T]>,
     /// Rows of `array2`.
@@ -17,6 +17,11 @@ pub(super) struct Part<'a, T, O> {
 
 /// Numbers of the result that are worth a thread of their own: about a tenth of a millisecond.
 const NUMBERS_PER_THREAD: usize = 1 << 17;
+
+/// The most threads that a result of so many numbers is worth; [`array_csg_into`](super::array_csg_into) uses no more.
+pub fn most_threads(numbers: usize) -> NonZeroUsize {
+    NonZeroUsize::new(numbers / NUMBERS_PER_THREAD).unwrap_or(NonZeroUsize::MIN)
+}
 
 /// Columns of a part are a multiple of this, the last part's excepted: no cache line of the result belongs to two threads.
 const COLUMNS_PER_CUT: usize = 64;
@@ -35,8 +40,8 @@ impl<'a, T: Real, O> Part<'a, T, O> {
 
     /// At most so many parts of nearly equal width, fewer if there is too little to do.
     pub fn split(mut self, threads: NonZeroUsize) -> Vec<Self> {
-        let (width, numbers) = (self.width(), self.width() * self.out.len());
-        let count = threads.get().min(numbers / NUMBERS_PER_THREAD).max(1);
+        let width = self.width();
+        let count = threads.min(most_threads(width * self.out.len())).get();
         let step = width.div_ceil(count).next_multiple_of(COLUMNS_PER_CUT);
         let mut parts = Vec::with_capacity(count);
         while self.width() > step {

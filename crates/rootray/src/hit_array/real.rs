@@ -3,19 +3,44 @@
 use std::ops::{Add, Sub};
 
 mod sealed {
-    use fearless_simd::{Simd, SimdFloat, SimdFloatElement};
+    use fearless_simd::{Level, Simd, SimdFloat, SimdFloatElement};
+
+    use super::super::part::Part;
+    use super::super::wide::{self, Plan};
 
     pub trait Sealed: SimdFloatElement {
         /// As many numbers as one instruction handles.
         type Lanes<S: Simd>: SimdFloat<S, Element = Self>;
+
+        /// [`wide::combine`] for this type: so it is compiled once, not wherever it is called.
+        fn combine(level: Level, plan: &Plan, part: Part<'_, Self, Self>) -> bool;
+
+        /// [`wide::pays`] for this type.
+        fn pays(level: Level, rows: usize, columns: usize) -> bool;
     }
 
     impl Sealed for f32 {
         type Lanes<S: Simd> = S::f32s;
+
+        fn combine(level: Level, plan: &Plan, part: Part<'_, f32, f32>) -> bool {
+            wide::combine(level, plan, part)
+        }
+
+        fn pays(level: Level, rows: usize, columns: usize) -> bool {
+            wide::pays::<f32>(level, rows, columns)
+        }
     }
 
     impl Sealed for f64 {
         type Lanes<S: Simd> = S::f64s;
+
+        fn combine(level: Level, plan: &Plan, part: Part<'_, f64, f64>) -> bool {
+            wide::combine(level, plan, part)
+        }
+
+        fn pays(level: Level, rows: usize, columns: usize) -> bool {
+            wide::pays::<f64>(level, rows, columns)
+        }
     }
 }
 

@@ -17,7 +17,7 @@ use super::{load, store};
 const WIDTH: usize = 4;
 
 /// What is the same for all blocks of a call.
-pub(in super::super) struct Plan {
+pub struct Plan {
     pub(super) operation: Operation,
     /// Rows of the higher operand.
     pub(super) rows: usize,
@@ -26,9 +26,9 @@ pub(in super::super) struct Plan {
 }
 
 impl Plan {
-    pub(in super::super) fn new(operation: Operation, rows1: usize, rows2: usize) -> Self {
+    pub fn new(operation: Operation, rows1: usize, rows2: usize) -> Self {
         let (count, rows) = ((rows1 + rows2) / 2, rows1.max(rows2));
-        if rows <= super::direct::ROWS {
+        if rows <= super::direct::EXACT {
             return Plan { operation, rows, merge: Network::default(), sort: Network::default() };
         }
         Plan { operation, rows, merge: Network::merge(rows1 / 2, rows2 / 2), sort: Network::sort(count) }
@@ -49,9 +49,21 @@ struct Block<S: Simd, T: Real> {
 }
 
 /// Combines the columns. False if a column is not sorted or holds NaN; the result is of no use then.
+pub(super) fn run<S: Simd, T: Real>(
+    simd: S,
+    plan: &Plan,
+    part: &mut Part<'_, T, T>,
+    columns: Range<usize>,
+) -> bool {
+    simd.vectorize(
+        #[inline(always)]
+        || blocks(simd, plan, part, columns),
+    )
+}
+
 #[inline(always)]
-pub(super) fn run<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>) -> bool {
-    let width = part.width();
+fn blocks<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, columns: Range<usize>) -> bool {
+    let end = columns.end;
     let count = part.out.len() / 2;
     let rule = Rule::new(plan.operation);
     let padding = [T::Lanes::<S>::splat(simd, T::INFINITY); WIDTH];
@@ -60,8 +72,8 @@ pub(super) fn run<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T,
         ends: vec![padding; count],
         exist: vec![[SimdMask::splat(simd, true); WIDTH]; rule.pieces(count)],
     };
-    for start in (0..width).step_by(WIDTH * T::Lanes::<S>::LEN) {
-        let columns = start..width.min(start + WIDTH * T::Lanes::<S>::LEN);
+    for start in columns.step_by(WIDTH * T::Lanes::<S>::LEN) {
+        let columns = start..end.min(start + WIDTH * T::Lanes::<S>::LEN);
         let watch = block.load(simd, rule, part, &columns);
         if !watch.is_sorted() {
             return false;
@@ -111,8 +123,7 @@ impl<S: Simd, T: Real> Block<S, T> {
     /// Sees from sorted starts and ends which pieces exist. True if equal times leave it open.
     #[inline(always)]
     fn compare(&mut self, simd: S, rule: Rule, order: &[usize]) -> bool {
-        let padding = T::Lanes::<S>::splat(simd, T::INFINITY);
-        let mut tied: Mask<S, T> = SimdMask::splat(simd, false);
+        let mut watch = Watch::<S, T>::new(simd);
         for (piece, exist) in self.exist.iter_mut().enumerate() {
             let (Some(start), true) = (rule.start_of(piece), piece < order.len()) else { continue };
             if start >= order.len() {
@@ -120,11 +131,10 @@ impl<S: Simd, T: Real> Block<S, T> {
             }
             let (starts, ends) = (&self.starts[order[start]], &self.ends[order[piece]]);
             unrolled!(k < WIDTH => {
-                exist[k] = starts[k].simd_lt(ends[k]);
-                tied |= starts[k].simd_eq(ends[k]) & starts[k].simd_lt(padding);
+                exist[k] = watch.is_before(starts[k], ends[k]);
             });
         }
-        tied.any_true()
+        watch.has_tie()
     }
 
     /// Sees from the operands which pieces exist, equal times and all.

@@ -9,115 +9,184 @@ use super::super::kernel::{self, TruthTable};
 use super::super::part::Part;
 use super::super::scalar::walk;
 use super::super::{Operation, Real};
+use super::block::{self, Plan};
 use super::rule::{self, Rule};
 use super::watch::Watch;
-use super::{load, store};
 
 /// The greatest number of rows of an operand that is combined here.
 pub(super) const ROWS: usize = 8;
 
+/// Up to so many rows the operands' entries are compared, which decides equal times, too; the number of comparisons grows with the
+/// square.
+pub(super) const EXACT: usize = 4;
+
 /// Columns between two looks at what was seen.
 const CHUNK: usize = 512;
 
-/// The operands' rows, those that are not there as padding, and the rows of the result that are there: every other one, and
-/// those between.
+/// Rows of some columns. Those that are not there are padding.
 struct Rows<'a, T, const H: usize> {
     first: [&'a [T]; H],
     second: [&'a [T]; H],
-    even: [Option<&'a mut [T]>; H],
-    odd: [Option<&'a mut [T]>; H],
+    /// The starts of pieces among these rows, those of the first operand before those of the second.
+    starts: [&'a [T]; H],
+    /// The ends of pieces, likewise.
+    ends: [&'a [T]; H],
+    /// Where sorted starts go.
+    to_starts: [Option<&'a mut [T]>; H],
+    /// Where sorted ends go.
+    to_ends: [Option<&'a mut [T]>; H],
 }
 
 impl<'a, T: Real, const H: usize> Rows<'a, T, H> {
-    fn new(part: &'a mut Part<'_, T, T>, columns: Range<usize>, padding: &'a [T; CHUNK]) -> Self {
+    fn new(rule: Rule, part: &'a mut Part<'_, T, T>, columns: Range<usize>, padding: &'a [T]) -> Self {
         let padding = &padding[..columns.len()];
         let row = |rows: &[&'a [T]], k: usize| rows.get(k).map_or(padding, |row| &row[columns.clone()]);
-        let (mut even, mut odd) = ([const { None }; H], [const { None }; H]);
+        let first: [&[T]; H] = from_fn(|k| row(&part.rows1, k));
+        let second: [&[T]; H] = from_fn(|k| row(&part.rows2, k));
+        let every_other = |from1: usize, from2: usize| {
+            from_fn(|k| if k < H / 2 { first[2 * k + from1] } else { second[2 * k - H + from2] })
+        };
+        let (from1, from2) = (usize::from(rule.complement1), usize::from(rule.complement2));
+        let (starts, ends) = (every_other(from1, from2), every_other(1 - from1, 1 - from2));
+        let (mut to_starts, mut to_ends) = ([const { None }; H], [const { None }; H]);
         for (k, row) in part.out.iter_mut().enumerate() {
-            let half = if k % 2 == 0 { &mut even } else { &mut odd };
-            half[k / 2] = Some(&mut row[columns.clone()]);
+            let list = if (k % 2 == 1) == rule.is_complement() { &mut to_starts } else { &mut to_ends };
+            list[k / 2] = Some(&mut row[columns.clone()]);
         }
-        Rows { first: from_fn(|k| row(&part.rows1, k)), second: from_fn(|k| row(&part.rows2, k)), even, odd }
-    }
-
-    /// Combines as many columns as there are lanes, or fewer.
-    #[inline(always)]
-    fn step<S: Simd>(&mut self, simd: S, rule: Rule, columns: Range<usize>, watch: &mut Watch<S, T>) {
-        let padding = T::Lanes::<S>::splat(simd, T::INFINITY);
-        let (mut first, mut second) = ([padding; H], [padding; H]);
-        unrolled!(k < H => {
-            first[k] = load(simd, &self.first[k][columns.clone()]);
-            second[k] = load(simd, &self.second[k][columns.clone()]);
-        });
-        let [even, odd] = combine::<S, T, H>(simd, rule, first, second, watch);
-        unrolled!(k < H => {
-            if let Some(row) = &mut self.even[k] {
-                store::<S, T>(even[k], &mut row[columns.clone()]);
-            }
-            if let Some(row) = &mut self.odd[k] {
-                store::<S, T>(odd[k], &mut row[columns.clone()]);
-            }
-        });
+        Rows { first, second, starts, ends, to_starts, to_ends }
     }
 }
 
 /// Combines operands of at most `H` rows, which is 2, 4 or [`ROWS`]. False if a column is not sorted or holds NaN; the result
 /// is of no use then.
 #[inline(always)]
-pub(super) fn run<S: Simd, T: Real, const H: usize>(
-    simd: S,
-    operation: Operation,
-    part: &mut Part<'_, T, T>,
-) -> bool {
-    let (width, padding) = (part.width(), [T::INFINITY; CHUNK]);
-    for start in (0..width).step_by(CHUNK) {
-        let columns = start..width.min(start + CHUNK);
-        let rows = Rows::<T, H>::new(part, columns.clone(), &padding);
-        let watch = match operation {
-            Operation::Union => chunk(simd, Rule::new(Operation::Union), rows, columns.len()),
-            Operation::Intersect => chunk(simd, Rule::new(Operation::Intersect), rows, columns.len()),
-            Operation::Difference => chunk(simd, Rule::new(Operation::Difference), rows, columns.len()),
-        };
-        if !watch.is_sorted() {
+pub(super) fn run<S: Simd, T: Real, const H: usize>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>) -> bool {
+    let (width, len) = (part.width(), T::Lanes::<S>::LEN);
+    let (whole, padding) = (width - width % len, [T::INFINITY; CHUNK]);
+    for start in (0..whole).step_by(CHUNK) {
+        let columns = start..whole.min(start + CHUNK);
+        let watch = chunk::<S, T, H>(simd, plan.operation, part, columns.clone(), &padding);
+        if !settle(simd, plan, part, columns, watch) {
             return false;
         }
-        if watch.has_zero() && part.has_negative_zero(&columns) {
-            let table = TruthTable::new(operation);
+    }
+    if whole == width {
+        return true;
+    }
+    let watch = rest::<S, T, H>(simd, plan.operation, part, whole..width, &padding);
+    settle(simd, plan, part, whole..width, watch)
+}
+
+/// Combines again what was seen to need more care.
+fn settle<S: Simd, T: Real>(
+    simd: S,
+    plan: &Plan,
+    part: &mut Part<'_, T, T>,
+    columns: Range<usize>,
+    watch: Watch<S, T>,
+) -> bool {
+    let seen = simd.vectorize(
+        #[inline(always)]
+        || [watch.is_sorted(), watch.has_zero(), watch.has_tie()],
+    );
+    match seen {
+        [false, ..] => return false,
+        [_, true, _] if part.has_negative_zero(&columns) => {
+            let table = TruthTable::new(plan.operation);
             walk(part, columns, |a, b, out| kernel::keep(table, a, b, out));
         }
+        [.., true] => return block::run(simd, plan, part, columns),
+        _ => (),
     }
     true
 }
 
-/// Combines columns of one rule, which the compiler knows.
-#[inline(always)]
-fn chunk<S: Simd, T: Real, const H: usize>(
+/// Combines fewer columns than there are lanes, with padding beside them.
+fn rest<S: Simd, T: Real, const H: usize>(
     simd: S,
-    rule: Rule,
-    mut rows: Rows<'_, T, H>,
-    width: usize,
+    operation: Operation,
+    part: &mut Part<'_, T, T>,
+    columns: Range<usize>,
+    padding: &[T],
 ) -> Watch<S, T> {
-    let len = T::Lanes::<S>::LEN;
-    let whole = width - width % len;
-    let mut watch = Watch::new(simd);
-    for start in (0..whole).step_by(len) {
-        rows.step(simd, rule, start..start + len, &mut watch);
+    let (len, rows) = (T::Lanes::<S>::LEN, part.out.len());
+    let mut operands = vec![T::INFINITY; rows * len];
+    for (wide, row) in operands.chunks_mut(len).zip(part.rows1.iter().chain(&part.rows2)) {
+        wide[..columns.len()].copy_from_slice(&row[columns.clone()]);
     }
-    if whole < width {
-        rows.step(simd, rule, whole..width, &mut watch);
+    let mut result = vec![T::INFINITY; rows * len];
+    let (first, second) = operands.split_at(part.rows1.len() * len);
+    let mut wide = Part {
+        rows1: first.chunks(len).collect(),
+        rows2: second.chunks(len).collect(),
+        out: result.chunks_mut(len).collect(),
+    };
+    let watch = chunk::<S, T, H>(simd, operation, &mut wide, 0..len, padding);
+    for (wide, row) in result.chunks(len).zip(&mut part.out) {
+        row[columns.clone()].copy_from_slice(&wide[..columns.len()]);
     }
     watch
 }
 
-/// The rows of the result, every other one and those between, for one column in each lane.
-#[inline(always)]
-fn combine<S: Simd, T: Real, const H: usize>(
+/// Combines columns, whose number is a multiple of that of the lanes.
+fn chunk<S: Simd, T: Real, const H: usize>(
     simd: S,
-    rule: Rule,
-    first: [T::Lanes<S>; H],
-    second: [T::Lanes<S>; H],
+    operation: Operation,
+    part: &mut Part<'_, T, T>,
+    columns: Range<usize>,
+    padding: &[T],
+) -> Watch<S, T> {
+    let width = columns.len();
+    let mut rows = Rows::<T, H>::new(Rule::new(operation), part, columns, padding);
+    simd.vectorize(
+        #[inline(always)]
+        || match operation {
+            // few rows are worth code of their own for each operation
+            Operation::Union if H <= EXACT => steps(simd, Operation::Union, &mut rows, width),
+            Operation::Intersect if H <= EXACT => steps(simd, Operation::Intersect, &mut rows, width),
+            Operation::Difference if H <= EXACT => steps(simd, Operation::Difference, &mut rows, width),
+            _ => steps(simd, operation, &mut rows, width),
+        },
+    )
+}
+
+#[inline(always)]
+fn steps<S: Simd, T: Real, const H: usize>(
+    simd: S,
+    operation: Operation,
+    rows: &mut Rows<'_, T, H>,
+    width: usize,
+) -> Watch<S, T> {
+    let mut watch = Watch::new(simd);
+    for start in (0..width).step_by(T::Lanes::<S>::LEN) {
+        step(simd, operation, rows, start..start + T::Lanes::<S>::LEN, &mut watch);
+    }
+    watch
+}
+
+/// Combines one column in each lane.
+#[inline(always)]
+fn step<S: Simd, T: Real, const H: usize>(
+    simd: S,
+    operation: Operation,
+    rows: &mut Rows<'_, T, H>,
+    columns: Range<usize>,
     watch: &mut Watch<S, T>,
-) -> [[T::Lanes<S>; H]; 2] {
+) {
+    let first = load_all::<S, T, H>(simd, &rows.first, columns.clone());
+    let second = load_all::<S, T, H>(simd, &rows.second, columns.clone());
+    let (mut starts, mut ends) = (first, second);
+    if H > EXACT {
+        starts = load_all::<S, T, H>(simd, &rows.starts, columns.clone());
+        ends = load_all::<S, T, H>(simd, &rows.ends, columns.clone());
+    } else {
+        let rule = Rule::new(operation);
+        let (from1, from2) = (usize::from(rule.complement1), usize::from(rule.complement2));
+        unrolled!(k < H / 2 => {
+            (starts[k], starts[H / 2 + k]) = (first[2 * k + from1], second[2 * k + from2]);
+            (ends[k], ends[H / 2 + k]) = (first[2 * k + 1 - from1], second[2 * k + 1 - from2]);
+        });
+    }
     unrolled!(k < H => {
         watch.sign(first[k]);
         watch.sign(second[k]);
@@ -126,16 +195,66 @@ fn combine<S: Simd, T: Real, const H: usize>(
             watch.order(second[k - 1], second[k]);
         }
     });
-    let (from1, from2) = (usize::from(rule.complement1), usize::from(rule.complement2));
-    let mut starts = merge::<S, T, H>(&first, from1, &second, from2);
-    let mut ends = merge::<S, T, H>(&first, 1 - from1, &second, 1 - from2);
+    merge(&mut starts);
+    merge(&mut ends);
+    let [starts, ends] = match operation {
+        Operation::Union => keep(simd, Rule::new(Operation::Union), first, second, starts, ends, watch),
+        Operation::Intersect => {
+            keep(simd, Rule::new(Operation::Intersect), first, second, starts, ends, watch)
+        }
+        Operation::Difference => {
+            keep(simd, Rule::new(Operation::Difference), first, second, starts, ends, watch)
+        }
+    };
+    store_all::<S, T, H>(sort(starts), &mut rows.to_starts, columns.clone());
+    store_all::<S, T, H>(sort(ends), &mut rows.to_ends, columns);
+}
 
-    let padding = T::Lanes::<S>::splat(simd, T::INFINITY);
+#[inline(always)]
+fn load_all<S: Simd, T: Real, const H: usize>(
+    simd: S,
+    rows: &[&[T]; H],
+    columns: Range<usize>,
+) -> [T::Lanes<S>; H] {
+    let mut lanes = [T::Lanes::<S>::splat(simd, T::INFINITY); H];
+    unrolled!(k < H => { lanes[k] = T::Lanes::<S>::from_slice(simd, &rows[k][columns.clone()]); });
+    lanes
+}
+
+#[inline(always)]
+fn store_all<S: Simd, T: Real, const H: usize>(
+    lanes: [T::Lanes<S>; H],
+    rows: &mut [Option<&mut [T]>; H],
+    columns: Range<usize>,
+) {
+    unrolled!(k < H => {
+        if let Some(row) = &mut rows[k] {
+            lanes[k].store_slice(&mut row[columns.clone()]);
+        }
+    });
+}
+
+/// Sorted starts and ends, those that no piece has made +inf. The compiler knows the rule.
+#[inline(always)]
+fn keep<S: Simd, V: SimdFloat<S, Element: Real<Lanes<S> = V>>, const H: usize>(
+    simd: S,
+    rule: Rule,
+    first: [V; H],
+    second: [V; H],
+    mut starts: [V; H],
+    mut ends: [V; H],
+    watch: &mut Watch<S, V::Element>,
+) -> [[V; H]; 2] {
+    let padding = V::splat(simd, V::Element::INFINITY);
     if rule.start_of(0) == Some(1) {
         (starts[0], ends[H - 1]) = (padding, padding);
     }
     unrolled!(piece < rule.pieces(H) => {
-        let exists = exists::<S, T, H>(simd, rule, &first, &second, piece);
+        let exists = match rule.start_of(piece) {
+            Some(start) if H > EXACT && start < H && piece < H => watch.is_before(starts[start], ends[piece]),
+            _ if H > EXACT => SimdMask::splat(simd, true),
+            _ => exists::<S, V::Element, H>(simd, rule, &first, &second, piece),
+        };
         if let Some(start) = rule.start_of(piece) && start < H {
             starts[start] = exists.select(starts[start], padding);
         }
@@ -143,9 +262,7 @@ fn combine<S: Simd, T: Real, const H: usize>(
             ends[piece] = exists.select(ends[piece], padding);
         }
     });
-    sort(&mut starts);
-    sort(&mut ends);
-    if rule.is_complement() { [ends, starts] } else { [starts, ends] }
+    [starts, ends]
 }
 
 /// Whether a piece exists: whether two pieces overlap of which it would come.
@@ -175,41 +292,31 @@ fn exists<S: Simd, T: Real, const H: usize>(
     any
 }
 
-/// Every other row of both operands, sorted.
+/// Sorts rows whose halves are sorted: the network of [`Network::merge`](super::network::Network::merge).
 #[inline(always)]
-fn merge<S: Simd, T: Real, const H: usize>(
-    first: &[T::Lanes<S>; H],
-    from1: usize,
-    second: &[T::Lanes<S>; H],
-    from2: usize,
-) -> [T::Lanes<S>; H] {
-    let mut rows = *first;
-    unrolled!(k < H / 2 => {
-        rows[k] = first[2 * k + from1];
-        rows[H / 2 + k] = second[2 * k + from2];
-    });
-    unrolled!(k < H / 2 => { exchange(&mut rows, k, k + H / 2); });
+fn merge<S: Simd, V: SimdFloat<S>, const H: usize>(rows: &mut [V; H]) {
+    unrolled!(k < H / 2 => { exchange(rows, k, k + H / 2); });
     if H == 4 {
-        exchange(&mut rows, 1, 2);
+        exchange(rows, 1, 2);
     } else if H == 8 {
-        unrolled!(k < 2 => { exchange(&mut rows, k + 2, k + 4); });
-        unrolled!(k < 3 => { exchange(&mut rows, 2 * k + 1, 2 * k + 2); });
+        unrolled!(k < 2 => { exchange(rows, k + 2, k + 4); });
+        unrolled!(k < 3 => { exchange(rows, 2 * k + 1, 2 * k + 2); });
     }
-    rows
 }
 
-/// Sorts the rows.
+/// Sorts the rows: the network of [`Network::sort`](super::network::Network::sort).
 #[inline(always)]
-fn sort<S: Simd, V: SimdFloat<S>, const H: usize>(rows: &mut [V; H]) {
-    unrolled!(k < H / 2 => { exchange(rows, 2 * k, 2 * k + 1); });
+fn sort<S: Simd, V: SimdFloat<S>, const H: usize>(mut rows: [V; H]) -> [V; H] {
+    unrolled!(k < H / 2 => { exchange(&mut rows, 2 * k, 2 * k + 1); });
     unrolled!(k < H / 4 => {
-        exchange(rows, 4 * k, 4 * k + 2);
-        exchange(rows, 4 * k + 1, 4 * k + 3);
-        exchange(rows, 4 * k + 1, 4 * k + 2);
+        exchange(&mut rows, 4 * k, 4 * k + 2);
+        exchange(&mut rows, 4 * k + 1, 4 * k + 3);
+        exchange(&mut rows, 4 * k + 1, 4 * k + 2);
     });
-    unrolled!(k < H / 8 * 4 => { exchange(rows, k, k + 4); });
-    unrolled!(k < H / 8 * 2 => { exchange(rows, k + 2, k + 4); });
-    unrolled!(k < H / 8 * 3 => { exchange(rows, 2 * k + 1, 2 * k + 2); });
+    unrolled!(k < H / 8 * 4 => { exchange(&mut rows, k, k + 4); });
+    unrolled!(k < H / 8 * 2 => { exchange(&mut rows, k + 2, k + 4); });
+    unrolled!(k < H / 8 * 3 => { exchange(&mut rows, 2 * k + 1, 2 * k + 2); });
+    rows
 }
 
 #[inline(always)]

@@ -29,7 +29,7 @@ use fearless_simd::{Level, dispatch};
 use super::Real;
 use super::part::Part;
 
-pub(super) use block::Plan;
+pub use block::Plan;
 
 /// The lanes of the widest register.
 const WIDEST: usize = 16;
@@ -49,10 +49,13 @@ fn lanes<S: Simd, T: Real>(_: S) -> usize {
 /// Combines the columns of a part. False if a column is not sorted or holds NaN; the result is of no use then.
 pub(super) fn combine<T: Real>(level: Level, plan: &Plan, mut part: Part<'_, T, T>) -> bool {
     match plan.rows {
-        0..=2 => dispatch!(level, simd => direct::run::<_, T, 2>(simd, plan.operation, &mut part)),
-        3..=4 => dispatch!(level, simd => direct::run::<_, T, 4>(simd, plan.operation, &mut part)),
-        5..=direct::ROWS => dispatch!(level, simd => direct::run::<_, T, 8>(simd, plan.operation, &mut part)),
-        _ => dispatch!(level, simd => block::run(simd, plan, &mut part)),
+        0..=2 => dispatch!(level, simd => direct::run::<_, T, 2>(simd, plan, &mut part)),
+        3..=4 => dispatch!(level, simd => direct::run::<_, T, 4>(simd, plan, &mut part)),
+        5..=direct::ROWS => dispatch!(level, simd => direct::run::<_, T, 8>(simd, plan, &mut part)),
+        _ => {
+            let columns = 0..part.width();
+            dispatch!(level, simd => block::run(simd, plan, &mut part, columns))
+        }
     }
 }
 

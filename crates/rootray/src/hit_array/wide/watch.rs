@@ -9,7 +9,9 @@ use super::super::Real;
 pub(super) struct Watch<S: Simd, T: Real> {
     sorted: <T::Lanes<S> as SimdBase<S>>::Mask,
     zero: <T::Lanes<S> as SimdBase<S>>::Mask,
+    tied: <T::Lanes<S> as SimdBase<S>>::Mask,
     zeros: T::Lanes<S>,
+    padding: T::Lanes<S>,
 }
 
 impl<S: Simd, T: Real> Watch<S, T> {
@@ -18,6 +20,8 @@ impl<S: Simd, T: Real> Watch<S, T> {
         Watch {
             sorted: SimdMask::splat(simd, true),
             zero: SimdMask::splat(simd, false),
+            tied: SimdMask::splat(simd, false),
+            padding: T::Lanes::<S>::splat(simd, T::INFINITY),
             zeros: T::Lanes::<S>::splat(simd, T::ZERO),
         }
     }
@@ -32,6 +36,19 @@ impl<S: Simd, T: Real> Watch<S, T> {
     #[inline(always)]
     pub fn sign(&mut self, t: T::Lanes<S>) {
         self.zero |= t.simd_eq(self.zeros);
+    }
+
+    /// Whether a start comes before an end, both sorted by their times alone. Equal times leave it open and are remembered.
+    #[inline(always)]
+    pub fn is_before(&mut self, start: T::Lanes<S>, end: T::Lanes<S>) -> <T::Lanes<S> as SimdBase<S>>::Mask {
+        self.tied |= start.simd_eq(end) & start.simd_lt(self.padding);
+        start.simd_lt(end)
+    }
+
+    /// Whether equal times left something open.
+    #[inline(always)]
+    pub fn has_tie(self) -> bool {
+        self.tied.any_true()
     }
 
     /// Whether all columns are sorted and free of NaN.
