@@ -156,6 +156,14 @@ impl Network {
         }
     }
 
+    /// Reads what a flip of a leaf will read, and answers with nothing of meaning. Called for many leaves before they flip,
+    /// it lets the processor wait for their memory all at once, where a network is too large for its caches.
+    #[inline]
+    pub fn read_ahead(&self, state: &NetworkState, leaf: u32) -> u32 {
+        let user = self.users_of(leaf).first().copied().unwrap_or(0);
+        user ^ u32::from(state.leaves[leaf as usize]) ^ u32::from(self.feeds.get(leaf))
+    }
+
     /// The bytes that it holds on to.
     pub(crate) fn bytes(&self) -> usize {
         let heavy = if let Layout::Heavy(paths) = &self.layout { paths.bytes() } else { 0 };

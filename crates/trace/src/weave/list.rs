@@ -8,6 +8,9 @@ use rayweave_model::{
 };
 use rayweave_shape::Ray;
 
+/// So many leaves fit the caches nearest to a processor with all that is read of them.
+const CACHED: usize = 2000;
+
 impl Weave {
     /// Appends all crossings of a ray; the region at its start.
     pub(super) fn list(
@@ -53,6 +56,9 @@ impl Weave {
         let mut level = scratch.take_level(depth);
         self.accel[group.index()].touched(ray, window, &mut level.touched);
         let network = &self.program.prototype(group).network;
+        if self.program.prototype(group).leaves.len() > CACHED {
+            self.read_ahead(group, &level.touched, state);
+        }
         for k in 0..level.touched.len() {
             let leaf = level.touched[k];
             if self.leaf(group, leaf, ray, window, depth, scratch, &mut level) {
@@ -61,6 +67,25 @@ impl Weave {
         }
         level.events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
         level
+    }
+
+    /// Reads what asking and flipping some leaves will read, one kind of table after the other: so the processor waits for
+    /// the memory of many leaves at once, and not for each of three tables and a network in turn.
+    fn read_ahead(&self, group: PrototypeId, leaves: &[u32], state: &NetworkState) {
+        let (program, group) = (&*self.program, self.program.prototype(group));
+        let facet = |leaf: u32| match program.leaf(LeafId(group.leaves.start + leaf)).kind() {
+            LeafKind::Shape { facets, .. } => facets.start,
+            LeafKind::Instance { .. } => 0,
+        };
+        let surface =
+            |leaf: u32| program.facets().get(facet(leaf) as usize).map_or(0, |facet| facet.surface().0);
+        let degree =
+            |leaf: u32| program.surfaces().get(surface(leaf) as usize).map_or(0, |s| s.surface.degree());
+        let mut read =
+            leaves.iter().fold(0, |read, &leaf| read ^ facet(leaf) ^ group.network.read_ahead(state, leaf));
+        read = leaves.iter().fold(read, |read, &leaf| read ^ surface(leaf));
+        read = leaves.iter().fold(read, |read, &leaf| read ^ u32::from(degree(leaf)));
+        std::hint::black_box(read);
     }
 
     /// Appends the flips of a leaf of a group; true if it is inside from the start. Outside of the window they may be
