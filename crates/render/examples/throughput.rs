@@ -1,12 +1,14 @@
-//! How fast pictures are drawn: the biconvex lens at 1280 x 720, in rays per second.
+//! How fast pictures are drawn: a die and the biconvex lens at 1280 x 720, in pixels per second.
 //!
 //! `cargo run --release -p rayweave-render --example throughput [THREADS]`
 
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Program, Solid};
-use rayweave_render::{Camera, Lines, Rgba, Run, Settings, Size, Style, View, depth, render};
+use rayweave_render::{
+    Camera, IdKind, Light, Lines, Rgba, Run, Settings, Size, Style, View, depth, geometry, render,
+};
 use rayweave_shape::primitive::{Value, build};
-use rayweave_trace::Weave;
+use rayweave_trace::Packets;
 use std::error::Error;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -35,35 +37,51 @@ fn shortest<T>(mut run: impl FnMut() -> T) -> f64 {
     (0..5).map(once).fold(f64::INFINITY, f64::min)
 }
 
+/// A rounded cube with three bores.
+fn die() -> Result<Solid, Box<dyn Error>> {
+    let cube = Solid::from(build("box", &[("size", Value::Number(2.0))])?);
+    let bore = shape("cylinder", &[("radius", 0.5), ("height", 4.0)])?;
+    let ball = shape("sphere", &[("radius", 1.35)])?;
+    Ok((cube & ball) - &bore - bore.rotate_x(90.0) - bore.rotate_y(90.0))
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let threads: Option<NonZeroUsize> = std::env::args().nth(1).map(|n| n.parse()).transpose()?;
     let size = Size::new(1280, 720)?;
-    let weave = Weave::new(Arc::new(Program::compile(&lens()?)?));
-    let camera: Camera = View::Iso.fit(weave.program(), size);
-    let run = || Run { threads, ..Run::default() };
-    let report = |what: &str, seconds: f64| {
-        let rays = size.count() as f64 / seconds / 1e6;
-        println!("{what:32} {:7.1} ms {rays:7.2} million pixels/s", 1e3 * seconds);
-    };
-    report("depth", shortest(|| depth(&weave, &camera, size, &mut run())));
+    for (name, solid) in [("die", die()?), ("lens", lens()?)] {
+        println!("{name}");
+        let packets = Packets::new(Arc::new(Program::compile(&solid)?));
+        let camera: Camera = View::Iso.fit(packets.program(), size);
+        let run = || Run { threads, ..Run::default() };
+        let report = |what: &str, seconds: f64| {
+            let pixels = size.count() as f64 / seconds / 1e6;
+            println!("  {what:36} {:7.2} ms {pixels:7.2} million pixels/s", 1e3 * seconds);
+        };
+        report("depth", shortest(|| depth(&packets, &camera, size, &mut run())));
+        let all = || geometry(&packets, &camera, size, IdKind::Region, &mut run());
+        report("depth, normals and ids", shortest(all));
+        for (what, settings) in cases(size) {
+            report(what, shortest(|| render(&packets, &camera, &settings, &mut run())));
+        }
+    }
+    Ok(())
+}
+
+fn cases(size: Size) -> [(&'static str, Settings); 6] {
     let plain = Settings { samples: 1, style: Style::Headlight, lines: None, ..Settings::new(size) };
-    let shadowed = Settings {
-        lights: vec![rayweave_render::Light::along(Vec3::new(-1.0, 2.0, -3.0))],
-        shadows: true,
-        ..plain.clone()
-    };
+    let sun = Light::along(Vec3::new(-1.0, 2.0, -3.0));
+    let shadowed = Settings { lights: vec![sun], shadows: true, ..plain.clone() };
+    let lamp = Light::at(Vec3::new(100.0, -200.0, 300.0));
+    let lit = Settings { lights: vec![lamp], ..shadowed.clone() };
     let lined = Settings { lines: Some(Lines::default()), ..plain.clone() };
-    let glass =
-        Settings { colours: vec![Rgba { alpha: 96, ..Rgba::opaque(91, 155, 245) }], ..Settings::new(size) };
-    let cases = [
+    let clear = Rgba { alpha: 96, ..Rgba::opaque(91, 155, 245) };
+    let glass = Settings { colours: vec![clear], ..Settings::new(size) };
+    [
         ("headlight, 1 sample", plain),
-        ("the same with shadows", shadowed),
+        ("shadows of a direction", shadowed),
+        ("shadows of a lamp", lit),
         ("headlight, 1 sample, lines", lined),
         ("gooch, lines, 3 x 3 samples", Settings::new(size)),
         ("the same of clear glass", glass),
-    ];
-    for (what, settings) in cases {
-        report(what, shortest(|| render(&weave, &camera, &settings, &mut run())));
-    }
-    Ok(())
+    ]
 }

@@ -136,6 +136,7 @@ impl Camera {
     }
 
     /// The ray of the place (x, y), in pixels from the upper left corner.
+    #[inline(always)] // into loops that are compiled for wider instructions
     pub fn ray(&self, size: Size, x: f64, y: f64) -> Ray {
         let (w, h) = (size.width() as f64, size.height() as f64);
         let u = (2.0 * x - w) / h * self.half_height;

@@ -74,10 +74,10 @@ pub fn region_colour(colours: &[Rgba], region: RegionId) -> Rgba {
 struct Srgb {
     /// The light of each level.
     decoded: [f32; 256],
-    /// The least light that is rounded to each level; the first is unused.
-    threshold: [f32; 256],
+    /// The least light that is rounded to each level; the first is unused, and so is the last, which no light reaches.
+    threshold: [f32; 257],
     /// The level of the lower end of each of [`STEPS`] equal steps of light.
-    guess: Vec<u8>,
+    guess: [u8; STEPS],
 }
 
 const STEPS: usize = 4096;
@@ -85,12 +85,13 @@ const STEPS: usize = 4096;
 static SRGB: LazyLock<Srgb> = LazyLock::new(|| {
     let light = |level: f64| decode(level / 255.0) as f32;
     let decoded = std::array::from_fn(|k| light(k as f64));
-    let threshold: [f32; 256] = std::array::from_fn(|k| light(k as f64 - 0.5));
+    let least = |k: usize| if k < 256 { light(k as f64 - 0.5) } else { f32::INFINITY };
+    let threshold: [f32; 257] = std::array::from_fn(least);
     let level = |step: usize| {
         let value = step as f32 / STEPS as f32;
         (threshold.partition_point(|&least| least <= value) - 1) as u8
     };
-    let guess = (0..STEPS).map(level).collect();
+    let guess = std::array::from_fn(level);
     Srgb { decoded, threshold, guess }
 });
 
@@ -100,14 +101,19 @@ fn decode(level: f64) -> f64 {
 }
 
 /// The level whose light is nearest, as screens count; light beyond [0, 1] is cut off.
+#[inline]
 pub(crate) fn encode(light: f32) -> u8 {
-    let table = &*SRGB;
-    let step = (light.clamp(0.0, 1.0) * STEPS as f32) as usize;
-    let mut level = table.guess[step.min(STEPS - 1)];
-    while level < 255 && light >= table.threshold[usize::from(level) + 1] {
-        level += 1;
+    SRGB.encode(light)
+}
+
+impl Srgb {
+    /// The curve is steepest at 0, where a step has 12.92 * 255 / 4096 = 0.8 levels: at most one threshold lies in a step.
+    #[inline]
+    fn encode(&self, light: f32) -> u8 {
+        let step = (light.clamp(0.0, 1.0) * STEPS as f32) as usize;
+        let level = self.guess[step.min(STEPS - 1)];
+        level + u8::from(light >= self.threshold[usize::from(level) + 1])
     }
-    level
 }
 
 /// Light multiplied by its opacity, with the opacity: the form in which colours are averaged and laid over one another.

@@ -22,6 +22,11 @@ impl Columns {
         self.origins.iter_mut().chain(&mut self.directions).for_each(Vec::clear);
     }
 
+    /// Makes room for so many rays, that are then to be written.
+    pub fn resize(&mut self, count: usize) {
+        self.origins.iter_mut().chain(&mut self.directions).for_each(|column| column.resize(count, 0.0));
+    }
+
     pub fn len(&self) -> usize {
         self.origins[0].len()
     }
@@ -39,6 +44,7 @@ impl Columns {
         Ray::new(vector(&self.origins, i), vector(&self.directions, i))
     }
 
+    /// The normal where a ray meets something; not always of the last question: see [`Columns::ask`].
     #[inline]
     pub fn normal(&self, i: usize) -> Vec3 {
         vector(&self.normal, i)
@@ -87,7 +93,8 @@ impl Columns {
     }
 }
 
+/// Row `i` of three columns.
 #[inline]
-fn vector(columns: &[Vec<f64>; 3], i: usize) -> Vec3 {
+pub(crate) fn vector(columns: &[Vec<f64>; 3], i: usize) -> Vec3 {
     Vec3::new(columns[0][i], columns[1][i], columns[2][i])
 }

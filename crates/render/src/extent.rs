@@ -1,5 +1,6 @@
 //! Where in a picture a model can be seen at all.
 
+use crate::survey::centre;
 use crate::{Camera, Size};
 use rayweave_math::Bounds;
 use std::ops::Range;
@@ -30,6 +31,14 @@ pub(crate) struct Part {
 impl Tile {
     pub const WIDTH: usize = 32;
     pub const HEIGHT: usize = 8;
+
+    /// The centres of its pixels.
+    pub fn centres(&self, places: &mut Vec<[f64; 2]>) {
+        places.clear();
+        for part in &self.parts {
+            places.extend(part.columns.clone().map(|x| centre(x, part.row)));
+        }
+    }
 }
 
 /// A pixel must be at least this part of all coordinates, else rounding might move the corners by a part of a pixel.

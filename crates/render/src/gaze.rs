@@ -1,13 +1,14 @@
 //! What rays see where nothing is translucent: the first surface of each, column by column.
 
 use crate::colour::{Linear, Premultiplied, premultiply};
-use crate::columns::Columns;
+use crate::columns::{Columns, vector};
 use crate::occlusion::{self, Occlusion};
-use crate::sample::{Sample, towards_eye};
-use crate::shade::{Look, Shader};
-use crate::{Camera, Size};
+use crate::sample::Sample;
+use crate::shade::{AMBIENT, Look, Shader};
+use crate::sweep::{self, Surfaces};
+use crate::{Camera, Size, Style};
+use fearless_simd::Level;
 use rayweave_model::{Evaluator, Query};
-use rayweave_shape::Ray;
 
 /// The buffers of a thread that looks along rays of opaque scenes.
 pub(crate) struct Gaze<'a, E: Evaluator> {
@@ -18,8 +19,14 @@ pub(crate) struct Gaze<'a, E: Evaluator> {
     scratch: E::Scratch,
     sight: Columns,
     occlusion: Occlusion,
+    /// The points that are seen.
+    points: [Vec<f64>; 3],
     /// The lights that shine on what each ray sees, a bit each.
     lit: Vec<u32>,
+    cosines: Vec<f32>,
+    /// The light that arrives at each point.
+    arriving: Vec<Linear>,
+    level: Level,
 }
 
 impl<'a, E: Evaluator> Gaze<'a, E> {
@@ -35,41 +42,66 @@ impl<'a, E: Evaluator> Gaze<'a, E> {
             scratch: evaluator.scratch(),
             sight: Columns::default(),
             occlusion: Occlusion::default(),
+            points: Default::default(),
             lit: Vec::new(),
+            cosines: Vec::new(),
+            arriving: Vec::new(),
+            level: Level::new(),
         })
     }
 
     /// See [`crate::sample::Eye::look`].
     pub fn look(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
-        self.sight.clear();
-        places.iter().for_each(|&[x, y]| self.sight.push(self.camera.ray(self.size, x, y)));
+        sweep::rays(self.level, self.camera, self.size, places, &mut self.sight);
         self.sight.ask(self.evaluator, Query::nearest().window, true, &mut self.scratch);
+        sweep::surfaces(self.level, &mut self.sight, &mut self.points);
         self.lit.clear();
         self.lit.resize(self.sight.len(), u32::MAX);
         if self.shader.casts_shadows() {
-            self.occlusion.cast(self.evaluator, self.shader, &self.sight, &mut self.lit, &mut self.scratch);
+            let (sight, scratch) = ((&self.sight, &self.points), &mut self.scratch);
+            self.occlusion.cast(self.evaluator, self.shader, sight, &mut self.lit, scratch);
         }
-        for (i, colour) in colours.iter_mut().enumerate() {
-            *colour = self.light(i).map_or([0.0; 4], |light| premultiply(light, 1.0));
+        match self.shader.style() {
+            Style::Headlight => self.lambert(colours),
+            Style::Gooch | Style::Flat => self.shade(colours),
         }
         samples.iter_mut().enumerate().for_each(|(i, sample)| *sample = self.sample(i));
     }
 
-    /// The light that comes along a ray from a surface; `None` if there is none.
-    #[inline]
-    fn light(&self, i: usize) -> Option<Linear> {
-        if !self.sight.is_hit(i) {
-            return None;
+    /// Colours by Lambert's law, lamp by lamp.
+    fn lambert(&mut self, colours: &mut [Premultiplied]) {
+        self.arriving.clear();
+        self.arriving.resize(self.sight.len(), [AMBIENT; 3]);
+        for (k, lamp) in self.shader.lamps().iter().enumerate() {
+            let surfaces = Surfaces { points: &self.points, columns: &self.sight, lit: &self.lit };
+            sweep::cosines(self.level, &lamp.source, 1 << k, &surfaces, &mut self.cosines);
+            for (arriving, cosine) in self.arriving.iter_mut().zip(&self.cosines) {
+                let part = (1.0 - AMBIENT) * cosine;
+                *arriving = std::array::from_fn(|c| arriving[c] + part * lamp.strength[c]);
+            }
         }
-        let ray: Ray = self.sight.ray(i);
-        let look = Look {
-            point: ray.at(self.sight.t[i]),
-            sight: ray.direction,
-            normal: towards_eye(self.sight.normal(i), &ray),
-            region: self.sight.seen(i),
-            lit: self.lit[i],
-        };
-        Some(self.shader.shade(&look).0)
+        for (i, (colour, arriving)) in colours.iter_mut().zip(&self.arriving).enumerate() {
+            let own = self.shader.colour(self.sight.seen(i));
+            let light = std::array::from_fn(|c| own[c] * arriving[c]);
+            *colour = if self.sight.is_hit(i) { premultiply(light, 1.0) } else { [0.0; 4] };
+        }
+    }
+
+    /// Colours of any style, surface by surface.
+    fn shade(&self, colours: &mut [Premultiplied]) {
+        for (i, colour) in colours.iter_mut().enumerate() {
+            *colour = [0.0; 4];
+            if self.sight.is_hit(i) {
+                let look = Look {
+                    point: vector(&self.points, i),
+                    sight: self.sight.ray(i).direction,
+                    normal: self.sight.normal(i),
+                    region: self.sight.seen(i),
+                    lit: self.lit[i],
+                };
+                *colour = premultiply(self.shader.shade(&look).0, 1.0);
+            }
+        }
     }
 
     /// What is seen along a ray.
@@ -79,7 +111,7 @@ impl<'a, E: Evaluator> Gaze<'a, E> {
         }
         Sample {
             t: self.sight.t[i],
-            normal: towards_eye(self.sight.normal(i), &self.sight.ray(i)).as_vec3().to_array(),
+            normal: self.sight.normal(i).as_vec3().to_array(),
             face: self.sight.face[i] as u32,
             placement: self.sight.placement[i],
             region: self.sight.seen(i).0,

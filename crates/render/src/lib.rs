@@ -2,7 +2,7 @@
 //!
 //! [`render`] draws a model as people see it: shaded ([`Style`]), with dark lines where something begins or ends ([`Lines`]),
 //! anti-aliased, lit and shadowed if asked. [`depth`], [`normals`] and [`ids`] give what the picture is made from as plain
-//! numbers. [`png`] turns all of them into files in memory. [`Timeline`] draws what happens along one ray, with the elements
+//! numbers, [`geometry`] all three at once. [`png`] turns all of them into files in memory. [`Timeline`] draws what happens along one ray, with the elements
 //! of [`svg`].
 //!
 //! Pixels are counted from the upper left corner; z is up in every [`View`]. The same model, camera and settings give the
@@ -33,6 +33,7 @@ mod shade;
 mod shadow;
 mod survey;
 pub mod svg;
+mod sweep;
 mod timeline;
 mod view;
 
@@ -41,7 +42,7 @@ pub use colour::{Linear, PALETTE, Rgba, region_colour};
 pub use error::{CameraError, RenderError};
 pub use image::{Image, Plane, Size};
 pub use light::{Light, LightKind};
-pub use planes::{IdKind, depth, ids, normals};
+pub use planes::{Geometry, IdKind, depth, geometry, ids, normals};
 pub use render::render;
 pub use run::Run;
 pub use section::{SECTION, section};

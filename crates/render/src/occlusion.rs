@@ -1,10 +1,8 @@
 //! Which lights shine on what is seen, where nothing is translucent.
 
-use crate::columns::Columns;
-use crate::sample::towards_eye;
+use crate::columns::{Columns, vector};
 use crate::shade::Shader;
 use crate::{Light, LightKind};
-use rayweave_math::Vec3;
 use rayweave_model::weld::local_ray;
 use rayweave_model::{Evaluator, PlacementId, Program, Window};
 use rayweave_shape::Ray;
@@ -25,19 +23,21 @@ pub(crate) struct Occlusion {
 }
 
 impl Occlusion {
-    /// Clears the bits of the lights that something hides, or that are behind the surface.
+    /// Clears the bits of the lights that something hides, or that are behind the surface; the normals of what is seen, at
+    /// these points, are on the side of the eye.
     pub fn cast<E: Evaluator>(
         &mut self,
         evaluator: &E,
         shader: &Shader,
-        sight: &Columns,
+        (sight, points): (&Columns, &[Vec<f64>; 3]),
         lit: &mut [u32],
         scratch: &mut E::Scratch,
     ) {
         let program = evaluator.program();
         let window = Window::new(0.0, 1.0).unwrap_or_default();
         for (bit, light) in shader.lights().enumerate() {
-            self.gather(light, 1 << bit, program, sight, lit);
+            let far = distance(light, program);
+            self.gather(light, far, 1 << bit, (sight, points), lit);
             self.rays.ask(evaluator, window, false, scratch);
             for (k, &i) in self.of.iter().enumerate() {
                 if self.is_hidden(program, sight, k, i as usize) {
@@ -48,15 +48,20 @@ impl Occlusion {
     }
 
     /// The rays from a light to the surfaces that face it; from the others its bit is taken.
-    fn gather(&mut self, light: &Light, bit: u32, program: &Program, sight: &Columns, lit: &mut [u32]) {
+    fn gather(
+        &mut self,
+        light: &Light,
+        far: f64,
+        bit: u32,
+        (sight, points): (&Columns, &[Vec<f64>; 3]),
+        lit: &mut [u32],
+    ) {
         self.rays.clear();
         self.of.clear();
-        let far = distance(light, program);
         for i in (0..sight.len()).filter(|&i| sight.is_hit(i)) {
-            let ray = sight.ray(i);
-            let point = ray.at(sight.t[i]);
+            let point = vector(points, i);
             let towards = far * light.towards(point);
-            if towards_eye(sight.normal(i), &ray).dot(towards) > 0.0 {
+            if sight.normal(i).dot(towards) > 0.0 {
                 let origin = match light.kind {
                     LightKind::Position(position) => position,
                     LightKind::Direction(_) => point + towards,

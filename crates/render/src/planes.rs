@@ -1,12 +1,10 @@
 //! Depth, normals and ids: what pictures are made from, as plain numbers.
 
-use crate::extent::Extent;
-use crate::sample::seen;
-use crate::survey::centre;
-use crate::{Camera, Plane, RenderError, Run, Size};
-use rayweave_math::Vec3;
-use rayweave_model::{Crossing, Evaluator, Query, RayAnswer, RayBatch, dress};
-use rayweave_shape::Ray;
+use crate::columns::Columns;
+use crate::extent::{Extent, Tile};
+use crate::{Camera, Plane, RenderError, Run, Size, sweep};
+use fearless_simd::Level;
+use rayweave_model::{Evaluator, LeafKind, Program, Query};
 
 /// Which numbers [`ids`] gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,8 +31,10 @@ pub fn depth<E: Evaluator>(
     size: Size,
     run: &mut Run<'_>,
 ) -> Result<Plane<f64>, RenderError> {
-    let value = |_: &Ray, crossing: &Crossing| crossing.t;
-    plane(evaluator, camera, size, run, f64::INFINITY, value)
+    let mut depth = Plane::filled(size, f64::INFINITY);
+    let bands = Bands { evaluator, camera, size, with_normals: false };
+    bands.look(run, bands.of(&mut depth), |depth, at, hits, i| depth[at] = hits.t[i])?;
+    Ok(depth)
 }
 
 /// The unit normal of the first surface at the centre of each pixel, outward of what is entered or left: towards the camera
@@ -48,9 +48,12 @@ pub fn normals<E: Evaluator>(
     size: Size,
     run: &mut Run<'_>,
 ) -> Result<Plane<[f64; 3]>, RenderError> {
-    let program = evaluator.program();
-    let value = |ray: &Ray, crossing: &Crossing| dress::normal(program, ray, crossing).to_array();
-    plane(evaluator, camera, size, run, Vec3::NAN.to_array(), value)
+    let mut normals = Plane::filled(size, [f64::NAN; 3]);
+    let bands = Bands { evaluator, camera, size, with_normals: true };
+    bands.look(run, bands.of(&mut normals), |normals, at, hits, i| {
+        normals[at] = hits.normal(i).to_array();
+    })?;
+    Ok(normals)
 }
 
 /// What the first surface at the centre of each pixel belongs to; see [`IdKind`].
@@ -64,52 +67,132 @@ pub fn ids<E: Evaluator>(
     kind: IdKind,
     run: &mut Run<'_>,
 ) -> Result<Plane<i32>, RenderError> {
-    let program = evaluator.program();
-    let miss = match kind {
-        IdKind::Region => 0,
-        IdKind::Leaf | IdKind::Face | IdKind::Placement => -1,
-    };
-    let value = |_: &Ray, crossing: &Crossing| {
-        let face = crossing.face;
-        let number = match kind {
-            IdKind::Region => seen(crossing).0,
-            IdKind::Leaf => face.leaf.0,
-            IdKind::Face => program.face_number(face.leaf, face.facet),
-            IdKind::Placement => face.placement.0,
-        };
-        // compiling refuses models with more than 2^31 of anything
-        number as i32
-    };
-    plane(evaluator, camera, size, run, miss, value)
+    let numbers = Numbers::new(kind, evaluator.program());
+    let mut ids = Plane::filled(size, numbers.miss());
+    let bands = Bands { evaluator, camera, size, with_normals: false };
+    bands.look(run, bands.of(&mut ids), |ids, at, hits, i| ids[at] = numbers.of(hits, i))?;
+    Ok(ids)
 }
 
-/// The value of the first crossing on the ray of each pixel's centre.
-fn plane<E: Evaluator, T: Clone + Send>(
+/// What the first surface at the centre of each pixel is, in three planes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geometry {
+    /// As of [`depth`].
+    pub depth: Plane<f64>,
+    /// As of [`normals`].
+    pub normals: Plane<[f64; 3]>,
+    /// As of [`ids`].
+    pub ids: Plane<i32>,
+}
+
+/// [`depth`], [`normals`] and [`ids`] from one look.
+///
+/// # Errors
+/// The run was cancelled.
+pub fn geometry<E: Evaluator>(
     evaluator: &E,
     camera: &Camera,
     size: Size,
+    kind: IdKind,
     run: &mut Run<'_>,
-    miss: T,
-    value: impl Fn(&Ray, &Crossing) -> T + Sync,
-) -> Result<Plane<T>, RenderError> {
-    let mut plane = Plane::filled(size, miss);
-    let extent = Extent::new(camera, size, &evaluator.program().bounds());
-    let rows = plane.values_mut().chunks_mut(size.width()).enumerate();
-    let scratch = || (evaluator.scratch(), RayBatch::default());
-    run.each(0.0..1.0, rows, scratch, |(scratch, batch), (y, row)| {
-        let columns = extent.columns(y);
-        let row = &mut row[columns.clone()];
-        batch.clear();
-        for [x, y] in columns.map(|x| centre(x, y)) {
-            batch.push(camera.ray(size, x, y));
-        }
-        let rays = batch.rays();
-        let mut take = |answer: RayAnswer<'_>| {
-            if let Some(first) = answer.crossings.first() {
-                row[answer.ray] = value(&rays.get(answer.ray), first);
-            }
-        };
-        evaluator.crossings(rays, &Query::nearest(), scratch, &mut take);
+) -> Result<Geometry, RenderError> {
+    let numbers = Numbers::new(kind, evaluator.program());
+    let mut all = Geometry {
+        depth: Plane::filled(size, f64::INFINITY),
+        normals: Plane::filled(size, [f64::NAN; 3]),
+        ids: Plane::filled(size, numbers.miss()),
+    };
+    let bands = Bands { evaluator, camera, size, with_normals: true };
+    let pieces = bands.of(&mut all.depth).zip(bands.of(&mut all.normals)).zip(bands.of(&mut all.ids));
+    bands.look(run, pieces, |((depth, normals), ids), at, hits, i| {
+        depth[at] = hits.t[i];
+        normals[at] = hits.normal(i).to_array();
+        ids[at] = numbers.of(hits, i);
     })?;
-    Ok(plane)
+    Ok(all)
+}
+
+/// The numbers of one kind.
+struct Numbers {
+    kind: IdKind,
+    /// The leaf of each face, if leaves are asked for.
+    leaves: Vec<i32>,
+}
+
+impl Numbers {
+    fn new(kind: IdKind, program: &Program) -> Numbers {
+        let mut leaves = Vec::new();
+        if kind == IdKind::Leaf {
+            leaves.resize(program.facets().len(), -1);
+            for leaf in program.leaves() {
+                if let LeafKind::Shape { facets } = leaf.kind() {
+                    leaves[facets.start as usize..facets.end as usize].fill(leaf.id().0 as i32);
+                }
+            }
+        }
+        Numbers { kind, leaves }
+    }
+
+    fn miss(&self) -> i32 {
+        match self.kind {
+            IdKind::Region => 0,
+            IdKind::Leaf | IdKind::Face | IdKind::Placement => -1,
+        }
+    }
+
+    /// The number for a ray that meets something. (Compiling refuses models with more than 2^31 of anything.)
+    #[inline]
+    fn of(&self, hits: &Columns, i: usize) -> i32 {
+        match self.kind {
+            IdKind::Region => hits.seen(i).0 as i32,
+            IdKind::Leaf => self.leaves[hits.face[i] as usize],
+            IdKind::Face => hits.face[i],
+            IdKind::Placement => hits.placement[i] as i32,
+        }
+    }
+}
+
+/// Looks once per pixel, in bands of rows.
+struct Bands<'a, E> {
+    evaluator: &'a E,
+    camera: &'a Camera,
+    size: Size,
+    with_normals: bool,
+}
+
+impl<E: Evaluator> Bands<'_, E> {
+    /// A plane in bands.
+    fn of<'p, T>(&self, plane: &'p mut Plane<T>) -> std::slice::ChunksMut<'p, T> {
+        plane.values_mut().chunks_mut(Tile::HEIGHT * self.size.width())
+    }
+
+    /// Calls `put` for each pixel whose ray meets something: its band, its number in the band, what the rays meet, and the
+    /// number of its ray there.
+    fn look<B: Send>(
+        &self,
+        run: &mut Run<'_>,
+        bands: impl ExactSizeIterator<Item = B> + Send,
+        put: impl Fn(&mut B, usize, &Columns, usize) + Sync,
+    ) -> Result<(), RenderError> {
+        let extent = Extent::new(self.camera, self.size, &self.evaluator.program().bounds());
+        let (width, height, level) = (self.size.width(), self.size.height(), Level::new());
+        let scratch = || (self.evaluator.scratch(), Columns::default(), Vec::new());
+        run.each(0.0..1.0, bands.enumerate(), scratch, |(scratch, hits, places), (number, mut band)| {
+            let first = number * Tile::HEIGHT;
+            for tile in extent.tiles(first..(first + Tile::HEIGHT).min(height)) {
+                tile.centres(places);
+                sweep::rays(level, self.camera, self.size, places, hits);
+                hits.ask(self.evaluator, Query::nearest().window, self.with_normals, scratch);
+                let mut ray = 0;
+                for part in &tile.parts {
+                    for x in part.columns.clone() {
+                        if hits.is_hit(ray) {
+                            put(&mut band, (part.row - first) * width + x, hits, ray);
+                        }
+                        ray += 1;
+                    }
+                }
+            }
+        })
+    }
 }

@@ -118,10 +118,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         samples: &mut [Vec<Sample>],
     ) {
         let levels = self.shader.levels();
-        glimpse.places.clear();
-        for part in &tile.parts {
-            glimpse.places.extend(part.columns.clone().map(|x| centre(x, part.row)));
-        }
+        tile.centres(&mut glimpse.places);
         let count = glimpse.places.len();
         glimpse.colours.resize(count, [0.0; 4]);
         glimpse.samples.resize(if self.is_refined() { count * levels } else { 0 }, Sample::MISS);
@@ -133,7 +130,7 @@ impl<E: Evaluator> Drawing<'_, E> {
             let first = row * self.size.width() + part.columns.start;
             for (out, &colour) in pixels[first..first + length].iter_mut().zip(&glimpse.colours[at..]) {
                 if colour[3] > 0.0 {
-                    *out = pixel(over(colour, behind));
+                    *out = pixel(if colour[3] < 1.0 { over(colour, behind) } else { colour });
                 }
             }
             if self.is_refined() {

@@ -16,15 +16,15 @@ pub(crate) struct Shader {
 }
 
 /// A light, or what stands in where the scene has none.
-struct Lamp {
+pub(crate) struct Lamp {
     /// The light of the scene, for shadows.
     light: Option<Light>,
-    source: Source,
-    strength: Linear,
+    pub source: Source,
+    pub strength: Linear,
 }
 
 /// Where light comes from, ready for shading.
-enum Source {
+pub(crate) enum Source {
     /// Along the unit vector from anywhere to the light.
     Sun(Vec3),
     /// From a point.
@@ -51,7 +51,7 @@ pub(crate) struct Look {
 const LEVELS: usize = 4;
 
 /// The part of a surface's colour that it has in no light at all.
-const AMBIENT: f32 = 0.18;
+pub(crate) const AMBIENT: f32 = 0.18;
 
 /// A tint that is added, and the part of the region's colour in it: the cool and the warm end of tones.
 ///
@@ -117,6 +117,22 @@ impl Shader {
     /// The lights of the scene, in order.
     pub fn lights(&self) -> impl Iterator<Item = &Light> {
         self.lamps.iter().filter_map(|lamp| lamp.light.as_ref())
+    }
+
+    /// How surfaces are shaded.
+    pub fn style(&self) -> Style {
+        self.style
+    }
+
+    /// All that shines.
+    pub fn lamps(&self) -> &[Lamp] {
+        &self.lamps
+    }
+
+    /// The colour of a region.
+    #[inline]
+    pub fn colour(&self, region: RegionId) -> Linear {
+        self.regions[region.index()].0
     }
 
     /// Light and opacity of a surface.

@@ -39,7 +39,7 @@ impl Comparison {
 /// All scenes.
 pub fn all() -> Vec<Comparison> {
     let mut all = vec![
-        Comparison::new("die", die() | floor(1.0)),
+        Comparison::new("die", die() | floor(1.1)),
         Comparison::new("lens", lens()),
         Comparison::new("flange", flange()),
         Comparison::new("tori", tori()),
