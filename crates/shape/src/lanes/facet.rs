@@ -1,12 +1,16 @@
 //! One side of a surface, ready for lanes.
 
 use super::axis::{AxisCylinder, AxisSlab, axis_of_plane};
+use super::quadratic::Roots;
+use super::quadric::LaneQuadric;
 use super::ray::{Doubt, LaneRay};
 use super::span::{Gap, Span};
+use super::torus::LaneTorus;
 use super::vector::{Lanes, Mask, splat};
-use crate::surface::{Cylinder, Plane, Sphere, Surface};
+use crate::surface::{Cone, Cylinder, Plane, Sphere, Surface};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
+use rayweave_math::Vec3;
 
 /// The kernels that exist for lanes.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +34,12 @@ pub enum Kernel {
     AxisCylinder(AxisCylinder),
     /// Two faces of a box.
     AxisSlab(AxisSlab),
+    /// A cone.
+    Cone(Cone),
+    /// Any other surface of degree 2.
+    Quadric(LaneQuadric),
+    /// A torus.
+    Torus(LaneTorus),
 }
 
 impl Kernel {
@@ -42,7 +52,20 @@ impl Kernel {
                 let along = AxisCylinder::of(cylinder).map(Kernel::AxisCylinder);
                 Some(along.unwrap_or(Kernel::Cylinder(*cylinder)))
             }
-            Surface::Cone(_) | Surface::Quadric(_) | Surface::Torus(_) | Surface::AffineTorus(_) => None,
+            Surface::Cone(cone) => Some(Kernel::Cone(*cone)),
+            Surface::Quadric(quadric) => Some(Kernel::Quadric(LaneQuadric::of(quadric))),
+            Surface::Torus(torus) => Some(Kernel::Torus(LaneTorus::plain(torus))),
+            Surface::AffineTorus(torus) => LaneTorus::image(torus).map(Kernel::Torus),
+        }
+    }
+
+    /// The point between the two pieces of the inside of a cone or a hyperboloid of two sheets. (Both are on either side
+    /// of a plane through it.)
+    pub fn waist(&self) -> Option<Vec3> {
+        match self {
+            Kernel::Cone(cone) => Some(cone.apex),
+            Kernel::Quadric(quadric) => quadric.waist(),
+            _ => None,
         }
     }
 }
@@ -63,6 +86,9 @@ pub struct Facet {
     pub face: f64,
     /// The greatest gap that the facet may cut out of a stretch of its leaf: see [`Facet::can_gap`].
     pub gap: u32,
+    /// True if the other facets leave but one piece of what this one would leave of a ray, whatever gap it cuts out. Rays
+    /// where that is not so are in doubt; such a facet has to be the last.
+    pub is_one_piece: bool,
 }
 
 impl Facet {
@@ -71,7 +97,14 @@ impl Facet {
         match self.kernel {
             Kernel::AxisPlane { .. } | Kernel::AxisSlab(_) | Kernel::Plane(_) => false,
             Kernel::Sphere(_) | Kernel::Cylinder(_) | Kernel::AxisCylinder(_) => !self.inside,
+            Kernel::Quadric(quadric) => !self.inside || quadric.may_open,
+            Kernel::Cone(_) | Kernel::Torus(_) => true,
         }
+    }
+
+    /// False for what may hold in more than two pieces.
+    pub fn has_one_gap(&self) -> bool {
+        self.inside || !matches!(self.kernel, Kernel::Torus(_))
     }
 
     /// This facet and the next one of the same leaf as one, if they are opposite faces of a box.
@@ -145,6 +178,19 @@ impl Facet {
                 self.slab(simd, slab, ray, span, doubt);
                 None
             }
+            Kernel::Cone(cone) => {
+                let roots = super::cone::roots(simd, cone, ray, doubt);
+                self.second_degree(simd, ray, &roots, super::cone::bend(cone), span, doubt)
+            }
+            Kernel::Quadric(quadric) => {
+                let roots = quadric.roots(simd, ray, doubt);
+                self.second_degree(simd, ray, &roots, 1.0, span, doubt)
+            }
+            Kernel::Torus(torus) => {
+                let stretch = torus.stretch(simd, ray, span.is_some(), doubt);
+                self.stretch(simd, stretch.from, stretch.to, span);
+                Some(stretch.gap)
+            }
         }
     }
 
@@ -186,6 +232,48 @@ impl Facet {
         let begins = span.begin_after(from, rises.select(low_face, high_face));
         let ends = span.end_before(to, rises.select(high_face, low_face));
         doubt.grazes |= grazes & (begins | ends);
+    }
+
+    /// A surface of degree 2: on some rays it holds between the roots, on others outside of them.
+    #[inline(always)]
+    fn second_degree<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        roots: &Roots<S>,
+        bend: f64,
+        span: &mut Span<S>,
+        doubt: &mut Doubt<S>,
+    ) -> Option<Gap<S>> {
+        let [plus, minus] = super::ray::infinite(simd);
+        let narrows = if self.inside { !roots.opens } else { roots.opens };
+        let face = splat(simd, self.face);
+        let (mut from, mut to) = (narrows.select(roots.from, minus), narrows.select(roots.to, plus));
+        let mut gap = Gap { from: narrows.select(plus, roots.from), to: narrows.select(minus, roots.to) };
+        if self.is_one_piece {
+            let [before, after] = gap.pieces(span);
+            // at equal times the first face is to be named, but comes before this one
+            doubt.always |= (before & after) | Self::meets_ends(roots, span);
+            let cuts = gap.from.simd_lt(gap.to);
+            to = (cuts & before).select(gap.from, to);
+            from = (cuts & !before).select(gap.to, from);
+            gap = Gap { from: plus, to: minus };
+        }
+        let (begins, ends) = (span.begin_after(from, face), span.end_before(to, face));
+        if roots.is_slow(ray).any_true() {
+            let either = (!narrows & (begins | ends)) | gap.from.simd_lt(gap.to);
+            doubt.grazes |= (begins | either) & roots.is_gentle(ray, roots.from, bend);
+            doubt.grazes |= (ends | either) & roots.is_gentle(ray, roots.to, bend);
+        }
+        Some(gap)
+    }
+
+    #[inline(always)]
+    fn meets_ends<S: Simd>(roots: &Roots<S>, span: &Span<S>) -> Mask<S> {
+        let (from, to) = (roots.from, roots.to);
+        let meets =
+            from.simd_eq(span.from) | from.simd_eq(span.to) | to.simd_eq(span.from) | to.simd_eq(span.to);
+        meets & roots.is_some()
     }
 
     /// The stretch in which f < 0, taken from the leaf or cut out of it.

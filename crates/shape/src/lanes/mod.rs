@@ -8,13 +8,19 @@
 //! ([`fearless_simd::dispatch`]).
 
 mod axis;
+mod cone;
 mod facet;
+mod quadratic;
+mod quadric;
 mod ray;
 mod span;
+mod torus;
 mod vector;
 
 pub use axis::{AxisCylinder, AxisSlab};
 pub use facet::{Facet, Kernel};
+pub use quadric::LaneQuadric;
 pub use ray::{Doubt, LaneLimits, LaneRay};
 pub use span::{Gap, Span};
+pub use torus::LaneTorus;
 pub use vector::{LANES, Lanes, Mask, Vec3Lanes, splat};

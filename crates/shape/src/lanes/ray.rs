@@ -47,14 +47,18 @@ pub struct LaneRay<S: Simd> {
     pub slow_plane: Lanes<S>,
     /// Quadrics whose square term is below this are met at grazing angles.
     pub slow_square: Lanes<S>,
-    lengths: Lanes<S>,
-    speed: Lanes<S>,
+    /// The taxicab length of the origin, and the greatest reach.
+    pub(super) lengths: Lanes<S>,
+    /// The taxicab length of the direction.
+    pub(super) speed: Lanes<S>,
 }
 
 /// Below this times its speed a ray approaches a plane slowly.
 const SLOW: f64 = 1e-5;
 /// Below this times the square of its speed the square term of a quadric is small.
 const SLOW_SQUARE: f64 = 1e-4;
+/// Crossings that are so many times farther away than anything else are in doubt.
+const FAR: f64 = 1e9;
 /// A ball has to be so many times larger than the tolerance: see [`crate::surface::Chord`]; with room.
 const LEAST: f64 = 4096.0;
 
@@ -97,13 +101,20 @@ impl<S: Simd> LaneRay<S> {
     #[inline(always)]
     pub fn may_hug(&self, a: Lanes<S>, b: Lanes<S>, limits: &LaneLimits) -> Mask<S> {
         let step = b - a;
-        let lengths = self.lengths + a.abs().max(b.abs()) * self.speed;
+        let lengths = self.lengths_at(a.abs().max(b.abs()));
         let delta = lengths * delta_of(1.0);
         // |d| is at least 0.57 times the taxicab length
         let plane = (step * self.speed * (0.5 * SLOW)).simd_le(delta * 4.0);
         let size = lengths * (2.0 * limits.bend) + limits.largest_radius + delta * 4.0;
         let round = (step * step * self.slow_square).simd_le(delta * size * 64.0);
-        plane | round
+        let far = (self.lengths * FAR).simd_lt(lengths);
+        plane | round | far
+    }
+
+    /// All the lengths that the tolerance at a time is made of.
+    #[inline(always)]
+    pub(super) fn lengths_at(&self, t: Lanes<S>) -> Lanes<S> {
+        self.lengths + t.abs() * self.speed
     }
 
     /// A ray as the scalar kernels take it.

@@ -26,6 +26,17 @@ pub struct Gap<S: Simd> {
     pub to: Lanes<S>,
 }
 
+impl<S: Simd> Gap<S> {
+    /// Whether there is anything left of a span before the gap, and after it.
+    #[inline(always)]
+    pub(super) fn pieces(&self, span: &Span<S>) -> [Mask<S>; 2] {
+        let exists = self.from.simd_lt(self.to);
+        let before = span.from.simd_lt(self.from.min(span.to));
+        let after = self.to.max(span.from).simd_lt(span.to);
+        [exists & before, exists & after]
+    }
+}
+
 impl<S: Simd> Span<S> {
     /// The whole line.
     #[inline(always)]

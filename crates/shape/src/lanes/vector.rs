@@ -79,11 +79,22 @@ impl<S: Simd> Vec3Lanes<S> {
         Vec3Lanes { x: factor * self.x, y: factor * self.y, z: factor * self.z }
     }
 
+    /// Each component times that of one vector for all lanes.
+    #[inline(always)]
+    pub fn times_all(self, v: Vec3) -> Self {
+        Vec3Lanes { x: self.x * v.x, y: self.y * v.y, z: self.z * v.z }
+    }
+
+    /// Less one vector for all lanes times one number in each lane.
+    #[inline(always)]
+    pub fn without(self, along: Lanes<S>, axis: Vec3) -> Self {
+        Vec3Lanes { x: self.x - along * axis.x, y: self.y - along * axis.y, z: self.z - along * axis.z }
+    }
+
     /// `v - (v . axis) axis` for a unit axis.
     #[inline(always)]
     pub fn perpendicular(self, axis: Vec3) -> Self {
-        let along = self.dot_all(axis);
-        Vec3Lanes { x: self.x - along * axis.x, y: self.y - along * axis.y, z: self.z - along * axis.z }
+        self.without(self.dot_all(axis), axis)
     }
 
     /// The sum of the magnitudes of the components: at least the length, at most sqrt(3) times it.

@@ -2,9 +2,10 @@
 
 use super::logic::{Logic, Tape, Wire};
 use super::normal::Slope;
-use rayweave_model::{Face, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId};
+use rayweave_math::Vec3;
+use rayweave_model::{Face, LeafFacet, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId};
 use rayweave_shape::lanes::{Facet, Kernel, LaneLimits};
-use rayweave_shape::surface::Surface;
+use rayweave_shape::surface::{Surface, delta_of};
 
 /// Stretches that a plan may have: each has two ends, which are told apart by six bits.
 pub(super) const MOST: usize = 32;
@@ -98,7 +99,7 @@ impl Plan {
             return None;
         }
         let mut plan = Plan {
-            limits: limits(program, group)?,
+            limits: limits(program, group),
             leaves: Vec::new(),
             facets: Vec::new(),
             differences: Vec::new(),
@@ -145,11 +146,16 @@ impl Plan {
     ) -> Option<Wire> {
         let (span, first) = (take(stretches)?, self.facets.len());
         let mut inside = logic.input(span);
-        for number in facets {
-            let facet = program.facets()[number as usize];
+        let all = &program.facets()[facets.start as usize..facets.end as usize];
+        for (number, facet) in facets.zip(all) {
             let kernel = Kernel::of(&program.surface(facet.surface()).surface)?;
-            let mut facet = Facet { kernel, inside: facet.inside(), face: f64::from(number), gap: NONE };
-            if facet.can_gap() {
+            let is_one_piece = facet.inside() && is_one_piece(program, all, &kernel);
+            let mut facet =
+                Facet { kernel, inside: facet.inside(), face: f64::from(number), gap: NONE, is_one_piece };
+            if !facet.has_one_gap() {
+                return None;
+            }
+            if facet.can_gap() && !is_one_piece {
                 let gap = take(stretches)?;
                 facet.gap = gap as u32;
                 let wire = logic.input(gap);
@@ -160,6 +166,7 @@ impl Plan {
                 None => self.facets.push(facet),
             }
         }
+        self.facets[first..].sort_by_key(|facet| facet.is_one_piece);
         self.leaves.push(LeafPlan { facets: first..self.facets.len(), span });
         Some(inside)
     }
@@ -175,11 +182,26 @@ fn take(stretches: &mut usize) -> Option<usize> {
     (*stretches <= MOST).then_some(*stretches - 1)
 }
 
-fn limits(program: &Program, group: &Prototype) -> Option<LaneLimits> {
+/// True if the planes of a leaf leave no room on both sides of the waist of a surface, as those of a frustum.
+fn is_one_piece(program: &Program, facets: &[LeafFacet], kernel: &Kernel) -> bool {
+    kernel.waist().is_some_and(|waist| facets.iter().any(|facet| is_beyond(program, facet, waist)))
+}
+
+/// True if the facet is a plane, and a point lies on it or beyond.
+fn is_beyond(program: &Program, facet: &LeafFacet, point: Vec3) -> bool {
+    let entry = program.surface(facet.surface());
+    let Surface::Plane(plane) = &entry.surface else { return false };
+    let (value, _) = plane.value_and_gradient(point);
+    let beyond = if facet.inside() { value } else { -value };
+    beyond >= -delta_of(entry.reach + point.length())
+}
+
+fn limits(program: &Program, group: &Prototype) -> LaneLimits {
     let mut limits = LaneLimits {
         centre: group.ball.centre,
         radius: group.ball.radius,
-        reach: 0.0,
+        // leaves may reach farther than their surfaces, and the points of a chord are of that size, too
+        reach: group.ball.centre.length() + group.ball.radius / 16.0,
         largest_radius: 0.0,
         bend: 0.0,
     };
@@ -191,10 +213,10 @@ fn limits(program: &Program, group: &Prototype) -> Option<LaneLimits> {
             Surface::Cylinder(s) => limits.largest_radius = limits.largest_radius.max(s.radius),
             Surface::Cone(s) => limits.bend = limits.bend.max(1.0 + s.slope * s.slope),
             Surface::Quadric(_) => limits.bend = limits.bend.max(1.0),
-            Surface::Torus(_) | Surface::AffineTorus(_) => return None,
+            Surface::Torus(_) | Surface::AffineTorus(_) => {}
         }
     }
-    Some(limits)
+    limits
 }
 
 fn faces(program: &Program) -> Vec<Face> {

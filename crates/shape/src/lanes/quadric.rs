@@ -1,0 +1,71 @@
+//! Quadrics along eight rays, as [`Quadric::crossings`].
+
+use super::quadratic::{Form, Roots, Size};
+use super::ray::{Doubt, LaneRay};
+use super::vector::{Lanes, Vec3Lanes};
+use crate::surface::Quadric;
+use fearless_simd::Simd;
+use rayweave_math::Vec3;
+
+/// A quadric, and what decides how it is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneQuadric {
+    quadric: Quadric,
+    is_ruled: bool,
+    /// The length of the linear part.
+    linear: f64,
+    /// True if f may be negative far away.
+    pub(super) may_open: bool,
+}
+
+impl LaneQuadric {
+    pub(super) fn of(quadric: &Quadric) -> LaneQuadric {
+        LaneQuadric {
+            quadric: *quadric,
+            is_ruled: quadric.is_ruled(),
+            linear: quadric.linear.length(),
+            may_open: quadric.weights.min_element() < 0.0,
+        }
+    }
+
+    /// The point between the two pieces of the inside of a cone or a hyperboloid of two sheets.
+    pub(super) fn waist(&self) -> Option<Vec3> {
+        let Quadric { centre, axes, weights, linear, constant } = &self.quadric;
+        let downwards = weights.to_array().iter().filter(|&&w| w < 0.0).count();
+        if downwards != 1 || weights.to_array().contains(&0.0) {
+            return None;
+        }
+        let shift = Vec3::from_array(std::array::from_fn(|k| -0.5 * axes[k].dot(*linear) / weights[k]));
+        let squares = (*weights * shift).dot(shift);
+        let has_two = constant - squares >= -1e-12 * (constant.abs() + squares.abs());
+        has_two.then(|| *centre + shift.x * axes[0] + shift.y * axes[1] + shift.z * axes[2])
+    }
+
+    /// Where the rays are inside the quadric, or outside.
+    #[inline(always)]
+    pub(super) fn roots<S: Simd>(&self, simd: S, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> Roots<S> {
+        let Quadric { centre, weights, linear, constant, .. } = self.quadric;
+        let shift = ray.origin.taken_from(centre).dot(ray.direction) / ray.square;
+        let place = ray.origin.minus_all(centre).plus(ray.direction.times(shift));
+        let (x, v) = (self.coordinates(place), self.coordinates(ray.direction));
+        let (level, rise) = (place.dot_all(linear) + constant, ray.direction.dot_all(linear));
+        let form = Form {
+            shift,
+            square: v.times_all(weights).dot(v),
+            at: |s: Lanes<S>| {
+                let (x, level) = (x.plus(v.times(s)), level + s * rise);
+                let wx = x.times_all(weights);
+                [wx.dot(v) + rise * 0.5, wx.dot(x) + level]
+            },
+        };
+        let size = Size { place, bend: 1.0, linear: self.linear, constant };
+        form.roots(simd, ray, self.is_ruled.then_some(size), doubt)
+    }
+
+    /// Coordinates along the principal axes.
+    #[inline(always)]
+    fn coordinates<S: Simd>(&self, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
+        let [x, y, z] = self.quadric.axes.map(|e| v.dot_all(e));
+        Vec3Lanes { x, y, z }
+    }
+}
