@@ -13,6 +13,7 @@ pub(super) const NOTHING: &str = "intersection { sphere { <0, 0, 0>, 1 } sphere 
 /// Spheres, boxes, cylinders, cones and tori have objects of their own, which POV-Ray is fastest with. Anything else is
 /// written as what it is made of: an intersection of sides of planes and quadrics.
 pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
+    let transform = Transform::from_affine(*place).ok()?;
     let arguments = primitive.arguments();
     let number = |name: &str| match arguments.iter().find(|(own, _)| *own == name)? {
         (_, Value::Number(number)) => number.is_finite().then_some(*number),
@@ -35,7 +36,7 @@ pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
     };
     match own {
         Some(own) => Some(placed(own, place)),
-        None => faces(primitive, &Transform::from_affine(*place).ok()?),
+        None => faces(primitive, &transform),
     }
 }
 

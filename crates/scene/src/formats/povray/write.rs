@@ -53,7 +53,7 @@ impl fmt::Display for PovRayError {
 impl std::error::Error for PovRayError {}
 
 /// The most shapes and operators of one region.
-const MOST: usize = 5_000_000;
+const MOST: usize = 1_000_000;
 
 /// The parts of light that a matt surface gives back: everywhere, and times the cosine of the angle to the light. These are
 /// those of this project's headlight shading.
