@@ -6,9 +6,12 @@ elsewhere. Only what `work` does is timed.
 
 import os
 import sys
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
+
+# the clock that is asked for
+_clock = process_time if os.environ.get("RAYWEAVE_BENCH_CLOCK") == "processor" else perf_counter
 
 # whatever a system prints itself goes to where errors go
 _OUT = os.fdopen(os.dup(1), "w")
@@ -47,9 +50,9 @@ def serve(name, version, tasks):
                 prepared.clear()
                 prepared[key] = prepare(np.load(file + ".npy"), int(count))
             if verb == "run":
-                started = perf_counter()
+                started = _clock()
                 work(prepared[key])
-                say(f"seconds {perf_counter() - started!r}")
+                say(f"seconds {_clock() - started!r}")
             else:
                 np.save(rest[0] + ".npy", np.ascontiguousarray(answer(prepared[key]), dtype=np.float64))
                 say("done")

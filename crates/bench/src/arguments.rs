@@ -1,5 +1,6 @@
 //! What a run is asked for.
 
+use crate::clock::Clock;
 use crate::contest::Effort;
 use crate::level;
 use clap::Args;
@@ -50,6 +51,11 @@ pub struct Arguments {
     #[arg(long)]
     pub instructions: bool,
 
+    /// Measure the time that work on one thread has a processor, not the time that passes: for machines that others use,
+    /// too
+    #[arg(long)]
+    pub processor_time: bool,
+
     /// Run one contender of the exemplar once: what is done under a tool that counts instructions
     #[arg(long, value_name = "CONTENDER", hide = true)]
     pub once: Option<String>,
@@ -64,9 +70,14 @@ impl Arguments {
     pub(crate) fn effort(&self) -> Effort {
         match (&self.once, self.quick) {
             (Some(contender), _) => Effort::Once { contender: contender.clone() },
-            (None, true) => Effort::QUICK,
-            (None, false) => Effort::FULL,
+            (None, true) => Effort::QUICK.by(self.clock()),
+            (None, false) => Effort::FULL.by(self.clock()),
         }
+    }
+
+    /// What is measured.
+    pub(crate) fn clock(&self) -> Clock {
+        if self.processor_time { Clock::Processor } else { Clock::Wall }
     }
 
     /// True if the exemplar of this name is asked for.

@@ -1,8 +1,8 @@
 //! Contenders that do the same work, in turn, round by round, so that none has the machine at a better time.
 
+use crate::clock::Clock;
 use crate::statistics::Statistics;
 use std::hint::black_box;
-use std::time::Instant;
 
 /// On whose behalf a contender runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +37,8 @@ pub enum Effort {
         seconds: f64,
         /// Models and batches are smaller by this factor.
         shrink: usize,
+        /// What is measured.
+        clock: Clock,
     },
     /// One contender runs once, for a tool that counts instructions: see [`counted`].
     Once {
@@ -47,9 +49,9 @@ pub enum Effort {
 
 impl Effort {
     /// For figures that are kept.
-    pub const FULL: Effort = Effort::Rounds { rounds: 11, seconds: 0.1, shrink: 1 };
+    pub const FULL: Effort = Effort::Rounds { rounds: 11, seconds: 0.1, shrink: 1, clock: Clock::Wall };
     /// To see that everything works.
-    pub const QUICK: Effort = Effort::Rounds { rounds: 3, seconds: 0.005, shrink: 16 };
+    pub const QUICK: Effort = Effort::Rounds { rounds: 3, seconds: 0.005, shrink: 16, clock: Clock::Wall };
 
     /// The size of a batch that is `full` at full effort: a multiple of 64.
     pub fn size(&self, full: usize) -> usize {
@@ -60,11 +62,13 @@ impl Effort {
         (full / shrink / 64).max(1) * 64
     }
 
-    /// The time of one run.
-    fn seconds(&self) -> f64 {
+    /// The same by another clock.
+    pub fn by(self, clock: Clock) -> Effort {
         match self {
-            Effort::Rounds { seconds, .. } => *seconds,
-            Effort::Once { .. } => 0.0,
+            Effort::Rounds { rounds, seconds, shrink, .. } => {
+                Effort::Rounds { rounds, seconds, shrink, clock }
+            }
+            once => once,
         }
     }
 }
@@ -122,11 +126,12 @@ impl<'a> Contender<'a> {
     }
 
     /// Warms up and finds out how much makes a run of about `seconds`.
-    fn prepare(&mut self, seconds: f64) -> Result<(), String> {
+    fn prepare(&mut self, seconds: f64, clock: Clock) -> Result<(), String> {
         let items = self.items;
+        let clock = clock.on(self.threads);
         match &mut self.work {
             Work::Here { repeats, run } => {
-                let once = timed(run).max(1e-9);
+                let once = clock.time(run).max(1e-9);
                 *repeats = (seconds / once).ceil().clamp(1.0, 1e7) as usize;
             }
             Work::Elsewhere(run) => {
@@ -140,23 +145,18 @@ impl<'a> Contender<'a> {
     }
 
     /// One run: nanoseconds per item.
-    fn run(&mut self) -> Result<f64, String> {
+    fn run(&mut self, clock: Clock) -> Result<f64, String> {
         let items = self.items;
+        let clock = clock.on(self.threads);
         let seconds = match &mut self.work {
             Work::Here { repeats, run } => {
                 let repeats = *repeats;
-                timed(|| (0..repeats).for_each(|_| run())) / repeats as f64
+                clock.time(|| (0..repeats).for_each(|_| run())) / repeats as f64
             }
             Work::Elsewhere(run) => run(items)?,
         };
         Ok(1e9 * seconds / items)
     }
-}
-
-fn timed(mut run: impl FnMut()) -> f64 {
-    let started = Instant::now();
-    run();
-    started.elapsed().as_secs_f64()
 }
 
 /// Runs something once. A tool that counts instructions is told to count in here alone.
@@ -182,22 +182,21 @@ pub struct Outcome {
 
 /// Lets the contenders run in turn.
 pub fn contest(mut contenders: Vec<Contender<'_>>, effort: &Effort) -> Vec<Outcome> {
-    let rounds = match effort {
-        Effort::Rounds { rounds, .. } => *rounds,
+    let (rounds, seconds, clock) = match effort {
+        Effort::Rounds { rounds, seconds, clock, .. } => (*rounds, *seconds, *clock),
         Effort::Once { contender } => {
             count(&mut contenders, contender);
             return Vec::new();
         }
     };
-    let seconds = effort.seconds();
-    let mut states: Vec<Result<Vec<f64>, String>> =
-        contenders.iter_mut().map(|contender| contender.prepare(seconds).map(|()| Vec::new())).collect();
+    let prepare = |contender: &mut Contender<'_>| contender.prepare(seconds, clock).map(|()| Vec::new());
+    let mut states: Vec<Result<Vec<f64>, String>> = contenders.iter_mut().map(prepare).collect();
     for round in 0..rounds {
         // everybody follows somebody else in the next round
         let count = contenders.len();
         for i in (0..count).map(|i| (i + round) % count) {
             if let Ok(times) = &mut states[i] {
-                match contenders[i].run() {
+                match contenders[i].run(clock) {
                     Ok(time) => times.push(time),
                     Err(problem) => states[i] = Err(problem),
                 }
@@ -241,7 +240,7 @@ mod tests {
                 Ok(items * 1e-9 * name.len() as f64)
             })
         };
-        let effort = Effort::Rounds { rounds: 3, seconds: 1e-6, shrink: 1 };
+        let effort = Effort::Rounds { rounds: 3, seconds: 1e-6, shrink: 1, clock: Clock::Wall };
         let outcomes = contest(vec![one("a"), one("bb")], &effort);
         let medians: Vec<f64> =
             outcomes.iter().map(|outcome| outcome.times.as_ref().unwrap().median.round()).collect();

@@ -14,6 +14,7 @@ mod answer;
 mod arguments;
 mod batch;
 mod ceiling;
+mod clock;
 mod contest;
 mod exemplar;
 mod instructions;

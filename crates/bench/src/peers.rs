@@ -3,9 +3,11 @@
 //! A driver is started in a folder with the inputs and prints `peer NAME VERSION TASK TASK ...`. Then it answers each line:
 //! `run TASK FILE N` with `seconds S`, the time that the first N rays of FILE.npy took it; `answer TASK FILE N OUT` with
 //! `done` when OUT.npy holds the times, float64 of shape (H, N), +inf where there is none. Whatever goes wrong is
-//! `error TEXT`. It ends when its input does. What is missing is told, and no reason to stop.
+//! `error TEXT`. It ends when its input does. If the variable `RAYWEAVE_BENCH_CLOCK` is `processor`, it tells processor times.
+//! What is missing is told, and no reason to stop.
 
 use crate::answer::Lists;
+use crate::clock::Clock;
 use crate::contest::Contender;
 use rayweave::model::Rays;
 use std::cell::RefCell;
@@ -103,7 +105,7 @@ impl Drop for Peer {
 
 impl Peers {
     /// Starts the peers that are installed in a folder; without one, all are missing.
-    pub fn start(installed: Option<&Path>) -> io::Result<Peers> {
+    pub fn start(installed: Option<&Path>, clock: Clock) -> io::Result<Peers> {
         let Some(installed) = installed else {
             let reason = "no folder of peers is given (--peers)";
             let missing = KNOWN.iter().map(|known| (known.name.to_owned(), reason.to_owned()));
@@ -114,7 +116,7 @@ impl Peers {
         let mut peers = Peers { folder: Some(Folder(folder.clone())), ..Peers::default() };
         let installed = installed.canonicalize()?;
         for known in KNOWN {
-            match Peer::start(known, &installed, &folder) {
+            match Peer::start(known, &installed, &folder, clock) {
                 Ok(peer) => peers.running.push(Rc::new(RefCell::new(peer))),
                 Err(reason) => peers.missing.push((known.name.to_owned(), reason)),
             }
@@ -177,7 +179,7 @@ impl Peers {
 }
 
 impl Peer {
-    fn start(known: &Known, installed: &Path, folder: &Path) -> Result<Peer, String> {
+    fn start(known: &Known, installed: &Path, folder: &Path, clock: Clock) -> Result<Peer, String> {
         let program = installed.join(known.program);
         if !program.exists() {
             return Err(format!("there is no {} where peers are installed (see install.sh)", known.program));
@@ -190,6 +192,9 @@ impl Peer {
             command.arg(script.0);
         }
         command.current_dir(folder).env("OMP_NUM_THREADS", "1").env("PYTHONDONTWRITEBYTECODE", "1");
+        if clock == Clock::Processor {
+            command.env("RAYWEAVE_BENCH_CLOCK", "processor");
+        }
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut child = command.spawn().map_err(|error| error.to_string())?;
         let pipes = child.stdin.take().zip(child.stdout.take());
@@ -286,14 +291,14 @@ mod tests {
 
     #[test]
     fn without_a_folder_all_are_missing() {
-        let peers = Peers::start(None).unwrap();
+        let peers = Peers::start(None, Clock::Wall).unwrap();
         assert_eq!(peers.missing.len(), KNOWN.len());
         assert!(peers.contenders("die.full", "rays", 10).is_empty());
     }
 
     #[test]
     fn what_is_not_installed_is_missing_for_a_reason() {
-        let peers = Peers::start(Some(&std::env::temp_dir())).unwrap();
+        let peers = Peers::start(Some(&std::env::temp_dir()), Clock::Wall).unwrap();
         assert!(peers.running().is_empty());
         assert!(peers.missing.iter().all(|(_, reason)| reason.contains("install.sh")));
     }
@@ -311,7 +316,7 @@ mod tests {
         fs::write(&program, script).unwrap();
         fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
 
-        let peers = Peers::start(Some(&installed)).unwrap();
+        let peers = Peers::start(Some(&installed), Clock::Processor).unwrap();
         assert_eq!(peers.running(), [("VecGeom".to_owned(), "9.9".to_owned())]);
         assert!(peers.contenders("die.first", "rays", 10).is_empty());
         assert_eq!(peers.contenders("die.full", "rays", 10).len(), 1);

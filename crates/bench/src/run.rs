@@ -42,7 +42,8 @@ fn measure(wanted: &[&dyn Exemplar], arguments: &Arguments) -> Result<(), String
     let levels = level::available(arguments.level.as_deref());
     let ceilings = Ceilings::measure(&levels, arguments.thread_count(), &arguments.effort())?;
     println!("{}", report::ceilings(&ceilings));
-    let peers = Peers::start(arguments.peers.as_deref()).map_err(|error| format!("peers: {error}"))?;
+    let peers = Peers::start(arguments.peers.as_deref(), arguments.clock())
+        .map_err(|error| format!("peers: {error}"))?;
     let (running, missing) = (peers.running(), peers.missing.clone());
     for (name, reason) in &missing {
         println!("{name} is missing: {reason}");

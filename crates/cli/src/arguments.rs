@@ -1,6 +1,6 @@
 //! The command line: its sub-commands and what they share.
 
-use crate::command::{Completions, Infill, Info, Man, Probe, Render, Schema, Shapes, Trace};
+use crate::command::{Bench, Completions, Infill, Info, Man, Probe, Render, Schema, Shapes, Trace};
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
 use rayweave::scene::{Scene, load};
@@ -50,6 +50,7 @@ pub enum Command {
     Trace(Trace),
     Infill(Infill),
     Info(Info),
+    Bench(Bench),
     Shapes(Shapes),
     Schema(Schema),
     Completions(Completions),

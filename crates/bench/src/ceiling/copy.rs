@@ -14,7 +14,7 @@ pub fn measure(threads: usize, effort: &Effort) -> Result<[Statistics; 2], Strin
     let (mut out, mut out2) = (vec![0.0; length], vec![0.0; length]);
     let bytes = 2 * size_of_val(&source[..]);
     let one = ceiling("one", bytes, || out.copy_from_slice(&source));
-    let all = ceiling("all", bytes, || copy(&source, &mut out2, threads));
+    let all = ceiling("all", bytes, || copy(&source, &mut out2, threads)).threads(threads);
     measure_rates(vec![one, all], effort)
 }
 

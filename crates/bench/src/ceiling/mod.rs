@@ -38,7 +38,7 @@ pub struct Rates {
 }
 
 /// The least that one item costs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Need {
     /// Bytes from memory or to it.
     Bytes(f64),
@@ -50,6 +50,8 @@ pub enum Need {
         divisions: f64,
         /// Square roots.
         roots: f64,
+        /// The level that they are done at; the widest, if none is given.
+        level: Option<Level>,
     },
     /// The time of a kernel by hand for the same work on one thread, in nanoseconds.
     Kernel(f64),
@@ -79,14 +81,14 @@ impl Ceilings {
     }
 
     fn floor_of(&self, need: Need, threads: usize) -> Option<Floor> {
-        let rates = self.levels.last()?;
         let scale = threads as f64;
         Some(match need {
             Need::Bytes(bytes) => {
                 let copy = &self.copy[usize::from(threads > 1)];
                 Floor { what: "memory", time: bytes / copy.median }
             }
-            Need::Operations { simple, divisions, roots } => {
+            Need::Operations { simple, divisions, roots, level } => {
+                let rates = self.rates(level)?;
                 let divider = divisions / rates.divisions.median + roots / rates.roots.median;
                 let adder = simple / rates.simple.median;
                 match divider > adder {
@@ -96,6 +98,13 @@ impl Ceilings {
             }
             Need::Kernel(time) => Floor { what: "kernel by hand", time: time / scale },
         })
+    }
+
+    /// The rates of a level, or of the widest.
+    fn rates(&self, level: Option<Level>) -> Option<&Rates> {
+        let wanted = level.map(level::name);
+        let mut levels = self.levels.iter().rev();
+        levels.find(|rates| wanted.is_none() || wanted == Some(level::name(rates.level)))
     }
 
     /// The ceilings as rows: name, unit, figure.
@@ -152,7 +161,7 @@ mod tests {
         assert_eq!(floor, Floor { what: "kernel by hand", time: 5e8 });
         let memory = ceilings.floor(&needs[..1], 1).unwrap();
         assert_eq!(memory.time, 64.0 / ceilings.copy[0].median);
-        let work = Need::Operations { simple: 1.0, divisions: 100.0, roots: 0.0 };
+        let work = Need::Operations { simple: 1.0, divisions: 100.0, roots: 0.0, level: None };
         assert_eq!(ceilings.floor(&[work], 1).unwrap().what, "divider");
     }
 }

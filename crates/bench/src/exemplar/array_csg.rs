@@ -8,6 +8,7 @@ use crate::contest::{Contender, Role, contest};
 use crate::report::Section;
 use rand::RngExt;
 use rayweave::rootray::hit_array::{CsgOptions, HitArray, Operation, Real, array_csg_into};
+use std::num::NonZeroUsize;
 
 /// Columns of the arrays.
 const COLUMNS: usize = 1 << 20;
@@ -62,13 +63,18 @@ impl ArrayCsg {
         let both = arrays.iter().flatten().copied();
         bench.peers.give(&file, &[2, self.rows, count], both).map_err(text)?;
         let mut out = vec![T::INFINITY; 2 * self.rows * count];
-        unite(&arrays, self.rows, count, &mut out)?;
+        unite(&arrays, self.rows, count, 1, &mut out)?;
         let expected: Vec<f64> = out.iter().map(|t| t.to_f64()).collect();
 
-        let mut contenders = vec![Contender::here("array_csg", Role::Ours, count, || {
-            // the same call has succeeded before
-            let _ = unite(&arrays, self.rows, count, &mut out);
-        })];
+        let arrays = &arrays;
+        let mut contenders = bench.on_threads(|threads| {
+            let mut out = out.clone();
+            let run = move || {
+                // the same call has succeeded before
+                let _ = unite(arrays, self.rows, count, threads, &mut out);
+            };
+            Contender::here("array_csg", Role::Ours, count, run).threads(threads)
+        });
         let whole = |contender: Contender<'static>| contender.whole();
         contenders.extend(bench.peers.contenders("array_csg", &file, count).into_iter().map(whole));
         let outcomes = contest(contenders, &bench.effort);
@@ -85,10 +91,18 @@ impl ArrayCsg {
     }
 }
 
-fn unite<T: Real>(arrays: &[Vec<T>; 2], rows: usize, columns: usize, out: &mut [T]) -> Result<(), String> {
+fn unite<T: Real>(
+    arrays: &[Vec<T>; 2],
+    rows: usize,
+    columns: usize,
+    threads: usize,
+    out: &mut [T],
+) -> Result<(), String> {
+    let threads = NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN);
+    let options = CsgOptions { threads, ..CsgOptions::default() };
     let view = |data| HitArray::new(data, rows, columns).map_err(text);
     let [a, b] = arrays;
-    array_csg_into(view(a)?, view(b)?, Operation::Union, CsgOptions::default(), out).map_err(text)
+    array_csg_into(view(a)?, view(b)?, Operation::Union, options, out).map_err(text)
 }
 
 /// Columns of increasing times at random distances.

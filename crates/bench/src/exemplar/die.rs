@@ -117,7 +117,9 @@ impl Exemplar for Die {
         let outcomes = contest(contenders, &bench.effort);
         let mut section = Section::new(self.name, "ray", self.about);
         let best = best_kernel(&outcomes);
-        section.take(outcomes, |outcome| bench.floor(&self.needs(outcome, best), outcome.threads));
+        section.take(outcomes, |outcome| {
+            bench.floor(self.needs(bench, outcome, best).as_slice(), outcome.threads)
+        });
         self.compare(&mut section, bench, &evaluators, &batch, &file)?;
         Ok(vec![section])
     }
@@ -146,16 +148,14 @@ impl Die {
         }
     }
 
-    /// What one ray needs: kernels their operations and the traffic, everybody else a kernel.
-    fn needs(&self, outcome: &Outcome, best: Option<f64>) -> Vec<Need> {
-        let rays_in = 48.0;
-        match (outcome.role, best, self.asked) {
-            (Role::Ceiling, _, Asked::Full) => {
-                vec![operations(Asked::Full), Need::Bytes(rays_in + 12.0 * ROWS as f64)]
+    /// What one ray needs: kernels their operations (a batch stays within the last cache), everybody else a kernel.
+    fn needs(&self, bench: &Bench, outcome: &Outcome, best: Option<f64>) -> Option<Need> {
+        match outcome.role {
+            Role::Ceiling => {
+                let level = bench.levels.iter().find(|&&level| kernel_name(level) == outcome.name);
+                Some(operations(self.asked, level.copied()))
             }
-            (Role::Ceiling, _, Asked::First) => vec![operations(Asked::First), Need::Bytes(rays_in + 36.0)],
-            (_, Some(time), _) => vec![Need::Kernel(time)],
-            (_, None, _) => Vec::new(),
+            Role::Ours | Role::Peer => best.map(Need::Kernel),
         }
     }
 
@@ -196,7 +196,7 @@ fn best_kernel(outcomes: &[Outcome]) -> Option<f64> {
 }
 
 /// The operations of the kernel on one ray: it is run with numbers that count.
-fn operations(asked: Asked) -> Need {
+fn operations(asked: Asked, level: Option<Level>) -> Need {
     let (tally, count) = (Tally::default(), 64);
     let batch = incoherent(count, 1);
     let zero = Counted::zero(&tally);
@@ -210,7 +210,7 @@ fn operations(asked: Asked) -> Need {
     }
     let each = |operations: u64| operations as f64 / count as f64;
     let (simple, divisions, roots) = (tally.simple(), tally.divisions(), tally.roots());
-    Need::Operations { simple: each(simple), divisions: each(divisions), roots: each(roots) }
+    Need::Operations { simple: each(simple), divisions: each(divisions), roots: each(roots), level }
 }
 
 /// Memory for the kernel's full lists.
@@ -351,7 +351,7 @@ mod tests {
 
     #[test]
     fn the_kernel_needs_its_roots_and_divisions() {
-        let Need::Operations { simple, divisions, roots } = operations(Asked::Full) else {
+        let Need::Operations { simple, divisions, roots, .. } = operations(Asked::Full, None) else {
             panic!("operations are counted");
         };
         assert_eq!((divisions, roots), (7.0, 4.0));

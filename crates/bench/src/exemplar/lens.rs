@@ -19,7 +19,7 @@ const COMPARED: usize = 4096;
 
 /// What one ray needs at least: six numbers read, a root and a division for each of three quadrics. Sums and products: 13
 /// for each sphere about a point of the axis, 8 for the cylinder, 4 for the roots of each, 6 to join and to choose.
-const OPERATIONS: Need = Need::Operations { simple: 52.0, divisions: 3.0, roots: 3.0 };
+const OPERATIONS: Need = Need::Operations { simple: 52.0, divisions: 3.0, roots: 3.0, level: None };
 
 /// A biconvex lens of radius 50 and aperture 20.
 fn solid() -> Result<Solid, Error> {

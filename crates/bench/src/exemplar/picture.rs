@@ -6,7 +6,7 @@ use crate::ceiling::Need;
 use crate::contest::{Contender, Role, contest};
 use crate::report::Section;
 use rayweave::AnyEvaluator;
-use rayweave::render::{Camera, IdKind, Run, Size, depth, ids, normals};
+use rayweave::render::{Camera, IdKind, Run, Size, geometry};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
@@ -44,11 +44,9 @@ impl Exemplar for Picture {
 }
 
 fn draw(evaluator: &AnyEvaluator, camera: &Camera, size: Size, threads: usize) {
-    let run = || Run { threads: NonZeroUsize::new(threads), ..Run::default() };
+    let mut run = Run { threads: NonZeroUsize::new(threads), ..Run::default() };
     // a run that nobody cancels does not fail
-    let _ = depth(evaluator, camera, size, &mut run());
-    let _ = normals(evaluator, camera, size, &mut run());
-    let _ = ids(evaluator, camera, size, IdKind::default(), &mut run());
+    let _ = geometry(evaluator, camera, size, IdKind::default(), &mut run);
 }
 
 #[cfg(test)]
@@ -60,8 +58,9 @@ mod tests {
         let program = Arc::new(die::program().unwrap());
         let evaluator = AnyEvaluator::new(None, program).unwrap();
         let size = Size::new(64, 36).unwrap();
-        let depth = depth(&evaluator, &camera().unwrap(), size, &mut Run::default()).unwrap();
-        let seen = depth.values().iter().filter(|t| t.is_finite()).count();
+        let camera = camera().unwrap();
+        let all = geometry(&evaluator, &camera, size, IdKind::default(), &mut Run::default()).unwrap();
+        let seen = all.depth.values().iter().filter(|t| t.is_finite()).count();
         assert!((300..1500).contains(&seen), "{seen} of {} pixels", 64 * 36);
     }
 }

@@ -199,11 +199,12 @@ fn compare(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clock::Clock;
     use crate::contest::Effort;
 
     #[test]
     fn a_small_model_of_each_family_is_measured() {
-        let effort = Effort::Rounds { rounds: 2, seconds: 1e-6, shrink: 1000 };
+        let effort = Effort::Rounds { rounds: 2, seconds: 1e-6, shrink: 1000, clock: Clock::Wall };
         let bench =
             Bench { effort, ceilings: None, peers: Default::default(), levels: Vec::new(), threads: 1 };
         for (family, make) in FAMILIES {

@@ -4,6 +4,8 @@
 //! memberships at that time makes it a change: compares and masks. A sorting network puts the ends in order; those that
 //! are no crossings lie at infinity. For the first crossing the least of them is taken instead.
 //!
+//! Nothing here is a closure: one that is not inlined would be compiled without the instructions of the level.
+//!
 //! For rays in general position only: ends at equal times are not looked after, nor rays parallel to a face.
 
 use super::lanes::{Lanes, Native};
@@ -116,16 +118,23 @@ pub fn first_of_all<L: Lanes>(zero: L, rays: &Rays<'_>, out: &mut First<'_>) {
 fn nearest<L: Lanes>(zero: L, rays: &Rays<'_>, at: usize, out: &mut First<'_>) -> L::Numbers {
     let ray = load(zero, rays, at);
     let leaves = leaves(&ray);
-    let firsts = kept(&leaves).map(|[a, b]| earlier(ahead(a), ahead(b)));
-    let [p, q, a, b, c] = firsts;
+    let [p, q, a, b, c] = kept(&leaves);
+    let (p, q, a, b, c) = (sooner(p), sooner(q), sooner(a), sooner(b), sooner(c));
     let (t, face) = earlier(earlier(p, q), earlier(earlier(a, b), c));
     let span = at..at + L::COUNT;
     t.store(&mut out.t[span.clone()]);
-    let normal = normal(&ray, t, firsts.map(|(first, _)| !t.below(first)));
+    let on = [!t.below(p.0), !t.below(q.0), !t.below(a.0), !t.below(b.0), !t.below(c.0)];
+    let normal = normal(&ray, t, on);
     for axis in 0..3 {
         normal[axis].store(&mut out.normal[axis][span.clone()]);
     }
     face
+}
+
+/// The first of two ends after t = 0.
+#[inline(always)]
+fn sooner<L: Lanes>([a, b]: [End<L>; 2]) -> End<L> {
+    earlier(ahead(a), ahead(b))
 }
 
 /// The end, or infinity if it is not after t = 0.
@@ -157,11 +166,14 @@ fn normal<L: Lanes>(ray: &Ray<L>, t: L, on: [L::Mask; 5]) -> [L; 3] {
 
 #[inline(always)]
 fn load<L: Lanes>(zero: L, rays: &Rays<'_>, at: usize) -> Ray<L> {
-    let lanes = |column: &[f64]| zero.load(&column[at..at + L::COUNT]);
-    Ray {
-        origin: [lanes(rays.origins[0]), lanes(rays.origins[1]), lanes(rays.origins[2])],
-        direction: [lanes(rays.directions[0]), lanes(rays.directions[1]), lanes(rays.directions[2])],
-    }
+    Ray { origin: load_three(zero, &rays.origins, at), direction: load_three(zero, &rays.directions, at) }
+}
+
+#[inline(always)]
+fn load_three<L: Lanes>(zero: L, columns: &[&[f64]; 3], at: usize) -> [L; 3] {
+    let span = at..at + L::COUNT;
+    let [x, y, z] = columns;
+    [zero.load(&x[span.clone()]), zero.load(&y[span.clone()]), zero.load(&z[span])]
 }
 
 /// The ends of the leaves; those that are no crossings of the die at infinity, last.

@@ -1,5 +1,6 @@
 //! The sub-commands, one file each.
 
+mod bench;
 mod completions;
 mod infill;
 mod info;
@@ -11,6 +12,7 @@ mod shapes;
 mod trace;
 mod tree;
 
+pub use bench::Bench;
 pub use completions::Completions;
 pub use infill::Infill;
 pub use info::Info;
@@ -32,6 +34,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Trace(trace) => trace.run(cli),
         Command::Infill(infill) => infill.run(cli),
         Command::Info(info) => info.run(),
+        Command::Bench(bench) => bench.run(cli),
         Command::Shapes(shapes) => shapes.run(),
         Command::Schema(schema) => schema.run(),
         Command::Completions(completions) => completions.run(),

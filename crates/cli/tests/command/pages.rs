@@ -2,8 +2,8 @@
 
 use crate::bench::Bench;
 
-const COMMANDS: [&str; 9] =
-    ["render", "probe", "trace", "infill", "info", "shapes", "schema", "completions", "man"];
+const COMMANDS: [&str; 10] =
+    ["bench", "render", "probe", "trace", "infill", "info", "shapes", "schema", "completions", "man"];
 
 #[test]
 fn help_and_version() {

@@ -1,0 +1,65 @@
+//! Clocks: the time of day, or the time that a thread had a processor.
+
+use std::time::{Duration, Instant};
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Clock {
+    /// The time that passes.
+    #[default]
+    Wall,
+    /// The time that the thread has a processor: nearly the same on a machine of one's own, and still of use on one that
+    /// others use, too. Where the system does not tell it: the time that passes.
+    Processor,
+}
+
+impl Clock {
+    /// Seconds that some work took.
+    pub fn time(self, work: impl FnOnce()) -> f64 {
+        match (self, processor_time()) {
+            (Clock::Processor, Some(before)) => {
+                work();
+                processor_time().map_or(0.0, |after| after.saturating_sub(before).as_secs_f64())
+            }
+            _ => {
+                let started = Instant::now();
+                work();
+                started.elapsed().as_secs_f64()
+            }
+        }
+    }
+
+    /// The clock for work on so many threads: only one of them can be asked.
+    pub fn on(self, threads: usize) -> Clock {
+        if threads == 1 { self } else { Clock::Wall }
+    }
+}
+
+/// The time that this thread has had a processor.
+#[cfg(unix)]
+fn processor_time() -> Option<Duration> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Some(Duration::new(time.tv_sec.try_into().ok()?, time.tv_nsec.try_into().ok()?))
+}
+
+#[cfg(not(unix))]
+fn processor_time() -> Option<Duration> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sleep_takes_time_but_no_processor() {
+        let nap = Duration::from_millis(20);
+        let sleep = || std::thread::sleep(nap);
+        assert!(Clock::Wall.time(sleep) >= nap.as_secs_f64());
+        if cfg!(unix) {
+            let processor = Clock::Processor.time(sleep);
+            assert!((0.0..nap.as_secs_f64()).contains(&processor), "{processor}");
+        }
+        assert_eq!(Clock::Processor.on(2), Clock::Wall);
+    }
+}

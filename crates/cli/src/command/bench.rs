@@ -1,0 +1,28 @@
+//! `rayweave bench`: exemplars beside peers and the ceilings of the machine.
+
+use crate::arguments::Cli;
+use crate::failure::Failure;
+use clap::Args;
+use rayweave_bench::{Arguments, run};
+
+/// Measure exemplars beside peers and the ceilings of this machine
+///
+/// The machine is measured first: how fast it copies and computes. Then each exemplar sets the evaluators, kernels
+/// written by hand, and those peers that are installed to the same work, in turn. Tables go to standard output.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  rayweave bench --list
+  rayweave bench --only die
+  rayweave bench --peers peers --markdown performance.md --json performance.json")]
+pub struct Bench {
+    #[command(flatten)]
+    arguments: Arguments,
+}
+
+impl Bench {
+    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+        let arguments = Arguments { threads: cli.threads, ..self.arguments.clone() };
+        run(&arguments).map_err(Failure::Run)
+    }
+}
