@@ -22,7 +22,7 @@
 //! [`hit_array`] does the same for many rays at once, in arrays of one column per ray. [`seed`] holds the functions of the
 //! module that root-rays come from.
 //!
-//! Invariants of absence: this crate knows no vectors, no surfaces, no files, no threads.
+//! Invariants of absence: this crate knows no vectors, no surfaces, no files; no threads but those that cut large hit arrays.
 
 mod algebra;
 mod count_rule;

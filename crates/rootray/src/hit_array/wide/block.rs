@@ -11,10 +11,13 @@ use super::super::{Operation, Real};
 use super::network::{Exchange, Network};
 use super::rule::{self, Rule};
 use super::watch::Watch;
-use super::{load, store};
+use super::{direct, load, store};
 
 /// Registers of a row of a block.
 const WIDTH: usize = 4;
+
+/// Rows that are sorted in registers.
+const GROUP: usize = 8;
 
 /// What is the same for all blocks of a call.
 pub struct Plan {
@@ -28,10 +31,15 @@ pub struct Plan {
 impl Plan {
     pub fn new(operation: Operation, rows1: usize, rows2: usize) -> Self {
         let (count, rows) = ((rows1 + rows2) / 2, rows1.max(rows2));
-        if rows <= super::direct::EXACT {
+        if rows <= direct::EXACT {
             return Plan { operation, rows, merge: Network::default(), sort: Network::default() };
         }
-        Plan { operation, rows, merge: Network::merge(rows1 / 2, rows2 / 2), sort: Network::sort(count) }
+        Plan {
+            operation,
+            rows,
+            merge: Network::merge(rows1 / 2, rows2 / 2),
+            sort: Network::sort(count.next_multiple_of(GROUP), GROUP),
+        }
     }
 }
 
@@ -40,7 +48,8 @@ type Mask<S, T> = <<T as super::super::real::Wide>::Lanes<S> as SimdBase<S>>::Ma
 
 /// A block of columns.
 struct Block<S: Simd, T: Real> {
-    /// Starts of pieces: those of the first operand, then those of the second; later all of them, sorted by the order of the network.
+    /// Starts of pieces: those of the first operand, then those of the second; later all of them, sorted by the order of the
+    /// network. Rows of +inf make whole groups of them.
     starts: Vec<Row<S, T>>,
     /// Ends of pieces, likewise.
     ends: Vec<Row<S, T>>,
@@ -68,8 +77,8 @@ fn blocks<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, col
     let rule = Rule::new(plan.operation);
     let padding = [T::Lanes::<S>::splat(simd, T::INFINITY); WIDTH];
     let mut block = Block::<S, T> {
-        starts: vec![padding; count],
-        ends: vec![padding; count],
+        starts: vec![padding; count.next_multiple_of(GROUP)],
+        ends: vec![padding; count.next_multiple_of(GROUP)],
         exist: vec![[SimdMask::splat(simd, true); WIDTH]; rule.pieces(count)],
     };
     for start in columns.step_by(WIDTH * T::Lanes::<S>::LEN) {
@@ -89,8 +98,8 @@ fn blocks<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, col
             block.compare_operands(simd, rule, part, &columns);
         }
         block.drop_rest(simd, rule, &plan.merge.order);
-        exchange_all(&plan.sort.exchanges, &mut block.starts);
-        exchange_all(&plan.sort.exchanges, &mut block.ends);
+        sort_all::<S, T>(&plan.sort.exchanges, &mut block.starts);
+        sort_all::<S, T>(&plan.sort.exchanges, &mut block.ends);
         block.store(rule, &plan.sort.order, part, &columns);
     }
     true
@@ -105,16 +114,19 @@ impl<S: Simd, T: Real> Block<S, T> {
         for (rows, from, complement) in
             [(&part.rows1, 0, rule.complement1), (&part.rows2, pieces1, rule.complement2)]
         {
-            let mut above = [T::Lanes::<S>::splat(simd, T::ZERO - T::INFINITY); WIDTH];
-            for (k, row) in rows.iter().enumerate() {
-                let loaded = load_row::<S, T>(simd, &row[columns.clone()]);
-                unrolled!(k < WIDTH => {
-                    watch.order(above[k], loaded[k]);
-                    watch.sign(loaded[k]);
-                });
-                above = loaded;
-                let list = if (k % 2 == 1) == complement { &mut self.starts } else { &mut self.ends };
-                list[from + k / 2] = loaded;
+            for (row, numbers) in rows.iter().enumerate() {
+                let (list, other) = if (row % 2 == 1) == complement {
+                    (&mut self.starts, &self.ends)
+                } else {
+                    (&mut self.ends, &self.starts)
+                };
+                let here = &mut list[from + row / 2];
+                load_row::<S, T>(simd, &numbers[columns.clone()], here);
+                unrolled!(k < WIDTH => { watch.sign(here[k]); });
+                if row > 0 {
+                    let above = &other[from + (row - 1) / 2];
+                    unrolled!(k < WIDTH => { watch.order(above[k], here[k]); });
+                }
             }
         }
         watch
@@ -140,10 +152,11 @@ impl<S: Simd, T: Real> Block<S, T> {
     /// Sees from the operands which pieces exist, equal times and all.
     #[inline(always)]
     fn compare_operands(&mut self, simd: S, rule: Rule, part: &Part<'_, T, T>, columns: &Range<usize>) {
-        let (mut first, mut second) = (Vec::new(), Vec::new());
-        for (rows, list) in [(&part.rows1, &mut first), (&part.rows2, &mut second)] {
-            for row in rows {
-                list.push(load_row::<S, T>(simd, &row[columns.clone()]));
+        let padding = [T::Lanes::<S>::splat(simd, T::INFINITY); WIDTH];
+        let (mut first, mut second) = (vec![padding; part.rows1.len()], vec![padding; part.rows2.len()]);
+        for (list, rows) in [(&mut first, &part.rows1), (&mut second, &part.rows2)] {
+            for (row, numbers) in list.iter_mut().zip(rows) {
+                load_row::<S, T>(simd, &numbers[columns.clone()], row);
             }
         }
         let (complement1, complement2) = (rule.complement1, rule.complement2);
@@ -192,19 +205,18 @@ impl<S: Simd, T: Real> Block<S, T> {
     }
 }
 
-/// A row of a block.
+/// Reads the columns that exist; the others become +inf.
 #[inline(always)]
-fn load_row<S: Simd, T: Real>(simd: S, numbers: &[T]) -> Row<S, T> {
+fn load_row<S: Simd, T: Real>(simd: S, numbers: &[T], row: &mut Row<S, T>) {
     let len = T::Lanes::<S>::LEN;
-    let mut row = [T::Lanes::<S>::splat(simd, T::INFINITY); WIDTH];
     if numbers.len() == WIDTH * len {
         unrolled!(k < WIDTH => { row[k] = T::Lanes::<S>::from_slice(simd, &numbers[k * len..(k + 1) * len]); });
     } else {
+        *row = [T::Lanes::<S>::splat(simd, T::INFINITY); WIDTH];
         for (t, numbers) in row.iter_mut().zip(numbers.chunks(len)) {
             *t = load(simd, numbers);
         }
     }
-    row
 }
 
 /// Writes the columns that exist.
@@ -238,4 +250,18 @@ fn exchange_all<S: Simd, V: SimdFloat<S>>(network: &[Exchange], rows: &mut [[V; 
             unrolled!(k < WIDTH => { (low[k], high[k]) = (low[k].min(high[k]), low[k].max(high[k])); });
         }
     }
+}
+
+/// Sorts groups of rows in registers, then merges them.
+#[inline(always)]
+fn sort_all<S: Simd, T: Real>(network: &[Exchange], rows: &mut [Row<S, T>]) {
+    for group in rows.chunks_exact_mut(GROUP) {
+        unrolled!(k < WIDTH => {
+            let mut registers = [group[0][k]; GROUP];
+            unrolled!(row < GROUP => { registers[row] = group[row][k]; });
+            let sorted = direct::sort(registers);
+            unrolled!(row < GROUP => { group[row][k] = sorted[row]; });
+        });
+    }
+    exchange_all(network, rows);
 }

@@ -306,7 +306,7 @@ fn merge<S: Simd, V: SimdFloat<S>, const H: usize>(rows: &mut [V; H]) {
 
 /// Sorts the rows: the network of [`Network::sort`](super::network::Network::sort).
 #[inline(always)]
-fn sort<S: Simd, V: SimdFloat<S>, const H: usize>(mut rows: [V; H]) -> [V; H] {
+pub(super) fn sort<S: Simd, V: SimdFloat<S>, const H: usize>(mut rows: [V; H]) -> [V; H] {
     unrolled!(k < H / 2 => { exchange(&mut rows, 2 * k, 2 * k + 1); });
     unrolled!(k < H / 4 => {
         exchange(&mut rows, 4 * k, 4 * k + 2);

@@ -31,6 +31,9 @@ use super::part::Part;
 
 pub use block::Plan;
 
+/// Fewer columns are sooner combined one by one.
+const FEWEST_COLUMNS: usize = 8;
+
 /// The lanes of the widest register.
 const WIDEST: usize = 16;
 
@@ -38,7 +41,7 @@ const WIDEST: usize = 16;
 /// O(rows log^2 rows) steps, each for all lanes at once; the border was found by trial, and the scratch stays in the second cache.
 pub(super) fn pays<T: Real>(level: Level, rows: usize, columns: usize) -> bool {
     let lanes = dispatch!(level, simd => lanes::<_, T>(simd));
-    columns >= lanes.min(8) && rows <= (64 * lanes * lanes).min(2048)
+    columns >= FEWEST_COLUMNS && rows <= (64 * lanes * lanes).min(2048)
 }
 
 #[inline(always)]

@@ -60,11 +60,10 @@ impl Network {
         wires.finish()
     }
 
-    /// Sorts so many rows.
-    pub fn sort(count: usize) -> Self {
+    /// Sorts so many rows, of which each `half` from the first on are sorted already; that is a power of two.
+    pub fn sort(count: usize, mut half: usize) -> Self {
         let wide = count.next_power_of_two();
         let mut wires = Wires::new((0..wide).map(|k| (k < count).then_some(k)).collect());
-        let mut half = 1;
         while half < wide {
             (0..wide).step_by(2 * half).for_each(|first| wires.merge(first, half));
             half *= 2;
@@ -104,11 +103,25 @@ mod tests {
     #[test]
     fn sorts_sort_everything() {
         for count in 0..13 {
-            let network = Network::sort(count);
+            let network = Network::sort(count, 1);
             for bits in 0..1_u32 << count {
                 let rows: Vec<u32> = (0..count).map(|k| bits >> k & 1).collect();
                 let ones = bits.count_ones() as usize;
                 assert_eq!(run(&network, rows), steps(count - ones, ones), "{count} {bits:b}");
+            }
+        }
+    }
+
+    #[test]
+    fn sorted_groups_are_merged() {
+        for count in 0..40 {
+            let network = Network::sort(count, 8);
+            for bits in 0..9_usize.pow(count.div_ceil(8) as u32) {
+                // so many zeros in each group of eight
+                let zeros = |group: u32| bits / 9_usize.pow(group) % 9;
+                let rows: Vec<u32> = (0..count).map(|k| u32::from(k % 8 >= zeros(k as u32 / 8))).collect();
+                let ones = rows.iter().sum::<u32>() as usize;
+                assert_eq!(run(&network, rows), steps(count - ones, ones), "{count} {bits}");
             }
         }
     }
@@ -119,6 +132,6 @@ mod tests {
         let merges = [(1, 1), (2, 3), (4, 9), (8, 25), (16, 65)];
         assert!(merges.iter().all(|&(half, size)| Network::merge(half, half).exchanges.len() == size));
         let sorts = [(2, 1), (3, 3), (4, 5), (8, 19), (16, 63), (32, 191)];
-        assert!(sorts.iter().all(|&(count, size)| Network::sort(count).exchanges.len() == size));
+        assert!(sorts.iter().all(|&(count, size)| Network::sort(count, 1).exchanges.len() == size));
     }
 }
