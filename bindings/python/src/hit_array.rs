@@ -1,12 +1,16 @@
 //! Boolean operations on hit arrays.
 
+use std::num::NonZeroUsize;
+
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
+use rayweave::model::drive::thread_count;
 use rayweave::rootray::hit_array::{self, CsgOptions, HitArray, HitArrayError, Operation, Real, Regularize};
 
 use crate::arrays::{RealArray, contiguous, real_array, shape_text};
+use crate::engine::thread_argument;
 use crate::error::{bad_type, bad_value};
 
 type Array<'py, T> = Bound<'py, PyArrayDyn<T>>;
@@ -60,6 +64,7 @@ struct Request<'a, 'py> {
     operation: Operation,
     sort_output: bool,
     regularize: Regularize<f64>,
+    threads: Option<NonZeroUsize>,
     out: Option<&'a Bound<'py, PyAny>>,
 }
 
@@ -74,7 +79,13 @@ impl<'py> Request<'_, 'py> {
             Regularize::Exact => Regularize::Exact,
             Regularize::Weld(min_sep) => Regularize::Weld(narrow(min_sep)),
         };
-        let options = CsgOptions { sort_output: self.sort_output, regularize };
+        // to ask the system for its cores takes longer than a small array
+        let threads = match hit_array::most_threads(pair.array1.len() + pair.array2.len()) {
+            NonZeroUsize::MIN => NonZeroUsize::MIN,
+            most => thread_count(self.threads).min(most),
+        };
+        let options =
+            CsgOptions { sort_output: self.sort_output, regularize, threads, ..CsgOptions::default() };
         match self.out {
             None => self.fresh(pair, options).map(Bound::into_any),
             Some(out) => self.write(pair, options, out),
@@ -174,7 +185,7 @@ fn regularize_from(object: &Bound<'_, PyAny>) -> PyResult<Regularize<f64>> {
 
 /// The hits of `array1 operation array2`: see `rayweave.array_csg`.
 #[pyfunction]
-#[pyo3(signature = (array1, array2, operation, sort_output, regularize, out))]
+#[pyo3(signature = (array1, array2, operation, sort_output, regularize, out, threads))]
 pub fn array_csg<'py>(
     array1: &Bound<'py, PyAny>,
     array2: &Bound<'py, PyAny>,
@@ -182,11 +193,13 @@ pub fn array_csg<'py>(
     sort_output: bool,
     regularize: &Bound<'py, PyAny>,
     out: Option<&Bound<'py, PyAny>>,
+    threads: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let request = Request {
         operation: operation_from(operation)?,
         sort_output,
         regularize: regularize_from(regularize)?,
+        threads: threads.map(thread_argument).transpose()?,
         out,
     };
     match (real_array(array1, "array1")?, real_array(array2, "array2")?) {

@@ -237,3 +237,33 @@ def test_other_threads_run_meanwhile(rng):
         turns += 1
     worker.join()
     assert turns > 100
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_threads_give_the_same_bits(rng, dtype, monkeypatch):
+    a, b = random_hits(rng, 4, 70_001, dtype), random_hits(rng, 4, 70_001, dtype)
+    alone = array_csg(a, b, Operation.UNION, threads=1)
+    np.testing.assert_array_equal(alone, oracle(a, b, Operation.UNION))
+    for threads in [2, 3, np.int64(5), None]:
+        assert array_csg(a, b, Operation.UNION, threads=threads).tobytes() == alone.tobytes()
+    monkeypatch.setenv("RAYWEAVE_THREADS", "3")
+    assert array_csg(a, b, Operation.UNION).tobytes() == alone.tobytes()
+    # every seventh ray, which lie apart in memory
+    assert array_csg(a[:, ::7], b[:, ::7], Operation.UNION).tobytes() == alone[:, ::7].tobytes()
+
+
+def test_bad_threads():
+    with pytest.raises(RayweaveError, match="threads is 0"):
+        array_csg(A, B, Operation.UNION, threads=0)
+    with pytest.raises(TypeError, match="threads is"):
+        array_csg(A, B, Operation.UNION, threads="two")
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_the_first_bad_ray_of_many_is_named(rng, dtype):
+    a = random_hits(rng, 4, 70_001, dtype)
+    bad = a.copy()
+    bad[2, [60_000, 69_990]] = np.nan
+    for threads in [1, 4]:
+        with pytest.raises(RayweaveError, match="array2 row 2, column 60000 is NaN"):
+            array_csg(a, bad, Operation.UNION, threads=threads)

@@ -30,6 +30,7 @@ def array_csg(
     *,
     regularize: bool | float = False,
     out: NDArray[Any] | None = None,
+    threads: int | None = None,
 ) -> NDArray[Any]:
     """The hits of ``array1 operation array2``, for one ray or for many.
 
@@ -52,7 +53,11 @@ def array_csg(
         pieces of length zero may show up and `array1`, `array2` do not commute. True: equal times flip together, and such
         pieces are gone. A number: moreover, pieces shorter than it are dropped.
     out
-        An array of the result's shape and dtype, which is written and returned.
+        An array of the result's shape and dtype, which is written and returned. If it is contiguous and shares no memory with
+        the operands, nothing is allocated. After an error that names an entry part of the result may have been written.
+    threads
+        The most threads to use, by default the environment variable RAYWEAVE_THREADS, else the number of cores; small arrays
+        are not cut. The bits of the result do not depend on it.
 
     Returns
     -------
@@ -74,7 +79,7 @@ def array_csg(
     The algorithm is that of R. Frazier's PyRayT ("Efficient CSG", 2021), with a stable sort.
     """
     result: NDArray[Any] = _core.array_csg(
-        array1, array2, _number(operation), bool(sort_output), regularize, out
+        array1, array2, _number(operation), bool(sort_output), regularize, out, threads
     )
     return result
 
