@@ -100,6 +100,7 @@ def array_csg(
     sort_output: bool,
     regularize: bool | float,
     out: NDArray[Any] | None,
+    threads: int | None,
 ) -> NDArray[Any]: ...
 def count_array(
     array1: ArrayLike, array2: ArrayLike, operation: int
