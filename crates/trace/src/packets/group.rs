@@ -66,19 +66,26 @@ impl<'m, S: Simd> Group<'m, S> {
     #[inline(always)]
     pub fn run(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, window: Window, first: bool) -> Found {
         let simd = self.simd;
+        let limits = &plan.model.limits;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
-        let (ray, mut doubt) = LaneRay::new(simd, origin, direction, &plan.limits);
-        for leaf in 0..plan.leaves.len() {
-            self.leaf(plan, leaf, &ray, &mut doubt);
-        }
+        let (ray, mut doubt) = LaneRay::new(simd, origin, direction, limits);
+        self.stretches(plan, &ray, &mut doubt);
         let most = self.changes(plan, window, first, &mut doubt);
         let mut unsure = doubt.always;
         for k in 1..most {
             let (a, b) = (self.key(k - 1), self.key(k));
-            let near = ray.may_hug(a, b, &plan.limits) | doubt.grazes;
+            let near = ray.may_hug(a, b, limits) | doubt.grazes;
             unsure |= near & b.simd_lt(f64::INFINITY);
         }
         Found { doubt: unsure.to_bitmask(), most, starts: self.starts(plan, window) }
+    }
+
+    /// The stretches of all leaves.
+    #[inline(always)]
+    pub fn stretches(&mut self, plan: &Plan, ray: &LaneRay<S>, doubt: &mut Doubt<S>) {
+        for leaf in 0..plan.leaves.len() {
+            self.leaf(plan, leaf, ray, doubt);
+        }
     }
 
     /// The stretch of a leaf and those that are cut out of it.
@@ -114,7 +121,7 @@ impl<'m, S: Simd> Group<'m, S> {
     }
 
     #[inline(always)]
-    fn key(&self, k: usize) -> Lanes<S> {
+    pub fn key(&self, k: usize) -> Lanes<S> {
         Lanes::load_array_ref(self.simd, &self.memory.keys[k % (2 * MOST)].0)
     }
 
@@ -122,7 +129,7 @@ impl<'m, S: Simd> Group<'m, S> {
     /// replaced by the number of the end. Times that differ by no more are taken for doubtful later. The greatest
     /// number of them on a ray, or 2 if only the first two are asked for.
     #[inline(always)]
-    fn changes(&mut self, plan: &Plan, window: Window, first: bool, doubt: &mut Doubt<S>) -> usize {
+    pub fn changes(&mut self, plan: &Plan, window: Window, first: bool, doubt: &mut Doubt<S>) -> usize {
         let simd = self.simd;
         let never = splat(simd, f64::INFINITY);
         let (mut earliest, mut second, mut count) = (never, never, 0);
@@ -220,7 +227,7 @@ impl<'m, S: Simd> Group<'m, S> {
 
     /// The winner of each ray just after the window begins.
     #[inline(always)]
-    fn starts(&mut self, plan: &Plan, window: Window) -> [f64; LANES] {
+    pub fn starts(&mut self, plan: &Plan, window: Window) -> [f64; LANES] {
         if let (Some(start), f64::NEG_INFINITY) = (plan.start, window.t_min()) {
             return [f64::from(start); LANES];
         }

@@ -4,7 +4,7 @@
 //! What is asked of it while rays run: its value, and its *boolean difference* by a stretch: whether the function
 //! would change if that stretch alone did (Akers, "On a theory of Boolean functions", 1959).
 
-use rayweave_model::{Edge, Expression, Gate, LeafId, Rule};
+use rayweave_model::{Edge, Expression, Gate, LeafId, NodeId, Rule};
 use std::collections::HashMap;
 
 /// A gate or its complement: the number of the gate, doubled, plus 1 for the complement.
@@ -48,11 +48,6 @@ impl Logic {
         Logic { nodes: vec![Node::Constant], known: HashMap::new() }
     }
 
-    /// The number of gates.
-    pub fn size(&self) -> usize {
-        self.nodes.len()
-    }
-
     fn node(&mut self, node: Node) -> Wire {
         let fresh = Wire((self.nodes.len() as u32) << 1);
         let wire = *self.known.entry(node).or_insert(fresh);
@@ -91,30 +86,41 @@ impl Logic {
         if complement { plain.not() } else { plain }
     }
 
-    /// The functions of the outputs of an expression; `leaf` gives that of a leaf.
+    /// The functions below some edges of an expression; `leaf` gives that of a leaf. `None` if a leaf has none, or if
+    /// there would be more than `most` gates.
     pub fn outputs(
         &mut self,
         expression: &Expression,
-        mut leaf: impl FnMut(&mut Logic, LeafId) -> Wire,
-    ) -> Vec<Wire> {
-        let mut wires: Vec<Wire> = Vec::with_capacity(expression.node_count());
-        let along = |wires: &[Wire], edge: Edge| {
-            let wire = wires[edge.node().index()];
-            if edge.is_complemented() { wire.not() } else { wire }
-        };
-        for gate in expression.nodes() {
-            let wire = match gate {
-                Gate::Vacuum => Wire::FALSE,
-                Gate::Plenum => Wire::TRUE,
-                Gate::Leaf(id) => leaf(self, id),
+        outputs: &[Edge],
+        most: usize,
+        mut leaf: impl FnMut(&mut Logic, LeafId) -> Option<Wire>,
+    ) -> Option<Vec<Wire>> {
+        let mut wires: HashMap<NodeId, Wire> = HashMap::new();
+        let mut waiting: Vec<NodeId> = outputs.iter().rev().map(|edge| edge.node()).collect();
+        while let Some(&node) = waiting.last() {
+            let before = waiting.len();
+            let wire = match expression.node(node) {
+                _ if wires.contains_key(&node) => None,
+                Gate::Vacuum => Some(Wire::FALSE),
+                Gate::Plenum => Some(Wire::TRUE),
+                Gate::Leaf(id) => Some(leaf(self, id)?),
+                Gate::Join(_, operands) if operands.len() > most => return None,
                 Gate::Join(rule, operands) => {
-                    let operands: Vec<Wire> = operands.iter().map(|&edge| along(&wires, edge)).collect();
-                    self.join(rule, &operands)
+                    let missing = operands.iter().rev().map(|edge| edge.node());
+                    waiting.extend(missing.filter(|node| !wires.contains_key(node)));
+                    let operands: Option<Vec<_>> = operands.iter().map(|&edge| along(&wires, edge)).collect();
+                    operands.map(|operands| self.join(rule, &operands))
                 }
             };
-            wires.push(wire);
+            if self.nodes.len() > most || waiting.len() > 2 * most {
+                return None;
+            }
+            if waiting.len() == before {
+                waiting.pop();
+                wires.extend(wire.map(|wire| (node, wire)));
+            }
         }
-        expression.outputs().iter().map(|&edge| along(&wires, edge)).collect()
+        outputs.iter().map(|&edge| along(&wires, edge)).collect()
     }
 
     fn join(&mut self, rule: Rule, operands: &[Wire]) -> Wire {
@@ -234,6 +240,12 @@ impl Logic {
         tape.outputs = outputs.iter().map(|wire| (slots[wire.gate()], wire.is_complemented())).collect();
         tape
     }
+}
+
+/// The function below an edge, if that below its node is there.
+fn along(wires: &HashMap<NodeId, Wire>, edge: Edge) -> Option<Wire> {
+    let wire = *wires.get(&edge.node())?;
+    Some(if edge.is_complemented() { wire.not() } else { wire })
 }
 
 /// A step of a tape; numbers are those of earlier steps.

@@ -11,6 +11,7 @@ mod group;
 mod logic;
 mod network;
 mod normal;
+mod objects;
 mod plan;
 
 use crate::Weave;
@@ -19,7 +20,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 use group::{Found, Group, Memory, Row, load};
 use normal::Hits;
-use plan::Plan;
+use objects::Objects;
+use plan::{Common, Plan};
 use rayweave_model::{
     Crossing, Evaluator, FirstHits, HitRows, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink, Window,
     dress,
@@ -27,11 +29,18 @@ use rayweave_model::{
 use rayweave_shape::lanes::{LANES, Lanes, splat};
 use std::sync::Arc;
 
+/// Up to so many comparisons of stretches a model is asked as a whole for lists; beyond that the weave is faster.
+const TOGETHER: usize = 256;
+
+/// From so many comparisons on the solids of a union are asked one by one for first hits.
+const APART: usize = 64;
+
 /// The evaluator for daily use: lanes where they are sure, [`Weave`] elsewhere.
 #[derive(Clone, Debug)]
 pub struct Packets {
     weave: Weave,
     plan: Option<Plan>,
+    objects: Option<Objects>,
     level: Level,
 }
 
@@ -40,6 +49,7 @@ pub struct Packets {
 pub struct PacketsScratch {
     weave: WeaveScratch,
     memory: Option<Box<Memory>>,
+    stack: Vec<u32>,
     crossings: Vec<Crossing>,
 }
 
@@ -51,12 +61,18 @@ impl Packets {
 
     /// The same with instructions of a given level, for comparisons: the answers do not depend on it.
     pub fn with_level(program: Arc<Program>, level: Level) -> Packets {
-        Packets { plan: Plan::new(&program), weave: Weave::new(program), level }
+        let model = Common::new(&program);
+        let plan = model.as_ref().and_then(|model| Plan::new(&program, model));
+        let comparisons = plan.as_ref().map_or(usize::MAX, Plan::comparisons);
+        let objects = model.as_ref().filter(|_| comparisons > APART);
+        let objects = objects.and_then(|model| Objects::new(&program, model));
+        let plan = plan.filter(|_| comparisons <= TOGETHER);
+        Packets { plan, objects, weave: Weave::new(program), level }
     }
 
     /// True if the model is one for lanes.
     pub fn uses_lanes(&self) -> bool {
-        self.plan.is_some()
+        self.plan.is_some() || self.objects.is_some()
     }
 }
 
@@ -140,7 +156,7 @@ fn list<S: Simd>(
     for k in 0..found.most {
         let Some(code) = group.code(k, lane) else { break };
         let (t, face) =
-            (group.memory.ends[code].0[lane], plan.faces[group.memory.faces[code].0[lane] as usize]);
+            (group.memory.ends[code].0[lane], plan.model.faces[group.memory.faces[code].0[lane] as usize]);
         let after = if plan.is_plain { RegionId(1 - before.0) } else { winner_after(plan, group, lane, t) };
         if plan.is_plain || program.medium_of(before) != program.medium_of(after) {
             crossings.push(Crossing { t, face, left: face, entered: face, before, after });
@@ -240,10 +256,7 @@ impl Take for Firsts<'_, '_> {
         for lane in 0..count {
             let ray = at + lane;
             if found.doubt >> lane & 1 == 1 {
-                let (rays, hits) = (&self.rays, &mut *self.hits);
-                one_by_one(self.weave, self.rays, ray, &self.query, &mut self.scratch.weave, |answer| {
-                    hits.put(program, rays, &answer);
-                });
+                self.put_one(ray);
                 continue;
             }
             let crossings = &mut self.scratch.crossings;
@@ -257,46 +270,86 @@ impl Firsts<'_, '_> {
     /// Eight rays, all of them sure.
     #[inline(always)]
     fn columns<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize) {
-        let (mut t, mut face, mut hit) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]), 0);
+        let (mut t, mut face) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]));
+        let mut after = Row(found.starts);
         for lane in 0..LANES {
             if let Some(code) = group.code(0, lane) {
                 t.0[lane] = group.memory.ends[code].0[lane];
                 face.0[lane] = group.memory.faces[code].0[lane];
-                hit |= 1 << lane;
+                after.0[lane] = 1.0 - after.0[lane];
             }
         }
+        self.write(group.simd, &plan.model, at, [t, face], [Row(found.starts), after]);
+    }
+
+    /// Writes eight answers: times and faces, regions before and after.
+    #[inline(always)]
+    fn write<S: Simd>(
+        &mut self,
+        simd: S,
+        model: &Common,
+        at: usize,
+        [t, face]: [Row; 2],
+        [before, after]: [Row; 2],
+    ) {
         let here = at..at + LANES;
-        let FirstHits { t: times, face: faces, placement, before, after, normal } = &mut *self.hits;
-        times[here.clone()].copy_from_slice(&t.0);
-        placement[here.clone()].fill(0);
-        let (faces, before, after) =
-            (&mut faces[here.clone()], &mut before[here.clone()], &mut after[here.clone()]);
+        let hits = &mut *self.hits;
+        hits.t[here.clone()].copy_from_slice(&t.0);
+        hits.placement[here.clone()].fill(0);
         for lane in 0..LANES {
-            faces[lane] = face.0[lane] as i32;
-            before[lane] = found.starts[lane] as u32;
-            after[lane] = before[lane] ^ (hit >> lane & 1) as u32;
+            hits.face[at + lane] = face.0[lane] as i32;
+            hits.before[at + lane] = before.0[lane] as u32;
+            hits.after[at + lane] = after.0[lane] as u32;
         }
-        let Some([x, y, z]) = normal else { return };
-        let simd = group.simd;
-        let starts = Lanes::load_array(simd, found.starts);
-        let leaves = starts.simd_gt(splat(simd, 0.0));
+        let Some([x, y, z]) = &mut hits.normal else { return };
+        let zero = splat(simd, 0.0);
+        let leaves = Lanes::load_array_ref(simd, &after.0).simd_le(zero);
+        let hit = Lanes::load_array_ref(simd, &face.0).simd_ge(zero).to_bitmask();
         let (origin, direction) = (load(simd, self.rays.origins, at), load(simd, self.rays.directions, at));
-        let hits = Hits { origin, direction, t: Lanes::load_array_ref(simd, &t.0), face, leaves, hit };
-        let (normals, mut others) = hits.normals(simd, &plan.slopes);
+        let found = Hits { origin, direction, t: Lanes::load_array_ref(simd, &t.0), face, leaves, hit };
+        let (normals, mut others) = found.normals(simd, &model.slopes);
         normals.x.store_slice(&mut x[here.clone()]);
         normals.y.store_slice(&mut y[here.clone()]);
         normals.z.store_slice(&mut z[here]);
         while others != 0 {
             let lane = others.trailing_zeros() as usize;
             others &= others - 1;
-            let face = plan.faces[face.0[lane] as usize];
-            let [from, to] = [before[lane], after[lane]].map(RegionId);
-            let crossing =
-                Crossing { t: t.0[lane], face, left: face, entered: face, before: from, after: to };
-            let ray = self.rays.get(at + lane);
-            let normal = dress::normal(self.weave.program(), &ray, &crossing);
+            let face = model.faces[face.0[lane] as usize];
+            let [before, after] = [before, after].map(|row| RegionId(row.0[lane] as u32));
+            let crossing = Crossing { t: t.0[lane], face, left: face, entered: face, before, after };
+            let normal = dress::normal(self.weave.program(), &self.rays.get(at + lane), &crossing);
             (x[at + lane], y[at + lane], z[at + lane]) = (normal.x, normal.y, normal.z);
         }
+    }
+
+    /// What rays meet first among many solids.
+    #[inline(always)]
+    fn among<S: Simd>(&mut self, simd: S, objects: &Objects, memory: &mut Memory, stack: &mut Vec<u32>) {
+        let mut group = Group::new(simd, memory);
+        for at in (0..self.rays.len()).step_by(LANES) {
+            let count = LANES.min(self.rays.len() - at);
+            let whole = count == LANES;
+            let first = match whole {
+                true => objects.first(&mut group, stack, self.rays, at, self.query.window),
+                false => None,
+            };
+            if let Some(first) = &first {
+                let outside = Row([0.0; LANES]);
+                self.write(simd, &objects.model, at, [first.t, first.face], [outside, first.region]);
+            }
+            let doubt = first.map_or(!0, |first| first.doubt);
+            for lane in (0..count).filter(|lane| doubt >> lane & 1 == 1) {
+                self.put_one(at + lane);
+            }
+        }
+    }
+
+    /// Asks the weave about a ray.
+    fn put_one(&mut self, ray: usize) {
+        let (rays, hits, program) = (&self.rays, &mut *self.hits, self.weave.program());
+        one_by_one(self.weave, self.rays, ray, &self.query, &mut self.scratch.weave, |answer| {
+            hits.put(program, rays, &answer);
+        });
     }
 }
 
@@ -359,10 +412,18 @@ impl Evaluator for Packets {
         scratch: &mut PacketsScratch,
         hits: &mut FirstHits<'_>,
     ) {
+        let query = Query { window, limit: Limit::First, starts: None };
+        if let Some(objects) = &self.objects {
+            let mut memory = scratch.memory.take().unwrap_or_default();
+            let mut stack = std::mem::take(&mut scratch.stack);
+            let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits };
+            dispatch!(self.level, simd => firsts.among(simd, objects, &mut memory, &mut stack));
+            (scratch.memory, scratch.stack) = (Some(memory), stack);
+            return;
+        }
         let Some(plan) = &self.plan else {
             return self.weave.nearest(rays, window, &mut scratch.weave, hits);
         };
-        let query = Query { window, limit: Limit::First, starts: None };
         let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Firsts { weave: &self.weave, rays, query, scratch, hits };
         dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, window, plan.is_plain, &mut take));

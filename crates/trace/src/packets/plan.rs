@@ -3,9 +3,10 @@
 use super::logic::{Logic, Tape, Wire};
 use super::normal::Slope;
 use rayweave_math::Vec3;
-use rayweave_model::{Face, LeafFacet, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId};
+use rayweave_model::{Edge, Face, LeafFacet, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId};
 use rayweave_shape::lanes::{Facet, Kernel, LaneLimits};
 use rayweave_shape::surface::{Surface, delta_of};
+use std::sync::Arc;
 
 /// Stretches that a plan may have: each has two ends, which are told apart by six bits.
 pub(super) const MOST: usize = 32;
@@ -25,7 +26,8 @@ pub(super) const NONE: u32 = u32::MAX;
 /// these stretches are numbered; the boolean skeleton is a function of whether a time is in each of them.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
-    pub limits: LaneLimits,
+    /// What all plans of the model share.
+    pub model: Arc<Common>,
     pub leaves: Vec<LeafPlan>,
     pub facets: Vec<Facet>,
     /// For each stretch: whether the winner changes if that alone does.
@@ -34,12 +36,33 @@ pub(super) struct Plan {
     pub regions: Tape,
     /// The winner as t -> -inf, if it is the same for all rays.
     pub start: Option<u32>,
+    /// True if inside is one region, and not of the medium of the world.
+    pub is_plain: bool,
+}
+
+/// What holds for a model as a whole.
+#[derive(Clone, Debug)]
+pub(super) struct Common {
+    pub limits: LaneLimits,
     /// The faces by their numbers.
     pub faces: Vec<Face>,
     /// How their normals are found.
     pub slopes: Vec<Slope>,
-    /// True if inside is one region, and not of the medium of the world.
-    pub is_plain: bool,
+}
+
+impl Common {
+    /// For a model; `None` if it has surfaces for which there is no kernel, placed solids, or no size.
+    pub fn new(program: &Program) -> Option<Arc<Common>> {
+        let group = program.prototype(PrototypeId(0));
+        if program.prototypes().len() > 1 || group.ball.radius <= 0.0 {
+            return None;
+        }
+        Some(Arc::new(Common {
+            limits: limits(program, group),
+            faces: faces(program),
+            slopes: Slope::all(program),
+        }))
+    }
 }
 
 /// When a stretch matters.
@@ -77,7 +100,7 @@ impl Difference {
 
     fn steps(&self) -> usize {
         match self {
-            Difference::Cube(_) => 0,
+            Difference::Cube(literals) => literals.len(),
             Difference::Tape(tape) => tape.steps.len(),
         }
     }
@@ -92,47 +115,44 @@ pub(super) struct LeafPlan {
 }
 
 impl Plan {
-    /// For a model; `None` for one that is too large for lanes or has surfaces for which there is no kernel.
-    pub fn new(program: &Program) -> Option<Plan> {
+    /// For all that is asked of a model; `None` if that is too large for lanes.
+    pub fn new(program: &Program, model: &Arc<Common>) -> Option<Plan> {
         let group = program.prototype(PrototypeId(0));
-        if group.leaves.len() > MOST || group.ball.radius <= 0.0 {
-            return None;
+        let is_plain = program.regions().len() == 1 && program.regions()[0].medium != 0;
+        match group.leaves.len() {
+            0..=MOST => Plan::of(program, model, group.expression.outputs(), is_plain),
+            _ => None,
         }
+    }
+
+    /// For a part of a model; `None` if that is too large for lanes.
+    pub fn of(program: &Program, model: &Arc<Common>, asked: &[Edge], is_plain: bool) -> Option<Plan> {
+        let group = program.prototype(PrototypeId(0));
         let mut plan = Plan {
-            limits: limits(program, group),
+            model: model.clone(),
             leaves: Vec::new(),
             facets: Vec::new(),
             differences: Vec::new(),
             regions: Tape::default(),
             start: None,
-            faces: faces(program),
-            slopes: Slope::all(program),
-            is_plain: program.regions().len() == 1 && program.regions()[0].medium != 0,
+            is_plain,
         };
+        let (mut stretches, mut bounded) = (0, Vec::new());
         let mut logic = Logic::new();
-        let (mut stretches, mut wires) = (0, Vec::new());
-        for leaf in group.leaves.clone() {
-            let LeafKind::Shape { facets } = program.leaf(LeafId(leaf)).kind() else { return None };
-            wires.push(plan.leaf(program, facets, &mut logic, &mut stretches)?);
-        }
-        let outputs = logic.outputs(&group.expression, |_, leaf| wires[leaf.index()]);
-        if logic.size() > GATES {
-            return None;
-        }
+        let outputs = logic.outputs(&group.expression, asked, GATES, |logic, leaf| {
+            let id = LeafId(group.leaves.start + leaf.0);
+            let LeafKind::Shape { facets } = program.leaf(id).kind() else { return None };
+            let bounds = program.leaf_bounds(id);
+            bounded.extend((bounds.is_finite() || bounds.is_empty()).then_some(stretches));
+            plan.leaf(program, facets, logic, &mut stretches)
+        })?;
         plan.differences = (0..stretches).map(|k| Difference::new(&logic, &outputs, k)).collect();
         plan.regions = logic.tape(&outputs);
         let steps = plan.differences.iter().map(Difference::steps).chain([plan.regions.steps.len()]);
         if steps.max() > Some(STEPS) {
             return None;
         }
-        let bounded = program
-            .leaves()
-            .map(|leaf| program.leaf_bounds(leaf.id()))
-            .all(|b| b.is_finite() || b.is_empty());
-        plan.start = bounded.then(|| {
-            let held = plan.regions.evaluate(0);
-            held.iter().rposition(|&inside| inside).map_or(0, |k| k as u32 + 1)
-        });
+        plan.start = winner_far_out(&mut logic, &outputs, &bounded);
         Some(plan)
     }
 
@@ -171,10 +191,24 @@ impl Plan {
         Some(inside)
     }
 
+    /// Comparisons with other stretches for each group of rays, in pairs: what grows with the square of a model's size.
+    pub fn comparisons(&self) -> usize {
+        self.differences.iter().map(Difference::steps).sum()
+    }
+
     /// The number of stretches.
     pub fn stretches(&self) -> usize {
         self.differences.len()
     }
+}
+
+/// The winner where a time is in none of the bounded stretches, if the others do not matter then.
+fn winner_far_out(logic: &mut Logic, outputs: &[Wire], bounded: &[usize]) -> Option<u32> {
+    let outside = |outputs: Vec<Wire>, &k: &usize| logic.with(&outputs, k, Wire::FALSE);
+    let far = bounded.iter().fold(outputs.to_vec(), outside);
+    let is_constant = |wire: &Wire| *wire == Wire::FALSE || *wire == Wire::TRUE;
+    let winner = far.iter().rposition(|&wire| wire == Wire::TRUE).map_or(0, |k| k as u32 + 1);
+    far.iter().all(is_constant).then_some(winner)
 }
 
 fn take(stretches: &mut usize) -> Option<usize> {
