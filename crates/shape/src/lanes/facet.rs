@@ -178,6 +178,29 @@ impl Facet {
                 self.slab(simd, slab, ray, span, doubt);
                 None
             }
+            Kernel::Cone(_) | Kernel::Quadric(_) | Kernel::Torus(_) => {
+                // a function of its own, on copies: what is asked most often stays in registers
+                let (ray, mut copies) = (*ray, (*span, *doubt));
+                let gap = simd.vectorize(
+                    #[inline(always)]
+                    || self.narrow_curved(simd, &ray, &mut copies.0, &mut copies.1),
+                );
+                (*span, *doubt) = copies;
+                gap
+            }
+        }
+    }
+
+    /// [`Facet::narrow`] for surfaces with long kernels.
+    #[inline(always)]
+    fn narrow_curved<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        span: &mut Span<S>,
+        doubt: &mut Doubt<S>,
+    ) -> Option<Gap<S>> {
+        match &self.kernel {
             Kernel::Cone(cone) => {
                 let roots = super::cone::roots(simd, cone, ray, doubt);
                 self.second_degree(simd, ray, &roots, super::cone::bend(cone), span, doubt)
@@ -191,6 +214,7 @@ impl Facet {
                 self.stretch(simd, stretch.from, stretch.to, span);
                 Some(stretch.gap)
             }
+            _ => None,
         }
     }
 
