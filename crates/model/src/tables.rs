@@ -34,7 +34,7 @@ const CHUNK: usize = 4096;
 
 /// Shapes in the frame of their group with labels of their own, or the copies of a placed solid.
 enum Lowered<'g, 'a> {
-    Shapes(Tables, Labels),
+    Shapes(Box<(Tables, Labels)>),
     Copies(&'g Part<'a>),
 }
 
@@ -57,8 +57,8 @@ impl Tables {
             || (),
             |(), chunk| lowered(group, chunk),
             |chunk| match chunk? {
-                Lowered::Shapes(shapes, names) => {
-                    tables.append(shapes, names, labels);
+                Lowered::Shapes(shapes) => {
+                    tables.append(*shapes, labels);
                     Ok(())
                 }
                 Lowered::Copies(part) => tables.copies(group, part, &inner, &mut placements),
@@ -70,7 +70,7 @@ impl Tables {
         }
     }
 
-    fn append(&mut self, shapes: Tables, names: Labels, labels: &mut Labels) {
+    fn append(&mut self, (shapes, names): (Tables, Labels), labels: &mut Labels) {
         let numbers: Vec<u32> = names.into_labels().into_iter().map(|label| labels.insert(label)).collect();
         self.leaves.append(shapes.leaves, self.surfaces.len() as u32, |label| numbers[label as usize]);
         self.surfaces.extend(shapes.surfaces);
@@ -248,5 +248,5 @@ fn lowered<'g, 'a>(group: &Group<'_>, parts: &'g [Part<'a>]) -> Result<Lowered<'
             .and_then(|place| tables.shape(part, &place, primitive, &mut labels))
             .map_err(|problem| CompileError { path: group.path(part), problem })?;
     }
-    Ok(Lowered::Shapes(tables, labels))
+    Ok(Lowered::Shapes(Box::new((tables, labels))))
 }

@@ -139,6 +139,55 @@ fn placements_are_numbered_depth_first() {
 }
 
 #[test]
+fn copies_keep_their_maps_to_the_bit() {
+    let [a, b] = balls();
+    let turn = |k: u32| {
+        Affine::scale(Vec3::new(1.0, 1.0 + 0.1 * f64::from(k), 0.7))
+            .then(&Affine::rotation(Vec3::new(1.0, 2.0, f64::from(k)), 17.0 * f64::from(k)))
+            .then(&Affine::translate(Vec3::new(0.1 * f64::from(k), 3.0, -1.0 / 3.0)))
+    };
+    let shift = |k: u32| turn(2).then(&Affine::translate(Vec3::new(0.1 * f64::from(k), 1e-3, 7.0)));
+    let outer =
+        Affine::rotation(Vec3::new(1.0, 1.0, 0.2), 33.0).then(&Affine::translate(Vec3::new(0.3, 0.2, 0.1)));
+    let families: [&dyn Fn(u32) -> Affine; 2] = [&turn, &shift];
+    for (maps, placed) in families.map(|map| ((0..5).map(map).collect::<Vec<_>>(), a.named("ball"))) {
+        let row = placed.place(maps.clone());
+        let program = Program::compile(&(&b | &row.apply(outer).named("row") | &row)).unwrap();
+        assert_eq!(program.leaves().len(), 12);
+        // leaf 0 is a ball; then the copies within the map, then those without it
+        for (k, map) in maps.iter().map(|map| map.then(&outer)).chain(maps.iter().copied()).enumerate() {
+            let leaf = program.leaf(LeafId(k as u32 + 1));
+            assert_eq!(program.placement(PlacementId(k as u32 + 1)), (map, PrototypeId(1)));
+            assert_eq!(program.descend(PlacementId(k as u32 + 1)).collect::<Vec<_>>(), [leaf.place()]);
+            assert_eq!(leaf.place().local_from_world, map.inverse().unwrap());
+            let (run, within) = (if k < 5 { "row" } else { "place" }, k % 5);
+            assert_eq!(leaf.name(), format!("{run}[{within}]"));
+            assert_eq!(
+                program.leaf_bounds(leaf.id()),
+                Bounds::centred(Vec3::ZERO, Vec3::ONE).transformed(&map)
+            );
+        }
+    }
+}
+
+#[test]
+fn faces_are_named_wherever_copies_stand() {
+    let [a, b] = balls();
+    let row = a.named("dot").place([0.0, 9.0].map(|x| Affine::translate(Vec3::new(x, 5.0, 0.0))).to_vec());
+    let tile = shape("box", &[("size", 1.0)]).named("tile");
+    let solid = Solid::union([row.clone(), tile, row.apply(Affine::translate(Vec3::Z)), Solid::plenum(), b]);
+    let program = Program::compile(&solid).unwrap();
+    let names: Vec<String> = program.face_names().collect();
+    let tiles = ["x-", "x+", "y-", "y+", "z-", "z+"].map(|face| format!("tile.{face}"));
+    assert_eq!(names[..6], tiles);
+    // that of the ball after the second row, then that of the solid which is placed
+    assert_eq!(names[6..], ["sphere.side", "dot.side"]);
+    for (number, name) in names.iter().enumerate() {
+        assert_eq!(program.face_name(number as u32), *name);
+    }
+}
+
+#[test]
 fn too_many_placements_are_refused() {
     let shifts: Vec<_> = (0..2000).map(|k| Affine::translate(Vec3::splat(f64::from(k)))).collect();
     let [a] = balls();

@@ -35,7 +35,7 @@ fn main() {
     let leaves: usize = arguments.next().and_then(|n| n.parse().ok()).unwrap_or(100_000);
     let chosen: Vec<String> = arguments.collect();
     println!(
-        "{:<8} {:>8} | {:>6} {:>6} | {:>8} {:>8} | {:>9} {:>8} | bytes a leaf",
+        "{:<8} {:>8} | {:>6} {:>6} | {:>8} {:>8} | {:>9} {:>8} | bytes a leaf by part",
         "family", "leaves", "solid", "s", "program", "s", "hierarchy", "s"
     );
     for (name, family) in FAMILIES {
@@ -47,11 +47,14 @@ fn main() {
             kept(|| Arc::new(Program::compile(&solid).expect("the model is valid")));
         let count = program.prototypes()[0].leaves.len() as f64;
         let (_weave, in_weave, ordering) = kept(|| Weave::new(program.clone()));
+        let part = |(part, bytes): (&str, usize)| format!("{part} {:.1}", bytes as f64 / count);
+        let parts: Vec<String> = program.bytes().into_iter().map(part).collect();
         println!(
-            "{name:<8} {count:>8} | {:>6.0} {building:>6.2} | {:>8.1} {compiling:>8.3} | {:>9.1} {ordering:>8.3} |",
+            "{name:<8} {count:>8} | {:>6.0} {building:>6.2} | {:>8.1} {compiling:>8.3} | {:>9.1} {ordering:>8.3} | {}",
             in_solid / count,
             in_program / count,
             in_weave / count,
+            parts.join(", "),
         );
     }
 }

@@ -2,7 +2,7 @@
 
 use super::fold::{Folded, fold_join};
 use super::formula::{Formula, Renumbered, Term};
-use crate::{Edge, NodeId};
+use crate::{Edge, LeafId, NodeId};
 use std::collections::HashMap;
 use std::hash::{BuildHasher, RandomState};
 
@@ -20,7 +20,7 @@ pub fn share(formula: &Formula) -> Formula {
         match term {
             _ if uses[node.index()] == 0 => {}
             Term::Vacuum | Term::Plenum => {}
-            Term::Leaf(_) => to.set(node, shared.insert(term, &[], tag)),
+            Term::Leaf(leaf) => to.set(node, shared.leaf(leaf, tag)),
             Term::Join(op) => {
                 operands.clear();
                 operands.extend(all.iter().map(|&edge| to.edge(edge)));
@@ -47,9 +47,22 @@ struct Shared {
     newest: HashMap<u64, NodeId>,
     /// For each node the one before it of the same hash; node 0 ends the chain.
     older: Vec<NodeId>,
+    /// The node of each leaf; node 0 where there is none yet.
+    leaves: Vec<NodeId>,
 }
 
 impl Shared {
+    fn leaf(&mut self, leaf: LeafId, tag: u32) -> Edge {
+        if self.leaves.len() <= leaf.index() {
+            self.leaves.resize(leaf.index() + 1, NodeId(0));
+        }
+        let node = &mut self.leaves[leaf.index()];
+        if *node == NodeId(0) {
+            *node = self.out.tagged(Term::Leaf(leaf), &[], tag).node();
+        }
+        Edge::new(*node, false)
+    }
+
     fn insert(&mut self, term: Term, operands: &[Edge], tag: u32) -> Edge {
         let hash = self.hasher.hash_one((term, operands));
         let newest = self.newest.get(&hash).copied().unwrap_or(NodeId(0));

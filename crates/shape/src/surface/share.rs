@@ -229,6 +229,10 @@ fn sweep(surfaces: &[(&Surface, f64)], kind: Kind, mut entries: Vec<Entry>, clas
         if slice.len() < 2 {
             continue;
         }
+        if are_same_bits(surfaces, slice) {
+            slice[1..].iter().for_each(|entry| classes.union(slice[0].index, entry.index));
+            continue;
+        }
         if part.uncut == numbers {
             join(surfaces, numbers, slice, classes);
             continue;
@@ -243,6 +247,15 @@ fn sweep(surfaces: &[(&Surface, f64)], kind: Kind, mut entries: Vec<Entry>, clas
         let uncut = if first == part.first { part.uncut + 1 } else { 1 };
         parts.push(Part { first, last: part.last, next, uncut });
     }
+}
+
+/// True if all entries are of one bit pattern: copies of one face, of which large models have many.
+fn are_same_bits(surfaces: &[(&Surface, f64)], entries: &[Entry]) -> bool {
+    let (first, rest) = (&entries[0], &entries[1..]);
+    rest.iter().all(|entry| {
+        entry.reversed == first.reversed
+            && by_bits(surfaces[entry.index()].0, surfaces[first.index()].0).is_eq()
+    })
 }
 
 /// An entry with one of its numbers and its tolerance.
@@ -384,6 +397,11 @@ fn add_class(
     shared: &mut Shared,
 ) -> Result<(), WideClass> {
     let surface = |k: u32| surfaces[k as usize].0;
+    let lowest = class[0].1;
+    if class.iter().all(|&(_, k)| by_bits(surface(k), surface(lowest)).is_eq()) {
+        class.iter().for_each(|&(_, k)| shared.representative[k as usize] = lowest);
+        return Ok(());
+    }
     let chosen = class
         .iter()
         .map(|&(_, k)| k)
@@ -411,8 +429,19 @@ fn add_class(
 
 /// The total order of the bits of two surfaces of one kind.
 fn by_bits(a: &Surface, b: &Surface) -> Ordering {
-    (0..Kind::of(a).numbers())
-        .map(|k| number(a, 0.0, false, k).0.total_cmp(&number(b, 0.0, false, k).0))
-        .find(|order| order.is_ne())
-        .unwrap_or(Ordering::Equal)
+    match (a, b) {
+        // by far the most common kinds, spelled out for speed
+        (Surface::Plane(a), Surface::Plane(b)) => {
+            by_numbers(&a.normal.to_array(), &b.normal.to_array()).then(a.offset.total_cmp(&b.offset))
+        }
+        _ => (0..Kind::of(a).numbers())
+            .map(|k| number(a, 0.0, false, k).0.total_cmp(&number(b, 0.0, false, k).0))
+            .find(|order| order.is_ne())
+            .unwrap_or(Ordering::Equal),
+    }
+}
+
+fn by_numbers(a: &[f64], b: &[f64]) -> Ordering {
+    let orders = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
+    orders.fold(Ordering::Equal, Ordering::then)
 }
