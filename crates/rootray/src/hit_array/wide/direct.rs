@@ -63,8 +63,9 @@ impl<'a, T: Real, const H: usize> Rows<'a, T, H> {
 pub(super) fn run<S: Simd, T: Real, const H: usize>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>) -> bool {
     let (width, len) = (part.width(), T::Lanes::<S>::LEN);
     let (whole, padding) = (width - width % len, [T::INFINITY; CHUNK]);
-    for start in (0..whole).step_by(CHUNK) {
-        let columns = start..whole.min(start + CHUNK);
+    let long = if H > EXACT { CHUNK / 4 } else { CHUNK };
+    for start in (0..whole).step_by(long) {
+        let columns = start..whole.min(start + long);
         let watch = chunk::<S, T, H>(simd, plan.operation, part, columns.clone(), &padding);
         if !settle(simd, plan, part, columns, watch) {
             return false;
@@ -158,10 +159,29 @@ fn steps<S: Simd, T: Real, const H: usize>(
     width: usize,
 ) -> Watch<S, T> {
     let mut watch = Watch::new(simd);
+    if H > EXACT {
+        look::<S, T, H>(simd, &rows.first, &mut watch);
+        look::<S, T, H>(simd, &rows.second, &mut watch);
+    }
     for start in (0..width).step_by(T::Lanes::<S>::LEN) {
         step(simd, operation, rows, start..start + T::Lanes::<S>::LEN, &mut watch);
     }
     watch
+}
+
+/// Reads an operand row by row before it is combined: memory likes few long streams better than many short ones.
+#[inline(always)]
+fn look<S: Simd, T: Real, const H: usize>(simd: S, rows: &[&[T]; H], watch: &mut Watch<S, T>) {
+    let len = T::Lanes::<S>::LEN;
+    let mut above = rows[0];
+    for row in rows {
+        for (t, above) in row.chunks_exact(len).zip(above.chunks_exact(len)) {
+            let t = T::Lanes::<S>::from_slice(simd, t);
+            watch.sign(t);
+            watch.order(T::Lanes::<S>::from_slice(simd, above), t);
+        }
+        above = row;
+    }
 }
 
 /// Combines one column in each lane.
@@ -187,14 +207,16 @@ fn step<S: Simd, T: Real, const H: usize>(
             (ends[k], ends[H / 2 + k]) = (first[2 * k + 1 - from1], second[2 * k + 1 - from2]);
         });
     }
-    unrolled!(k < H => {
-        watch.sign(first[k]);
-        watch.sign(second[k]);
-        if k > 0 {
-            watch.order(first[k - 1], first[k]);
-            watch.order(second[k - 1], second[k]);
-        }
-    });
+    if H <= EXACT {
+        unrolled!(k < H => {
+            watch.sign(first[k]);
+            watch.sign(second[k]);
+            if k > 0 {
+                watch.order(first[k - 1], first[k]);
+                watch.order(second[k - 1], second[k]);
+            }
+        });
+    }
     merge(&mut starts);
     merge(&mut ends);
     let [starts, ends] = match operation {
