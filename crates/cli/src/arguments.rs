@@ -1,6 +1,6 @@
 //! The command line: its sub-commands and what they share.
 
-use crate::command::{Bench, Completions, Infill, Info, Man, Probe, Render, Schema, Shapes, Trace};
+use crate::command::{Bench, Completions, Export, Infill, Info, Man, Probe, Render, Schema, Shapes, Trace};
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
 use rayweave::scene::{Scene, load};
@@ -48,6 +48,7 @@ pub enum Command {
     Render(Render),
     Probe(Probe),
     Trace(Trace),
+    Export(Export),
     Infill(Infill),
     Info(Info),
     Bench(Bench),
@@ -89,7 +90,7 @@ pub struct SubjectArguments {
     #[arg(long, value_name = "NAME")]
     pub solid: Option<String>,
 
-    /// Who answers: weave (fast), reference (obvious), single_hit (step by step) or spans (array by array); the answers are the same, bit for bit
+    /// Who answers: packets (many rays at a time), weave (one sweep along a ray), reference (obvious), single_hit (step by step) or spans (array by array); the answers are the same, bit for bit
     #[arg(long, value_name = "NAME", value_parser = rayweave::AnyEvaluator::NAMES)]
     pub evaluator: Option<String>,
 }

@@ -47,6 +47,11 @@ fn tell(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
+/// Something to know, on standard error.
+pub fn note(text: &str) {
+    tell(text);
+}
+
 /// An error without a place in a model file.
 pub fn complain(text: &str) {
     match has_colour() {

@@ -2,6 +2,7 @@
 
 mod bench;
 mod completions;
+mod export;
 mod infill;
 mod info;
 mod man;
@@ -14,6 +15,7 @@ mod tree;
 
 pub use bench::Bench;
 pub use completions::Completions;
+pub use export::Export;
 pub use infill::Infill;
 pub use info::Info;
 pub use man::Man;
@@ -32,6 +34,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Render(render) => render.run(cli),
         Command::Probe(probe) => probe.run(),
         Command::Trace(trace) => trace.run(cli),
+        Command::Export(export) => export.run(),
         Command::Infill(infill) => infill.run(cli),
         Command::Info(info) => info.run(),
         Command::Bench(bench) => bench.run(cli),

@@ -1,6 +1,7 @@
 //! The command as people use it: its own process, real files, exit codes, messages.
 
 mod bench;
+mod export;
 
 mod infill;
 mod info;

@@ -2,8 +2,19 @@
 
 use crate::bench::Bench;
 
-const COMMANDS: [&str; 10] =
-    ["bench", "render", "probe", "trace", "infill", "info", "shapes", "schema", "completions", "man"];
+const COMMANDS: [&str; 11] = [
+    "bench",
+    "render",
+    "probe",
+    "trace",
+    "export",
+    "infill",
+    "info",
+    "shapes",
+    "schema",
+    "completions",
+    "man",
+];
 
 #[test]
 fn help_and_version() {

@@ -1,0 +1,68 @@
+//! `rayweave export`: a model in the language of another program.
+
+use crate::arguments::ModelArguments;
+use crate::failure::Failure;
+use crate::terminal;
+use clap::Args;
+use rayweave::picture::{Wishes, arrange};
+use rayweave::render::{Camera, Projection};
+use rayweave::scene;
+use rayweave::{Compiled, Vec3};
+use std::path::{Path, PathBuf};
+
+/// Write a model as a scene for POV-Ray
+///
+/// The camera is that of the model file; if it has none, all of the model is shown. What POV-Ray will show in another way is
+/// told on standard error.
+#[derive(Args)]
+#[command(after_help = "\
+Example:
+  rayweave export lens.toml lens.pov
+  povray +Ilens.pov +Olens.png +W1280 +H720 -A")]
+pub struct Export {
+    #[command(flatten)]
+    model: ModelArguments,
+
+    /// The scene, .pov; - is standard output
+    #[arg(value_name = "OUT.pov")]
+    out: PathBuf,
+}
+
+impl Export {
+    pub fn run(&self) -> Result<(), Failure> {
+        let is_pov = self.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("pov"));
+        if !is_pov && self.out != Path::new("-") {
+            return Err(Failure::Usage(format!(
+                "{}: unknown format (models are exported as .pov)",
+                self.out.display()
+            )));
+        }
+        let mut scene = self.model.load()?;
+        let compiled = Compiled::new(&scene)?;
+        let (camera, settings) = arrange(&scene, &compiled, &Wishes::default())?;
+        let size = (settings.size.width() as u32, settings.size.height() as u32);
+        scene.camera = Some(exported(&camera, size));
+        let written = scene.to_povray().map_err(|problem| Failure::Run(problem.to_string()))?;
+        for loss in &written.losses {
+            terminal::note(&format!("lost: {loss}"));
+        }
+        terminal::save(&self.out, written.text.as_bytes())
+    }
+}
+
+/// A camera as scenes have it.
+fn exported(camera: &Camera, size: (u32, u32)) -> scene::Camera {
+    let (position, up): (Vec3, Vec3) = (camera.position(), camera.up());
+    scene::Camera {
+        projection: match camera.projection() {
+            Projection::Perspective { field_of_view } => {
+                scene::Projection::Perspective { fov: field_of_view }
+            }
+            Projection::Orthographic { height } => scene::Projection::Orthographic { height },
+        },
+        position,
+        target: position + camera.forward(),
+        up,
+        size: Some(size),
+    }
+}
