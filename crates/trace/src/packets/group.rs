@@ -61,10 +61,39 @@ impl<'m, S: Simd> Group<'m, S> {
         Group { simd, memory, values: [Mask::splat(simd, false); STEPS] }
     }
 
+    /// [`Group::run_here`] as a function of its own: compiled once for each instruction set, not wherever it is called.
+    pub fn run(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, window: Window, first: bool) -> Found {
+        let simd = self.simd;
+        simd.vectorize(
+            #[inline(always)]
+            || self.run_here(plan, rays, at, window, first),
+        )
+    }
+
+    /// [`Group::enter_here`] as a function of its own.
+    pub fn enter(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Doubt<S>, Mask<S>) {
+        let simd = self.simd;
+        simd.vectorize(
+            #[inline(always)]
+            || self.enter_here(plan, ray, window),
+        )
+    }
+
+    /// Finds the first two changes of rays; what is in doubt about them, and which start inside.
+    #[inline(always)]
+    fn enter_here(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Doubt<S>, Mask<S>) {
+        let never = Mask::splat(self.simd, false);
+        let mut doubt = Doubt { always: never, grazes: never };
+        self.stretches(plan, ray, &mut doubt);
+        self.changes(plan, window, true, &mut doubt);
+        let starts = Lanes::load_array(self.simd, self.starts(plan, window));
+        (doubt, starts.simd_gt(splat(self.simd, 0.0)))
+    }
+
     /// The changes of rays `at..` (the last one again and again where there are fewer than eight), or of the first two
     /// of them only.
     #[inline(always)]
-    pub fn run(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, window: Window, first: bool) -> Found {
+    fn run_here(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, window: Window, first: bool) -> Found {
         let simd = self.simd;
         let limits = &plan.model.limits;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
@@ -82,7 +111,7 @@ impl<'m, S: Simd> Group<'m, S> {
 
     /// The stretches of all leaves.
     #[inline(always)]
-    pub fn stretches(&mut self, plan: &Plan, ray: &LaneRay<S>, doubt: &mut Doubt<S>) {
+    fn stretches(&mut self, plan: &Plan, ray: &LaneRay<S>, doubt: &mut Doubt<S>) {
         for leaf in 0..plan.leaves.len() {
             self.leaf(plan, leaf, ray, doubt);
         }
@@ -129,7 +158,7 @@ impl<'m, S: Simd> Group<'m, S> {
     /// replaced by the number of the end. Times that differ by no more are taken for doubtful later. The greatest
     /// number of them on a ray, or 2 if only the first two are asked for.
     #[inline(always)]
-    pub fn changes(&mut self, plan: &Plan, window: Window, first: bool, doubt: &mut Doubt<S>) -> usize {
+    fn changes(&mut self, plan: &Plan, window: Window, first: bool, doubt: &mut Doubt<S>) -> usize {
         let simd = self.simd;
         let never = splat(simd, f64::INFINITY);
         let (mut earliest, mut second, mut count) = (never, never, 0);
@@ -227,7 +256,7 @@ impl<'m, S: Simd> Group<'m, S> {
 
     /// The winner of each ray just after the window begins.
     #[inline(always)]
-    pub fn starts(&mut self, plan: &Plan, window: Window) -> [f64; LANES] {
+    fn starts(&mut self, plan: &Plan, window: Window) -> [f64; LANES] {
         if let (Some(start), f64::NEG_INFINITY) = (plan.start, window.t_min()) {
             return [f64::from(start); LANES];
         }
@@ -263,6 +292,12 @@ impl<'m, S: Simd> Group<'m, S> {
     }
 }
 
+/// A whole number from -2^31 to 2^31 as one, without the checks of a cast: added to 1.5 * 2^52 it stands in the last bits.
+#[inline(always)]
+pub(super) fn whole(x: f64) -> i32 {
+    (x + 6_755_399_441_055_744.0).to_bits() as i32
+}
+
 /// Three columns of eight rays.
 #[inline(always)]
 pub(super) fn load<S: Simd>(simd: S, columns: [&[f64]; 3], at: usize) -> Vec3Lanes<S> {
@@ -275,5 +310,17 @@ fn lanes<S: Simd>(simd: S, column: &[f64]) -> Lanes<S> {
     match column.first_chunk::<LANES>() {
         Some(chunk) => Lanes::load_array_ref(simd, chunk),
         None => Lanes::from_fn(simd, |k| column[k.min(column.len() - 1)]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::whole;
+
+    #[test]
+    fn whole_numbers_are_kept() {
+        for k in [0, 1, -1, 7, 1 << 20, i32::MAX, i32::MIN] {
+            assert_eq!(whole(f64::from(k)), k);
+        }
     }
 }

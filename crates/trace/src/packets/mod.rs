@@ -18,7 +18,7 @@ use crate::Weave;
 use crate::weave::WeaveScratch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
-use group::{Found, Group, Memory, Row, load};
+use group::{Found, Group, Memory, Row, load, whole};
 use normal::Hits;
 use objects::Objects;
 use plan::{Common, Plan};
@@ -155,8 +155,10 @@ fn list<S: Simd>(
     let mut before = start;
     for k in 0..found.most {
         let Some(code) = group.code(k, lane) else { break };
-        let (t, face) =
-            (group.memory.ends[code].0[lane], plan.model.faces[group.memory.faces[code].0[lane] as usize]);
+        let (t, face) = (
+            group.memory.ends[code].0[lane],
+            plan.model.faces[whole(group.memory.faces[code].0[lane]) as usize],
+        );
         let after = if plan.is_plain { RegionId(1 - before.0) } else { winner_after(plan, group, lane, t) };
         if plan.is_plain || program.medium_of(before) != program.medium_of(after) {
             crossings.push(Crossing { t, face, left: face, entered: face, before, after });
@@ -231,7 +233,7 @@ impl Arrays<'_, '_, '_> {
                 continue;
             }
             for (lane, face) in row.iter_mut().enumerate() {
-                *face = group.code(k, lane).map_or(-1, |code| group.memory.faces[code].0[lane] as i32);
+                *face = group.code(k, lane).map_or(-1, |code| whole(group.memory.faces[code].0[lane]));
             }
         }
     }
@@ -296,10 +298,12 @@ impl Firsts<'_, '_> {
         let hits = &mut *self.hits;
         hits.t[here.clone()].copy_from_slice(&t.0);
         hits.placement[here.clone()].fill(0);
+        let faces = &mut hits.face[here.clone()];
+        let (befores, afters) = (&mut hits.before[here.clone()], &mut hits.after[here.clone()]);
         for lane in 0..LANES {
-            hits.face[at + lane] = face.0[lane] as i32;
-            hits.before[at + lane] = before.0[lane] as u32;
-            hits.after[at + lane] = after.0[lane] as u32;
+            faces[lane] = whole(face.0[lane]);
+            befores[lane] = whole(before.0[lane]) as u32;
+            afters[lane] = whole(after.0[lane]) as u32;
         }
         let Some([x, y, z]) = &mut hits.normal else { return };
         let zero = splat(simd, 0.0);

@@ -1,6 +1,6 @@
 //! Normals of eight hits at a time, by the operations of [`rayweave_model::dress::normal`] in their order.
 
-use super::group::Row;
+use super::group::{Row, whole};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
@@ -63,7 +63,7 @@ impl<S: Simd> Hits<S> {
         while left != 0 {
             let face = self.face.0[left.trailing_zeros() as usize % LANES];
             let here = faces.simd_eq(splat(simd, face));
-            let gradient = match &slopes[face as usize] {
+            let gradient = match &slopes[whole(face) as usize] {
                 Slope::Unit(unit) => Some(Vec3Lanes::splat(simd, *unit)),
                 Slope::Centre(centre) => Some(normalised(simd, place.minus_all(*centre))),
                 Slope::Axis(axis) => {

@@ -11,7 +11,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Edge, Expression, Gate, LeafId, MARGIN, Program, PrototypeId, Rays, Rule, Window};
-use rayweave_shape::lanes::{Doubt, LANES, LaneRay, Lanes, Mask, Vec3Lanes, splat};
+use rayweave_shape::lanes::{LANES, LaneRay, Lanes, Mask, Vec3Lanes, splat};
 use std::sync::Arc;
 
 /// More solids than this are left to the weave: their plans would take too much memory.
@@ -272,12 +272,8 @@ impl Objects {
         search: &mut Search<S>,
     ) {
         let simd = group.simd;
-        let never = Mask::splat(simd, false);
-        let mut doubt = Doubt { always: never, grazes: never };
-        group.stretches(&object.plan, ray, &mut doubt);
-        group.changes(&object.plan, window, true, &mut doubt);
-        let starts = Lanes::load_array(simd, group.starts(&object.plan, window));
-        search.always |= doubt.always | starts.simd_gt(splat(simd, 0.0));
+        let (doubt, inside) = group.enter(&object.plan, ray, window);
+        search.always |= doubt.always | inside;
         let infinity = splat(simd, f64::INFINITY);
         let (mut t, mut face) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]));
         if !group.key(0).simd_lt(infinity).any_true() {
