@@ -11,6 +11,15 @@ pub(super) fn bend(cone: &Cone) -> f64 {
     1.0 + cone.slope * cone.slope
 }
 
+/// The rays as a cone sees them: the slope times the part along its axis, and the part across it.
+struct Line<S: Simd> {
+    shift: Lanes<S>,
+    height: Lanes<S>,
+    from: Vec3Lanes<S>,
+    rise: Lanes<S>,
+    along: Vec3Lanes<S>,
+}
+
 /// Where the rays are inside the cone, or outside.
 #[inline(always)]
 pub(super) fn roots<S: Simd>(simd: S, cone: &Cone, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> Roots<S> {
@@ -18,21 +27,30 @@ pub(super) fn roots<S: Simd>(simd: S, cone: &Cone, ray: &LaneRay<S>, doubt: &mut
     let place = ray.origin.minus_all(cone.apex).plus(ray.direction.times(shift));
     let (height, from) = split(cone, place);
     let (rise, along) = split(cone, ray.direction);
-    let form = Form {
-        shift,
-        square: along.length_squared() - rise * rise,
-        at: |s: Lanes<S>| {
-            let (height, from) = (height + s * rise, from.plus(along.times(s)));
-            [from.dot(along) - height * rise, from.length_squared() - height * height]
-        },
-    };
     let size = Size { place, bend: bend(cone), linear: 0.0, constant: 0.0 };
-    form.roots(simd, ray, Some(size), doubt)
+    Line { shift, height, from, rise, along }.roots(simd, ray, Some(size), doubt)
 }
 
-/// The slope times the part along the axis, and the part across it.
 #[inline(always)]
 fn split<S: Simd>(cone: &Cone, v: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
     let height = v.dot_all(cone.axis);
     (height * cone.slope, v.without(height, cone.axis))
+}
+
+impl<S: Simd> Form<S> for Line<S> {
+    #[inline(always)]
+    fn shift(&self) -> Lanes<S> {
+        self.shift
+    }
+
+    #[inline(always)]
+    fn square(&self) -> Lanes<S> {
+        self.along.length_squared() - self.rise * self.rise
+    }
+
+    #[inline(always)]
+    fn at(&self, s: Lanes<S>) -> [Lanes<S>; 2] {
+        let (height, from) = (self.height + s * self.rise, self.from.plus(self.along.times(s)));
+        [from.dot(self.along) - height * self.rise, from.length_squared() - height * height]
+    }
 }

@@ -9,14 +9,43 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::UNIT_ROUNDOFF;
 
-/// f along the rays: `square s^2 + 2 b s + c` about the time `shift + s`, where `[b, c] = at(s)`.
-pub(super) struct Form<S: Simd, F: Fn(Lanes<S>) -> [Lanes<S>; 2]> {
+/// f along the rays: `square s^2 + 2 b s + c` about the time `shift + s`. (A closure in place of [`Form::at`] might not
+/// be inlined, and then be compiled for another instruction set.)
+pub(super) trait Form<S: Simd> {
     /// When the rays are closest to the centre of the surface.
-    pub shift: Lanes<S>,
+    fn shift(&self) -> Lanes<S>;
     /// The factor of the square.
-    pub square: Lanes<S>,
-    /// The other coefficients.
-    pub at: F,
+    fn square(&self) -> Lanes<S>;
+    /// The other coefficients, `[b, c]`.
+    fn at(&self, s: Lanes<S>) -> [Lanes<S>; 2];
+
+    /// The roots; for a ruled surface with its `size`, whether rays may lie in it.
+    #[inline(always)]
+    fn roots(&self, simd: S, ray: &LaneRay<S>, size: Option<Size<S>>, doubt: &mut Doubt<S>) -> Roots<S> {
+        let (zero, a) = (splat(simd, 0.0), self.square());
+        let ([mut b, mut c], mut shift) = (self.at(zero), self.shift());
+        if let Some(size) = size {
+            doubt.always |= may_lie_in(ray, ray.middle - shift, [a, b, c], &size);
+        }
+        // b^2 and a c are equal within a factor 2
+        let square = b * b;
+        let cancels = ((square - a * c).abs() * 2.0).simd_lt(square);
+        if cancels.any_true() {
+            let again = -b / a;
+            let again = (cancels & again.abs().simd_lt(f64::INFINITY)).select(again, zero);
+            [b, c] = self.at(again);
+            shift += again;
+        }
+        doubt.always |= !(in_fast_range(a) & in_fast_range(b) & in_fast_range(c));
+        let mut roots = solved(simd, shift, [a, b, c]);
+        let linear = a.simd_eq(zero);
+        if linear.any_true() {
+            let (from, to) = solved_linear(simd, shift, [b, c]);
+            roots.from = linear.select(from, roots.from);
+            roots.to = linear.select(to, roots.to);
+        }
+        roots
+    }
 }
 
 /// Where f has not the sign that it has far away: empty, from +inf to -inf, where it has that sign throughout. Where
@@ -50,36 +79,6 @@ pub(super) struct Size<S: Simd> {
 
 /// The square of 1e-4: see [`Roots::is_gentle`].
 const GENTLE_SQUARE: f64 = 1e-8;
-
-impl<S: Simd, F: Fn(Lanes<S>) -> [Lanes<S>; 2]> Form<S, F> {
-    /// The roots; for a ruled surface with its `size`, whether rays may lie in it.
-    #[inline(always)]
-    pub fn roots(&self, simd: S, ray: &LaneRay<S>, size: Option<Size<S>>, doubt: &mut Doubt<S>) -> Roots<S> {
-        let (zero, a) = (splat(simd, 0.0), self.square);
-        let ([mut b, mut c], mut shift) = ((self.at)(zero), self.shift);
-        if let Some(size) = size {
-            doubt.always |= may_lie_in(ray, ray.middle - shift, [a, b, c], &size);
-        }
-        // b^2 and a c are equal within a factor 2
-        let square = b * b;
-        let cancels = ((square - a * c).abs() * 2.0).simd_lt(square);
-        if cancels.any_true() {
-            let again = -b / a;
-            let again = (cancels & again.abs().simd_lt(f64::INFINITY)).select(again, zero);
-            [b, c] = (self.at)(again);
-            shift += again;
-        }
-        doubt.always |= !(in_fast_range(a) & in_fast_range(b) & in_fast_range(c));
-        let mut roots = solved(simd, shift, [a, b, c]);
-        let linear = a.simd_eq(zero);
-        if linear.any_true() {
-            let (from, to) = solved_linear(simd, shift, [b, c]);
-            roots.from = linear.select(from, roots.from);
-            roots.to = linear.select(to, roots.to);
-        }
-        roots
-    }
-}
 
 /// 0 or 2^-450 <= |x| <= 2^450.
 #[inline(always)]

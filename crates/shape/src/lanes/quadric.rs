@@ -47,25 +47,47 @@ impl LaneQuadric {
         let Quadric { centre, weights, linear, constant, .. } = self.quadric;
         let shift = ray.origin.taken_from(centre).dot(ray.direction) / ray.square;
         let place = ray.origin.minus_all(centre).plus(ray.direction.times(shift));
-        let (x, v) = (self.coordinates(place), self.coordinates(ray.direction));
         let (level, rise) = (place.dot_all(linear) + constant, ray.direction.dot_all(linear));
-        let form = Form {
-            shift,
-            square: v.times_all(weights).dot(v),
-            at: |s: Lanes<S>| {
-                let (x, level) = (x.plus(v.times(s)), level + s * rise);
-                let wx = x.times_all(weights);
-                [wx.dot(v) + rise * 0.5, wx.dot(x) + level]
-            },
-        };
+        let (x, v) = (self.coordinates(place), self.coordinates(ray.direction));
         let size = Size { place, bend: 1.0, linear: self.linear, constant };
-        form.roots(simd, ray, self.is_ruled.then_some(size), doubt)
+        let line = Line { shift, weights, x, v, level, rise };
+        line.roots(simd, ray, self.is_ruled.then_some(size), doubt)
     }
 
     /// Coordinates along the principal axes.
     #[inline(always)]
     fn coordinates<S: Simd>(&self, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
-        let [x, y, z] = self.quadric.axes.map(|e| v.dot_all(e));
-        Vec3Lanes { x, y, z }
+        let [x, y, z] = self.quadric.axes;
+        Vec3Lanes { x: v.dot_all(x), y: v.dot_all(y), z: v.dot_all(z) }
+    }
+}
+
+/// The rays as a quadric sees them: points and directions in principal axes, and the part of f that is not square
+/// with its rate.
+struct Line<S: Simd> {
+    shift: Lanes<S>,
+    weights: Vec3,
+    x: Vec3Lanes<S>,
+    v: Vec3Lanes<S>,
+    level: Lanes<S>,
+    rise: Lanes<S>,
+}
+
+impl<S: Simd> Form<S> for Line<S> {
+    #[inline(always)]
+    fn shift(&self) -> Lanes<S> {
+        self.shift
+    }
+
+    #[inline(always)]
+    fn square(&self) -> Lanes<S> {
+        self.v.times_all(self.weights).dot(self.v)
+    }
+
+    #[inline(always)]
+    fn at(&self, s: Lanes<S>) -> [Lanes<S>; 2] {
+        let (x, level) = (self.x.plus(self.v.times(s)), self.level + s * self.rise);
+        let wx = x.times_all(self.weights);
+        [wx.dot(self.v) + self.rise * 0.5, wx.dot(x) + level]
     }
 }

@@ -73,8 +73,10 @@ impl LaneTorus {
             doubt.always |= Mask::from_bitmask(simd, found.unsure);
             doubt.grazes |= Mask::from_bitmask(simd, found.gentle);
         }
-        let [from, to, gap_from, gap_to] = found.times.map(|t| Lanes::load_array_ref(simd, &t));
-        Stretch { from, to, gap: Gap { from: gap_from, to: gap_to } }
+        let [from, to, gap_from, gap_to] = &found.times;
+        let gap =
+            Gap { from: Lanes::load_array_ref(simd, gap_from), to: Lanes::load_array_ref(simd, gap_to) };
+        Stretch { from: Lanes::load_array_ref(simd, from), to: Lanes::load_array_ref(simd, to), gap }
     }
 
     /// False where a ray is sure to miss: outside of the ball around the torus, of the two planes that it lies between, or
@@ -94,8 +96,9 @@ impl LaneTorus {
         let (from, to) = (below.min(above).max(-half), below.max(above).min(half));
         let hole = splat(simd, (major - minor) * (1.0 - ROOM)) - near;
         let (across, along) = (place.without(z, axis), direction.without(rise, axis));
-        let apart = |t: Lanes<S>| across.plus(along.times(t)).length_squared();
-        let within = hole.simd_gt(0.0) & apart(from).max(apart(to)).simd_lt(hole * hole);
+        let first = across.plus(along.times(from)).length_squared();
+        let last = across.plus(along.times(to)).length_squared();
+        let within = hole.simd_gt(0.0) & first.max(last).simd_lt(hole * hole);
         left.simd_gt(0.0) & from.simd_lt(to) & !within
     }
 
@@ -115,8 +118,8 @@ impl LaneTorus {
 
     #[inline(always)]
     fn local<S: Simd>(&self, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
-        let row = |k: usize| v.dot_all(self.image.local_from_world.row(k));
-        Vec3Lanes { x: row(0), y: row(1), z: row(2) }
+        let map = &self.image.local_from_world;
+        Vec3Lanes { x: v.dot_all(map.row(0)), y: v.dot_all(map.row(1)), z: v.dot_all(map.row(2)) }
     }
 
     /// Asks the scalar kernel about lane `k`.

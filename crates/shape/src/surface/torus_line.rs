@@ -288,7 +288,12 @@ impl TorusLine {
                 let polished = lo < near && near < hi && (near - s).abs() <= POLISH;
                 return if polished { near } else { s };
             }
-            s = within(lo, hi, near);
+            let next = within(lo, hi, near);
+            if next == s {
+                // so it would be ever after
+                return s;
+            }
+            s = next;
         }
         s
     }

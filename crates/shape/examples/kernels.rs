@@ -1,0 +1,87 @@
+//! Counts for a profiler: one lane kernel, named by the first argument, over a number of rays.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch};
+use rayweave_math::{Affine, Mat3, Transform, Vec3};
+use rayweave_shape::lanes::{Facet, Kernel, LANES, LaneLimits, LaneRay, Lanes, Span, Vec3Lanes};
+use rayweave_shape::surface::Surface;
+
+fn surface(name: &str) -> Option<Surface> {
+    let tilted = Vec3::new(0.3, -0.5, 1.0);
+    let turned = Affine::rotation(tilted, 0.7);
+    let quadric = |x, y, z, constant| {
+        let matrix = Mat3::from_diagonal(Vec3::new(x, y, z));
+        let here = Surface::quadric_about(Vec3::ZERO, matrix, Vec3::ZERO, constant);
+        here.transformed(&Transform::from_affine(turned).expect("a rotation"))
+    };
+    Some(match name {
+        "plane" => Surface::plane(tilted, 0.2),
+        "sphere" => Surface::sphere(Vec3::ZERO, 1.0),
+        "cylinder" => Surface::cylinder(Vec3::ZERO, tilted, 0.7),
+        "cone" => Surface::cone(Vec3::ZERO, tilted, 0.6),
+        "ellipsoid" => quadric(1.0, 0.7, 0.5, -0.8),
+        "hyperboloid" => quadric(1.0, 0.7, -0.5, -0.3),
+        "torus" => Surface::torus(Vec3::ZERO, tilted, 0.9, 0.25),
+        _ => return None,
+    })
+}
+
+/// Rays from points on a sphere towards points in a box, eight to a row.
+fn rays(rows: usize) -> Vec<[[f64; LANES]; 6]> {
+    let mut state = 1u64;
+    let mut unit = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+    };
+    let mut ray = || {
+        let from = Vec3::new(unit(), unit(), unit()).normalize() * 5.0;
+        let along = (Vec3::new(unit(), unit(), unit()) - from).normalize();
+        [from.x, from.y, from.z, along.x, along.y, along.z]
+    };
+    let row = |rays: [[f64; 6]; LANES]| std::array::from_fn(|k| rays.map(|ray| ray[k]));
+    (0..rows).map(|_| row(std::array::from_fn(|_| ray()))).collect()
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, columns: &[[f64; LANES]]) -> Vec3Lanes<S> {
+    let [x, y, z] = columns else { return Vec3Lanes::splat(simd, Vec3::ZERO) };
+    let (x, y) = (Lanes::load_array_ref(simd, x), Lanes::load_array_ref(simd, y));
+    Vec3Lanes { x, y, z: Lanes::load_array_ref(simd, z) }
+}
+
+/// Lanes in doubt, and a sum of times, so that nothing is left out. Without a facet only the rays are made.
+#[inline(always)]
+fn run<S: Simd>(simd: S, facet: Option<&Facet>, rows: &[[[f64; LANES]; 6]], rounds: usize) -> (u32, f64) {
+    let limits = LaneLimits { centre: Vec3::ZERO, radius: 3.0, reach: 2.0, largest_radius: 1.0, bend: 1.4 };
+    let (mut doubts, mut sum, mut last) = (0, 0.0, [0.0; LANES]);
+    for _ in 0..rounds {
+        for row in rows {
+            let (origin, direction) = (load(simd, &row[..3]), load(simd, &row[3..]));
+            let (ray, mut doubt) = LaneRay::new(simd, origin, direction, &limits);
+            let mut span = Span::line(simd);
+            let mut ends = ray.middle;
+            if let Some(facet) = facet {
+                let gap = facet.narrow(simd, &ray, &mut span, &mut doubt);
+                ends = span.from.max(ends).min(span.to);
+                if let Some(gap) = gap {
+                    ends = ends.max(gap.from).min(gap.to);
+                }
+            }
+            ends.store_array(&mut last);
+            sum += last[0];
+            doubts += (doubt.always | doubt.grazes).to_bitmask().count_ones();
+        }
+    }
+    (doubts, sum)
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let name = arguments.get(1).map_or("cone", String::as_str);
+    let rounds = arguments.get(2).and_then(|n| n.parse().ok()).unwrap_or(1);
+    let rows = rays(1024);
+    let kernel = surface(name).and_then(|surface| Kernel::of(&surface));
+    let facet = kernel.map(|kernel| Facet { kernel, inside: true, face: 0.0, gap: 0, is_one_piece: false });
+    let (doubts, sum) = dispatch!(Level::new(), simd => run(simd, facet.as_ref(), &rows, rounds));
+    println!("{name}: {} rays, {doubts} in doubt, {sum}", rounds * rows.len() * LANES);
+}
