@@ -6,16 +6,13 @@
 //! welded, is left to the weave.
 
 use super::group::{Group, Row, load};
-use super::plan::{Common, MOST, Plan};
+use super::plan::{Common, LARGE, MOST, Plan};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Edge, Expression, Gate, LeafId, MARGIN, Program, PrototypeId, Rays, Rule, Window};
 use rayweave_shape::lanes::{LANES, LaneRay, Lanes, Mask, Vec3Lanes, splat};
 use std::sync::Arc;
-
-/// More solids than this are left to the weave: their plans would take too much memory.
-const MANY: usize = 1 << 16;
 
 /// Solids that are united, in the order of a hierarchy.
 #[derive(Clone, Debug)]
@@ -85,7 +82,8 @@ fn united(expression: &Expression, output: Edge) -> Option<Vec<Edge>> {
             }
             _ => found.push(edge),
         }
-        if found.len() + waiting.len() > MANY {
+        // parts that are used by several unions come by more than once
+        if found.len() + waiting.len() > LARGE {
             return None;
         }
     }

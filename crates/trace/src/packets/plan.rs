@@ -17,6 +17,9 @@ pub(super) const STEPS: usize = 128;
 /// Gates that the boolean skeleton may have: deep chains of operators over a few leaves are not worth it.
 const GATES: usize = 512;
 
+/// Models of more leaves than this are left to the weave: tables of faces and plans would take too much memory.
+pub(super) const LARGE: usize = 1 << 16;
+
 /// No stretch.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -54,7 +57,8 @@ impl Common {
     /// For a model; `None` if it has surfaces for which there is no kernel, placed solids, or no size.
     pub fn new(program: &Program) -> Option<Arc<Common>> {
         let group = program.prototype(PrototypeId(0));
-        if program.prototypes().len() > 1 || group.ball.radius <= 0.0 {
+        let is_large = group.leaves.len() > LARGE;
+        if program.prototypes().len() > 1 || is_large || group.ball.radius <= 0.0 {
             return None;
         }
         Some(Arc::new(Common {
