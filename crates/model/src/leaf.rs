@@ -211,10 +211,14 @@ impl LeafTable {
         last.map_or(0, |run| run.before as usize + run.len().min(number - run.first_leaf as usize))
     }
 
-    /// Adds a leaf that is a shape with the facets that are added after it.
-    pub fn push_shape(&mut self, label: u32, complement: bool, bounds: Bounds) {
+    /// Adds a leaf that is a shape with the facets, and the box, that are added after it.
+    pub fn push_shape(&mut self, label: u32, complement: bool) {
         let mark = if complement { COMPLEMENT } else { 0 };
         self.entries.push(Entry { first: self.facets.len() as u32, of: label | mark });
+    }
+
+    /// Adds the box of the last leaf.
+    pub fn push_bounds(&mut self, bounds: Bounds) {
         self.bounds.push(bounds);
     }
 

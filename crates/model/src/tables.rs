@@ -12,7 +12,8 @@ use crate::{Ball, CompileError, CompileProblem, Expression, PrototypeId, Surface
 use rayweave_math::{Bounds, Transform};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::Primitive;
-use rayweave_shape::surface::share;
+use rayweave_shape::surface::{Surface, share};
+use std::collections::HashMap;
 use std::num::NonZeroUsize;
 
 /// The leaves and surfaces of a group.
@@ -20,6 +21,9 @@ use std::num::NonZeroUsize;
 pub(crate) struct Tables {
     pub leaves: LeafTable,
     pub surfaces: Vec<SurfaceEntry>,
+    /// The numbers of the planes among the surfaces of the chunk at hand, by the bits of plane and reach: large models have
+    /// millions of faces in a few of them.
+    planes: HashMap<[u64; 5], SurfaceId>,
 }
 
 /// What becomes of a group besides its tables.
@@ -90,7 +94,7 @@ impl Tables {
         };
         let names = lowered.facets.iter().map(|facet| facet.name.clone());
         let label = labels.number(&part.name, primitive.name(), names);
-        let first = self.surfaces.len();
+        self.leaves.push_shape(label, lowered.complement);
         for facet in &lowered.facets {
             let surface = facet.surface.transformed(place);
             let reach = surface.reach() + place.path;
@@ -103,12 +107,26 @@ impl Tables {
                 // two boxes of something very thin may miss each other by a rounding
                 bounds = if both.is_empty() { bounds } else { both };
             }
-            self.surfaces.push(SurfaceEntry { surface, reach });
+            let id = self.surface(SurfaceEntry { surface, reach });
+            self.leaves.facets.push(LeafFacet::new(id, facet.inside));
         }
-        self.leaves.push_shape(label, lowered.complement, bounds);
-        let facets = lowered.facets.iter().zip(first..);
-        self.leaves.facets.extend(facets.map(|(facet, k)| LeafFacet::new(SurfaceId::from(k), facet.inside)));
+        self.leaves.push_bounds(bounds);
         Ok(())
+    }
+
+    /// The number of a surface; of planes that are the same to the bit, the same.
+    fn surface(&mut self, entry: SurfaceEntry) -> SurfaceId {
+        let fresh = SurfaceId::from(self.surfaces.len());
+        if let Surface::Plane(plane) = &entry.surface {
+            let [x, y, z] = plane.normal.to_array();
+            let key = [x, y, z, plane.offset, entry.reach].map(f64::to_bits);
+            let known = *self.planes.entry(key).or_insert(fresh);
+            if known != fresh {
+                return known;
+            }
+        }
+        self.surfaces.push(entry);
+        fresh
     }
 
     fn copies(
@@ -146,8 +164,9 @@ impl Tables {
     pub fn share(&mut self, group: &Group<'_>, labels: &Labels) -> Result<(), CompileError> {
         let candidates: Vec<_> = self.surfaces.iter().map(|s| (&s.surface, s.reach)).collect();
         let shared = share(&candidates).map_err(|wide| {
-            // until here each facet has a surface of its own, under the same number
-            let name = |facet: usize| {
+            let name = |surface: usize| {
+                let mut facets = self.leaves.facets.iter();
+                let facet = facets.position(|facet| facet.surface().index() == surface).unwrap_or(0);
                 let leaf = self.leaves.leaf_of_facet(facet);
                 labels.get(leaf.label_number()).face_name(facet - leaf.first_facet())
             };
@@ -158,7 +177,8 @@ impl Tables {
         })?;
         let mut number = vec![u32::MAX; self.surfaces.len()];
         let mut kept: Vec<SurfaceEntry> = Vec::new();
-        for (k, facet) in self.leaves.facets.iter_mut().enumerate() {
+        for facet in &mut self.leaves.facets {
+            let k = facet.surface().index();
             let representative = shared.representative[k] as usize;
             if number[representative] == u32::MAX {
                 number[representative] = kept.len() as u32;
