@@ -7,7 +7,7 @@
 
 use rayweave_conformance::contest::{Score, contest};
 use rayweave_conformance::{Maker, contender};
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -18,6 +18,7 @@ const CHUNK: u64 = 100;
 
 fn evaluators() -> Vec<Maker> {
     vec![
+        contender(Packets::new),
         contender(Weave::new),
         contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
         contender(Spans::new),

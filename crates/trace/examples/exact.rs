@@ -6,7 +6,7 @@
 
 use rayweave_conformance::exact::{self, Count};
 use rayweave_conformance::{Maker, contender};
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::ops::Range;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,6 +19,7 @@ type Suite = fn(&[Maker], Range<u64>) -> Count;
 
 fn evaluators() -> Vec<Maker> {
     vec![
+        contender(Packets::new),
         contender(Weave::new),
         contender(Reference::new),
         contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),

@@ -19,7 +19,7 @@ use rayweave_rootray::hit_array::{CsgOptions, HitArray, Operation, array_csg};
 use rayweave_shape::Ray;
 use rayweave_trace::single_hit::seed_view::{self, CompleteTree, Limits, Tables, next, silent};
 use rayweave_trace::single_hit::{LeafAnswers, Next};
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
 /// Rays of a model.
@@ -172,6 +172,7 @@ fn algorithms() -> Vec<(&'static str, Algorithm)> {
         ("tables, original, no limits", tables(Tables::original(), None)),
         ("tables, mended, no limits", tables(Tables::from_rule(), None)),
         ("`reference`", ours(Reference::new)),
+        ("`packets`", ours(Packets::new)),
         ("`weave`", ours(Weave::new)),
         ("`single_hit`", ours(single_hit)),
         ("`spans`", ours(Spans::new)),

@@ -4,7 +4,7 @@ use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Limit, Program, Query, RayAnswer, RayBatch, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -69,6 +69,7 @@ fn main() {
     for (model, solid, radius, half) in [("lens", lens(), 60.0, 10.0), ("die", die(), 5.0, 1.0)] {
         let program = Arc::new(Program::compile(&solid).expect("a valid solid"));
         let batch = rays(200_000, radius, half);
+        report(model, &Packets::new(program.clone()), &batch);
         report(model, &Weave::new(program.clone()), &batch);
         report(model, &Spans::new(program.clone()), &batch);
         report(model, &SingleHit::new(program.clone()).expect("a small solid"), &batch);

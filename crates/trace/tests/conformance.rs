@@ -2,7 +2,7 @@
 
 use rayweave_conformance::conformance_tests;
 use rayweave_model::Program;
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
 mod weave {
@@ -23,6 +23,11 @@ mod single_hit {
     }
 
     conformance_tests!(single_hit, Reference::new);
+}
+
+mod packets {
+    use super::*;
+    conformance_tests!(Packets::new, Reference::new);
 }
 
 mod spans {

@@ -2,7 +2,7 @@
 
 use rayweave_conformance::contender;
 use rayweave_conformance::contest::contest;
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 
 #[test]
 fn all_give_the_same_lists() {
@@ -10,10 +10,11 @@ fn all_give_the_same_lists() {
         contender(|program| SingleHit::new(program).expect("no model of the suite is too large"));
     let scores = contest(
         &contender(Reference::new),
-        &[contender(Weave::new), single_hit, contender(Spans::new)],
+        &[contender(Packets::new), contender(Weave::new), single_hit, contender(Spans::new)],
         0..48,
     );
-    assert_eq!(scores.iter().map(|s| s.name).collect::<Vec<_>>(), ["weave", "single_hit", "spans"]);
+    let names: Vec<_> = scores.iter().map(|score| score.name).collect();
+    assert_eq!(names, ["packets", "weave", "single_hit", "spans"]);
     for score in scores {
         assert!(score.rays >= 40_000 && score.crossings * 2 > score.rays, "{score:?}");
         assert!(score.wrong == 0, "{score:?}");

@@ -7,7 +7,7 @@ use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::{Collected, Evaluator, Program, Query, RayBatch, Region, RegionId, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Primitive, Value, build};
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
 /// All crossings of rays through a program, by the evaluator under test.
@@ -645,6 +645,7 @@ macro_rules! bank {
 
 bank! {
     {
+        packets: Packets::new;
         weave: Weave::new;
         reference: Reference::new;
         single_hit: |program| SingleHit::new(program).unwrap();

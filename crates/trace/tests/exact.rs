@@ -4,7 +4,7 @@
 //! `examples/exact.rs` is told to.
 
 use rayweave_conformance::{Maker, contender, exact};
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 
 /// Models of the short form: fifty rays each.
 const SHORT: std::ops::Range<u64> = 0..1100;
@@ -15,6 +15,7 @@ const LONG: std::ops::Range<u64> = 0..200_000;
 fn evaluators() -> Vec<Maker> {
     vec![
         contender(Reference::new),
+        contender(Packets::new),
         contender(Weave::new),
         contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
         contender(Spans::new),

@@ -7,7 +7,7 @@ use rayweave_model::simplify::{Preparation, Size};
 use rayweave_model::{Evaluator, Program, Query, Region, RegionId, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
 fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
@@ -139,6 +139,7 @@ fn check(models: u64, rays: usize) {
         let program = compiled(&solid);
         unasked += program.leaves().filter(|leaf| !leaf.is_asked()).count();
         let (reference, weave) = (Reference::new(program.clone()), Weave::new(program.clone()));
+        let packets = Packets::new(program.clone());
         let (spans, single_hit) = (Spans::new(program.clone()), SingleHit::new(program).unwrap());
         for _ in 0..rays {
             let ray = ray(rng);
@@ -147,6 +148,7 @@ fn check(models: u64, rays: usize) {
             let said = || format!("model {seed}, {ray:?}: {solid}");
             assert_eq!(ask(&reference, ray), expected, "reference, {}", said());
             assert_eq!(ask(&weave, ray), expected, "weave, {}", said());
+            assert_eq!(ask(&packets, ray), expected, "packets, {}", said());
             assert_eq!(ask(&spans, ray), expected, "spans, {}", said());
             assert_eq!(ask(&single_hit, ray), expected, "single_hit, {}", said());
         }
