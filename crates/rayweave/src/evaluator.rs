@@ -2,16 +2,18 @@
 
 use crate::Error;
 use rayweave_model::{Evaluator, FirstHits, HitRows, Program, Query, Rays, RegionId, Sink, Window};
-use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
 /// Any of the evaluators. They give the same answers, bit for bit, and differ in speed only.
 ///
-/// Code that knows which one it wants takes [`Weave`], [`Reference`], [`SingleHit`] or [`Spans`] itself; this one is for
-/// doors through which the choice comes as text.
+/// Code that knows which one it wants takes [`Packets`], [`Weave`], [`Reference`], [`SingleHit`] or [`Spans`] itself; this
+/// one is for doors through which the choice comes as text.
 #[derive(Clone, Debug)]
 pub enum AnyEvaluator {
-    /// The one for daily use.
+    /// The one for daily use: many rays at a time where the model is small, the weave elsewhere.
+    Packets(Packets),
+    /// One sweep of all flips along a ray, for models of any size.
     Weave(Weave),
     /// The obvious one, for checks.
     Reference(Reference),
@@ -24,6 +26,8 @@ pub enum AnyEvaluator {
 /// The memory of a thread for [`AnyEvaluator`].
 #[derive(Debug)]
 pub enum AnyScratch {
+    /// For [`AnyEvaluator::Packets`].
+    Packets(<Packets as Evaluator>::Scratch),
     /// For [`AnyEvaluator::Weave`].
     Weave(<Weave as Evaluator>::Scratch),
     /// For [`AnyEvaluator::Reference`].
@@ -36,7 +40,7 @@ pub enum AnyScratch {
 
 impl AnyEvaluator {
     /// The names to choose from; the first is the default.
-    pub const NAMES: [&str; 4] = ["weave", "reference", "single_hit", "spans"];
+    pub const NAMES: [&str; 5] = ["packets", "weave", "reference", "single_hit", "spans"];
 
     /// The evaluator of this name, or the default.
     ///
@@ -46,6 +50,7 @@ impl AnyEvaluator {
     /// for it, as it can be for [`SingleHit`].
     pub fn new(name: Option<&str>, program: Arc<Program>) -> Result<AnyEvaluator, Error> {
         match name.unwrap_or(AnyEvaluator::NAMES[0]) {
+            "packets" => Ok(AnyEvaluator::Packets(Packets::new(program))),
             "weave" => Ok(AnyEvaluator::Weave(Weave::new(program))),
             "reference" => Ok(AnyEvaluator::Reference(Reference::new(program))),
             "single_hit" => Ok(AnyEvaluator::SingleHit(SingleHit::new(program)?)),
@@ -59,6 +64,7 @@ impl AnyEvaluator {
 macro_rules! each {
     ($any:expr, $evaluator:ident => $call:expr) => {
         match $any {
+            AnyEvaluator::Packets($evaluator) => $call,
             AnyEvaluator::Weave($evaluator) => $call,
             AnyEvaluator::Reference($evaluator) => $call,
             AnyEvaluator::SingleHit($evaluator) => $call,
@@ -74,6 +80,7 @@ macro_rules! each_with {
             *$scratch = $any.scratch();
         }
         match ($any, $scratch) {
+            (AnyEvaluator::Packets($evaluator), AnyScratch::Packets($scratch)) => $call,
             (AnyEvaluator::Weave($evaluator), AnyScratch::Weave($scratch)) => $call,
             (AnyEvaluator::Reference($evaluator), AnyScratch::Reference($scratch)) => $call,
             (AnyEvaluator::SingleHit($evaluator), AnyScratch::SingleHit($scratch)) => $call,
@@ -87,7 +94,8 @@ impl AnyEvaluator {
     fn owns(&self, scratch: &AnyScratch) -> bool {
         matches!(
             (self, scratch),
-            (AnyEvaluator::Weave(_), AnyScratch::Weave(_))
+            (AnyEvaluator::Packets(_), AnyScratch::Packets(_))
+                | (AnyEvaluator::Weave(_), AnyScratch::Weave(_))
                 | (AnyEvaluator::Reference(_), AnyScratch::Reference(_))
                 | (AnyEvaluator::SingleHit(_), AnyScratch::SingleHit(_))
                 | (AnyEvaluator::Spans(_), AnyScratch::Spans(_))
@@ -108,6 +116,7 @@ impl Evaluator for AnyEvaluator {
 
     fn scratch(&self) -> AnyScratch {
         match self {
+            AnyEvaluator::Packets(packets) => AnyScratch::Packets(packets.scratch()),
             AnyEvaluator::Weave(weave) => AnyScratch::Weave(weave.scratch()),
             AnyEvaluator::Reference(reference) => AnyScratch::Reference(reference.scratch()),
             AnyEvaluator::SingleHit(single_hit) => AnyScratch::SingleHit(single_hit.scratch()),

@@ -23,9 +23,10 @@
 //!
 //! # Questions along rays
 //!
-//! A [`Program`] is a solid compiled into flat tables, in which coincident faces have become one surface. [`Weave`] is the
-//! evaluator for daily use, [`Reference`] the obvious one, [`SingleHit`] the one that can explain itself (see [`explain()`]),
-//! [`Spans`] the one that works on whole arrays; all answer through the trait [`Evaluator`].
+//! A [`Program`] is a solid compiled into flat tables, in which coincident faces have become one surface. [`Packets`] is the
+//! evaluator for daily use, eight rays at a time where the model is small; [`Weave`] the one for models of any size,
+//! [`Reference`] the obvious one, [`SingleHit`] the one that can explain itself (see [`explain()`]), [`Spans`] the one that
+//! works on whole arrays; all answer through the trait [`Evaluator`].
 //!
 //! ```
 //! use rayweave::{Evaluator, Program, Query, Ray, Vec3, Weave, shapes::sphere};
@@ -192,7 +193,7 @@ pub use explain::explain;
 pub use rayweave_math::{Affine, Bounds, Vec3};
 pub use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Window};
 pub use rayweave_shape::Ray;
-pub use rayweave_trace::{Reference, SingleHit, Spans, Weave};
+pub use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 pub use timeline::timeline;
 
 /// The Rust in the README, compiled and run with the documentation tests.

@@ -61,6 +61,7 @@ fn any_number_of_threads_and_any_evaluator_write_the_same_bytes() {
     let one = with("one.csv", &["--threads", "1"]);
     assert!(one.lines().count() > 10_000);
     assert_eq!(one, with("four.csv", &["--threads", "4"]));
+    assert_eq!(one, with("weave.csv", &["--evaluator", "weave"]));
     assert_eq!(one, with("reference.csv", &["--evaluator", "reference"]));
     assert_eq!(one, with("single_hit.csv", &["--evaluator", "single_hit"]));
     assert_eq!(one, with("spans.csv", &["--evaluator", "spans"]));
