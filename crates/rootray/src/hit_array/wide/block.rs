@@ -19,6 +19,12 @@ const WIDTH: usize = 4;
 /// Rows that are sorted in registers.
 const GROUP: usize = 8;
 
+/// Bytes of a tile: some blocks side by side, whose rows are read and written in one go each. It stays in the second cache.
+const TILE: usize = 1 << 17;
+
+/// The most columns of a tile: a page of f64.
+const LONGEST: usize = 512;
+
 /// What is the same for all blocks of a call.
 pub struct Plan {
     pub(super) operation: Operation,
@@ -81,9 +87,14 @@ fn blocks<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, col
         ends: vec![padding; count.next_multiple_of(GROUP)],
         exist: vec![[SimdMask::splat(simd, true); WIDTH]; rule.pieces(count)],
     };
-    for start in columns.step_by(WIDTH * T::Lanes::<S>::LEN) {
-        let columns = start..end.min(start + WIDTH * T::Lanes::<S>::LEN);
-        let watch = block.load(simd, rule, part, &columns);
+    let wide = WIDTH * T::Lanes::<S>::LEN;
+    let long = (TILE / (size_of::<T>() * 2 * count)).clamp(wide, LONGEST) / wide * wide;
+    let mut tile = vec![T::INFINITY; 2 * count * long];
+    for start in columns.step_by(long) {
+        let columns = start..end.min(start + long);
+        let mut watch = Watch::<S, T>::new(simd);
+        watch.rows(simd, part.rows1.iter().map(|row| &row[columns.clone()]));
+        watch.rows(simd, part.rows2.iter().map(|row| &row[columns.clone()]));
         if !watch.is_sorted() {
             return false;
         }
@@ -92,15 +103,22 @@ fn blocks<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, col
             walk(part, columns, |a, b, out| kernel::keep(table, a, b, out));
             continue;
         }
-        exchange_all(&plan.merge.exchanges, &mut block.starts);
-        exchange_all(&plan.merge.exchanges, &mut block.ends);
-        if block.compare(simd, rule, &plan.merge.order) {
-            block.compare_operands(simd, rule, part, &columns);
+        for first in columns.clone().step_by(wide) {
+            let columns = first..columns.end.min(first + wide);
+            block.load(simd, rule, part, &columns);
+            exchange_all(&plan.merge.exchanges, &mut block.starts);
+            exchange_all(&plan.merge.exchanges, &mut block.ends);
+            if block.compare(simd, rule, &plan.merge.order) {
+                block.compare_operands(simd, rule, part, &columns);
+            }
+            block.drop_rest(simd, rule, &plan.merge.order);
+            sort_all::<S, T>(&plan.sort.exchanges, &mut block.starts);
+            sort_all::<S, T>(&plan.sort.exchanges, &mut block.ends);
+            block.store(rule, &plan.sort.order, &mut tile, long, first - start..columns.end - start);
         }
-        block.drop_rest(simd, rule, &plan.merge.order);
-        sort_all::<S, T>(&plan.sort.exchanges, &mut block.starts);
-        sort_all::<S, T>(&plan.sort.exchanges, &mut block.ends);
-        block.store(rule, &plan.sort.order, part, &columns);
+        for (row, out) in tile.chunks(long).zip(&mut part.out) {
+            out[columns.clone()].copy_from_slice(&row[..columns.len()]);
+        }
     }
     true
 }
@@ -108,28 +126,16 @@ fn blocks<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, col
 impl<S: Simd, T: Real> Block<S, T> {
     /// Reads starts and ends of both operands.
     #[inline(always)]
-    fn load(&mut self, simd: S, rule: Rule, part: &Part<'_, T, T>, columns: &Range<usize>) -> Watch<S, T> {
-        let mut watch = Watch::new(simd);
+    fn load(&mut self, simd: S, rule: Rule, part: &Part<'_, T, T>, columns: &Range<usize>) {
         let pieces1 = part.rows1.len() / 2;
         for (rows, from, complement) in
             [(&part.rows1, 0, rule.complement1), (&part.rows2, pieces1, rule.complement2)]
         {
             for (row, numbers) in rows.iter().enumerate() {
-                let (list, other) = if (row % 2 == 1) == complement {
-                    (&mut self.starts, &self.ends)
-                } else {
-                    (&mut self.ends, &self.starts)
-                };
-                let here = &mut list[from + row / 2];
-                load_row::<S, T>(simd, &numbers[columns.clone()], here);
-                unrolled!(k < WIDTH => { watch.sign(here[k]); });
-                if row > 0 {
-                    let above = &other[from + (row - 1) / 2];
-                    unrolled!(k < WIDTH => { watch.order(above[k], here[k]); });
-                }
+                let list = if (row % 2 == 1) == complement { &mut self.starts } else { &mut self.ends };
+                load_row::<S, T>(simd, &numbers[columns.clone()], &mut list[from + row / 2]);
             }
         }
-        watch
     }
 
     /// Sees from sorted starts and ends which pieces exist. True if equal times leave it open.
@@ -193,14 +199,14 @@ impl<S: Simd, T: Real> Block<S, T> {
         }
     }
 
-    /// Writes sorted starts and ends to the rows of the result.
+    /// Writes sorted starts and ends to columns of a tile.
     #[inline(always)]
-    fn store(&self, rule: Rule, order: &[usize], part: &mut Part<'_, T, T>, columns: &Range<usize>) {
-        for (&row, out) in order.iter().zip(part.out.chunks_exact_mut(2)) {
-            let pair = [&self.starts[row], &self.ends[row]];
-            let (entry, next) = if rule.is_complement() { (1, 0) } else { (0, 1) };
-            store_row::<S, T>(pair[entry], &mut out[0][columns.clone()]);
-            store_row::<S, T>(pair[next], &mut out[1][columns.clone()]);
+    fn store(&self, rule: Rule, order: &[usize], tile: &mut [T], long: usize, columns: Range<usize>) {
+        for (&row, out) in order.iter().zip(tile.chunks_exact_mut(2 * long)) {
+            let (entry, next) = out.split_at_mut(long);
+            let (starts, ends) = if rule.is_complement() { (next, entry) } else { (entry, next) };
+            store_row::<S, T>(&self.starts[row], &mut starts[columns.clone()]);
+            store_row::<S, T>(&self.ends[row], &mut ends[columns.clone()]);
         }
     }
 }

@@ -160,28 +160,13 @@ fn steps<S: Simd, T: Real, const H: usize>(
 ) -> Watch<S, T> {
     let mut watch = Watch::new(simd);
     if H > EXACT {
-        look::<S, T, H>(simd, &rows.first, &mut watch);
-        look::<S, T, H>(simd, &rows.second, &mut watch);
+        watch.rows(simd, rows.first.iter().copied());
+        watch.rows(simd, rows.second.iter().copied());
     }
     for start in (0..width).step_by(T::Lanes::<S>::LEN) {
         step(simd, operation, rows, start..start + T::Lanes::<S>::LEN, &mut watch);
     }
     watch
-}
-
-/// Reads an operand row by row before it is combined: memory likes few long streams better than many short ones.
-#[inline(always)]
-fn look<S: Simd, T: Real, const H: usize>(simd: S, rows: &[&[T]; H], watch: &mut Watch<S, T>) {
-    let len = T::Lanes::<S>::LEN;
-    let mut above = rows[0];
-    for row in rows {
-        for (t, above) in row.chunks_exact(len).zip(above.chunks_exact(len)) {
-            let t = T::Lanes::<S>::from_slice(simd, t);
-            watch.sign(t);
-            watch.order(T::Lanes::<S>::from_slice(simd, above), t);
-        }
-        above = row;
-    }
 }
 
 /// Combines one column in each lane.

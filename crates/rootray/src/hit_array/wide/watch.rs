@@ -3,6 +3,7 @@
 use fearless_simd::prelude::*;
 
 use super::super::Real;
+use super::load;
 
 /// Collected over entries, lane by lane.
 #[derive(Clone, Copy)]
@@ -23,6 +24,27 @@ impl<S: Simd, T: Real> Watch<S, T> {
             tied: SimdMask::splat(simd, false),
             padding: T::Lanes::<S>::splat(simd, T::INFINITY),
             zeros: T::Lanes::<S>::splat(simd, T::ZERO),
+        }
+    }
+
+    /// Reads rows of one operand, one after the other: memory likes few long streams better than many short ones.
+    #[inline(always)]
+    pub fn rows<'a>(&mut self, simd: S, mut rows: impl Iterator<Item = &'a [T]>) {
+        let len = T::Lanes::<S>::LEN;
+        let Some(mut above) = rows.next() else { return };
+        for row in std::iter::once(above).chain(rows) {
+            let whole = row.len() - row.len() % len;
+            for (t, above) in row[..whole].chunks_exact(len).zip(above.chunks_exact(len)) {
+                let t = T::Lanes::<S>::from_slice(simd, t);
+                self.sign(t);
+                self.order(T::Lanes::<S>::from_slice(simd, above), t);
+            }
+            if whole < row.len() {
+                let t = load(simd, &row[whole..]);
+                self.sign(t);
+                self.order(load(simd, &above[whole..]), t);
+            }
+            above = row;
         }
     }
 
