@@ -168,7 +168,7 @@ fn curved_models_get_the_answers_of_the_reference() {
 #[test]
 #[ignore = "long"]
 fn long_curved_models_get_the_answers_of_the_reference() {
-    (10..30).for_each(|seed| check(20_000, seed));
+    (10..20).for_each(|seed| check(5_000, seed));
 }
 
 /// Two media that share a curved face, and one that is overlapped.

@@ -1,7 +1,7 @@
 //! Surfaces of degree 2 along eight rays.
 //!
 //! The steps are those of [`quadratic_crossings`](crate::surface::quadratic_crossings) and of
-//! [`quadratic`](rayweave_math::roots::quadratic), which say where they come from and why they are what they are.
+//! [`quadratic`](fn@rayweave_math::roots::quadratic), which say where they come from and why they are what they are.
 
 use super::ray::{Doubt, LaneRay};
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
