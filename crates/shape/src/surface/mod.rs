@@ -33,7 +33,9 @@ pub use plane::Plane;
 pub use quadric::Quadric;
 pub use share::{Shared, WideClass, share};
 pub use sphere::Sphere;
-pub use tolerance::{Aside, Chord, LIE_DIRECTION, clears, delta, delta_of, hugs, hugs_along, is_near, lies_in};
+pub use tolerance::{
+    Aside, Chord, LIE_DIRECTION, clears, delta, delta_of, hugs, hugs_along, is_near, lies_in,
+};
 pub use torus::Torus;
 
 use crate::Ray;
