@@ -153,25 +153,20 @@ impl Facet {
             Kernel::Cylinder(cylinder) => {
                 let from = ray.origin.minus_all(cylinder.point).perpendicular(cylinder.axis);
                 let along = ray.direction.perpendicular(cylinder.axis);
-                let across = Across {
-                    square: along.length_squared(),
-                    approach: from.dot(along),
-                    apart: |t: Lanes<S>| from.plus(along.times(t)).length_squared(),
-                };
-                let (from, to) = cylinder_times(simd, cylinder.radius, across, ray, doubt);
+                let square = along.length_squared();
+                let closest = closest(simd, square, from.dot(along));
+                let apart = from.plus(along.times(closest)).length_squared();
+                let across = Across { radius: cylinder.radius, square, closest, apart };
+                let (from, to) = cylinder_times(simd, &across, ray, doubt);
                 self.stretch(simd, from, to, span)
             }
             Kernel::AxisCylinder(cylinder) => {
                 let ([x, y], [u, v]) = cylinder.across(ray);
-                let across = Across {
-                    square: u * u + v * v,
-                    approach: x * u + y * v,
-                    apart: |t: Lanes<S>| {
-                        let (x, y) = (x + t * u, y + t * v);
-                        x * x + y * y
-                    },
-                };
-                let (from, to) = cylinder_times(simd, cylinder.radius, across, ray, doubt);
+                let square = u * u + v * v;
+                let closest = closest(simd, square, x * u + y * v);
+                let (x, y) = (x + closest * u, y + closest * v);
+                let across = Across { radius: cylinder.radius, square, closest, apart: x * x + y * y };
+                let (from, to) = cylinder_times(simd, &across, ray, doubt);
                 self.stretch(simd, from, to, span)
             }
             Kernel::AxisSlab(slab) => {
@@ -354,34 +349,38 @@ fn sphere_times<S: Simd>(simd: S, sphere: &Sphere, ray: &LaneRay<S>) -> (Lanes<S
     or_empty(simd, inside.simd_gt(0.0), closest, half)
 }
 
+/// When rays are closest to the axis of a cylinder, from the square of their speed across it and the origin, from the
+/// axis, times that velocity; 0 for rays along the axis.
+#[inline(always)]
+fn closest<S: Simd>(simd: S, square: Lanes<S>, approach: Lanes<S>) -> Lanes<S> {
+    let zero = splat(simd, 0.0);
+    square.simd_eq(zero).select(zero, -approach / square)
+}
+
 /// A ray as a cylinder sees it, across its axis.
-struct Across<S: Simd, F: Fn(Lanes<S>) -> Lanes<S>> {
+struct Across<S: Simd> {
+    radius: f64,
     /// The square of the speed.
     square: Lanes<S>,
-    /// The origin, from the axis, times the velocity.
-    approach: Lanes<S>,
-    /// The square of the distance from the axis at a time.
-    apart: F,
+    /// When the ray is closest to the axis.
+    closest: Lanes<S>,
+    /// The square of its distance then.
+    apart: Lanes<S>,
 }
 
 /// The stretch in a cylinder, as [`Cylinder::crossings`].
 #[inline(always)]
-fn cylinder_times<S: Simd, F: Fn(Lanes<S>) -> Lanes<S>>(
+fn cylinder_times<S: Simd>(
     simd: S,
-    radius: f64,
-    across: Across<S, F>,
+    across: &Across<S>,
     ray: &LaneRay<S>,
     doubt: &mut Doubt<S>,
 ) -> (Lanes<S>, Lanes<S>) {
-    let Across { square, approach, apart } = across;
+    let &Across { radius, square, closest, apart } = across;
     let slow = square.simd_lt(ray.slow_square);
     let any_slow = slow.any_true();
     let zero = splat(simd, 0.0);
-    let mut closest = -approach / square;
-    if any_slow {
-        closest = square.simd_eq(zero).select(zero, closest);
-    }
-    let inside = splat(simd, radius * radius) - apart(closest);
+    let inside = splat(simd, radius * radius) - apart;
     let enters = inside.simd_gt(zero);
     let half = (inside / square).sqrt();
     // f(r(middle)) and a quarter of the square of its gradient

@@ -301,15 +301,19 @@ pub(super) fn whole(x: f64) -> i32 {
 /// Three columns of eight rays.
 #[inline(always)]
 pub(super) fn load<S: Simd>(simd: S, columns: [&[f64]; 3], at: usize) -> Vec3Lanes<S> {
-    let [x, y, z] = columns.map(|column| lanes(simd, &column[at..]));
-    Vec3Lanes { x, y, z }
+    let [x, y, z] = columns;
+    Vec3Lanes { x: lanes(simd, &x[at..]), y: lanes(simd, &y[at..]), z: lanes(simd, &z[at..]) }
 }
 
 #[inline(always)]
 fn lanes<S: Simd>(simd: S, column: &[f64]) -> Lanes<S> {
     match column.first_chunk::<LANES>() {
         Some(chunk) => Lanes::load_array_ref(simd, chunk),
-        None => Lanes::from_fn(simd, |k| column[k.min(column.len() - 1)]),
+        None => {
+            let mut row = [column[column.len() - 1]; LANES];
+            row[..column.len()].copy_from_slice(column);
+            Lanes::load_array(simd, row)
+        }
     }
 }
 

@@ -307,17 +307,20 @@ impl Objects {
 
     #[inline(always)]
     fn slabs<S: Simd>(&self, simd: S, ray: &LaneRay<S>) -> Slabs<S> {
-        let one = splat(simd, 1.0);
-        // a component of 1e-100 moves the ray by less than any margin
-        let inverse = |d: Lanes<S>| one / d.abs().max(splat(simd, 1e-100)).copysign(d);
         let Vec3Lanes { x, y, z } = ray.direction;
         Slabs {
             origin: ray.origin,
-            inverse: Vec3Lanes { x: inverse(x), y: inverse(y), z: inverse(z) },
+            inverse: Vec3Lanes { x: inverse(simd, x), y: inverse(simd, y), z: inverse(simd, z) },
             margin: ray.origin.taxicab() * (self.condition * MARGIN),
             behind: splat(simd, BEHIND * self.model.limits.radius) / ray.direction.taxicab(),
         }
     }
+}
+
+/// The inverse of a component of a direction, kept finite: 1e-100 moves the ray by less than any margin.
+#[inline(always)]
+fn inverse<S: Simd>(simd: S, d: Lanes<S>) -> Lanes<S> {
+    splat(simd, 1.0) / d.abs().max(splat(simd, 1e-100)).copysign(d)
 }
 
 impl<S: Simd> Slabs<S> {
