@@ -4,9 +4,9 @@
 //! cargo run --release -p rayweave-bench -- --peers DIR --markdown docs/performance.md
 //! ```
 //!
-//! The way of a run: [`ceiling`] measures what the machine can do at most; each [`exemplar`] sets contenders to the same
-//! work, evaluators of this project, [`peers`] and kernels by [`kernel`] hand, and [`contest`] lets them run in turn;
-//! [`answer`] compares what they answer, so that a ratio of times is one for the same work; [`report`] writes it down.
+//! The way of a run: `ceiling` measures what the machine can do at most; each `exemplar` sets contenders to the same
+//! work, evaluators of this project, `peers` and kernels by `kernel` hand, and `contest` lets them run in turn;
+//! `answer` compares what they answer, so that a ratio of times is one for the same work; `report` writes it down.
 //!
 //! Nothing in the tests is timed: they check that statistics, tables and kernels are right.
 
