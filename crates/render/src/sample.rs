@@ -56,14 +56,14 @@ pub(crate) fn towards_eye(normal: Vec3, ray: &Ray) -> Vec3 {
 /// A thread that looks along rays: by columns where nothing is translucent, else layer by layer.
 pub(crate) enum Eye<'a, E: Evaluator> {
     Columns(Box<Gaze<'a, E>>),
-    Layers(Layers<'a, E>),
+    Layers(Box<Layers<'a, E>>),
 }
 
 impl<'a, E: Evaluator> Eye<'a, E> {
     pub fn new(evaluator: &'a E, shader: &'a Shader, camera: &'a Camera, size: Size) -> Self {
         match Gaze::new(evaluator, shader, camera, size) {
             Some(gaze) => Eye::Columns(Box::new(gaze)),
-            None => Eye::Layers(Layers::new(evaluator, shader, camera, size)),
+            None => Eye::Layers(Box::new(Layers::new(evaluator, shader, camera, size))),
         }
     }
 
