@@ -174,7 +174,7 @@ impl Pair {
     }
 
     /// A ray that leaves the surface of a crossing, reflected and not.
-    fn from_surface(&self, ray: Ray, all: &[Crossing], rng: &mut Random) {
+    fn leaving_a_surface(&self, ray: Ray, all: &[Crossing], rng: &mut Random) {
         let Some(crossing) = (!all.is_empty()).then(|| all[rng.below(all.len())]) else { return };
         let direction = if rng.chance(0.5) { ray.direction } else { -ray.direction };
         let face = crossing.face;
@@ -190,7 +190,7 @@ impl Pair {
         let (_, all) = self.ask(ray, &Query::default());
         self.steps(ray, &all);
         self.windows(ray, &all, rng);
-        self.from_surface(ray, &all, rng);
+        self.leaving_a_surface(ray, &all, rng);
         all.len()
     }
 }

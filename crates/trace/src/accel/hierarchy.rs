@@ -111,6 +111,9 @@ pub(crate) struct Front {
     /// Boxes not opened yet, the first one on top: the time of the entry as bits in the order of the times, then what is
     /// in the box.
     waiting: BinaryHeap<Reverse<u64>>,
+    /// The leaves in the node opened last.
+    fresh: [u32; WIDTH],
+    fresh_count: usize,
 }
 
 impl Front {
@@ -136,6 +139,11 @@ impl Front {
         self.probe.end()
     }
 
+    /// The leaves whose boxes were found in the node that was opened last.
+    pub fn fresh(&self) -> &[u32] {
+        &self.fresh[..self.fresh_count]
+    }
+
     /// Opens the first box; the leaf if there is one in it.
     pub(super) fn next(&mut self, hierarchy: &Hierarchy) -> Option<u32> {
         let Reverse(first) = self.waiting.pop()?;
@@ -149,12 +157,18 @@ impl Front {
 
     fn open(&mut self, hierarchy: &Hierarchy, node: u32) {
         let node = &hierarchy.nodes[node as usize];
+        self.fresh_count = 0;
         let (mut left, enter) =
             dispatch!(hierarchy.level, simd => Slabs::new(simd, &self.probe).entered(node));
         while left != 0 {
             let k = left.trailing_zeros() as usize % WIDTH;
             left &= left - 1;
-            self.waiting.push(Reverse(u64::from(bits_of(enter[k])) << 32 | u64::from(node.child[k])));
+            let child = node.child[k];
+            self.waiting.push(Reverse(u64::from(bits_of(enter[k])) << 32 | u64::from(child)));
+            if child & LEAF != 0 {
+                self.fresh[self.fresh_count % WIDTH] = child ^ LEAF;
+                self.fresh_count += 1;
+            }
         }
     }
 }

@@ -1,18 +1,31 @@
-//! All crossings: the flips of all leaves that the ray can touch, sorted once.
+//! The list of crossings: the flips of all leaves that the ray can touch, sorted once.
 
 use super::{Level, Weave, WeaveScratch};
 use rayweave_model::gate::NetworkState;
 use rayweave_model::weld::{Flips, Weld};
 use rayweave_model::{
-    Event, Face, GroupRay, LeafId, LeafKind, PrototypeId, Query, RegionId, Start, Sweep, Window, leaf_events,
+    Crossing, Event, Face, GroupRay, LeafId, LeafKind, Limit, PrototypeId, Query, RegionId, Start, Sweep,
+    Window, leaf_events,
 };
 use rayweave_shape::Ray;
 
 /// So many leaves fit the caches nearest to a processor with all that is read of them.
 const CACHED: usize = 2000;
 
+/// What is asked about a group.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'r> {
+    pub group: PrototypeId,
+    /// The ray as the group sees it.
+    pub ray: &'r GroupRay<'r>,
+    /// The part of it that counts.
+    pub window: Window,
+    /// How many groups are around the group.
+    pub depth: usize,
+}
+
 impl Weave {
-    /// Appends all crossings of a ray; the region at its start.
+    /// Finds the crossings of a ray, or the first one, from the flips of all leaves; the region at its start.
     pub(super) fn list(
         &self,
         ray: Ray,
@@ -23,7 +36,8 @@ impl Weave {
         let group = PrototypeId(0);
         let seen = GroupRay::world(&self.program, ray, starts);
         let mut state = scratch.take_state(&self.program, group);
-        let level = self.gather(group, &seen, query.window, 0, scratch, &mut state);
+        let asked = Asked { group, ray: &seen, window: query.window, depth: 0 };
+        let level = self.gather(asked, scratch, &mut state);
         let network = &self.program.prototype(group).network;
         let mut sweep = Sweep::new(network, &mut state, &level.events, query.window.t_max());
         while sweep.next_time().is_some_and(|t| query.is_past(t, !starts.is_empty())) {
@@ -32,10 +46,15 @@ impl Weave {
         let mut now = self.state(sweep.flips.winner());
         let start = now.region;
         let mut weld = Weld::new(&self.program, ray, &level.events);
-        while let Some(change) = sweep.next_change(&mut now, |winner| self.state(winner)) {
+        let enough = |found: &[Crossing]| query.limit == Limit::First && !found.is_empty();
+        while !enough(&scratch.crossings)
+            && let Some(change) = sweep.next_change(&mut now, |winner| self.state(winner))
+        {
             scratch.crossings.extend(weld.change(change, &mut sweep.flips));
         }
-        scratch.crossings.extend(weld.finish(sweep.position(), &mut sweep.flips));
+        if !enough(&scratch.crossings) {
+            scratch.crossings.extend(weld.finish(sweep.position(), &mut sweep.flips));
+        }
         sweep.rest(level.touched.iter().copied());
         scratch.give_state(group, state);
         scratch.give_level(0, level);
@@ -46,22 +65,17 @@ impl Weave {
     /// flips in `state` the leaves that are inside from the start.
     pub(super) fn gather(
         &self,
-        group: PrototypeId,
-        ray: &GroupRay<'_>,
-        window: Window,
-        depth: usize,
+        asked: Asked<'_>,
         scratch: &mut WeaveScratch,
         state: &mut NetworkState,
     ) -> Box<Level> {
-        let mut level = scratch.take_level(depth);
-        self.accel[group.index()].touched(ray, window, &mut level.touched);
-        let network = &self.program.prototype(group).network;
-        if self.program.prototype(group).leaves.len() > CACHED {
-            self.read_ahead(group, &level.touched, state);
-        }
+        let mut level = scratch.take_level(asked.depth);
+        self.accel[asked.group.index()].touched(asked.ray, asked.window, &mut level.touched);
+        let network = &self.program.prototype(asked.group).network;
+        self.read_ahead(asked.group, &level.touched, state);
         for k in 0..level.touched.len() {
             let leaf = level.touched[k];
-            if self.leaf(group, leaf, ray, window, depth, scratch, &mut level) {
+            if self.leaf(asked, leaf, scratch, &mut level) {
                 network.flip(state, leaf);
             }
         }
@@ -71,8 +85,11 @@ impl Weave {
 
     /// Reads what asking and flipping some leaves will read, one kind of table after the other: so the processor waits for
     /// the memory of many leaves at once, and not for each of three tables and a network in turn.
-    fn read_ahead(&self, group: PrototypeId, leaves: &[u32], state: &NetworkState) {
+    pub(super) fn read_ahead(&self, group: PrototypeId, leaves: &[u32], state: &NetworkState) {
         let (program, group) = (&*self.program, self.program.prototype(group));
+        if group.leaves.len() <= CACHED || leaves.is_empty() {
+            return;
+        }
         let facet = |leaf: u32| match program.leaf(LeafId(group.leaves.start + leaf)).kind() {
             LeafKind::Shape { facets, .. } => facets.start,
             LeafKind::Instance { .. } => 0,
@@ -90,26 +107,24 @@ impl Weave {
 
     /// Appends the flips of a leaf of a group; true if it is inside from the start. Outside of the window they may be
     /// others, but so that the leaf is as it should be where the window begins.
-    #[allow(clippy::too_many_arguments)]
     pub(super) fn leaf(
         &self,
-        group: PrototypeId,
+        asked: Asked<'_>,
         leaf: u32,
-        ray: &GroupRay<'_>,
-        window: Window,
-        depth: usize,
         scratch: &mut WeaveScratch,
         level: &mut Level,
     ) -> bool {
         scratch.asked += 1;
-        let id = LeafId(self.program.prototype(group).leaves.start + leaf);
+        let Asked { ray, window, depth, .. } = asked;
+        let id = LeafId(self.program.prototype(asked.group).leaves.start + leaf);
         match &self.program.leaf(id).kind() {
             LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, ray, level),
             LeafKind::Instance { prototype, placement } => {
                 let place = &self.program.leaf(id).place();
                 let local = ray.placed(place, self.program.prototype(*prototype), *placement);
                 level.inner.clear();
-                let starts = self.instance(*prototype, &local, window, depth + 1, scratch, &mut level.inner);
+                let inner = Asked { group: *prototype, ray: &local, window, depth: depth + 1 };
+                let starts = self.instance(inner, scratch, &mut level.inner);
                 level.events.extend(level.inner.iter().map(|&(t, face)| Event { t, leaf, face }));
                 starts
             }
@@ -135,17 +150,10 @@ impl Weave {
     }
 
     /// The changes of a placed solid in the window, as flips of one leaf; true if it is inside from the start.
-    fn instance(
-        &self,
-        group: PrototypeId,
-        ray: &GroupRay<'_>,
-        window: Window,
-        depth: usize,
-        scratch: &mut WeaveScratch,
-        out: &mut Vec<(f64, Face)>,
-    ) -> bool {
+    fn instance(&self, asked: Asked<'_>, scratch: &mut WeaveScratch, out: &mut Vec<(f64, Face)>) -> bool {
+        let Asked { group, window, depth, .. } = asked;
         let mut state = scratch.take_state(&self.program, group);
-        let level = self.gather(group, ray, window, depth, scratch, &mut state);
+        let level = self.gather(asked, scratch, &mut state);
         let network = &self.program.prototype(group).network;
         let mut sweep = Sweep::new(network, &mut state, &level.events, window.t_max());
         // whose face it was does not matter any more

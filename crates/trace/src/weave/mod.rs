@@ -4,7 +4,7 @@
 //! the boolean network of the group, which tells after each flip what has changed. Only the leaves touched
 //! are put back afterwards, so a ray costs what it meets and not what the model holds. A placed solid is one
 //! leaf of the group around it, whose flips come from a sweep of its own group in its own frame. Where one crossing is
-//! enough, leaves are asked one after the other along the ray (`nearest`).
+//! enough, many leaves are asked one after the other along the ray (`nearest`).
 
 mod list;
 mod nearest;
@@ -16,7 +16,7 @@ pub use scratch::WeaveScratch;
 use crate::accel::Accel;
 use rayweave_math::Vec3;
 use rayweave_model::{
-    Evaluator, GroupPoint, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink, State, Window,
+    Evaluator, GroupPoint, Limit, Program, PrototypeId, Query, RayAnswer, Rays, RegionId, Sink, State, Window,
 };
 use scratch::Level;
 use std::sync::Arc;
@@ -47,6 +47,10 @@ impl Weave {
     }
 }
 
+/// Of so few leaves all that a ray can touch are asked, even where one crossing is enough: going along with the ray costs
+/// more than it saves.
+const FEW: usize = 12;
+
 /// The question for a ray that starts on surfaces. Before t = 0 a leaf may have any side there, whatever its box: that
 /// part of the ray is not asked about.
 fn from_zero<'a>(query: &Query<'a>) -> Query<'a> {
@@ -72,12 +76,13 @@ impl Evaluator for Weave {
     }
 
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut WeaveScratch, sink: &mut dyn Sink) {
+        let few = self.program.prototype(PrototypeId(0)).leaves.len() <= FEW;
         for i in 0..rays.len() {
             let starts = query.starts.map_or(&[][..], |lists| lists.of(i));
             scratch.crossings.clear();
             let query = if starts.is_empty() { *query } else { from_zero(query) };
             let start = match query.limit {
-                Limit::First if query.window.t_max() > 0.0 || starts.is_empty() => {
+                Limit::First if !few && (starts.is_empty() || query.window.t_max() > 0.0) => {
                     self.nearest(rays.get(i), &query, starts, scratch)
                 }
                 _ => self.list(rays.get(i), &query, starts, scratch),

@@ -4,6 +4,7 @@
 //! is reported as soon as nothing beyond the frontier can be welded to it. A leaf that is asked late does not matter
 //! before its box, so it is brought to the side that it has where the sweep stands.
 
+use super::list::Asked;
 use super::scratch::{Near, Partly};
 use super::{Level, Weave, WeaveScratch};
 use rayweave_model::gate::NetworkState;
@@ -201,7 +202,9 @@ impl Walk<'_> {
             let partly = self.near.partly.swap_remove(at);
             return self.ask_piece(partly, scratch);
         }
-        let Some(leaf) = self.weave.accel[MODEL.index()].next(&mut self.near.front) else { return };
+        let Some(leaf) = self.weave.accel[MODEL.index()].next(&mut self.near.front) else {
+            return self.weave.read_ahead(MODEL, self.near.front.fresh(), &self.state);
+        };
         self.level.touched.push(leaf);
         match self.first_piece(leaf) {
             Some(step) => {
@@ -233,7 +236,8 @@ impl Walk<'_> {
         let piece = Window::new(until, end).ok().filter(|_| !ends);
         let Some(window) = piece.or_else(|| Window::new(until, t_max).ok()) else { return };
         let known = self.level.events.len();
-        let starts = self.weave.leaf(MODEL, leaf, &self.ray, window, 0, scratch, &mut self.level);
+        let asked = Asked { group: MODEL, ray: &self.ray, window, depth: 0 };
+        let starts = self.weave.leaf(asked, leaf, scratch, &mut self.level);
         if is_new && starts {
             self.flip(leaf);
         }
@@ -260,7 +264,8 @@ impl Walk<'_> {
     /// Asks a leaf about all flips in a window.
     fn ask(&mut self, leaf: u32, window: Window, scratch: &mut WeaveScratch) {
         let known = self.level.events.len();
-        let starts = self.weave.leaf(MODEL, leaf, &self.ray, window, 0, scratch, &mut self.level);
+        let asked = Asked { group: MODEL, ray: &self.ray, window, depth: 0 };
+        let starts = self.weave.leaf(asked, leaf, scratch, &mut self.level);
         if starts != self.state.leaf(leaf) {
             self.flip(leaf);
         }
