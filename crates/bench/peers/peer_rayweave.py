@@ -1,5 +1,7 @@
 """This project from Python, on one thread, into arrays that are given: what the way through Python costs."""
 
+import importlib.metadata
+
 import numpy as np
 import rayweave as rw
 from driver import rays, serve
@@ -15,13 +17,16 @@ def lens():
     return rw.sphere(50).translate((0, 0, 48)) & rw.sphere(50).translate((0, 0, -48)) & rw.cylinder(10)
 
 
-def tasks(name, solid, rows):
+def tasks(name, solid):
     def prepare(array, count):
-        return *rays(array, count), np.empty((rows, count))
+        origins, directions = rays(array, count)
+        # as many rows as are needed: the answer itself tells
+        out = solid.hits(origins, directions, return_surfaces=True, threads=1)
+        return origins, directions, out
 
     def full(prepared):
         origins, directions, out = prepared
-        return solid.hits(origins, directions, return_surfaces=True, threads=1)[0]
+        return solid.hits(origins, directions, return_surfaces=True, out=out, threads=1)[0]
 
     def first(prepared):
         origins, directions, _ = prepared
@@ -40,11 +45,11 @@ def arrays(array, count):
 
 def union(arguments):
     first, second, out = arguments
-    return rw.array_csg(first, second, rw.Operation.UNION, out=out)
+    return rw.array_csg(first, second, rw.Operation.UNION, out=out, threads=1)
 
 
 serve(
     "Rayweave",
-    rw.__version__,
-    tasks("die", die(), 8) | tasks("lens", lens(), 2) | {"array_csg": (arrays, union, union)},
+    importlib.metadata.version("rayweave"),
+    tasks("die", die()) | tasks("lens", lens()) | {"array_csg": (arrays, union, union)},
 )

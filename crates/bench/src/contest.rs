@@ -120,6 +120,11 @@ impl<'a> Contender<'a> {
         Contender { threads, ..self }
     }
 
+    /// The same on somebody's behalf.
+    pub fn role(self, role: Role) -> Contender<'a> {
+        Contender { role, ..self }
+    }
+
     /// The same, which is always given all of its items.
     pub fn whole(self) -> Contender<'a> {
         Contender { least: self.items, ..self }

@@ -3,8 +3,9 @@
 use std::process::Command;
 
 /// Instructions per item of a contender of an exemplar: this program is run again under valgrind, which collects within
-/// [`counted`](crate::contest::counted) alone.
-pub fn count(exemplar: &str, contender: &str) -> Result<f64, String> {
+/// [`counted`](crate::contest::counted) alone. `None` if there is no such contender there: the processor that valgrind
+/// makes believe has no AVX-512.
+pub fn count(exemplar: &str, contender: &str) -> Result<Option<f64>, String> {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let mut command = Command::new("valgrind");
     command.args(["--tool=callgrind", "--callgrind-out-file=/dev/null", "--collect-atstart=no"]);
@@ -16,9 +17,12 @@ pub fn count(exemplar: &str, contender: &str) -> Result<f64, String> {
     let output = command.output().map_err(|error| format!("valgrind cannot be run ({error})"))?;
     let [printed, told] =
         [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-    let items = number_after(&printed, "items ").ok_or("nothing was run under valgrind")?;
+    if !output.status.success() {
+        return Err(format!("instructions were not counted ({})", told.lines().last().unwrap_or_default()));
+    }
+    let Some(items) = number_after(&printed, "items ") else { return Ok(None) };
     let collected = number_after(&told, "Collected : ").ok_or("valgrind collected nothing")?;
-    Ok(collected / items)
+    Ok(Some(collected / items))
 }
 
 /// The number that follows the last such word.

@@ -8,7 +8,7 @@
 
 use crate::answer::Lists;
 use crate::clock::Clock;
-use crate::contest::Contender;
+use crate::contest::{Contender, Role};
 use rayweave::model::Rays;
 use std::cell::RefCell;
 use std::fs;
@@ -21,6 +21,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// A system to compare with.
 struct Known {
     name: &'static str,
+    role: Role,
     /// The interpreter or program, from the folder where peers are installed.
     program: &'static str,
     /// The driver, if the program is an interpreter: its name and text.
@@ -33,32 +34,38 @@ const DRIVER: (&str, &str) = ("driver.py", include_str!("../peers/driver.py"));
 const KNOWN: &[Known] = &[
     Known {
         name: "NumPy",
+        role: Role::Peer,
         program: "py/bin/python",
         script: Some(("peer_numpy.py", include_str!("../peers/peer_numpy.py"))),
     },
-    Known { name: "VecGeom", program: "vecgeom", script: None },
+    Known { name: "VecGeom", role: Role::Peer, program: "vecgeom", script: None },
     Known {
         name: "Raysect",
+        role: Role::Peer,
         program: "py/bin/python",
         script: Some(("peer_raysect.py", include_str!("../peers/peer_raysect.py"))),
     },
     Known {
         name: "PyRayT",
+        role: Role::Peer,
         program: "pyrayt/bin/python",
         script: Some(("peer_pyrayt.py", include_str!("../peers/peer_pyrayt.py"))),
     },
     Known {
         name: "Geant4",
+        role: Role::Peer,
         program: "py/bin/python",
         script: Some(("peer_geant4.py", include_str!("../peers/peer_geant4.py"))),
     },
     Known {
         name: "Embree",
+        role: Role::Peer,
         program: "py/bin/python",
         script: Some(("peer_embree.py", include_str!("../peers/peer_embree.py"))),
     },
     Known {
         name: "Rayweave from Python",
+        role: Role::Ours,
         program: "py/bin/python",
         script: Some(("peer_rayweave.py", include_str!("../peers/peer_rayweave.py"))),
     },
@@ -77,6 +84,7 @@ pub struct Peers {
 /// A peer that waits for orders.
 struct Peer {
     name: String,
+    role: Role,
     version: String,
     tasks: Vec<String>,
     folder: PathBuf,
@@ -162,7 +170,8 @@ impl Peers {
         let contender = |peer: &Rc<RefCell<Peer>>| {
             let (name, order) = (peer.borrow().name.clone(), format!("run {task} {file}"));
             let peer = Rc::clone(peer);
-            Contender::elsewhere(name, most, move |items| peer.borrow_mut().seconds(&order, items))
+            let role = peer.borrow().role;
+            Contender::elsewhere(name, most, move |items| peer.borrow_mut().seconds(&order, items)).role(role)
         };
         able.map(contender).collect()
     }
@@ -202,7 +211,9 @@ impl Peer {
         let output = BufReader::new(output);
         let name = known.name.to_owned();
         let folder = folder.to_owned();
-        let mut peer = Peer { name, version: String::new(), tasks: Vec::new(), folder, input, output, child };
+        let role = known.role;
+        let mut peer =
+            Peer { name, role, version: String::new(), tasks: Vec::new(), folder, input, output, child };
         peer.introduce()?;
         Ok(peer)
     }

@@ -2,10 +2,10 @@
 
 use crate::arguments::Arguments;
 use crate::ceiling::Ceilings;
-use crate::contest::{Effort, Role};
+use crate::contest::Effort;
 use crate::exemplar::{self, Bench, Exemplar};
 use crate::peers::Peers;
-use crate::report::{self, Report, Section};
+use crate::report::{self, Figure, Report, Section};
 use crate::{instructions, level, machine};
 use std::fs;
 use std::path::Path;
@@ -69,16 +69,20 @@ fn exemplar_sections(exemplar: &dyn Exemplar, bench: &Bench, arguments: &Argumen
         vec![section]
     });
     if arguments.instructions {
-        sections.iter_mut().for_each(count_instructions);
+        // an exemplar of several sections, as a model that grows, would be built anew for each contender
+        let alone = sections.iter_mut().filter(|section| section.name == exemplar.name());
+        alone.for_each(|section| count_instructions(section, &bench.peers));
     }
     sections
 }
 
-fn count_instructions(section: &mut Section) {
-    for figure in section.figures.iter_mut().filter(|figure| figure.role != Role::Peer && figure.threads == 1)
-    {
+/// Counts the instructions of all who run in this process on one thread.
+fn count_instructions(section: &mut Section, peers: &Peers) {
+    let elsewhere: Vec<String> = peers.running().into_iter().map(|(name, _)| name).collect();
+    let is_here = |figure: &&mut Figure| figure.threads == 1 && !elsewhere.contains(&figure.name);
+    for figure in section.figures.iter_mut().filter(is_here) {
         match instructions::count(&section.name, &figure.name) {
-            Ok(count) => figure.instructions = Some(count),
+            Ok(count) => figure.instructions = count,
             Err(problem) => section.failures.push((figure.name.clone(), problem)),
         }
     }

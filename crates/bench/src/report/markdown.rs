@@ -1,6 +1,7 @@
 //! The results as a page.
 
 use super::{Report, Section, text};
+use crate::contest::Role;
 
 const HEAD: &str = "\
 # Performance
@@ -23,12 +24,38 @@ pub fn markdown(report: &Report, plot: Option<&str>) -> String {
     page += &format!("\n## Ceilings of the machine\n\n{}", text::ceilings(&report.ceilings));
     page += "\n## Exemplars\n";
     report.sections.iter().for_each(|section| page += &exemplar(section));
+    page += &growth(report);
     page += &peers(report);
     page + "\n" + FOOT
 }
 
 fn exemplar(section: &Section) -> String {
     format!("\n### {}\n\n{}\n\n{}", section.name, section.about, text::section(section))
+}
+
+/// How the time of a ray grows with the model: the fastest of ours, family by family.
+fn growth(report: &Report) -> String {
+    let mut rows: Vec<(String, Vec<String>)> = Vec::new();
+    for section in &report.sections {
+        let parts: Vec<&str> = section.name.split('/').collect();
+        let (&["scale", family, size, what], Some(figure)) = (&parts[..], section.fastest(Role::Ours)) else {
+            continue;
+        };
+        let name = format!("{family}, {what}");
+        let cell = format!("{size}: {} ns ({})", text::short(figure.time.median), figure.name);
+        match rows.iter_mut().find(|(row, _)| *row == name) {
+            Some((_, cells)) => cells.push(cell),
+            None => rows.push((name, vec![cell])),
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let lines = rows.into_iter().map(|(name, cells)| format!("- {name}: {}\n", cells.join(", ")));
+    format!(
+        "\n## Growth\n\nThe time of one ray, or of compiling one leaf, by the number of leaves; the fastest evaluator.\n\n{}",
+        lines.collect::<String>()
+    )
 }
 
 fn peers(report: &Report) -> String {
@@ -63,5 +90,17 @@ mod tests {
         assert!(places.iter().all(Option::is_some), "{places:?}");
         assert!(places.is_sorted());
         assert!(!markdown(&example(), None).contains("!["));
+        assert!(!page.contains("## Growth"), "nothing grew");
+    }
+
+    #[test]
+    fn growth_is_told_family_by_family() {
+        let mut report = example();
+        let mut other = example();
+        report.sections.append(&mut other.sections);
+        report.sections[0].name = "scale/spheres/1e3/full".to_owned();
+        report.sections[1].name = "scale/spheres/1e4/full".to_owned();
+        let page = markdown(&report, None);
+        assert!(page.contains("- spheres, full: 1e3: 10.0 ns (weave), 1e4: 10.0 ns (weave)\n"), "{page}");
     }
 }

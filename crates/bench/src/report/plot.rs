@@ -35,8 +35,7 @@ const STYLE: &str = "\
 
 /// The rates of all contenders of those sections that are plotted, as an SVG document.
 pub fn plot(report: &Report) -> String {
-    let sections: Vec<&Section> =
-        report.sections.iter().filter(|section| !section.figures.is_empty()).collect();
+    let sections: Vec<&Section> = report.sections.iter().filter(|section| is_plotted(section)).collect();
     let rates = sections.iter().flat_map(|section| &section.figures).map(Figure::rate);
     let scale = Scale::of(rates);
     let mut svg = Drawing::default();
@@ -53,6 +52,11 @@ pub fn plot(report: &Report) -> String {
     }
     let description = format!("Rates measured on {}, as in the tables of the page.", report.date);
     svg.0.finish([WIDTH, height], "Work done in a second", &description, STYLE)
+}
+
+/// Families of models that grow have a table of their own.
+fn is_plotted(section: &Section) -> bool {
+    !section.figures.is_empty() && !section.name.starts_with("scale/")
 }
 
 /// Where rates lie on the picture: equal lengths for equal ratios.
