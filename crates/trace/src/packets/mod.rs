@@ -39,8 +39,8 @@ const APART: usize = 64;
 #[derive(Clone, Debug)]
 pub struct Packets {
     weave: Weave,
-    plan: Option<Plan>,
-    objects: Option<Objects>,
+    plan: Option<Box<Plan>>,
+    objects: Option<Box<Objects>>,
     level: Level,
 }
 
@@ -67,7 +67,12 @@ impl Packets {
         let objects = model.as_ref().filter(|_| comparisons > APART);
         let objects = objects.and_then(|model| Objects::new(&program, model));
         let plan = plan.filter(|_| comparisons <= TOGETHER);
-        Packets { plan, objects, weave: Weave::new(program), level }
+        Packets {
+            plan: plan.map(Box::new),
+            objects: objects.map(Box::new),
+            weave: Weave::new(program),
+            level,
+        }
     }
 
     /// True if the model is one for lanes.
