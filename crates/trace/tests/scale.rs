@@ -236,6 +236,38 @@ fn points_are_in_the_regions_of_the_reference() {
     }
 }
 
+/// A ray that slowly sinks into a block, and out of it again where cubes with a top within rounding of the block's are
+/// taken out: the two faces are far apart along the ray, and the boxes of the cubes begin after the first. What lies
+/// between is a sliver, so that a walk with the ray has to look ahead.
+#[test]
+fn slivers_far_along_the_ray_are_seen() {
+    let rng = &mut Random::new(8);
+    let block = cube(2.0, Vec3::ZERO);
+    // placed solids do not share their faces with others
+    let mut tooth = |k: usize| Vec3::new(-0.5 + 0.1 * k as f64, 0.0, 0.5 - rng.between(0.0, 4e-14));
+    let teeth = shape(
+        "box_from_corners",
+        &[("lo", Vec3::new(-0.02, -1.0, -0.5).into()), ("hi", Vec3::new(0.02, 1.0, 0.5).into())],
+    );
+    let solid = block - teeth.place((0..15).map(&mut tooth).map(Affine::translate).collect::<Vec<_>>());
+    let program = Arc::new(Program::compile(&solid).unwrap());
+    let pair = Pair { name: "slivers", ours: Weave::new(program.clone()), theirs: Reference::new(program) };
+    let mut slivers = 0;
+    for _ in 0..3000 {
+        let slope = libm::pow(10.0, rng.between(-14.0, -12.5));
+        let direction = Vec3::new(1.0, 0.0, -slope);
+        let enters = Vec3::new(rng.between(-0.6, 1.0), rng.between(-0.9, 0.9), 1.0);
+        let ray = Ray::new(enters - 1.5 * direction, direction);
+        let query = Query { limit: Limit::First, ..Query::nearest() };
+        let (_, found) = pair.ask(ray, &query);
+        // the top of the block, crossed at once
+        let top = (1.0 - ray.origin.z) / direction.z;
+        let in_tooth = (0..15).any(|k| (enters.x + 0.5 - 0.1 * k as f64).abs() < 0.03);
+        slivers += usize::from(!in_tooth && found.first().is_none_or(|crossing| crossing.t > top + 0.01));
+    }
+    assert!(slivers > 50, "{slivers} slivers");
+}
+
 /// One scratch for all rays gives what a fresh one gives: nothing is left behind by a walk that stops early.
 #[test]
 fn a_walk_that_stops_leaves_nothing_behind() {
