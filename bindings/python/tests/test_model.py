@@ -81,7 +81,7 @@ def test_partition_has_a_piece_for_each_medium(model):
     assert pieces.offsets[2] - last == 1
 
 
-@pytest.mark.parametrize("evaluator", ["weave", "reference", "single_hit", "spans"])
+@pytest.mark.parametrize("evaluator", ["packets", "weave", "reference", "single_hit", "spans"])
 def test_every_evaluator_gives_the_same(model, evaluator):
     rng = np.random.default_rng(3)
     origins, directions = rng.normal(size=(50, 3)) * 4, rng.normal(size=(50, 3))
@@ -91,7 +91,7 @@ def test_every_evaluator_gives_the_same(model, evaluator):
 
 
 def test_unknown_evaluators_are_refused(model):
-    with pytest.raises(rw.RayweaveError, match="must be one of 'weave'"):
+    with pytest.raises(rw.RayweaveError, match="must be one of 'packets'"):
         model.hits(START, X, evaluator="wave")
 
 

@@ -83,12 +83,14 @@ pub fn thin_shells(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let (a, b) = (gap(rng), gap(rng));
     let sizes = [1.0, 1.0 - a, 1.0 - a - b];
     let count = 2 + rng.below(2);
-    let (solid, target): (fn(f64) -> Solid, fn(&mut Random) -> Target) = match rng.below(3) {
-        0 => (sphere, on_ball),
-        1 => (|size| cylinder(size, 2.0 * size), on_rod),
-        _ => (|size| cube(Vec3::splat(size)), on_cube),
+    let kind = rng.below(3);
+    let solid = |&size: &f64| match kind {
+        0 => sphere(size),
+        1 => cylinder(size, 2.0 * size),
+        _ => cube(Vec3::splat(size)),
     };
-    let mut parts: Vec<Solid> = sizes[..count].iter().map(|&size| solid(size)).collect();
+    let target = [on_ball, on_rod, on_cube][kind];
+    let mut parts: Vec<Solid> = sizes[..count].iter().map(solid).collect();
     if rng.chance(0.3) {
         parts.push(cube(Vec3::new(2.0, 0.3, 0.4)));
     }
