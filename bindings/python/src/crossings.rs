@@ -92,7 +92,8 @@ impl Table {
 pub fn ask<'py>(engine: &Engine, rays: [&Bound<'py, PyAny>; 2], how: &How) -> PyResult<(Vec<Table>, Cut)> {
     let py = rays[0].py();
     let rays = RayArrays::new(rays)?;
-    let (cut, evaluator) = (how.cut(rays.len()), engine.chosen(py, how)?);
+    // small tables grow within what the allocator keeps
+    let (cut, evaluator) = (how.cut(rays.len()).small(), engine.chosen(py, how)?);
     let (rows, query) = (rays.rows(), Query { window: how.window, ..Query::default() });
     let mut tables = room(cut.chunks())?;
     let work = |worker: &mut Worker<'_, Columns>, chunk: std::ops::Range<usize>| {

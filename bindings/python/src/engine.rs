@@ -184,6 +184,11 @@ impl Cut {
         Cut { len, chunk: len.max(1), threads: NonZeroUsize::MIN }
     }
 
+    /// As many chunks as are worth the bookkeeping.
+    pub fn small(self) -> Self {
+        Cut { chunk: LEAST, ..self }
+    }
+
     /// The number of chunks.
     pub fn chunks(self) -> usize {
         self.len.div_ceil(self.chunk)

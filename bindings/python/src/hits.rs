@@ -179,23 +179,26 @@ impl<'py> Asked<'_, 'py> {
         Ok((question.most.into_inner(), asides))
     }
 
-    /// How many rows there should be, from what was needed last or from rays spread over all.
+    /// How many rows there should be, from what was needed last and from rays spread over all.
     fn guess(&self) -> usize {
-        let step = self.cut.len / SAMPLE;
-        if step < LITTLE {
-            return even(self.engine.rows.load(Relaxed));
+        let last = even(self.engine.rows.load(Relaxed));
+        let count = (self.cut.len / SHARE).min(SAMPLE);
+        if count == 0 {
+            return last;
         }
-        let rays = self.rays.rows().every(step);
+        let rays = self.rays.rows().every(self.cut.len / count);
         let question = HitsQuestion { rays, window: self.window, keeps: false, most: AtomicUsize::new(0) };
         let evaluator = &*self.evaluator;
         self.py.detach(|| {
             let (memory, scratch) = (evaluator.scratch(), Columns::default());
-            let mut row = [0.0; SAMPLE];
+            let mut row = vec![0.0; count];
             let places = Places { times: vec![&mut row], faces: Vec::new() };
             // a ray that cannot be used is told when all are asked
             let _ = question.answer(&mut Worker { evaluator, memory, scratch }, (0, places));
         });
-        even(question.most.into_inner())
+        let sampled = even(question.most.into_inner());
+        // too many rows cost memory, too few are asked for once more: the last question may have been another
+        if last <= 2 * sampled { last.max(sampled) } else { sampled }
     }
 
     /// The hits in new arrays, with just enough rows.
@@ -253,11 +256,11 @@ impl<'py> Asked<'_, 'py> {
     }
 }
 
-/// Rays that are asked to guess the number of rows that all of them need.
-const SAMPLE: usize = 128;
+/// One ray in so many is asked first, to guess the number of rows that all of them need,
+const SHARE: usize = 500;
 
-/// With fewer than so many times as many, it is better to be wrong at times.
-const LITTLE: usize = 8;
+/// and no more than so many.
+const SAMPLE: usize = 4096;
 
 /// Calls a function with the places in arrays, or with none if their rows have gaps.
 fn with_places<R>(

@@ -27,9 +27,9 @@ use crate::{along, crossings, hits, nearest, pickle, points};
 ///
 /// Questions take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` counts in units of the
 /// direction, which need not be of unit length. `t_min` and `t_max` cut a window out of every ray, strictly between them.
-/// `evaluator` is "weave" (the default), "reference" (slow, obvious), "single_hit" (crossing by crossing) or "spans" (array by
-/// array); all give the same answers to the bit. `threads` is by default the variable RAYWEAVE_THREADS, else the number of
-/// cores; answers do not depend on it.
+/// `evaluator` is "packets" (the default), "weave" (sweep by sweep), "reference" (slow, obvious), "single_hit" (crossing by
+/// crossing) or "spans" (array by array); all give the same answers to the bit. `threads` is by default the variable
+/// RAYWEAVE_THREADS, else the number of cores; answers do not depend on it.
 #[pyclass(frozen, module = "rayweave", name = "Solid")]
 pub struct PySolid {
     solid: Solid,
@@ -154,8 +154,11 @@ impl PySolid {
     /// Column = ray, row = k-th entry, each column in order and padded with +inf; H is the least even number, at least 2, that
     /// holds all columns. A ray that is inside just after t_min has -inf first; one that is inside just before t_max has
     /// nothing for that end. With `return_surfaces`, an int32 array (H, N) tells which face is crossed (`surface_names` of
-    /// `crossings` has their names), -1 where none is. `out` is a float64 array of at least H rows, which is written and
-    /// returned in place of a new one.
+    /// `crossings` has their names), -1 where none is.
+    ///
+    /// `out` is a float64 array of an even number of rows, enough for all columns, or with `return_surfaces` a pair of it and an
+    /// int32 array of the same shape. The hits are written into it, and it is returned in place of a new one. It is fastest where
+    /// its rows have no gaps. If there is an error, it may hold anything.
     #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, return_surfaces = false, out = None, evaluator = None, threads = None))]
     #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn hits<'py>(

@@ -177,7 +177,7 @@ def test_evaluators_and_threads_agree_to_the_bit(rng):
     solid = lumps(rng) | rayweave.torus(2, 0.5).rotate_x(40)
     origins, directions = random_rays(rng, 4000)
     expected = solid.hits(origins, directions, return_surfaces=True)
-    evaluators = [{"evaluator": name} for name in ("reference", "single_hit", "spans")]
+    evaluators = [{"evaluator": name} for name in ("weave", "reference", "single_hit", "spans")]
     for options in [*evaluators, {"evaluator": "weave", "threads": 1}, {"evaluator": "spans", "threads": 3}, {"threads": 7}]:
         for a, b in zip(expected, solid.hits(origins, directions, return_surfaces=True, **options), strict=True):
             np.testing.assert_array_equal(a, b)

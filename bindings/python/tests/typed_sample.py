@@ -86,6 +86,8 @@ def questions(solid: Solid) -> None:
     hits = solid.hits(*ray, 0.0, 100.0, out=np.empty((20, 1)), threads=1)
     assert_type(hits, NDArray[np.float64])
     times, surfaces = solid.hits(*ray, return_surfaces=True)
+    solid.hits(*ray, return_surfaces=True, out=(times, surfaces))
+    solid.hits(*ray, out=times)
     assert_type(surfaces, NDArray[np.int32])
     assert times.shape == surfaces.shape
     crossings = solid.crossings(*ray, evaluator="reference")

@@ -151,7 +151,7 @@ class Solid:
         t_max: float = ...,
         *,
         return_surfaces: Literal[True],
-        out: NDArray[np.float64] | None = None,
+        out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None,
         evaluator: str | None = None,
         threads: int | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
@@ -243,7 +243,7 @@ class Model:
         t_max: float = ...,
         *,
         return_surfaces: Literal[True],
-        out: NDArray[np.float64] | None = None,
+        out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None,
         evaluator: str | None = None,
         threads: int | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
