@@ -91,7 +91,8 @@ impl First {
         let mut numbers = self.numbers.each_mut().map(|column| column.chunks_mut(CHUNK));
         let mut normal = self.normal.each_mut().map(|column| column.chunks_mut(CHUNK));
         let chunks = (0..rays.len()).step_by(CHUNK).map(|start| {
-            let [placement, before, after] = numbers.each_mut().map(|column| column.next().unwrap_or_default());
+            let [placement, before, after] =
+                numbers.each_mut().map(|column| column.next().unwrap_or_default());
             let normal = normal.each_mut().map(|column| column.next().unwrap_or_default());
             let (t, face) = (t.next().unwrap_or_default(), face.next().unwrap_or_default());
             (start, FirstHits { t, face, placement, before, after, normal: Some(normal) })
