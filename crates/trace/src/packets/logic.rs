@@ -4,6 +4,7 @@
 //! What is asked of it while rays run: its value, and its *boolean difference* by a stretch: whether the function
 //! would change if that stretch alone did (Akers, "On a theory of Boolean functions", 1959).
 
+use super::plan::STEPS;
 use rayweave_model::{Edge, Expression, Gate, LeafId, NodeId, Rule};
 use std::collections::HashMap;
 
@@ -149,8 +150,8 @@ impl Logic {
         reached[least - 1]
     }
 
-    /// The functions with input `k` set to a constant.
-    pub fn with(&mut self, outputs: &[Wire], k: usize, value: Wire) -> Vec<Wire> {
+    /// The functions with some inputs set to constants.
+    pub fn with(&mut self, outputs: &[Wire], constant: impl Fn(usize) -> Option<Wire>) -> Vec<Wire> {
         let mut images: Vec<Wire> = Vec::with_capacity(self.nodes.len());
         let image = |images: &[Wire], wire: Wire| {
             let image = images[wire.gate()];
@@ -160,8 +161,7 @@ impl Logic {
             let node = self.nodes[at];
             let wire = match node {
                 Node::Constant => Wire::FALSE,
-                Node::Input(input) if input as usize == k => value,
-                Node::Input(_) => Wire((at as u32) << 1),
+                Node::Input(input) => constant(input as usize).unwrap_or(Wire((at as u32) << 1)),
                 Node::And(a, b) => {
                     let (a, b) = (image(&images, a), image(&images, b));
                     self.and(a, b)
@@ -178,8 +178,8 @@ impl Logic {
 
     /// Whether the winner, the last of the functions that holds, is another one if input `k` changes.
     pub fn difference(&mut self, outputs: &[Wire], k: usize) -> Wire {
-        let without = self.with(outputs, k, Wire::FALSE);
-        let with = self.with(outputs, k, Wire::TRUE);
+        let without = self.with(outputs, |input| (input == k).then_some(Wire::FALSE));
+        let with = self.with(outputs, |input| (input == k).then_some(Wire::TRUE));
         let (mut open, mut changes) = (Wire::TRUE, Wire::FALSE);
         for (a, b) in without.into_iter().zip(with).rev() {
             let differs = self.xor(a, b);
@@ -270,22 +270,22 @@ pub(super) struct Tape {
 }
 
 impl Tape {
-    /// The answers for one set of inputs, a bit each.
-    pub fn evaluate(&self, inputs: u64) -> Vec<bool> {
-        let mut values: Vec<bool> = Vec::with_capacity(self.steps.len());
-        for step in &self.steps {
-            let at = |k: u16| values[k as usize];
-            let value = match *step {
+    /// The winner for one set of inputs, a bit each: the number of the last answer that holds, from 1; 0 if none does.
+    pub fn winner(&self, inputs: u64) -> u32 {
+        let mut values = [false; STEPS];
+        for (at, step) in self.steps.iter().enumerate() {
+            let value = |k: u16| values[k as usize];
+            values[at] = match *step {
                 Step::Constant => false,
                 Step::Input(k) => inputs >> k & 1 == 1,
-                Step::And(a, b) => at(a) && at(b),
-                Step::AndNot(a, b) => at(a) && !at(b),
-                Step::Nor(a, b) => !(at(a) || at(b)),
-                Step::Xor(a, b) => at(a) != at(b),
+                Step::And(a, b) => value(a) && value(b),
+                Step::AndNot(a, b) => value(a) && !value(b),
+                Step::Nor(a, b) => !(value(a) || value(b)),
+                Step::Xor(a, b) => value(a) != value(b),
             };
-            values.push(value);
         }
-        self.outputs.iter().map(|&(k, complement)| values[k as usize] != complement).collect()
+        let holds = |&(k, complement): &(u16, bool)| values[k as usize] != complement;
+        self.outputs.iter().rposition(holds).map_or(0, |k| k as u32 + 1)
     }
 }
 
@@ -321,14 +321,13 @@ mod tests {
             let winner = |row: u64| outputs.iter().rposition(|output| output.1 >> row & 1 == 1);
             let tape = logic.tape(&wires);
             for row in 0..64 {
-                let expected: Vec<bool> = outputs.iter().map(|output| output.1 >> row & 1 == 1).collect();
-                assert_eq!(tape.evaluate(row), expected);
+                assert_eq!(tape.winner(row), winner(row).map_or(0, |k| k as u32 + 1));
             }
             for k in 0..6 {
                 let difference = logic.difference(&wires, k);
                 let tape = logic.tape(&[difference]);
                 for row in 0..64 {
-                    assert_eq!(tape.evaluate(row)[0], winner(row) != winner(row ^ 1 << k));
+                    assert_eq!(tape.winner(row) == 1, winner(row) != winner(row ^ 1 << k));
                 }
             }
         }
@@ -355,7 +354,7 @@ mod tests {
             let wire = logic.join(Rule::AtLeast(least), &operands);
             let tape = logic.tape(&[wire]);
             for row in 0..32u64 {
-                assert_eq!(tape.evaluate(row)[0], row.count_ones() >= least);
+                assert_eq!(tape.winner(row) == 1, row.count_ones() >= least);
             }
         }
     }

@@ -177,8 +177,7 @@ fn list<S: Simd>(
 }
 
 fn winner_after<S: Simd>(plan: &Plan, group: &Group<'_, S>, lane: usize, t: f64) -> RegionId {
-    let held = plan.regions.evaluate(group.holds_after(plan, lane, t));
-    RegionId(held.iter().rposition(|&inside| inside).map_or(0, |k| k as u32 + 1))
+    RegionId(plan.regions.winner(group.holds_after(plan, lane, t)))
 }
 
 /// Hit arrays.

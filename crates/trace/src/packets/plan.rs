@@ -208,8 +208,7 @@ impl Plan {
 
 /// The winner where a time is in none of the bounded stretches, if the others do not matter then.
 fn winner_far_out(logic: &mut Logic, outputs: &[Wire], bounded: &[usize]) -> Option<u32> {
-    let outside = |outputs: Vec<Wire>, &k: &usize| logic.with(&outputs, k, Wire::FALSE);
-    let far = bounded.iter().fold(outputs.to_vec(), outside);
+    let far = logic.with(outputs, |k| bounded.contains(&k).then_some(Wire::FALSE));
     let is_constant = |wire: &Wire| *wire == Wire::FALSE || *wire == Wire::TRUE;
     let winner = far.iter().rposition(|&wire| wire == Wire::TRUE).map_or(0, |k| k as u32 + 1);
     far.iter().all(is_constant).then_some(winner)
