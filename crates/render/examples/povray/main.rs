@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p rayweave-render --example povray -- [WIDTHxHEIGHT] [RUNS] [FOLDER] [SCENE ...]`
 //!
+//! Without arguments the pictures are small and drawn once, to see that all works; figures take `1280x720 5`.
+//!
 //! Both trace one ray through the centre of each pixel and, from each surface that faces the light, one ray to the light; both
 //! use one thread. Every pixel counts as a ray, background too. Time is that of tracing and shading alone, without starting,
 //! reading, compiling and writing, in processor seconds: POV-Ray's own figure, and here what the system counts for the thread
@@ -34,10 +36,10 @@ struct Wish {
 impl Wish {
     fn from_arguments() -> Result<Wish, Box<dyn Error>> {
         let mut arguments = std::env::args().skip(1);
-        let size = arguments.next().unwrap_or("1280x720".to_owned());
+        let size = arguments.next().unwrap_or("160x90".to_owned());
         let (width, height) = size.split_once('x').ok_or("a size is WIDTHxHEIGHT")?;
         let size = Size::new(width.parse()?, height.parse()?)?;
-        let runs = arguments.next().map_or(Ok(5), |runs| runs.parse())?;
+        let runs = arguments.next().map_or(Ok(1), |runs| runs.parse())?;
         let folder = arguments.next().map_or_else(std::env::temp_dir, PathBuf::from);
         Ok(Wish { size, runs, folder, only: arguments.collect() })
     }
@@ -58,6 +60,10 @@ struct Line {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wish = Wish::from_arguments()?;
+    if std::process::Command::new("povray").arg("--version").output().is_err() {
+        println!("POV-Ray is missing (on Debian: apt-get install povray); there is nothing to compare with");
+        return Ok(());
+    }
     println!("| scene | POV-Ray, Mray/s | Rayweave, Mray/s | ratio | similarity |");
     println!("| --- | --- | --- | --- | --- |");
     let mut ratios = Vec::new();
