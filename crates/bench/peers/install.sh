@@ -29,7 +29,10 @@ step() {
 
 python38() {
     for candidate in "${PYTHON38:-}" python3.8 "$HOME"/.pyenv/versions/3.8*/bin/python; do
-        [ -n "$candidate" ] && command -v "$candidate" && return
+        [ -n "$candidate" ] || continue
+        "$candidate" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 8))' 2>/dev/null || continue
+        echo "$candidate"
+        return
     done
     echo "there is no Python 3.8 (PYTHON38=... names one)" >&2
     return 1
