@@ -1,0 +1,5 @@
+//! Optics: what light does in the solids of a model.
+//!
+//! [`glass`] tells the refractive index of a material at a wavelength.
+
+pub mod glass;
