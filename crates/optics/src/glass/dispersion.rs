@@ -403,7 +403,7 @@ impl Dispersion {
     }
 
     fn value(&self, wavelength_nm: f64) -> f64 {
-        let um = wavelength_nm * 1e-3;
+        let um = wavelength_nm / 1e3;
         let square = um * um;
         match self {
             Dispersion::Constant(index) => *index,

@@ -1,0 +1,335 @@
+//! A material: its index, what it absorbs, and where the data hold.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use super::spectrum::{C_NM, D_NM, F_NM};
+use super::{Dispersion, DispersionError, GlassError, Table};
+
+/// A complex refractive index n + i k.
+///
+/// A plane wave goes as exp(i (2π/λ)(n + i k) z - iωt), so that a positive k absorbs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ComplexIndex {
+    /// The refractive index.
+    pub n: f64,
+    /// The extinction coefficient.
+    pub k: f64,
+}
+
+/// One internal transmittance, as makers measure them: without the losses at both faces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transmittance {
+    /// In nanometres.
+    pub wavelength_nm: f64,
+    /// From 0 to 1.
+    pub transmittance: f64,
+    /// The thickness of the sample in millimetres.
+    pub thickness_mm: f64,
+}
+
+/// Index and Abbe number at the d line as a maker states them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Published {
+    /// The index at 587.5618 nm.
+    pub n_d: f64,
+    /// V_d = (n_d - 1)/(n_F - n_C).
+    pub v_d: f64,
+}
+
+/// A material with its refractive index by wavelength: a glass, a crystal, a liquid, a metal.
+///
+/// It is cheap to clone. Makers of glass state indices relative to air of about 1013 hPa at 20 to 25 °C: give the space around a
+/// lens the index 1 then, and `air` only where all indices are absolute. Papers state either; air's 1.00027 makes the difference,
+/// and [`source`](Glass::source) tells where to look.
+///
+/// ```
+/// use rayweave_optics::glass::glass;
+/// # fn main() -> Result<(), rayweave_optics::glass::GlassError> {
+/// let bk7 = glass("N-BK7")?;
+/// assert!((bk7.index(587.5618)? - 1.51680).abs() < 1e-5);
+/// assert!(bk7.internal_transmittance(365.0, 25.0)? > 0.96);
+/// assert_eq!(
+///     bk7.index(200.0).unwrap_err().to_string(),
+///     "N-BK7 has no refractive index at 200 nm (its data hold from 300 nm to 2500 nm) extrapolate it?",
+/// );
+/// assert!(bk7.extrapolated().index(200.0).is_ok());
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Glass {
+    data: Arc<Data>,
+    extrapolated: bool,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Data {
+    name: String,
+    aliases: Vec<String>,
+    maker: String,
+    source: String,
+    published: Option<Published>,
+    dispersion: Dispersion,
+    range_nm: [f64; 2],
+    extinction: Option<Table>,
+}
+
+/// Building.
+impl Glass {
+    /// A material of this name. It holds at every wavelength, or for a table from its first to its last, and is transparent.
+    pub fn new(name: impl Into<String>, dispersion: Dispersion) -> Glass {
+        let range_nm = match &dispersion {
+            Dispersion::Tabulated(table) => table.range_nm(),
+            _ => [0.0, f64::INFINITY],
+        };
+        let data = Data {
+            name: name.into(),
+            aliases: Vec::new(),
+            maker: String::new(),
+            source: String::new(),
+            published: None,
+            dispersion,
+            range_nm,
+            extinction: None,
+        };
+        Glass { data: Arc::new(data), extrapolated: false }
+    }
+
+    fn changed(mut self, change: impl FnOnce(&mut Data)) -> Glass {
+        change(Arc::make_mut(&mut self.data));
+        self
+    }
+
+    /// The same with other names that it is found under.
+    pub fn with_aliases(self, aliases: Vec<String>) -> Glass {
+        self.changed(|data| data.aliases = aliases)
+    }
+
+    /// The same from this maker.
+    pub fn with_maker(self, maker: impl Into<String>) -> Glass {
+        self.changed(|data| data.maker = maker.into())
+    }
+
+    /// The same with the place that its numbers come from.
+    pub fn with_source(self, source: impl Into<String>) -> Glass {
+        self.changed(|data| data.source = source.into())
+    }
+
+    /// The same with what its maker states of it.
+    pub fn with_published(self, published: Published) -> Glass {
+        self.changed(|data| data.published = Some(published))
+    }
+
+    /// The same, its index good in this range of wavelengths in nanometres, ends included.
+    ///
+    /// # Errors
+    /// The range begins below 0, ends before it begins, or an end of it is NaN.
+    pub fn with_range_nm(self, range_nm: [f64; 2]) -> Result<Glass, GlassError> {
+        if !(range_nm[0] >= 0.0 && range_nm[1] >= range_nm[0]) {
+            return Err(GlassError::Range { glass: self.data.name.clone(), range_nm });
+        }
+        Ok(self.changed(|data| data.range_nm = range_nm))
+    }
+
+    /// The same with extinction coefficients by wavelength.
+    ///
+    /// # Errors
+    /// One of them is below 0.
+    pub fn with_extinction(self, extinction: Table) -> Result<Glass, GlassError> {
+        if let Some((wavelength_nm, value)) = extinction.pairs().find(|&(_, k)| k < 0.0) {
+            return Err(GlassError::Extinction { glass: self.data.name.clone(), wavelength_nm, value });
+        }
+        Ok(self.changed(|data| data.extinction = Some(extinction)))
+    }
+
+    /// The same with extinction coefficients from internal transmittances: by the law of Beer and Lambert
+    /// k = -λ ln τ/(4π d) through the thickness d.
+    ///
+    /// Where a wavelength has several thicknesses, the transmittance nearest to 1/e counts, which tells most. A transmittance of
+    /// 0, which makers print for less than they measure, is taken as 1e-5.
+    ///
+    /// # Errors
+    /// A transmittance is not from 0 to 1, a thickness not above 0, a wavelength not above 0, or there is none at all.
+    pub fn with_transmittances(self, measured: &[Transmittance]) -> Result<Glass, GlassError> {
+        if let Some(wrong) = measured.iter().find(|measured| !measured.is_possible()) {
+            let &Transmittance { wavelength_nm, transmittance, thickness_mm } = wrong;
+            return Err(GlassError::Transmittance { wavelength_nm, transmittance, thickness_mm });
+        }
+        let mut best: Vec<Transmittance> = measured.to_vec();
+        let order = |a: &Transmittance, b: &Transmittance| {
+            a.wavelength_nm.total_cmp(&b.wavelength_nm).then(a.doubt().total_cmp(&b.doubt()))
+        };
+        best.sort_by(order);
+        best.dedup_by_key(|measured| measured.wavelength_nm);
+        let pairs = best.iter().map(|measured| (measured.wavelength_nm, measured.extinction())).collect();
+        self.with_extinction(Table::new(pairs)?)
+    }
+
+    /// The same, giving indices beyond its range as well: the formula wherever it gives one, and of tables the value at the
+    /// nearest end. Nobody vouches for them.
+    pub fn extrapolated(&self) -> Glass {
+        Glass { extrapolated: true, ..self.clone() }
+    }
+}
+
+/// The least transmittance that a table means, where it says 0.
+const OPAQUE: f64 = 1e-5;
+
+impl Transmittance {
+    fn is_possible(&self) -> bool {
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        (0.0..=1.0).contains(&self.transmittance)
+            && positive(self.thickness_mm)
+            && positive(self.wavelength_nm)
+    }
+
+    /// -ln τ, from 0 up.
+    fn depth(&self) -> f64 {
+        -libm::log(self.transmittance.max(OPAQUE)) + 0.0
+    }
+
+    /// How far it is from the transmittance 1/e, at which a measured one tells most about the material.
+    fn doubt(&self) -> f64 {
+        (self.depth() - 1.0).abs()
+    }
+
+    fn extinction(&self) -> f64 {
+        self.wavelength_nm * 1e-6 * self.depth() / (4.0 * PI * self.thickness_mm)
+    }
+}
+
+/// What is known about it.
+impl Glass {
+    /// The name, as its maker writes it.
+    pub fn name(&self) -> &str {
+        &self.data.name
+    }
+
+    /// Other names that it is found under.
+    pub fn aliases(&self) -> &[String] {
+        &self.data.aliases
+    }
+
+    /// Who makes it; empty for what nature makes.
+    pub fn maker(&self) -> &str {
+        &self.data.maker
+    }
+
+    /// Where the numbers come from.
+    pub fn source(&self) -> &str {
+        &self.data.source
+    }
+
+    /// Index and Abbe number as the maker states them, where one does.
+    pub fn published(&self) -> Option<Published> {
+        self.data.published
+    }
+
+    /// The formula or the table of the index.
+    pub fn dispersion(&self) -> &Dispersion {
+        &self.data.dispersion
+    }
+
+    /// The range of wavelengths in nanometres that the index is known in, ends included.
+    pub fn range_nm(&self) -> [f64; 2] {
+        self.data.range_nm
+    }
+
+    /// The range of wavelengths in nanometres that the extinction coefficient is known in; `None` where nothing is known of it
+    /// and it counts as 0.
+    pub fn extinction_range_nm(&self) -> Option<[f64; 2]> {
+        self.data.extinction.as_ref().map(Table::range_nm)
+    }
+}
+
+/// What light sees.
+impl Glass {
+    /// The refractive index n at a wavelength in nanometres.
+    ///
+    /// # Errors
+    /// The wavelength is not positive and finite, or the data do not reach it.
+    pub fn index(&self, wavelength_nm: f64) -> Result<f64, GlassError> {
+        self.check("refractive index", wavelength_nm, self.data.range_nm)?;
+        self.data.dispersion.index(wavelength_nm).ok_or_else(|| {
+            let glass = self.data.name.clone();
+            GlassError::NoIndex { glass, wavelength_nm }
+        })
+    }
+
+    /// The extinction coefficient k at a wavelength in nanometres; 0 for a material of which no absorption is known.
+    ///
+    /// # Errors
+    /// The wavelength is not positive and finite, or the data do not reach it.
+    pub fn extinction(&self, wavelength_nm: f64) -> Result<f64, GlassError> {
+        let range_nm = self.extinction_range_nm().unwrap_or([0.0, f64::INFINITY]);
+        self.check("extinction coefficient", wavelength_nm, range_nm)?;
+        Ok(self.data.extinction.as_ref().map_or(0.0, |table| table.at(wavelength_nm)))
+    }
+
+    /// The complex index n + i k at a wavelength in nanometres.
+    ///
+    /// # Errors
+    /// As [`index`](Glass::index) and [`extinction`](Glass::extinction).
+    pub fn complex_index(&self, wavelength_nm: f64) -> Result<ComplexIndex, GlassError> {
+        Ok(ComplexIndex { n: self.index(wavelength_nm)?, k: self.extinction(wavelength_nm)? })
+    }
+
+    /// The absorption coefficient α = 4πk/λ at a wavelength in nanometres, per millimetre: of light that has gone d millimetres
+    /// the part exp(-α d) is left (Beer, Lambert).
+    ///
+    /// # Errors
+    /// As [`extinction`](Glass::extinction).
+    pub fn absorption_per_mm(&self, wavelength_nm: f64) -> Result<f64, GlassError> {
+        Ok(4.0 * PI * self.extinction(wavelength_nm)? / (wavelength_nm * 1e-6))
+    }
+
+    /// The part of light that is left after a thickness in millimetres, without losses at faces.
+    ///
+    /// # Errors
+    /// The thickness is below 0 or NaN; and as [`extinction`](Glass::extinction).
+    pub fn internal_transmittance(&self, wavelength_nm: f64, thickness_mm: f64) -> Result<f64, GlassError> {
+        if thickness_mm.is_nan() || thickness_mm < 0.0 {
+            return Err(GlassError::Thickness(thickness_mm));
+        }
+        let absorption = self.absorption_per_mm(wavelength_nm)?;
+        // nothing is absorbed by an infinite thickness of what absorbs nothing
+        Ok(if absorption == 0.0 { 1.0 } else { libm::exp(-absorption * thickness_mm) })
+    }
+
+    /// The Abbe number V_d = (n_d - 1)/(n_F - n_C) of the formula.
+    ///
+    /// # Errors
+    /// The data do not reach one of the lines d, F, C.
+    pub fn abbe_number(&self) -> Result<f64, GlassError> {
+        Ok((self.index(D_NM)? - 1.0) / (self.index(F_NM)? - self.index(C_NM)?))
+    }
+
+    fn check(
+        &self,
+        quantity: &'static str,
+        wavelength_nm: f64,
+        range_nm: [f64; 2],
+    ) -> Result<(), GlassError> {
+        if !(wavelength_nm > 0.0 && wavelength_nm.is_finite()) {
+            return Err(GlassError::Wavelength(wavelength_nm));
+        }
+        let inside = range_nm[0] <= wavelength_nm && wavelength_nm <= range_nm[1];
+        if inside || self.extrapolated {
+            return Ok(());
+        }
+        Err(GlassError::OutOfRange { glass: self.data.name.clone(), quantity, wavelength_nm, range_nm })
+    }
+}
+
+/// A material from its index at the d line and its Abbe number; see [`Dispersion::from_abbe`].
+impl Glass {
+    /// The material named by its numbers, such as `1.5168/64.17`.
+    ///
+    /// # Errors
+    /// As [`Dispersion::from_abbe`].
+    pub fn from_abbe(n_d: f64, v_d: f64) -> Result<Glass, DispersionError> {
+        let dispersion = Dispersion::from_abbe(n_d, v_d)?;
+        Ok(Glass::new(format!("{n_d}/{v_d}"), dispersion).with_published(Published { n_d, v_d }))
+    }
+}

@@ -1,0 +1,91 @@
+//! What reading files of glasses has in common: problems with their lines, and wavelengths in micrometres.
+
+use super::Glass;
+
+/// What is wrong in a line of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    /// Counted from 1.
+    pub line: usize,
+    /// What is wrong, as "problem (why) suggestion?".
+    pub text: String,
+}
+
+impl std::fmt::Display for Problem {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "line {}: {}", self.line, self.text)
+    }
+}
+
+/// All problems of a file, in the order of its lines.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", listed(problems))]
+pub struct ReadError {
+    problems: Vec<Problem>,
+    readable: Vec<Glass>,
+}
+
+fn listed(problems: &[Problem]) -> String {
+    problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n")
+}
+
+impl ReadError {
+    /// What is wrong, line by line; at least one problem.
+    pub fn problems(&self) -> &[Problem] {
+        &self.problems
+    }
+
+    /// The materials that have no problem, for whoever decides to go on without the others.
+    pub fn into_readable(self) -> Vec<Glass> {
+        self.readable
+    }
+}
+
+/// The materials, if there is no problem.
+pub(super) fn finish(readable: Vec<Glass>, mut problems: Vec<Problem>) -> Result<Vec<Glass>, ReadError> {
+    if problems.is_empty() {
+        return Ok(readable);
+    }
+    problems.sort_by_key(|problem| problem.line);
+    Err(ReadError { problems, readable })
+}
+
+/// Nanometres from micrometres, to a millionth of one: 2.325 µm are 2325 nm, whatever the product rounds to.
+pub(super) fn nm_from_um(um: f64) -> f64 {
+    let nm = um * 1e3;
+    let rounded = (um * 1e9).round() / 1e6;
+    if (rounded - nm).abs() < 1e-12 * nm { rounded } else { nm }
+}
+
+/// A finite number.
+pub(super) fn number(word: &str) -> Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("{word:?} is no number")),
+    }
+}
+
+/// Numbers between blanks.
+pub(super) fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    text.split_whitespace().map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn micrometres_in_decimals_give_nanometres_in_decimals() {
+        assert_eq!(nm_from_um(1.001), 1001.0);
+        assert_eq!(nm_from_um(0.5875618), 587.5618);
+        assert_eq!(nm_from_um(1.0 / 3.0), 1000.0 / 3.0);
+    }
+
+    #[test]
+    fn only_finite_numbers_are_numbers() {
+        assert_eq!(numbers(" 1.5E+000\t-2 ").unwrap(), [1.5, -2.0]);
+        for bad in ["nan", "inf", "1,5", "x"] {
+            assert_eq!(number(bad).unwrap_err(), format!("{bad:?} is no number"));
+        }
+    }
+}
