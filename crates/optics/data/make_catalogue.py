@@ -136,6 +136,14 @@ def source(document):
     return re.split(r" ?\* ?(?=Ref|Sellmeier)|\[Calculation|\(Numerical data", text)[0].rstrip(" .")
 
 
+def conditions(document):
+    """The temperature and, of gases, the pressure that the numbers hold at, in brackets; empty where nothing is said."""
+    stated = document.get("CONDITIONS") or {}
+    units = [("temperature", "K"), ("pressure", "Pa")]
+    words = [f"{stated[key]} {unit}" for key, unit in units if key in stated]
+    return f" (at {', '.join(words)})" if words else ""
+
+
 def coefficients(part):
     return [float(word) for word in str(part["coefficients"]).split()]
 
@@ -230,7 +238,7 @@ def write_materials(database):
     text = ["# From the refractiveindex.info database (public domain, CC0) by make_catalogue.py, reduced to references and numbers."]
     for name, aliases, path in MATERIALS:
         document = yaml.safe_load((database / path).read_text(encoding="utf-8"))
-        reference = source(document).replace('"', "'")
+        reference = source(document).replace('"', "'") + conditions(document)
         text += ["---", f'NAME: "{name}"', f'ALIASES: "{aliases}"', f'REFERENCES: "{reference}"', "DATA:"]
         for part in document["DATA"]:
             text.append(f"  - type: {part['type']}")

@@ -172,9 +172,8 @@ fn read_transmittance(rest: &str) -> Result<Transmittance, String> {
         return Err("an IT line is too short (wavelength in µm, transmittance, thickness in mm)".to_owned());
     };
     let measured = Transmittance { wavelength_nm: nm_from_um(um), transmittance, thickness_mm };
-    // each line is tried alone, so that its problem has its place
-    let trial = Glass::new("", Dispersion::Constant(1.0)).with_transmittances(&[measured]);
-    trial.map(|_| measured).map_err(|error| error.to_string())
+    measured.check().map_err(|error| error.to_string())?;
+    Ok(measured)
 }
 
 impl Record {

@@ -89,26 +89,30 @@ impl Catalogue {
         let length = wanted.chars().count();
         let alike = least < length && least <= 1 + length / 4;
         near.retain(|(unlikeness, _)| alike && unlikeness.edits == least);
-        near.dedup_by_key(|(_, name)| *name);
-        near.iter().take(3).map(|(_, name)| (*name).to_owned()).collect()
+        let mut names: Vec<String> = Vec::new();
+        for (_, name) in near {
+            if names.len() < 3 && !names.iter().any(|known| known == name) {
+                names.push(name.to_owned());
+            }
+        }
+        names
     }
 }
 
-/// How much two names differ: by edits first; of equal ones, a name that the other is a part of comes first (BK7 means N-BK7
-/// rather than K7 or BK10).
+/// How much two names differ: by edits first; of equal ones those come first that share most pairs of letters (BK7 means N-BK7
+/// rather than K7).
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Unlikeness {
     edits: usize,
-    no_part: bool,
-    length: usize,
+    /// Per mille of the pairs of letters (Sørensen, Dice).
+    unshared: u32,
 }
 
 impl Unlikeness {
     fn between(wanted: &str, known: &str) -> Unlikeness {
         Unlikeness {
             edits: strsim::damerau_levenshtein(wanted, known),
-            no_part: wanted.is_empty() || !known.contains(wanted),
-            length: known.len(),
+            unshared: (1000.0 * (1.0 - strsim::sorensen_dice(wanted, known))) as u32,
         }
     }
 }

@@ -152,10 +152,7 @@ impl Glass {
     /// # Errors
     /// A transmittance is not from 0 to 1, a thickness not above 0, a wavelength not above 0, or there is none at all.
     pub fn with_transmittances(self, measured: &[Transmittance]) -> Result<Glass, GlassError> {
-        if let Some(wrong) = measured.iter().find(|measured| !measured.is_possible()) {
-            let &Transmittance { wavelength_nm, transmittance, thickness_mm } = wrong;
-            return Err(GlassError::Transmittance { wavelength_nm, transmittance, thickness_mm });
-        }
+        measured.iter().try_for_each(Transmittance::check)?;
         let mut best: Vec<Transmittance> = measured.to_vec();
         let order = |a: &Transmittance, b: &Transmittance| {
             a.wavelength_nm.total_cmp(&b.wavelength_nm).then(a.doubt().total_cmp(&b.doubt()))
@@ -177,11 +174,14 @@ impl Glass {
 const OPAQUE: f64 = 1e-5;
 
 impl Transmittance {
-    fn is_possible(&self) -> bool {
+    /// Whether it can have been measured.
+    pub(super) fn check(&self) -> Result<(), GlassError> {
+        let &Transmittance { wavelength_nm, transmittance, thickness_mm } = self;
         let positive = |value: f64| value > 0.0 && value.is_finite();
-        (0.0..=1.0).contains(&self.transmittance)
-            && positive(self.thickness_mm)
-            && positive(self.wavelength_nm)
+        if (0.0..=1.0).contains(&transmittance) && positive(thickness_mm) && positive(wavelength_nm) {
+            return Ok(());
+        }
+        Err(GlassError::Transmittance { wavelength_nm, transmittance, thickness_mm })
     }
 
     /// -ln τ, from 0 up.

@@ -12,7 +12,7 @@ fn glasses_have_the_indices_and_abbe_numbers_of_their_makers_sheets() {
     for row in rows(include_str!("reference/makers.csv")) {
         let glass = glass(&format!("{} {}", row[0], row[1])).unwrap();
         assert_eq!([glass.maker(), glass.name()], [row[0], row[1]]);
-        // CDGM's sheets are older than its coefficients
+        // CDGM's sheet is of 2018, its coefficients of 2022
         let slack = if row[0] == "CDGM" { 0.06 } else { 0.02 };
         let v_d: f64 = row[2].parse().unwrap();
         assert!((glass.abbe_number().unwrap() - v_d).abs() < slack, "{} {}", row[0], row[1]);
@@ -113,16 +113,21 @@ fn metals_reflect_as_metals_do() {
     }
 }
 
-/// Schott N-BK7, data sheet: internal transmittances at 10 mm and 25 mm.
+/// `reference/transmittances.csv`. At the edge of a band Schott's numbers here come from samples of 25 mm, where little is left to
+/// be printed.
 #[test]
-fn transmittances_are_those_of_the_sheet() {
-    let bk7 = glass("N-BK7").unwrap();
-    for (wavelength_nm, at_10, at_25) in [(365.0, 0.988, 0.971), (546.0, 0.998, 0.996), (2325.0, 0.793, 0.56)]
-    {
-        let at = |thickness_mm: f64| bk7.internal_transmittance(wavelength_nm, thickness_mm).unwrap();
-        assert!((at(10.0) - at_10).abs() < 6e-4, "{wavelength_nm}: {}", at(10.0));
-        assert!((at(25.0) - at_25).abs() < 6e-4, "{wavelength_nm}: {}", at(25.0));
+fn transmittances_are_those_of_the_makers_sheets() {
+    let mut count = 0;
+    for row in rows(include_str!("reference/transmittances.csv")) {
+        let (wavelength_nm, printed): (f64, f64) = (row[1].parse().unwrap(), row[2].parse().unwrap());
+        let Ok(transmittance) = glass(row[0]).unwrap().internal_transmittance(wavelength_nm, 10.0) else {
+            continue;
+        };
+        let slack = if printed < 0.4 { 0.05 } else { 0.005 };
+        assert!((transmittance - printed).abs() < slack, "{row:?}: {transmittance}");
+        count += 1;
     }
+    assert!(count > 600, "{count}");
 }
 
 #[test]
@@ -171,6 +176,7 @@ fn unknown_names_get_suggestions() {
     };
     assert_eq!(text("BK7"), "no glass is named \"BK7\" (...) did you mean N-BK7, P-BK7 or K7?");
     assert_eq!(text("N-BK8"), "no glass is named \"N-BK8\" (...) did you mean N-BK7?");
+    assert_eq!(text("BK77"), "no glass is named \"BK77\" (...) did you mean N-BK7, P-BK7 or K7?");
     assert_eq!(text("fused silicia"), "no glass is named \"fused silicia\" (...) did you mean fused silica?");
     assert_eq!(text("unobtainium"), "no glass is named \"unobtainium\" (...)");
     assert_eq!(text(""), "no glass is named \"\" (...)");
