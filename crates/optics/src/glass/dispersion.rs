@@ -3,6 +3,7 @@
 //! λ is in micrometres in every formula.
 
 use super::Table;
+use super::air;
 use super::spectrum::{C_NM, D_NM, F_NM};
 
 /// One term `strength λ² / (λ² - resonance_um2)` of a Sellmeier formula.
@@ -81,6 +82,13 @@ pub enum Dispersion {
     Retro([f64; 4]),
     /// n² = a + b/(λ² - c) + d(λ - e)/((λ - e)² + f): "exotic", formula 9 of refractiveindex.info.
     Exotic([f64; 6]),
+    /// Air by Ciddor's equations; see [`Air`](super::Air).
+    Air {
+        /// The density of its dry part, in units of that of standard air, times what CO₂ adds to its refractivity.
+        dry: f64,
+        /// The density of its water vapour, in units of that at 20 °C and 1333 Pa.
+        vapour: f64,
+    },
     /// Measured indices, linear between.
     Tabulated(Table),
 }
@@ -420,6 +428,7 @@ impl Dispersion {
             }
             Dispersion::Retro(coefficients) => retro(coefficients, square),
             Dispersion::Exotic(coefficients) => exotic(coefficients, um),
+            Dispersion::Air { dry, vapour } => air::index(*dry, *vapour, square),
             Dispersion::Tabulated(table) => table.at(wavelength_nm),
         }
     }

@@ -83,6 +83,16 @@ pub enum GlassError {
     /// A thickness is none.
     #[error("the thickness is {0} mm (a thickness is at least 0)")]
     Thickness(f64),
+    /// Air is never like this.
+    #[error("the {quantity} of air is {value} (it is from {} to {})", range[0], range[1])]
+    Air {
+        /// What of it, with its unit.
+        quantity: &'static str,
+        /// What was given.
+        value: f64,
+        /// What may be given.
+        range: [f64; 2],
+    },
     /// The numbers make no formula or table.
     #[error(transparent)]
     Dispersion(#[from] DispersionError),

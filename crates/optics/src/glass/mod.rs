@@ -2,6 +2,7 @@
 //!
 //! - [`glass`](fn@glass) finds a material of the built-in [`Catalogue`] by name; [`glasses`] lists all of them.
 //! - [`Glass`] tells index, extinction coefficient, absorption and transmittance, and refuses wavelengths that its data do not reach.
+//! - [`Air`] is air of any temperature, pressure and humidity.
 //! - [`Dispersion`] holds the formulas that makers of glass and papers use.
 //! - [`read_agf`] and [`read_refractiveindex`] read the files in which such data are published.
 //!
@@ -9,6 +10,7 @@
 //! absorbed are in millimetres.
 
 mod agf;
+mod air;
 mod catalogue;
 mod dispersion;
 mod error;
@@ -19,6 +21,7 @@ mod table;
 mod yaml;
 
 pub use agf::read_agf;
+pub use air::Air;
 pub use catalogue::{Catalogue, glass, glasses};
 pub use dispersion::{Dispersion, DispersionError, RationalTerm, SellmeierTerm};
 pub use error::GlassError;

@@ -1,6 +1,7 @@
 //! Tests of the module `glass`.
 
 mod agf;
+mod air;
 mod catalogue;
 mod dispersion;
 mod material;
