@@ -1,0 +1,200 @@
+//! The optical surfaces of a component: their height over the aperture, and the half of space behind them.
+
+use super::ComponentError;
+use super::aperture::solid;
+use rayweave_math::Vec3;
+use rayweave_model::Solid;
+use rayweave_shape::primitive::{Cylinder, HalfSpace, Quadric, Sphere};
+
+/// The height over its vertex plane of a conic of revolution, `height` away from the axis:
+///
+/// `z = c h^2 / (1 + sqrt(1 - (1 + k) c^2 h^2))`, with the curvature c = 1 / `radius` and the conic constant k.
+///
+/// k < -1 is a hyperboloid, -1 a paraboloid, between -1 and 0 an ellipsoid about its long axis, 0 a sphere, above 0 an
+/// ellipsoid about its short axis (ISO 10110-12). An infinite radius is a plane. `None` beyond where the surface ends.
+pub fn sag(radius: f64, conic: f64, height: f64) -> Option<f64> {
+    Profile::conic(radius, conic).sag(height)
+}
+
+/// The form of a surface with its vertex at the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Profile {
+    /// The radius of curvature at the vertex, positive if its centre lies on the side of +z.
+    pub radius: f64,
+    /// The conic constant.
+    pub conic: f64,
+    /// True if it is curved along x only.
+    pub cylindrical: bool,
+}
+
+impl Profile {
+    pub const PLANE: Profile = Profile { radius: f64::INFINITY, conic: 0.0, cylindrical: false };
+
+    pub fn sphere(radius: f64) -> Profile {
+        Profile::conic(radius, 0.0)
+    }
+
+    pub fn conic(radius: f64, conic: f64) -> Profile {
+        Profile { radius, conic, cylindrical: false }
+    }
+
+    pub fn cylinder(radius: f64) -> Profile {
+        Profile { radius, conic: 0.0, cylindrical: true }
+    }
+
+    pub fn is_plane(&self) -> bool {
+        self.radius.is_infinite()
+    }
+
+    /// The same seen from the other side.
+    pub fn reversed(self) -> Profile {
+        Profile { radius: -self.radius, ..self }
+    }
+
+    /// The distance from the axis at which the surface turns back.
+    pub fn limit(&self) -> f64 {
+        let turn = 1.0 + self.conic;
+        if self.is_plane() || turn <= 0.0 { f64::INFINITY } else { self.radius.abs() / turn.sqrt() }
+    }
+
+    pub fn sag(&self, height: f64) -> Option<f64> {
+        let ratio = height / self.radius;
+        let under_root = 1.0 - (1.0 + self.conic) * ratio * ratio;
+        // at the limit itself rounding may leave less than nothing
+        let at_limit = height <= self.limit();
+        (under_root >= 0.0 || at_limit).then(|| height * ratio / (1.0 + under_root.max(0.0).sqrt()))
+    }
+
+    /// The height of the plane that divides the quadric into the sheet with the vertex and the other one: through the
+    /// centre of an ellipsoid, between the sheets of a hyperboloid, infinitely far for the others.
+    fn divide(&self) -> f64 {
+        self.radius / (1.0 + self.conic)
+    }
+
+    /// The points with f < 0, where f is the quadric with the sign that makes them lie on the side of +z near the
+    /// vertex: `f = c (x^2 + y^2) + c (1 + k) z^2 - 2 z`.
+    fn inside(&self, vertex: f64, name: &str) -> Result<Solid, ComponentError> {
+        if self.is_plane() {
+            return Ok(solid(HalfSpace::new(-Vec3::Z, -vertex)?).named(name));
+        }
+        if self.conic != 0.0 {
+            return Ok(self.quadric()?.translate([0.0, 0.0, vertex]).named(name));
+        }
+        let round = match self.cylindrical {
+            true => solid(Cylinder::new(self.radius.abs(), f64::INFINITY)?).rotate_x(90.0),
+            false => solid(Sphere::new(self.radius.abs())?),
+        };
+        let round = round.translate([0.0, 0.0, vertex + self.radius]).named(name);
+        Ok(if self.radius > 0.0 { round } else { !round })
+    }
+
+    /// The quadric times |radius|, so that no entry is tiny.
+    fn quadric(&self) -> Result<Solid, ComponentError> {
+        let (sign, size) = (self.radius.signum(), self.radius.abs());
+        let mut matrix = [[0.0; 4]; 4];
+        (matrix[0][0], matrix[1][1], matrix[2][2]) = (sign, sign, sign * (1.0 + self.conic));
+        (matrix[2][3], matrix[3][2]) = (-size, -size);
+        Ok(solid(Quadric::new(matrix)?))
+    }
+
+    /// The radius of curvature and the conic constant, if they are numbers that say something.
+    pub fn checked(
+        self,
+        part: &'static str,
+        parameter: impl Into<String>,
+    ) -> Result<Profile, ComponentError> {
+        let parameter = parameter.into();
+        if self.radius == 0.0 || self.radius.is_nan() {
+            return Err(ComponentError::Radius { part, parameter, value: self.radius });
+        }
+        let parameter = format!("the conic constant of {parameter}");
+        super::error::finite(part, parameter, self.conic)?;
+        Ok(self)
+    }
+}
+
+/// A surface in its place on the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Face {
+    pub name: &'static str,
+    pub vertex: f64,
+    pub profile: Profile,
+}
+
+impl Face {
+    /// Its height along z, `height` away from the axis.
+    pub fn z(&self, height: f64) -> Option<f64> {
+        self.profile.sag(height).map(|sag| self.vertex + sag)
+    }
+
+    /// The heights that it takes out to `reach`: a sag is monotonic.
+    pub fn range(&self, reach: f64) -> [f64; 2] {
+        let rim = self.z(reach).unwrap_or(self.vertex);
+        [self.vertex.min(rim), self.vertex.max(rim)]
+    }
+
+    fn divide(&self) -> f64 {
+        self.vertex + self.profile.divide()
+    }
+
+    /// The points on the side of +z, right where z < `until`; of a concave surface also right only above [`Face::floor`].
+    pub fn beyond(&self, until: f64) -> Result<Solid, ComponentError> {
+        let inside = self.profile.inside(self.vertex, self.name)?;
+        if self.profile.is_plane() || self.profile.divide() < 0.0 || until <= self.divide() {
+            return Ok(inside);
+        }
+        // the far half of the surface is none: all that lies behind its middle is behind the surface
+        Ok(inside | solid(HalfSpace::new(-Vec3::Z, -self.divide())?).named(self.name))
+    }
+
+    /// The points on the side of -z, right where z > `from`; of a convex surface also right only below [`Face::ceiling`].
+    pub fn before(&self, from: f64) -> Result<Solid, ComponentError> {
+        if self.profile.is_plane() {
+            return Ok(solid(HalfSpace::new(Vec3::Z, self.vertex)?).named(self.name));
+        }
+        let outside = !self.profile.inside(self.vertex, self.name)?;
+        if self.profile.divide() > 0.0 || from >= self.divide() {
+            return Ok(outside);
+        }
+        Ok(outside | solid(HalfSpace::new(Vec3::Z, self.divide())?).named(self.name))
+    }
+
+    /// A height below `low`, where a component begins, and above the other half of the surface, which must not count.
+    pub fn floor(&self, low: f64, margin: f64) -> f64 {
+        let divide = self.divide();
+        if divide <= low && !self.profile.is_plane() {
+            return (low - margin).max(0.5 * (low + divide));
+        }
+        low - margin
+    }
+
+    /// A height above `high`, where a component ends, and below the other half of the surface.
+    pub fn ceiling(&self, high: f64, margin: f64) -> f64 {
+        let divide = self.divide();
+        if divide >= high && !self.profile.is_plane() {
+            return (high + margin).min(0.5 * (high + divide));
+        }
+        high + margin
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sags_of_known_curves() {
+        let close =
+            |found: Option<f64>, exact: f64| assert!((found.unwrap() - exact).abs() < 1e-15, "{found:?}");
+        close(sag(5.0, 0.0, 3.0), 1.0);
+        close(sag(-5.0, 0.0, 4.0), -2.0);
+        close(sag(2.0, -1.0, 2.0), 1.0);
+        close(sag(f64::INFINITY, 0.0, 7.0), 0.0);
+        close(sag(1.0, 0.0, 1.0), 1.0);
+        // hyperbola z^2 + 2 z = h^2: k = -2, R = 1
+        close(sag(1.0, -2.0, 3f64.sqrt()), 1.0);
+        assert_eq!(sag(1.0, 0.0, 1.1), None);
+        // an ellipsoid with half axes 3 along z and 2 across: R = 4/3, k = -5/9
+        close(sag(4.0 / 3.0, -5.0 / 9.0, 2.0), 3.0);
+    }
+}

@@ -1,0 +1,153 @@
+//! Mirrors: substrates with one optical face.
+//!
+//! The vertex of the face `front` is the origin, wherever the aperture is: an off-axis mirror is a piece, cut out beside the
+//! axis, of a mirror about the axis. Its back is the plane `back.plane`, its rim `edge`. A mirror faces the light that
+//! travels towards +z, its substrate lies on the side of +z; [`Blank::turned`] is for those that face it from the other
+//! side. Radii have the usual sign whichever way the mirror faces: the centre of curvature is at (0, 0, radius).
+
+use super::element::Element;
+use super::error::{finite, positive};
+use super::face::{Face, Profile};
+use super::{Aperture, ComponentError};
+use rayweave_math::Vec3;
+use rayweave_model::Solid;
+
+/// The piece of glass that carries a mirror.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blank {
+    /// Its outline.
+    pub aperture: Aperture,
+    /// The place of the aperture's centre, along x and y.
+    pub off_axis: [f64; 2],
+    /// The distance from the vertex to the plane back.
+    pub thickness: f64,
+    /// True if the mirror faces +z and its back is at z = -thickness.
+    pub turned: bool,
+}
+
+impl Blank {
+    /// A blank about the axis.
+    pub fn new(aperture: Aperture, thickness: f64) -> Blank {
+        Blank { aperture, off_axis: [0.0; 2], thickness, turned: false }
+    }
+
+    /// The same with its aperture moved away from the axis.
+    pub fn off_axis(self, x: f64, y: f64) -> Blank {
+        Blank { off_axis: [x, y], ..self }
+    }
+
+    /// The same facing the other way: towards +z, with the substrate on the side of -z.
+    pub fn turned(self) -> Blank {
+        Blank { turned: !self.turned, ..self }
+    }
+
+    /// The substrate behind a surface.
+    fn cut(&self, part: &'static str, profile: Profile) -> Result<Solid, ComponentError> {
+        let thickness = positive(part, "thickness", self.thickness)?;
+        for (axis, value) in ["x", "y"].into_iter().zip(self.off_axis) {
+            finite(part, format!("off_axis {axis}"), value)?;
+        }
+        let profile = if self.turned { profile.reversed() } else { profile };
+        let front = Face { name: "front", vertex: 0.0, profile };
+        let back = Face { name: "back", vertex: thickness, profile: Profile::PLANE };
+        let (aperture, centre) = (self.aperture, self.off_axis);
+        let solid = Element { part, front, back, aperture, centre }.build()?;
+        Ok(if self.turned { solid.mirror(Vec3::Z) } else { solid })
+    }
+}
+
+/// A plane mirror; its face is `front.plane` in the plane z = 0.
+///
+/// # Errors
+/// A thickness or an aperture that is not positive.
+pub fn plane_mirror(blank: &Blank) -> Result<Solid, ComponentError> {
+    blank.cut("plane mirror", Profile::PLANE)
+}
+
+/// A spherical mirror, `front.side`, with its centre at (0, 0, `radius`) and its paraxial focus half-way there.
+///
+/// Facing the light (see [`Blank`]) it is concave if `radius` < 0, convex if `radius` > 0; turned it is the other way
+/// round. An infinite radius is a plane.
+///
+/// # Errors
+/// As of [`lens`](super::lens): the back is the second surface.
+///
+/// ```
+/// use rayweave_optics::component::{Aperture, Blank, spherical_mirror};
+///
+/// let blank = Blank::new(Aperture::circle(20.0), 3.0).off_axis(0.0, 15.0);
+/// let concave = spherical_mirror(-100.0, &blank)?;
+/// // the one that PyRayT calls spherical_mirror(100, 3): it faces +z
+/// let facing_away = spherical_mirror(100.0, &blank.turned())?;
+/// # Ok::<(), rayweave_optics::component::ComponentError>(())
+/// ```
+pub fn spherical_mirror(radius: f64, blank: &Blank) -> Result<Solid, ComponentError> {
+    conic_mirror(radius, 0.0, blank)
+}
+
+/// A mirror whose face is a conic of revolution (see [`sag`](super::sag)) with its vertex at the origin and the centre of
+/// its curvature there at (0, 0, `radius`); otherwise a [`spherical_mirror`].
+///
+/// # Errors
+/// As of [`spherical_mirror`], and a conic constant that is not finite.
+pub fn conic_mirror(radius: f64, conic: f64, blank: &Blank) -> Result<Solid, ComponentError> {
+    let profile = Profile::conic(radius, conic).checked("mirror", "radius")?;
+    blank.cut("mirror", profile)
+}
+
+/// A concave paraboloid: collimated light along the axis meets in the focus, exactly, whatever its distance from the axis.
+///
+/// Facing the light its focus is (0, 0, -`focal_length`) and the face `z = -(x^2 + y^2) / (4 focal_length)`; turned its
+/// focus is (0, 0, `focal_length`). (PyRayT moves the focus to the origin: translate a turned one by -`focal_length`.)
+///
+/// # Errors
+/// As of [`spherical_mirror`], and a focal length that is not positive.
+pub fn parabolic_mirror(focal_length: f64, blank: &Blank) -> Result<Solid, ComponentError> {
+    let radius = 2.0 * positive("parabolic mirror", "focal_length", focal_length)?;
+    blank.cut("parabolic mirror", Profile::conic(concave(radius, blank), -1.0))
+}
+
+/// A concave ellipsoid of revolution: light from one focus meets in the other, exactly.
+///
+/// Both foci lie on the axis in front of the mirror, `near` and `far` from its vertex: facing the light at (0, 0, -`near`)
+/// and (0, 0, -`far`). With half axes a = (near + far)/2 and e = |far - near| / (near + far) the radius at the vertex is
+/// a (1 - e^2) = 2 near far / (near + far) and the conic constant -e^2.
+///
+/// # Errors
+/// As of [`spherical_mirror`], and distances that are not positive.
+pub fn elliptic_mirror(near: f64, far: f64, blank: &Blank) -> Result<Solid, ComponentError> {
+    let part = "elliptic mirror";
+    let (near, far) = (positive(part, "near", near)?, positive(part, "far", far)?);
+    let eccentricity = (far - near) / (far + near);
+    let radius = concave(2.0 * near * far / (near + far), blank);
+    blank.cut(part, Profile::conic(radius, -eccentricity * eccentricity))
+}
+
+/// A convex hyperboloid of revolution, the secondary of a Cassegrain: light that converges to the focus behind it meets in
+/// the focus in front of it, exactly.
+///
+/// The foci lie on the axis, `behind` and `in_front` from the vertex: facing the light at (0, 0, `behind`) and
+/// (0, 0, -`in_front`). The radius at the vertex is 2 behind in_front / (in_front - behind), the eccentricity
+/// (in_front + behind) / (in_front - behind).
+///
+/// # Errors
+/// As of [`spherical_mirror`], and distances that are not positive or not `behind` < `in_front`.
+pub fn hyperbolic_mirror(behind: f64, in_front: f64, blank: &Blank) -> Result<Solid, ComponentError> {
+    let part = "hyperbolic mirror";
+    let (behind, in_front) = (positive(part, "behind", behind)?, positive(part, "in_front", in_front)?);
+    let difference = in_front - behind;
+    super::error::fit(part, difference > 0.0, || {
+        format!(
+            "the focus behind is {behind} and that in front {in_front} from the vertex (a convex mirror has the nearer one \
+             behind) are they the wrong way round?"
+        )
+    })?;
+    let eccentricity = (in_front + behind) / difference;
+    let radius = -concave(2.0 * behind * in_front / difference, blank);
+    blank.cut(part, Profile::conic(radius, -eccentricity * eccentricity))
+}
+
+/// The sign of the radius of a concave mirror.
+fn concave(radius: f64, blank: &Blank) -> f64 {
+    if blank.turned { radius } else { -radius }
+}

@@ -1,0 +1,63 @@
+//! Optical components as solids.
+//!
+//! The optical axis is z and light travels towards +z. Lengths are in the unit of the document, angles in degrees. Radii
+//! of curvature are positive if the centre lies on the side of +z; an infinite radius is a plane. Everything is built about
+//! the origin, to be turned and translated from there.
+//!
+//! | what | functions |
+//! | --- | --- |
+//! | lenses | [`lens`], [`biconvex`], [`biconcave`], [`plano_convex`], [`plano_concave`], [`conic_lens`], [`cylindrical_lens`], [`cemented`], [`window`], [`ball_lens`], [`half_ball_lens`], [`rod`], [`axicon`] |
+//! | mirrors | [`plane_mirror`], [`spherical_mirror`], [`parabolic_mirror`], [`elliptic_mirror`], [`hyperbolic_mirror`], [`conic_mirror`] |
+//! | prisms | [`equilateral_prism`], [`dispersing_prism`], [`right_angle_prism`], [`penta_prism`], [`dove_prism`], [`amici_prism`], [`corner_cube`], [`wedge_prism`], [`beam_splitter_cube`] |
+//! | concentrators | [`light_pipe`], [`tapered_light_pipe`], [`Cpc`] |
+//! | sheets | [`Sheet::plane`], [`Sheet::stop`], [`Sheet::iris`], [`Sheet::spherical`], [`Sheet::conic`], [`Sheet::cylindrical`] |
+//!
+//! # Names of faces
+//!
+//! Leaves are named for what they do: the surface that the light meets first `front`, the one behind `back`, the rim `edge`.
+//! A face is called by its leaf and its place there, as each function's page says: `front.side` if curved, `front.plane` if
+//! plane. A name given to the whole component does not show in them, because a leaf keeps the innermost name;
+//! [`with_prefix`] puts it there:
+//!
+//! ```
+//! use rayweave_model::Program;
+//! use rayweave_optics::component::{Aperture, plano_convex, with_prefix};
+//!
+//! let lens = plano_convex(50.0, 5.0, Aperture::circle(20.0))?;
+//! let objective = with_prefix(&lens, "objective");
+//! let faces = |solid| Program::compile(solid).unwrap().face_names().collect::<Vec<_>>();
+//! assert_eq!(faces(&lens)[..3], ["front.plane", "back.side", "edge.side"]);
+//! assert_eq!(faces(&objective)[..3], ["objective.front.plane", "objective.back.side", "objective.edge.side"]);
+//! # Ok::<(), rayweave_optics::component::ComponentError>(())
+//! ```
+
+mod aperture;
+mod concentrator;
+mod element;
+mod error;
+mod face;
+mod lens;
+mod lensmaker;
+mod mirror;
+mod prefix;
+mod prism;
+mod sheet;
+
+pub use aperture::Aperture;
+pub use concentrator::{Cpc, light_pipe, tapered_light_pipe};
+pub use error::ComponentError;
+pub use face::sag;
+pub use lens::{
+    axicon, ball_lens, biconcave, biconvex, cemented, conic_lens, cylindrical_lens, half_ball_lens, lens,
+    plano_concave, plano_convex, rod, window,
+};
+pub use lensmaker::lensmaker;
+pub use mirror::{
+    Blank, conic_mirror, elliptic_mirror, hyperbolic_mirror, parabolic_mirror, plane_mirror, spherical_mirror,
+};
+pub use prefix::with_prefix;
+pub use prism::{
+    amici_prism, beam_splitter_cube, corner_cube, dispersing_prism, dove_length, dove_prism,
+    equilateral_prism, penta_prism, right_angle_prism, wedge_prism,
+};
+pub use sheet::Sheet;

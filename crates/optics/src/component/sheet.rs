@@ -1,0 +1,131 @@
+//! Sheets: surfaces without thickness, at which something happens to light although the medium stays.
+
+use super::aperture::solid;
+use super::error::fit;
+use super::face::{Face, Profile};
+use super::{Aperture, ComponentError};
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::Solid;
+use rayweave_shape::primitive::HalfSpace;
+
+/// A surface trimmed by a solid: an event takes place where the boundary of `surface` is crossed inside `trim`.
+///
+/// Stops, baffles, screens, detectors, gratings and thin lenses are sheets. Each is made about the origin, its middle, with
+/// its normal along z; [`Sheet::apply`] puts it elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// The solid whose boundary is the surface, in world coordinates; its leaf is named `sheet`. It is the side of -z, so
+    /// that light along +z leaves it.
+    pub surface: Solid,
+    /// Where the surface is there, in world coordinates.
+    pub trim: Solid,
+    /// `world_from_local`: the sheet's own coordinates, with the origin in its middle, z along its normal and x, y along
+    /// the sides of its aperture.
+    pub frame: Affine,
+}
+
+impl Sheet {
+    /// The same sheet moved by a map.
+    ///
+    /// # Errors
+    /// A map that is singular or not finite.
+    pub fn apply(&self, world_from_local: &Affine) -> Result<Sheet, ComponentError> {
+        world_from_local.inverse()?;
+        Ok(Sheet {
+            surface: self.surface.apply(*world_from_local),
+            trim: self.trim.apply(*world_from_local),
+            frame: self.frame.then(world_from_local),
+        })
+    }
+
+    /// A piece of the plane z = 0 with the outline of an aperture: a baffle, a screen, a detector.
+    ///
+    /// # Errors
+    /// Sizes that are not positive.
+    pub fn plane(aperture: Aperture) -> Result<Sheet, ComponentError> {
+        let trim = aperture.column([0.0; 2], [-1.0, 1.0].map(|side| side * thickness(&aperture)))?;
+        let surface = solid(HalfSpace::new(Vec3::Z, 0.0)?).named("sheet");
+        Ok(Sheet { surface, trim: trim.named("outline"), frame: Affine::IDENTITY })
+    }
+
+    /// A piece of the plane z = 0 with an opening about the axis: an aperture stop.
+    ///
+    /// # Errors
+    /// Sizes that are not positive, an opening that is wider or higher than the stop.
+    ///
+    /// ```
+    /// use rayweave_optics::component::{Aperture, Sheet};
+    ///
+    /// let stop = Sheet::stop(Aperture::rectangle(50.0, 50.0), Aperture::circle(10.0))?;
+    /// # Ok::<(), rayweave_optics::component::ComponentError>(())
+    /// ```
+    pub fn stop(outline: Aperture, opening: Aperture) -> Result<Sheet, ComponentError> {
+        let ([w, h], [a, b]) = (outline.checked()?.size(), opening.checked()?.size());
+        fit("stop", a <= w && b <= h, || {
+            format!(
+                "the opening is {a} x {b} and the stop {w} x {h} (it would have no rim) are the two exchanged?"
+            )
+        })?;
+        let sheet = Sheet::plane(outline)?;
+        let hole = opening.column([0.0; 2], [-2.0, 2.0].map(|side| side * thickness(&outline)))?;
+        Ok(Sheet { trim: sheet.trim - hole.named("opening"), ..sheet })
+    }
+
+    /// A round stop with a round opening.
+    ///
+    /// # Errors
+    /// As of [`Sheet::stop`].
+    pub fn iris(diameter: f64, opening: f64) -> Result<Sheet, ComponentError> {
+        Sheet::stop(Aperture::circle(diameter), Aperture::circle(opening))
+    }
+
+    /// A piece of a sphere with its vertex at the origin and its centre at (0, 0, `radius`): a curved detector.
+    ///
+    /// # Errors
+    /// A radius that is 0 or NaN, sizes that are not positive, an aperture larger than the sphere.
+    pub fn spherical(radius: f64, aperture: Aperture) -> Result<Sheet, ComponentError> {
+        Sheet::conic(radius, 0.0, aperture)
+    }
+
+    /// A piece of a conic of revolution (see [`sag`](super::sag)) with its vertex at the origin.
+    ///
+    /// # Errors
+    /// As of [`Sheet::spherical`], and a conic constant that is not finite.
+    pub fn conic(radius: f64, conic: f64, aperture: Aperture) -> Result<Sheet, ComponentError> {
+        let profile = Profile::conic(radius, conic).checked("sheet", "radius")?;
+        curved(profile, aperture.checked()?, aperture.reach([0.0; 2]))
+    }
+
+    /// A piece of a round cylinder along y, `width` wide and `height` high, with its vertex at the origin and its axis
+    /// through (0, 0, `radius`).
+    ///
+    /// # Errors
+    /// As of [`Sheet::spherical`].
+    pub fn cylindrical(radius: f64, width: f64, height: f64) -> Result<Sheet, ComponentError> {
+        let profile = Profile::cylinder(radius).checked("sheet", "radius")?;
+        let aperture = Aperture::rectangle(width, height).checked()?;
+        curved(profile, aperture, 0.5 * width)
+    }
+}
+
+/// The piece of a surface inside an aperture that reaches so far from the axis, or from the plane x = 0.
+fn curved(profile: Profile, aperture: Aperture, reach: f64) -> Result<Sheet, ComponentError> {
+    if profile.is_plane() {
+        return Sheet::plane(aperture);
+    }
+    let limit = profile.limit();
+    if reach > limit {
+        return Err(ComponentError::ApertureTooLarge { part: "sheet", surface: "curved", reach, limit });
+    }
+    let face = Face { name: "sheet", vertex: 0.0, profile };
+    let ([low, high], margin) = (face.range(reach), thickness(&aperture));
+    let ends = [face.floor(low, margin), face.ceiling(high, margin)];
+    let trim = aperture.column([0.0; 2], ends)?.named("outline");
+    Ok(Sheet { surface: face.before(ends[0])?, trim, frame: Affine::IDENTITY })
+}
+
+/// How far the trim of a sheet reaches on either side: far enough that no rounding matters, near enough to be a small box.
+fn thickness(aperture: &Aperture) -> f64 {
+    let [width, height] = aperture.size();
+    0.125 * width.min(height)
+}

@@ -1,0 +1,8 @@
+//! Components against closed forms, through the engine.
+
+mod concentrators;
+mod lenses;
+mod mirrors;
+mod prisms;
+mod probe;
+mod sheets;
