@@ -1,6 +1,47 @@
 //! Optics: what light does in the solids of a model.
 //!
-//! [`glass`] tells the refractive index of a material at a wavelength, [`component`] builds lenses, mirrors and prisms.
+//! An [`Assembly`] of [`Element`]s, solids of a [`Material`] and sheets, is compiled into a [`System`]; a [`Tracer`] sends
+//! light through it, a [`Beam`] or any other [`Emitter`], and answers with the [`Segments`] of all rays and a [`Balance`] of
+//! power. Light is refracted and reflected where media meet, whatever the shapes that bound them: cemented, immersed and
+//! nested parts need no gaps. [`interface`] holds the physics of one such event, [`glass`] the indices of refraction.
+//!
+//! ```
+//! use rayweave_model::Solid;
+//! use rayweave_optics::{Assembly, Beam, Element, Light, Medium, Settings, Tracer};
+//! use rayweave_shape::primitive::{Primitive, Sphere};
+//! use rayweave_trace::Packets;
+//!
+//! // a ball lens of radius 10 focuses light near its axis at n R / (2 (n - 1)) from its centre
+//! let ball = Solid::from(Primitive::from(Sphere::new(10.0)?));
+//! let glass = Medium::constant("glass", 1.5, 0.0)?;
+//! let system = Assembly::new().add(Element::transparent("ball", ball, &glass)).compile()?;
+//! let beam: Beam = [Light::new([0.01, 0.0, -50.0], [0.0, 0.0, 1.0], 587.6)].into_iter().collect();
+//! let trace = Tracer::new(&system, Packets::new).trace(&beam, &Settings::default())?;
+//! let last = trace.segments.iter().last().ok_or("no segment")?;
+//! let focus = last.start.z - last.start.x * last.direction.z / last.direction.x;
+//! assert!((focus - 15.0).abs() < 1e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod beam;
 pub mod component;
+mod element;
+mod error;
 pub mod glass;
+mod interact;
+pub mod interface;
+mod medium;
+mod near;
+mod segments;
+mod settings;
+mod system;
+mod trace;
+
+pub use beam::{Beam, Emitter, Light};
+pub use element::{Action, Element, Finish, Material};
+pub use error::OpticsError;
+pub use medium::{Index, Medium};
+pub use segments::{Balance, Event, Segment, Segments};
+pub use settings::{Branches, Settings};
+pub use system::{Assembly, System};
+pub use trace::{Trace, Tracer};

@@ -1,0 +1,141 @@
+//! Light on its way in.
+
+use crate::error::OpticsError;
+use crate::interface::Stokes;
+use crate::system::System;
+use rayweave_math::Vec3;
+use rayweave_model::{RayBatch, Rays};
+use rayweave_shape::Ray;
+use std::ops::Range;
+
+/// Rays of light as columns.
+#[derive(Clone, Debug, Default)]
+pub struct Beam {
+    rays: RayBatch,
+    wavelength_nm: Vec<f64>,
+    power: Vec<f64>,
+    source: Vec<u32>,
+    stokes: Vec<Option<Stokes>>,
+}
+
+/// One ray of light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Where it starts and where it goes; the direction need not be of unit length.
+    pub ray: Ray,
+    /// Its vacuum wavelength in nanometres.
+    pub wavelength_nm: f64,
+    /// Its power, in any unit.
+    pub power: f64,
+    /// The number of the source that it comes from.
+    pub source: u32,
+    /// Its polarisation; none is unpolarised. Its power is not looked at.
+    pub stokes: Option<Stokes>,
+}
+
+impl Beam {
+    /// Appends a ray.
+    pub fn push(&mut self, light: Light) {
+        self.rays.push(light.ray);
+        self.wavelength_nm.push(light.wavelength_nm);
+        self.power.push(light.power);
+        self.source.push(light.source);
+        self.stokes.push(light.stokes);
+    }
+
+    /// The rays.
+    pub fn rays(&self) -> Rays<'_> {
+        self.rays.rays()
+    }
+
+    /// The number of rays.
+    pub fn len(&self) -> usize {
+        self.power.len()
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.power.is_empty()
+    }
+
+    /// Forgets all rays and keeps the memory.
+    pub fn clear(&mut self) {
+        self.rays.clear();
+        self.wavelength_nm.clear();
+        self.power.clear();
+        self.source.clear();
+        self.stokes.clear();
+    }
+
+    /// Ray number `i`.
+    pub fn get(&self, i: usize) -> Light {
+        Light {
+            ray: self.rays().get(i),
+            wavelength_nm: self.wavelength_nm[i],
+            power: self.power[i],
+            source: self.source[i],
+            stokes: self.stokes[i],
+        }
+    }
+
+    /// Whether all rays can be traced through a system.
+    ///
+    /// # Errors
+    /// [`OpticsError`] for the first ray, power or wavelength that cannot.
+    pub fn check(&self, system: &System) -> Result<(), OpticsError> {
+        self.rays().check()?;
+        let bad = |column, ray, value, range| OpticsError::BadLight { column, ray, value, range };
+        for (ray, &value) in self.power.iter().enumerate() {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(bad("power", ray, value, "it has to be at least 0 and finite"));
+            }
+        }
+        for (ray, &value) in self.wavelength_nm.iter().enumerate() {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(bad("wavelength_nm", ray, value, "it has to be greater than 0 and finite"));
+            }
+        }
+        system.media().try_for_each(|medium| {
+            let range_nm @ [lo, hi] = medium.range_nm();
+            let outside = |&wavelength: &f64| !(lo..=hi).contains(&wavelength);
+            let Some(ray) = self.wavelength_nm.iter().position(outside) else { return Ok(()) };
+            let (wavelength_nm, medium) = (self.wavelength_nm[ray], medium.name().to_owned());
+            Err(OpticsError::Wavelength { ray, wavelength_nm, medium, range_nm })
+        })
+    }
+}
+
+impl FromIterator<Light> for Beam {
+    fn from_iter<I: IntoIterator<Item = Light>>(lights: I) -> Beam {
+        let mut beam = Beam::default();
+        lights.into_iter().for_each(|light| beam.push(light));
+        beam
+    }
+}
+
+/// Where light comes from, any piece of it at a time, so that a run of any length takes bounded memory.
+pub trait Emitter: Sync {
+    /// The number of rays.
+    fn count(&self) -> usize;
+
+    /// Appends the rays of a range, always the same for the same numbers.
+    fn emit(&self, range: Range<usize>, beam: &mut Beam);
+}
+
+impl Emitter for Beam {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn emit(&self, range: Range<usize>, beam: &mut Beam) {
+        range.for_each(|i| beam.push(self.get(i)));
+    }
+}
+
+impl Light {
+    /// Unpolarised light of source 0 and power 1.
+    pub fn new(origin: impl Into<Vec3>, direction: impl Into<Vec3>, wavelength_nm: f64) -> Light {
+        let ray = Ray::new(origin.into(), direction.into());
+        Light { ray, wavelength_nm, power: 1.0, source: 0, stokes: None }
+    }
+}

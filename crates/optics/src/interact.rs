@@ -1,0 +1,307 @@
+//! One event: what a face or a sheet makes of a ray of light.
+
+use crate::element::{Action, Finish};
+use crate::interface::{Film, Response, Stokes, diffract, reflect, refract, response};
+use crate::near::Leaves;
+use crate::segments::Event;
+use crate::settings::{Branches, Settings};
+use crate::system::{FaceMet, Substance};
+use num_complex::Complex64;
+use rand::{Rng, RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rayweave_math::{Affine, Vec3};
+
+/// Light that arrives: its direction and the normal against it are of unit length.
+pub(crate) struct Arriving {
+    pub direction: Vec3,
+    pub normal: Vec3,
+    pub wavelength_nm: f64,
+    pub power: f64,
+    pub stokes: Option<Stokes>,
+    /// The index of the medium that it travels in.
+    pub index: f64,
+    /// The key of its random numbers.
+    pub stream: u64,
+}
+
+/// Light that goes on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Going {
+    pub direction: Vec3,
+    pub power: f64,
+    pub stokes: Option<Stokes>,
+    pub leaves: Leaves,
+}
+
+/// What becomes of light: up to two rays; what is left of the power is absorbed.
+pub(crate) struct Outcome {
+    pub event: Event,
+    pub going: [Option<Going>; 2],
+}
+
+impl Outcome {
+    fn absorbed() -> Outcome {
+        Outcome { event: Event::Absorbed, going: [None, None] }
+    }
+
+    fn one(event: Event, going: Going) -> Outcome {
+        if going.power > 0.0 { Outcome { event, going: [Some(going), None] } } else { Outcome::absorbed() }
+    }
+}
+
+impl Arriving {
+    fn random(&self, settings: &Settings) -> ChaCha8Rng {
+        let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
+        random.set_stream(self.stream);
+        random
+    }
+
+    fn going(&self, direction: Vec3, leaves: Leaves) -> Going {
+        Going { direction, power: self.power, stokes: self.stokes, leaves }
+    }
+
+    /// The same light thrown back by a mirror.
+    fn mirrored(&self, reflectance: f64) -> Going {
+        let direction = reflect(self.direction, self.normal);
+        // a perfect conductor: the phases of s and p differ by half a turn about the direction of travel
+        let amplitude = reflectance.sqrt();
+        let amplitudes = [Complex64::from(-amplitude), Complex64::from(amplitude)];
+        self.with(amplitudes, direction, self.normal, Leaves::Here)
+    }
+
+    /// Light that goes on with amplitudes for s and p.
+    fn with(&self, amplitudes: [Complex64; 2], direction: Vec3, normal: Vec3, leaves: Leaves) -> Going {
+        let mean = 0.5 * (amplitudes[0].norm_sqr() + amplitudes[1].norm_sqr());
+        let stokes = self.stokes.map(|stokes| {
+            let s = self.direction.cross(normal).try_normalize().unwrap_or(stokes.axis);
+            let mut after = stokes.about(s, self.direction).after(amplitudes);
+            after.axis = s;
+            after
+        });
+        let power = stokes.map_or(self.power * mean, |stokes| stokes.power());
+        Going { direction, power, stokes, leaves }
+    }
+
+    /// A face between two media.
+    pub fn at_face(&self, behind: &Substance, face: &FaceMet<'_>, settings: &Settings) -> Outcome {
+        match face.finish {
+            Finish::Polished => self.at_interface(behind, &[], self.normal, settings),
+            // films are listed from outside
+            Finish::Coated(films) if face.from_inside => {
+                let turned: Vec<Film> = films.iter().rev().copied().collect();
+                self.at_interface(behind, &turned, self.normal, settings)
+            }
+            Finish::Coated(films) => self.at_interface(behind, films, self.normal, settings),
+            Finish::Rough { slope } => {
+                let facet = self.facet(*slope, settings);
+                self.at_interface(behind, &[], facet, settings)
+            }
+            Finish::Mirror { reflectance } => Outcome::one(Event::Reflected, self.mirrored(*reflectance)),
+            Finish::Absorber => Outcome::absorbed(),
+            Finish::Diffuse { reflectance } => self.diffuse(*reflectance, settings),
+            Finish::Splitter { reflectance } => match behind {
+                Substance::Transparent(medium) => {
+                    let index = medium.index(self.wavelength_nm).re;
+                    match refract(self.direction, self.normal, self.index / index) {
+                        Some(through) => self.split(*reflectance, through, settings),
+                        None => Outcome::one(Event::TotallyReflected, self.mirrored(1.0)),
+                    }
+                }
+                Substance::Opaque | Substance::Metal(_) => {
+                    Outcome::one(Event::Reflected, self.mirrored(*reflectance))
+                }
+            },
+        }
+    }
+
+    fn at_interface(&self, behind: &Substance, films: &[Film], normal: Vec3, settings: &Settings) -> Outcome {
+        let (medium, is_metal) = match behind {
+            Substance::Opaque => return Outcome::absorbed(),
+            Substance::Transparent(medium) => (medium, false),
+            Substance::Metal(medium) => (medium, true),
+        };
+        let index = medium.index(self.wavelength_nm);
+        if !is_metal && settings.branches == Branches::Ideal {
+            return self.ideal(index.re, normal);
+        }
+        let behind = if is_metal { index } else { Complex64::from(index.re) };
+        let cosine = -self.direction.dot(normal);
+        let found = response(self.index, films, behind, cosine.min(1.0), self.wavelength_nm);
+        let through = match is_metal {
+            true => None,
+            false => refract(self.direction, normal, self.index / index.re),
+        };
+        self.branch(&found, through, normal, is_metal, settings)
+    }
+
+    /// Without losses: refracted, or totally reflected.
+    fn ideal(&self, index: f64, normal: Vec3) -> Outcome {
+        if index == self.index {
+            return Outcome::one(Event::Transmitted, self.going(self.direction, Leaves::Beyond));
+        }
+        match refract(self.direction, normal, self.index / index) {
+            Some(direction) => {
+                let ones = [Complex64::ONE; 2];
+                Outcome::one(Event::Transmitted, self.with(ones, direction, normal, Leaves::Beyond))
+            }
+            None => {
+                let cosine = -self.direction.dot(normal);
+                let found =
+                    response(self.index, &[], Complex64::from(index), cosine.min(1.0), self.wavelength_nm);
+                // all of it, whatever rounding says
+                let unit = found.reflected.map(|amplitude| amplitude / amplitude.norm());
+                let direction = reflect(self.direction, normal);
+                Outcome::one(Event::TotallyReflected, self.with(unit, direction, normal, Leaves::Here))
+            }
+        }
+    }
+
+    /// Both ways, or one of them at random.
+    fn branch(
+        &self,
+        found: &Response,
+        through: Option<Vec3>,
+        normal: Vec3,
+        is_metal: bool,
+        settings: &Settings,
+    ) -> Outcome {
+        let back = self.with(found.reflected, reflect(self.direction, normal), normal, Leaves::Here);
+        let Some(direction) = through else {
+            let event = if is_metal { Event::Reflected } else { Event::TotallyReflected };
+            return Outcome::one(event, back);
+        };
+        let on = self.with(found.transmitted, direction, normal, Leaves::Beyond);
+        self.choose(back, on, settings)
+    }
+
+    /// A part is reflected, the rest goes on, whatever the polarisation.
+    fn split(&self, reflectance: f64, through: Vec3, settings: &Settings) -> Outcome {
+        let back = self.mirrored(reflectance);
+        let amplitudes = [Complex64::from((1.0 - reflectance).sqrt()); 2];
+        let on = self.with(amplitudes, through, self.normal, Leaves::Beyond);
+        if settings.branches == Branches::Ideal {
+            let going = [back, on].map(|ray| (ray.power > 0.0).then_some(ray));
+            return Outcome { event: Event::Split, going };
+        }
+        self.choose(back, on, settings)
+    }
+
+    fn choose(&self, back: Going, on: Going, settings: &Settings) -> Outcome {
+        match settings.branches {
+            Branches::Ideal | Branches::Both => match (back.power > 0.0, on.power > 0.0) {
+                (true, true) => Outcome { event: Event::Split, going: [Some(on), Some(back)] },
+                (true, false) => Outcome::one(Event::Reflected, back),
+                _ => Outcome::one(Event::Transmitted, on),
+            },
+            Branches::Random => {
+                let drawn: f64 = self.random(settings).random::<f64>() * self.power;
+                // the chosen ray carries all the power; what is absorbed ends
+                let all = |going: Going| Going {
+                    power: self.power,
+                    stokes: going.stokes.map(|stokes| stokes.with_power(self.power)),
+                    ..going
+                };
+                match () {
+                    () if drawn < back.power => Outcome::one(Event::Reflected, all(back)),
+                    () if drawn < back.power + on.power => Outcome::one(Event::Transmitted, all(on)),
+                    () => self.lost(back, on, all),
+                }
+            }
+        }
+    }
+
+    /// Past the sum of both powers: absorbed, or rounding where nothing absorbs.
+    fn lost(&self, back: Going, on: Going, all: impl Fn(Going) -> Going) -> Outcome {
+        let is_rounding = self.power - (back.power + on.power) <= 1e-12 * self.power;
+        if is_rounding { Outcome::one(Event::Transmitted, all(on)) } else { Outcome::absorbed() }
+    }
+
+    /// Lambert's law: uniform on the disk below the hemisphere (Malley's method).
+    fn diffuse(&self, reflectance: f64, settings: &Settings) -> Outcome {
+        let mut random = self.random(settings);
+        let (radius, angle) = (random.random::<f64>().sqrt(), std::f64::consts::TAU * random.random::<f64>());
+        let (u, v) = self.normal.any_orthonormal_pair();
+        let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+        let height = (1.0 - radius * radius).max(0.0).sqrt();
+        let direction = (radius * (cosine * u + sine * v) + height * self.normal).normalize();
+        let power = reflectance * self.power;
+        let stokes = self.stokes.map(|_| Stokes::unpolarised(power, direction));
+        Outcome::one(Event::Scattered, Going { direction, power, stokes, leaves: Leaves::Here })
+    }
+
+    /// The normal of a facet that faces the light: slopes by the method of Box & Muller (Ann. Math. Stat. 29, 610, 1958).
+    fn facet(&self, slope: f64, settings: &Settings) -> Vec3 {
+        let mut random = self.random(settings);
+        // the draw of the branch comes from the same stream: it must not be the same number
+        random.next_u64();
+        let (u, v) = self.normal.any_orthonormal_pair();
+        for _ in 0..64 {
+            let (a, b): (f64, f64) = (1.0 - random.random::<f64>(), random.random());
+            let length = slope * (-2.0 * libm::log(a)).sqrt();
+            let angle = std::f64::consts::TAU * b;
+            let tilt = length * (libm::cos(angle) * u + libm::sin(angle) * v);
+            let facet = (self.normal + tilt).normalize();
+            if self.direction.dot(facet) < 0.0 {
+                return facet;
+            }
+        }
+        self.normal
+    }
+
+    /// A sheet, by its frame; `point` is where it is crossed, `unit_nm` the unit of length.
+    pub fn at_sheet(
+        &self,
+        action: &Action,
+        (frame, local): (&Affine, &Affine),
+        point: Vec3,
+        unit_nm: f64,
+        settings: &Settings,
+    ) -> Outcome {
+        let on = |direction| self.going(direction, Leaves::Beyond);
+        match action {
+            Action::Absorb => Outcome::absorbed(),
+            Action::Record => Outcome::one(Event::Passed, on(self.direction)),
+            Action::Mirror { reflectance } => Outcome::one(Event::Reflected, self.mirrored(*reflectance)),
+            Action::Splitter { reflectance } => self.split(*reflectance, self.direction, settings),
+            Action::ThinLens { focal_length } => {
+                let direction = bent(local.vector(self.direction), local.point(point), *focal_length);
+                Outcome::one(Event::Bent, on(frame.vector(direction).normalize()))
+            }
+            Action::Grating { lines, order, reflects } => {
+                let side = if *reflects { self.normal } else { -self.normal };
+                let lines = frame.vector(*lines);
+                let wavelength = self.wavelength_nm / unit_nm;
+                let media = [self.index; 2];
+                let found = diffract(self.direction, side, media, lines, *order, wavelength);
+                let leaves = if *reflects { Leaves::Here } else { Leaves::Beyond };
+                match found {
+                    Some(direction) => Outcome::one(Event::Bent, self.going(direction, leaves)),
+                    None => Outcome::absorbed(),
+                }
+            }
+            Action::Polariser { .. } | Action::Retarder { .. } => self.polarised(action, frame),
+        }
+    }
+
+    fn polarised(&self, action: &Action, frame: &Affine) -> Outcome {
+        let Some((axis, amplitudes)) = action.polarises() else { return Outcome::absorbed() };
+        let across = frame.vector(axis);
+        let across = across - across.dot(self.direction) * self.direction;
+        let (Some(axis), Some(stokes)) = (across.try_normalize(), self.stokes) else {
+            // of unpolarised light each axis has half
+            let power = self.power * 0.5 * (amplitudes[0].norm_sqr() + amplitudes[1].norm_sqr());
+            let going = Going { power, ..self.going(self.direction, Leaves::Beyond) };
+            return Outcome::one(Event::Passed, going);
+        };
+        let after = stokes.about(axis, self.direction).after(amplitudes);
+        let going =
+            Going { power: after.power(), stokes: Some(after), ..self.going(self.direction, Leaves::Beyond) };
+        Outcome::one(Event::Passed, going)
+    }
+}
+
+/// The direction behind an ideal thin lens in the plane z = 0 of its frame: slopes change by the height over the focal length.
+fn bent(direction: Vec3, point: Vec3, focal_length: f64) -> Vec3 {
+    let along = direction.z.abs();
+    let slope = |d: f64, height: f64| d / along - height / focal_length;
+    Vec3::new(slope(direction.x, point.x), slope(direction.y, point.y), direction.z.signum())
+}

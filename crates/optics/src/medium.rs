@@ -1,0 +1,116 @@
+//! What light travels through.
+
+use crate::error::OpticsError;
+use num_complex::Complex64;
+use std::fmt;
+use std::sync::Arc;
+
+/// A law of dispersion: the complex index of refraction by wavelength.
+pub trait Index: Send + Sync + fmt::Debug {
+    /// The index n + i k at a vacuum wavelength in nanometres, for all wavelengths of [`Index::range_nm`]; `k >= 0` is the
+    /// extinction coefficient.
+    fn at(&self, wavelength_nm: f64) -> Complex64;
+
+    /// The shortest and the longest wavelength for which the law holds, in nanometres.
+    fn range_nm(&self) -> [f64; 2] {
+        [0.0, f64::INFINITY]
+    }
+}
+
+/// A medium: a name and a law of dispersion.
+#[derive(Clone, Debug)]
+pub struct Medium {
+    name: Arc<str>,
+    index: Law,
+}
+
+#[derive(Clone, Debug)]
+enum Law {
+    Constant(Complex64),
+    Dispersive(Arc<dyn Index>),
+}
+
+/// Equal if named and made alike: a shared law of dispersion is the same only as itself.
+impl PartialEq for Medium {
+    fn eq(&self, other: &Medium) -> bool {
+        let same_law = match (&self.index, &other.index) {
+            (Law::Constant(a), Law::Constant(b)) => a == b,
+            (Law::Dispersive(a), Law::Dispersive(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        };
+        same_law && self.name == other.name
+    }
+}
+
+impl Medium {
+    /// Vacuum: an index of 1.
+    pub fn vacuum() -> Medium {
+        Medium { name: "vacuum".into(), index: Law::Constant(Complex64::ONE) }
+    }
+
+    /// A medium with the same index at all wavelengths.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadIndex`] unless `n > 0` and `k >= 0` are finite.
+    pub fn constant(name: &str, n: f64, k: f64) -> Result<Medium, OpticsError> {
+        let index = Complex64::new(n, k);
+        let is_physical = n > 0.0 && k >= 0.0 && index.is_finite();
+        is_physical
+            .then(|| Medium { name: name.into(), index: Law::Constant(index) })
+            .ok_or_else(|| OpticsError::BadIndex { medium: name.to_owned(), index })
+    }
+
+    /// A medium with a law of dispersion.
+    pub fn dispersive(name: &str, index: Arc<dyn Index>) -> Medium {
+        Medium { name: name.into(), index: Law::Dispersive(index) }
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The complex index at a vacuum wavelength in nanometres; of no meaning outside of [`Medium::range_nm`].
+    pub fn index(&self, wavelength_nm: f64) -> Complex64 {
+        match &self.index {
+            Law::Constant(index) => *index,
+            Law::Dispersive(law) => law.at(wavelength_nm),
+        }
+    }
+
+    /// The wavelengths for which it is known, in nanometres.
+    pub fn range_nm(&self) -> [f64; 2] {
+        match &self.index {
+            Law::Constant(_) => [0.0, f64::INFINITY],
+            Law::Dispersive(law) => law.range_nm(),
+        }
+    }
+
+    /// The coefficient of absorption per nanometre, `4 pi k / wavelength` (Born & Wolf, *Principles of Optics*, 7th edition,
+    /// section 14.1, equation 18): power falls as `exp(-coefficient * length)` (Beer-Lambert).
+    pub fn absorption_per_nm(&self, wavelength_nm: f64) -> f64 {
+        4.0 * std::f64::consts::PI * self.index(wavelength_nm).im / wavelength_nm
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refusals_and_equality() {
+        for (n, k) in [(0.0, 0.0), (-1.5, 0.0), (1.5, -1.0), (f64::NAN, 0.0), (f64::INFINITY, 0.0)] {
+            assert!(Medium::constant("x", n, k).is_err(), "{n} {k}");
+        }
+        let glass = Medium::constant("glass", 1.5, 0.0).unwrap();
+        assert_eq!(glass, glass.clone());
+        assert_ne!(glass, Medium::constant("glass", 1.6, 0.0).unwrap());
+    }
+
+    #[test]
+    fn absorption_follows_from_extinction() {
+        // one wavelength of k = 1 / 4 pi absorbs 1 - 1/e
+        let ink = Medium::constant("ink", 1.3, 0.25 / std::f64::consts::PI).unwrap();
+        assert!((ink.absorption_per_nm(500.0) * 500.0 - 1.0).abs() < 1e-15);
+    }
+}

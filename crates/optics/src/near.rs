@@ -1,0 +1,118 @@
+//! The surfaces on which a ray starts that leaves an interface.
+//!
+//! Light that was reflected or refracted starts *on* the surface: the root there is divided out, with the side known, so
+//! that no offset is needed and nothing is met twice. At edges it starts on several surfaces at a time: on all within
+//! `delta` of the point.
+
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::weld::local_ray;
+use rayweave_model::{Crossing, LeafId, PlacementId, Program, Start, SurfaceId, dress};
+use rayweave_shape::Ray;
+use rayweave_shape::surface::delta;
+
+/// All surfaces of a program with the boxes in which they matter.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Near {
+    entries: Vec<Entry>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    bounds: Bounds,
+    placement: PlacementId,
+    surface: SurfaceId,
+}
+
+/// How a ray goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Leaves {
+    /// On the side from which it came: no surface is crossed.
+    Here,
+    /// On the other side.
+    Beyond,
+}
+
+impl Near {
+    pub fn new(program: &Program) -> Near {
+        let mut entries: Vec<Entry> = Vec::new();
+        for placement in (0..program.prototypes()[0].placements).map(PlacementId) {
+            let (world_from_local, group) = program.placement(placement);
+            let first = entries.len();
+            for leaf in program.prototype(group).leaves.clone().map(LeafId) {
+                let bounds = program.leaf_bounds(leaf).transformed(&world_from_local);
+                for facet in program.leaf(leaf).facets() {
+                    add(&mut entries, first, Entry { bounds, placement, surface: facet.surface() });
+                }
+            }
+        }
+        Near { entries }
+    }
+
+    /// Adds the surfaces at a time of a ray to a start list, that of a crossing, if there is one there, in any case.
+    pub fn list(
+        &self,
+        program: &Program,
+        (ray, t): (&Ray, f64),
+        crossing: Option<&Crossing>,
+        leaves: Leaves,
+        starts: &mut Vec<Start>,
+    ) {
+        let first = starts.len();
+        if let Some(Crossing { face, .. }) = crossing {
+            let gradient = dress::world_gradient(program, ray, *face, t);
+            let inside = is_inside(gradient.dot(ray.direction), 0.0, leaves);
+            starts.push(Start { surface: face.surface, placement: face.placement, inside });
+        }
+        let point = ray.at(t);
+        // boxes are grown by more than any tolerance: only those matter within which the point may lie
+        let margin = 1e3 * delta(0.0, ray, t);
+        for entry in self.entries.iter().filter(|entry| entry.bounds.grown(margin).contains(point)) {
+            let listed = |s: &Start| (s.surface, s.placement) == (entry.surface, entry.placement);
+            if starts[first..].iter().any(listed) {
+                continue;
+            }
+            if let Some(inside) = entry.side(program, ray, t, leaves) {
+                starts.push(Start { surface: entry.surface, placement: entry.placement, inside });
+            }
+        }
+    }
+}
+
+fn add(entries: &mut Vec<Entry>, first: usize, new: Entry) {
+    let known = entries[first..].iter_mut().find(|entry| entry.surface == new.surface);
+    match known {
+        Some(entry) => entry.bounds = entry.bounds.union(&new.bounds),
+        None => entries.push(new),
+    }
+}
+
+impl Entry {
+    /// If the surface is within the tolerance of the point: the side on which the ray goes on.
+    fn side(&self, program: &Program, ray: &Ray, t: f64, leaves: Leaves) -> Option<bool> {
+        let (local, reach) = local_ray(program, ray, self.placement);
+        let entry = program.surface(self.surface);
+        let (value, gradient) = entry.surface.value_and_gradient(local.at(t));
+        let near = value.abs() <= delta(entry.reach + reach, &local, t) * gradient.length();
+        near.then(|| is_inside(gradient.dot(local.direction), value, leaves))
+    }
+}
+
+/// The side after the event: along the ray f falls where it goes in.
+fn is_inside(slope: f64, value: f64, leaves: Leaves) -> bool {
+    match leaves {
+        Leaves::Here => slope > 0.0 || (slope == 0.0 && value < 0.0),
+        Leaves::Beyond => slope < 0.0 || (slope == 0.0 && value < 0.0),
+    }
+}
+
+/// The point of a crossing, put onto its surface by one Newton step along a direction that is not in it.
+pub(crate) fn foot(program: &Program, ray: &Ray, crossing: &Crossing, normal: Vec3) -> Vec3 {
+    let (local, _) = local_ray(program, ray, crossing.face.placement);
+    let surface = &program.surface(crossing.face.surface).surface;
+    let (value, gradient) = surface.value_and_gradient(local.at(crossing.t));
+    let steps = program.descend(crossing.face.placement);
+    let along = steps.fold(normal, |n, place| place.local_from_world.vector(n));
+    let step = value / gradient.dot(along);
+    let point = ray.at(crossing.t);
+    if step.is_finite() { point - step * normal } else { point }
+}

@@ -1,0 +1,222 @@
+//! The trace as columns: one row for each piece of a ray between two events.
+
+use rayweave_math::Vec3;
+
+/// What happens to light at the end of a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Event {
+    /// It leaves for ever; the end point is NaN.
+    Escaped = 0,
+    /// It goes on into another medium, or straight on through a sheet that splits it.
+    Transmitted = 1,
+    /// It is thrown back.
+    Reflected = 2,
+    /// It is thrown back since no light can go on.
+    TotallyReflected = 3,
+    /// It goes on as two rays.
+    Split = 4,
+    /// It ends.
+    Absorbed = 5,
+    /// It crosses a sheet and goes on in the same direction.
+    Passed = 6,
+    /// It goes on in a random direction.
+    Scattered = 7,
+    /// It is bent by a thin lens or a grating.
+    Bent = 8,
+}
+
+impl Event {
+    /// All events by their numbers.
+    pub const ALL: [Event; 9] = [
+        Event::Escaped,
+        Event::Transmitted,
+        Event::Reflected,
+        Event::TotallyReflected,
+        Event::Split,
+        Event::Absorbed,
+        Event::Passed,
+        Event::Scattered,
+        Event::Bent,
+    ];
+
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Event::Escaped => "escaped",
+            Event::Transmitted => "transmitted",
+            Event::Reflected => "reflected",
+            Event::TotallyReflected => "totally reflected",
+            Event::Split => "split",
+            Event::Absorbed => "absorbed",
+            Event::Passed => "passed",
+            Event::Scattered => "scattered",
+            Event::Bent => "bent",
+        }
+    }
+}
+
+/// A piece of a ray of light between two events.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// The number of the ray that the source sent out.
+    pub id: i64,
+    /// The row of the segment before; -1 for the first one.
+    pub parent: i64,
+    /// How many events there were before.
+    pub generation: u32,
+    /// The number of the source.
+    pub source: u32,
+    /// The vacuum wavelength in nanometres.
+    pub wavelength_nm: f64,
+    /// The power at its beginning.
+    pub intensity: f64,
+    /// The index of the medium.
+    pub index: f64,
+    /// Where it begins.
+    pub start: Vec3,
+    /// Where it ends; NaN if it does not.
+    pub end: Vec3,
+    /// Its direction, of unit length.
+    pub direction: Vec3,
+    /// The optical path (the sum of index times length) from the source to its end, or to its start if it has no end.
+    pub path: f64,
+    /// The number of the element that it meets; -1 for none.
+    pub element: i32,
+    /// The number of the surface that it meets; -1 for none.
+    pub surface: i32,
+    /// What happens there.
+    pub event: Event,
+}
+
+/// Segments as columns of equal length; see [`Segment`] for their meaning.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "the fields of Segment")]
+pub struct Segments {
+    pub id: Vec<i64>,
+    pub parent: Vec<i64>,
+    pub generation: Vec<u32>,
+    pub source: Vec<u32>,
+    pub wavelength_nm: Vec<f64>,
+    pub intensity: Vec<f64>,
+    pub index: Vec<f64>,
+    pub start: [Vec<f64>; 3],
+    pub end: [Vec<f64>; 3],
+    pub direction: [Vec<f64>; 3],
+    pub path: Vec<f64>,
+    pub element: Vec<i32>,
+    pub surface: Vec<i32>,
+    pub event: Vec<u8>,
+}
+
+impl Segments {
+    /// The number of rows.
+    pub fn len(&self) -> usize {
+        self.id.len()
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.id.is_empty()
+    }
+
+    /// Appends a row.
+    pub fn push(&mut self, row: Segment) {
+        self.id.push(row.id);
+        self.parent.push(row.parent);
+        self.generation.push(row.generation);
+        self.source.push(row.source);
+        self.wavelength_nm.push(row.wavelength_nm);
+        self.intensity.push(row.intensity);
+        self.index.push(row.index);
+        for k in 0..3 {
+            self.start[k].push(row.start[k]);
+            self.end[k].push(row.end[k]);
+            self.direction[k].push(row.direction[k]);
+        }
+        self.path.push(row.path);
+        self.element.push(row.element);
+        self.surface.push(row.surface);
+        self.event.push(row.event as u8);
+    }
+
+    /// Appends other rows; their parents, which count from 0, are moved to where the rows come to stand.
+    pub fn append(&mut self, other: &Segments) {
+        let before = self.len() as i64;
+        self.id.extend_from_slice(&other.id);
+        self.parent.extend(other.parent.iter().map(|&row| if row < 0 { row } else { row + before }));
+        self.generation.extend_from_slice(&other.generation);
+        self.source.extend_from_slice(&other.source);
+        self.wavelength_nm.extend_from_slice(&other.wavelength_nm);
+        self.intensity.extend_from_slice(&other.intensity);
+        self.index.extend_from_slice(&other.index);
+        for k in 0..3 {
+            self.start[k].extend_from_slice(&other.start[k]);
+            self.end[k].extend_from_slice(&other.end[k]);
+            self.direction[k].extend_from_slice(&other.direction[k]);
+        }
+        self.path.extend_from_slice(&other.path);
+        self.element.extend_from_slice(&other.element);
+        self.surface.extend_from_slice(&other.surface);
+        self.event.extend_from_slice(&other.event);
+    }
+
+    /// Row number `i`.
+    pub fn get(&self, i: usize) -> Segment {
+        let vector = |columns: &[Vec<f64>; 3]| Vec3::new(columns[0][i], columns[1][i], columns[2][i]);
+        Segment {
+            id: self.id[i],
+            parent: self.parent[i],
+            generation: self.generation[i],
+            source: self.source[i],
+            wavelength_nm: self.wavelength_nm[i],
+            intensity: self.intensity[i],
+            index: self.index[i],
+            start: vector(&self.start),
+            end: vector(&self.end),
+            direction: vector(&self.direction),
+            path: self.path[i],
+            element: self.element[i],
+            surface: self.surface[i],
+            event: Event::ALL[usize::from(self.event[i])],
+        }
+    }
+
+    /// All rows.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Segment> + '_ {
+        (0..self.len()).map(|i| self.get(i))
+    }
+}
+
+/// Where the power went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// What the sources sent out.
+    pub emitted: f64,
+    /// What ended at the surfaces of each element.
+    pub absorbed: Vec<f64>,
+    /// What was absorbed on the way through media.
+    pub absorbed_in_media: f64,
+    /// What left for ever.
+    pub escaped: f64,
+    /// What was not followed any more: too faint, or at the limit of generations.
+    pub dropped: f64,
+}
+
+impl Balance {
+    /// What is unaccounted for: 0 but for rounding.
+    pub fn error(&self) -> f64 {
+        let ends = self.absorbed.iter().sum::<f64>() + self.absorbed_in_media + self.escaped + self.dropped;
+        self.emitted - ends
+    }
+
+    /// Adds another balance of the same system.
+    pub fn add(&mut self, other: &Balance) {
+        self.emitted += other.emitted;
+        self.absorbed.resize(self.absorbed.len().max(other.absorbed.len()), 0.0);
+        self.absorbed.iter_mut().zip(&other.absorbed).for_each(|(sum, part)| *sum += part);
+        self.absorbed_in_media += other.absorbed_in_media;
+        self.escaped += other.escaped;
+        self.dropped += other.dropped;
+    }
+}
