@@ -1,6 +1,7 @@
 //! What light travels through.
 
 use crate::error::OpticsError;
+use crate::glass::{Glass, GlassError, glass};
 use num_complex::Complex64;
 use std::fmt;
 use std::sync::Arc;
@@ -27,6 +28,7 @@ pub struct Medium {
 #[derive(Clone, Debug)]
 enum Law {
     Constant(Complex64),
+    Glass(Glass),
     Dispersive(Arc<dyn Index>),
 }
 
@@ -35,6 +37,7 @@ impl PartialEq for Medium {
     fn eq(&self, other: &Medium) -> bool {
         let same_law = match (&self.index, &other.index) {
             (Law::Constant(a), Law::Constant(b)) => a == b,
+            (Law::Glass(a), Law::Glass(b)) => a == b,
             (Law::Dispersive(a), Law::Dispersive(b)) => Arc::ptr_eq(a, b),
             _ => false,
         };
@@ -65,15 +68,24 @@ impl Medium {
         Medium { name: name.into(), index: Law::Dispersive(index) }
     }
 
+    /// A material of the built-in catalogue ([`crate::glass::glass()`]), with the absorption that its data tell of.
+    ///
+    /// # Errors
+    /// [`GlassError`] for an unknown name, with a suggestion.
+    pub fn glass(name: &str) -> Result<Medium, GlassError> {
+        Ok(Medium::from(glass(name)?))
+    }
+
     /// What it is called.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The complex index at a vacuum wavelength in nanometres; of no meaning outside of [`Medium::range_nm`].
+    /// The complex index at a vacuum wavelength in nanometres, with an extinction of 0 where that is not known; of no meaning outside of [`Medium::range_nm`].
     pub fn index(&self, wavelength_nm: f64) -> Complex64 {
         match &self.index {
             Law::Constant(index) => *index,
+            Law::Glass(glass) => index_of(glass, wavelength_nm),
             Law::Dispersive(law) => law.at(wavelength_nm),
         }
     }
@@ -82,6 +94,7 @@ impl Medium {
     pub fn range_nm(&self) -> [f64; 2] {
         match &self.index {
             Law::Constant(_) => [0.0, f64::INFINITY],
+            Law::Glass(glass) => glass.range_nm(),
             Law::Dispersive(law) => law.range_nm(),
         }
     }
@@ -91,6 +104,18 @@ impl Medium {
     pub fn absorption_per_nm(&self, wavelength_nm: f64) -> f64 {
         4.0 * std::f64::consts::PI * self.index(wavelength_nm).im / wavelength_nm
     }
+}
+
+impl From<Glass> for Medium {
+    fn from(glass: Glass) -> Medium {
+        Medium { name: glass.name().into(), index: Law::Glass(glass) }
+    }
+}
+
+/// The index of a glass; where its extinction is not known it is transparent.
+fn index_of(glass: &Glass, wavelength_nm: f64) -> Complex64 {
+    let n = glass.index(wavelength_nm).unwrap_or(f64::NAN);
+    Complex64::new(n, glass.extinction(wavelength_nm).unwrap_or(0.0))
 }
 
 #[cfg(test)]
@@ -105,6 +130,8 @@ mod tests {
         let glass = Medium::constant("glass", 1.5, 0.0).unwrap();
         assert_eq!(glass, glass.clone());
         assert_ne!(glass, Medium::constant("glass", 1.6, 0.0).unwrap());
+        assert_eq!(Medium::glass("N-BK7").unwrap(), Medium::glass("n bk7").unwrap());
+        assert_ne!(Medium::glass("N-BK7").unwrap(), Medium::glass("N-SF5").unwrap());
     }
 
     #[test]

@@ -460,6 +460,13 @@ fn what_is_wrong_is_named() {
         message(Assembly::new().add(half).compile()),
         "the reflectance of `lens` is 1.5 (it has to be from 0 to 1)"
     );
+    let crown = Element::transparent("crown", ball(1.0), &Medium::glass("N-BK7").unwrap());
+    let ultraviolet = Beam::from_iter([Light { wavelength_nm: 250.0, ..along_z(0.0, 0.0) }]);
+    let system = Assembly::new().add(crown).compile().unwrap();
+    assert_eq!(
+        Tracer::new(&system, Packets::new).trace(&ultraviolet, &Settings::default()).unwrap_err().to_string(),
+        "ray 0 has a wavelength of 250 nm (the index of `N-BK7` is known from 300 nm to 2500 nm)"
+    );
     let system = Assembly::new().add(lens()).compile().unwrap();
     let tracer = Tracer::new(&system, Packets::new);
     let problem = |bad: Light| {
