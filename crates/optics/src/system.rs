@@ -1,6 +1,6 @@
 //! Optical systems, compiled: solids with their media, and sheets.
 
-use crate::component::Sheet;
+use crate::component::{Sheet, with_prefix};
 use crate::element::{Action, Body, Element, Finish, Material};
 use crate::error::OpticsError;
 use crate::medium::Medium;
@@ -213,7 +213,7 @@ impl Solids {
 
     fn add(&mut self, number: usize, element: &Element) -> Result<(), OpticsError> {
         let Body::Solid { solid, material, finish, faces } = &element.body else { return Ok(()) };
-        let named = solid.clone();
+        let named = with_prefix(solid, &element.name);
         // compiled alone first, so that problems and unknown faces are told with the name of the element
         let alone = Program::compile(&named)
             .map_err(|problem| OpticsError::Geometry { element: element.name.clone(), problem })?;

@@ -105,7 +105,7 @@ fn a_plate_shifts_light_aside() {
     near(rows[1].path, rows[0].start.distance(rows[0].end) + 1.5 * 10.0 / inside.cos(), 1e-12);
     assert_eq!(rows.iter().map(|row| row.index).collect::<Vec<_>>(), [1.0, 1.5, 1.0]);
     assert_eq!((rows[1].parent, rows[1].generation, rows[0].element, last.element), (0, 1, 0, -1));
-    assert_eq!(system.surface_name(rows[0].surface as usize), "box.z-");
+    assert_eq!(system.surface_name(rows[0].surface as usize), "plate.z-");
 }
 
 #[test]
@@ -453,7 +453,7 @@ fn what_is_wrong_is_named() {
     );
     assert_eq!(
         message(Assembly::new().add(lens().face("frnt", Finish::Absorber)).compile()),
-        "element `lens` has no face `frnt` (its faces are sphere.side)"
+        "element `lens` has no face `frnt` (its faces are lens.side)"
     );
     let half = lens().finish(Finish::Mirror { reflectance: 1.5 });
     assert_eq!(
