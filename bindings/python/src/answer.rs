@@ -3,7 +3,7 @@
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyDict, PyType};
+use pyo3::types::{IntoPyDict, PyDict, PyTuple, PyType};
 use rayweave::model::RegionId;
 
 use crate::arrays::{fresh, fresh_flags, fresh_table};
@@ -18,7 +18,7 @@ pub struct Rows<'a> {
     pub normal: &'a mut [[f64; 3]],
     pub enters: &'a mut [bool],
     pub surface: &'a mut [i32],
-    pub leaf: &'a mut [i32],
+    /// Has no places where nothing is placed.
     pub placement: &'a mut [i32],
     /// The regions before and after, and their media; for a solid alone they have no places.
     pub regions: [&'a mut [i32]; 2],
@@ -40,7 +40,6 @@ impl<'a> Rows<'a> {
             normal: take(&mut self.normal, count),
             enters: take(&mut self.enters, count),
             surface: take(&mut self.surface, count),
-            leaf: take(&mut self.leaf, count),
             placement: take(&mut self.placement, count),
             regions: self.regions.each_mut().map(|column| take(column, count)),
             media: self.media.each_mut().map(|column| take(column, count)),
@@ -48,12 +47,14 @@ impl<'a> Rows<'a> {
     }
 
     /// Writes the regions on both sides of every row, and their media, if there are places for them.
-    pub fn put_regions(&mut self, engine: &Engine, before: &[u32], after: &[u32]) {
-        for (k, numbers) in [before, after].into_iter().enumerate() {
-            for ((region, medium), &number) in
-                self.regions[k].iter_mut().zip(&mut *self.media[k]).zip(numbers)
-            {
-                (*region, *medium) = (number as i32, medium_of(engine, number));
+    pub fn put_regions(&mut self, engine: &Engine, regions: impl Iterator<Item = [u32; 2]>) {
+        if engine.media.is_none() {
+            return;
+        }
+        for (i, numbers) in regions.enumerate() {
+            for (k, number) in numbers.into_iter().enumerate() {
+                self.regions[k][i] = number as i32;
+                self.media[k][i] = medium_of(engine, number);
             }
         }
     }
@@ -74,32 +75,60 @@ pub struct Answer<'py> {
     t: Bound<'py, PyArray1<f64>>,
     vectors: [Bound<'py, PyArray2<f64>>; 2],
     enters: Bound<'py, PyArray1<bool>>,
-    numbers: [Bound<'py, PyArray1<i32>>; 3],
-    regions: [Bound<'py, PyArray1<i32>>; 4],
+    surface: Bound<'py, PyArray1<i32>>,
+    placement: Option<Bound<'py, PyArray1<i32>>>,
+    /// Those before and after, and their media.
+    regions: Option<[Bound<'py, PyArray1<i32>>; 4]>,
     start_inside: Bound<'py, PyArray1<bool>>,
 }
 
 impl<'py> Answer<'py> {
     /// Room for so many rows about so many rays.
     pub fn new(py: Python<'py>, engine: &Engine, [rows, rays]: [usize; 2]) -> PyResult<Self> {
-        let in_regions = if engine.media.is_some() { rows } else { 0 };
-        let numbers = |len| fresh::<i32>(py, len);
+        let numbers = || fresh::<i32>(py, rows);
+        let regions = || Ok::<_, PyErr>([numbers()?, numbers()?, numbers()?, numbers()?]);
         Ok(Answer {
             t: fresh(py, rows)?,
             vectors: [fresh_table(py, [rows, 3])?, fresh_table(py, [rows, 3])?],
             enters: fresh_flags(py, rows)?,
-            numbers: [numbers(rows)?, numbers(rows)?, numbers(rows)?],
-            regions: [numbers(in_regions)?, numbers(in_regions)?, numbers(in_regions)?, numbers(in_regions)?],
+            surface: numbers()?,
+            placement: engine.has_placements().then(numbers).transpose()?,
+            regions: engine.media.is_some().then(regions).transpose()?,
             start_inside: fresh_flags(py, rays)?,
         })
+    }
+
+    /// Gives it another number of rows. They must have been more than [`MANY`], and nobody else may have seen them.
+    pub fn resize(&self, rows: usize) -> PyResult<()> {
+        let py = self.t.py();
+        let options = [("refcheck", false)].into_py_dict(py)?;
+        let resize = |column: &Bound<'py, PyAny>| {
+            let shape: Vec<usize> = column.getattr("shape")?.extract()?;
+            column.call_method(
+                "resize",
+                (PyTuple::new(py, [&[rows], &shape[1..]].concat())?,),
+                Some(&options),
+            )
+        };
+        let numbers = [&self.surface].into_iter().chain(&self.placement).chain(self.regions.iter().flatten());
+        let mut columns: Vec<&Bound<'py, PyAny>> = numbers.map(|column| column.as_any()).collect();
+        columns.extend(self.vectors.iter().map(|column| column.as_any()));
+        columns.extend([self.t.as_any(), self.enters.as_any()]);
+        columns.into_iter().try_for_each(|column| resize(column).map(|_| ()))
     }
 
     /// Calls a function that fills all rows, and says of every ray whether it starts inside.
     pub fn fill<R>(&self, fill: impl FnOnce(Rows<'_>, &mut [bool]) -> PyResult<R>) -> PyResult<R> {
         let (mut t, mut enters) = (self.t.readwrite(), self.enters.readwrite());
         let [mut point, mut normal] = self.vectors.each_ref().map(|array| array.readwrite());
-        let [mut surface, mut leaf, mut placement] = self.numbers.each_ref().map(|array| array.readwrite());
-        let [mut r0, mut r1, mut m0, mut m1] = self.regions.each_ref().map(|array| array.readwrite());
+        let (mut surface, mut placement) =
+            (self.surface.readwrite(), self.placement.as_ref().map(|array| array.readwrite()));
+        let mut regions =
+            self.regions.as_ref().map(|arrays| arrays.each_ref().map(|array| array.readwrite()));
+        let [r0, r1, m0, m1] = match &mut regions {
+            Some(arrays) => arrays.each_mut().map(|array| array.as_slice_mut().map_err(bad_value)),
+            None => std::array::from_fn(|_| Ok(&mut [][..])),
+        };
         let mut start_inside = self.start_inside.readwrite();
         let rows = Rows {
             t: t.as_slice_mut().map_err(bad_value)?,
@@ -107,10 +136,12 @@ impl<'py> Answer<'py> {
             normal: normal.as_slice_mut().map_err(bad_value)?.as_chunks_mut().0,
             enters: enters.as_slice_mut().map_err(bad_value)?,
             surface: surface.as_slice_mut().map_err(bad_value)?,
-            leaf: leaf.as_slice_mut().map_err(bad_value)?,
-            placement: placement.as_slice_mut().map_err(bad_value)?,
-            regions: [r0.as_slice_mut().map_err(bad_value)?, r1.as_slice_mut().map_err(bad_value)?],
-            media: [m0.as_slice_mut().map_err(bad_value)?, m1.as_slice_mut().map_err(bad_value)?],
+            placement: match &mut placement {
+                Some(array) => array.as_slice_mut().map_err(bad_value)?,
+                None => &mut [],
+            },
+            regions: [r0?, r1?],
+            media: [m0?, m1?],
         };
         fill(rows, start_inside.as_slice_mut().map_err(bad_value)?)
     }
@@ -130,25 +161,21 @@ impl<'py> Answer<'py> {
         let object = class.call_method1("__new__", (class,))?;
         let fields = object.getattr("__dict__")?.cast_into::<PyDict>()?;
         let [point, normal] = self.vectors;
-        let [surface, leaf, placement] = self.numbers;
         fields.set_item("t", self.t)?;
         fields.set_item("point", point)?;
         fields.set_item("normal", normal)?;
         fields.set_item("enters", self.enters)?;
-        fields.set_item("surface", surface)?;
-        fields.set_item("leaf", leaf)?;
-        fields.set_item("placement", placement)?;
+        fields.set_item("surface", self.surface)?;
+        fields.set_item("_leaves", engine.leaves(py))?;
+        self.placement.into_iter().try_for_each(|column| fields.set_item("placement", column))?;
         fields.set_item("start_inside", self.start_inside)?;
         fields.set_item("surface_names", engine.surface_names(py)?)?;
         if let Some(offsets) = offsets {
             fields.set_item("offsets", offsets)?;
         }
-        if engine.media.is_some() {
+        if let Some(regions) = self.regions {
             let names = ["region_before", "region_after", "medium_before", "medium_after"];
-            names
-                .into_iter()
-                .zip(self.regions)
-                .try_for_each(|(name, column)| fields.set_item(name, column))?;
+            names.into_iter().zip(regions).try_for_each(|(name, column)| fields.set_item(name, column))?;
             fields.set_item("medium_names", engine.medium_names(py)?)?;
             fields.set_item("region_names", engine.region_names(py)?)?;
         }

@@ -131,7 +131,7 @@ pub fn room<T>(len: usize) -> PyResult<Vec<T>> {
 }
 
 /// Arrays from this many elements on are made by NumPy, which asks for large pages and fills them with nothing.
-const MANY: usize = 1 << 14;
+pub const MANY: usize = 1 << 14;
 
 /// A new array of one dimension, to be written throughout.
 pub fn fresh<T: Element + Copy + Default>(py: Python<'_>, len: usize) -> PyResult<Bound<'_, PyArray1<T>>> {

@@ -1,20 +1,36 @@
 //! Crossings: where, when and how rays pass from one medium into another, in columns.
 
+use std::borrow::Cow;
 use std::iter::zip;
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard};
 
-use numpy::PyArrayMethods;
+use numpy::{PyArrayMethods, PyReadwriteArray1};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
+use rayweave::AnyEvaluator;
 use rayweave::model::{Crossing, Evaluator, Program, Query, RayAnswer, Window, dress};
 use rayweave::shape::Ray;
 use rayweave::space::{Curve, CurveTrace, curve_normal, curve_point};
 
 use crate::answer::{Answer, Rows, column, medium_of, take};
-use crate::arrays::{fresh, room};
+use crate::arrays::{MANY, fresh, room};
 use crate::engine::{BLOCK, Cut, Engine, How, Worker, ask as ask_rays, inside, share, surface};
 use crate::error::bad_value;
-use crate::rays::{Columns, RayArrays};
+use crate::rays::{Columns, RayArrays, RayRows};
+
+/// A crossing with all that is told about it.
+struct Row {
+    t: f64,
+    point: [f64; 3],
+    normal: [f64; 3],
+    before: u32,
+    after: u32,
+    surface: i32,
+    placement: i32,
+    enters: bool,
+}
 
 /// Crossings of rays that follow each other.
 #[derive(Default)]
@@ -23,34 +39,27 @@ pub struct Table {
     counts: Vec<usize>,
     start_inside: Vec<bool>,
     start_region: Vec<u32>,
-    t: Vec<f64>,
-    point: Vec<[f64; 3]>,
-    normal: Vec<[f64; 3]>,
-    enters: Vec<bool>,
-    surface: Vec<i32>,
-    leaf: Vec<i32>,
-    placement: Vec<i32>,
-    before: Vec<u32>,
-    after: Vec<u32>,
+    /// Row by row: what is put aside is written and read once.
+    rows: Vec<Row>,
 }
 
 impl Table {
     fn push(&mut self, program: &Program, ray: &Ray, answer: &RayAnswer<'_>) {
         self.start(answer.start.0, inside(program, answer.start), answer.crossings.len());
-        for crossing in answer.crossings {
+        self.rows.extend(answer.crossings.iter().map(|crossing| {
             let (point, normal) = (dress::point(ray, crossing), dress::normal(program, ray, crossing));
-            self.crossing(program, [point.to_array(), normal.to_array()], crossing);
-        }
+            row(program, [point.to_array(), normal.to_array()], crossing)
+        }));
     }
 
     /// What one curve meets.
     pub fn of_curve(program: &Program, curve: &dyn Curve<3>, found: &CurveTrace) -> Table {
         let mut table = Table::default();
         table.start(found.start.0, inside(program, found.start), found.crossings.len());
-        for crossing in &found.crossings {
+        table.rows.extend(found.crossings.iter().map(|crossing| {
             let dressed = [curve_point(curve, crossing), curve_normal(program, curve, crossing)];
-            table.crossing(program, dressed, crossing);
-        }
+            row(program, dressed, crossing)
+        }));
         table
     }
 
@@ -60,59 +69,247 @@ impl Table {
         self.start_region.push(region);
     }
 
-    fn crossing(&mut self, program: &Program, [point, normal]: [[f64; 3]; 2], crossing: &Crossing) {
-        let enters = inside(program, crossing.after);
-        // the normal looks at regions: out of a region of the world's medium is not out of the solid
-        let normal = if enters == crossing.enters() { normal } else { normal.map(|x| -x) };
-        self.t.push(crossing.t);
-        self.point.push(point);
-        self.normal.push(normal);
-        self.enters.push(enters);
-        self.surface.push(surface(program, crossing));
-        self.leaf.push(crossing.face.leaf.0 as i32);
-        self.placement.push(crossing.face.placement.0 as i32);
-        self.before.push(crossing.before.0);
-        self.after.push(crossing.after.0);
+    /// Forgets the crossings and keeps the memory.
+    fn clear(&mut self) {
+        self.counts.clear();
+        self.start_inside.clear();
+        self.start_region.clear();
+        self.rows.clear();
     }
 
     /// Writes the rows into their places.
-    fn put(&self, engine: &Engine, rows: &mut Rows<'_>) {
-        rows.t.copy_from_slice(&self.t);
-        rows.point.copy_from_slice(&self.point);
-        rows.normal.copy_from_slice(&self.normal);
-        rows.enters.copy_from_slice(&self.enters);
-        rows.surface.copy_from_slice(&self.surface);
-        rows.leaf.copy_from_slice(&self.leaf);
-        rows.placement.copy_from_slice(&self.placement);
-        rows.put_regions(engine, &self.before, &self.after);
+    fn put_rows(&self, engine: &Engine, to: &mut Rows<'_>) {
+        // column by column: few are written at a time
+        put(&self.rows, to.t, |row| row.t);
+        put(&self.rows, to.point, |row| row.point);
+        put(&self.rows, to.normal, |row| row.normal);
+        put(&self.rows, to.enters, |row| row.enters);
+        put(&self.rows, to.surface, |row| row.surface);
+        put(&self.rows, to.placement, |row| row.placement);
+        to.put_regions(engine, self.rows.iter().map(|row| [row.before, row.after]));
+    }
+
+    /// Writes whether the rays start inside, and where the rows of each end; the first row has this number.
+    fn put_rays(&self, first: usize, start_inside: &mut [bool], ends: &mut [i64]) {
+        start_inside.copy_from_slice(&self.start_inside);
+        let mut end = first;
+        for (to, &count) in zip(ends, &self.counts) {
+            end += count;
+            *to = end as i64;
+        }
     }
 }
 
-/// Asks for all crossings of every ray: a table for each chunk.
-pub fn ask<'py>(engine: &Engine, rays: [&Bound<'py, PyAny>; 2], how: &How) -> PyResult<(Vec<Table>, Cut)> {
-    let py = rays[0].py();
-    let rays = RayArrays::new(rays)?;
-    // small tables grow within what the allocator keeps
-    let (cut, evaluator) = (how.cut(rays.len()).small(), engine.chosen(py, how)?);
-    let (rows, query) = (rays.rows(), Query { window: how.window, ..Query::default() });
-    let mut tables = room(cut.chunks())?;
-    let work = |worker: &mut Worker<'_, Columns>, chunk: std::ops::Range<usize>| {
-        let (mut table, program) = (Table::default(), worker.evaluator.program());
-        for start in chunk.clone().step_by(BLOCK) {
-            let rays = worker.scratch.rays(rows, start..chunk.end.min(start + BLOCK))?;
-            let mut sink = |answer: RayAnswer<'_>| table.push(program, &rays.get(answer.ray), &answer);
-            worker.evaluator.crossings(rays, &query, &mut worker.memory, &mut sink);
+fn row(program: &Program, [point, normal]: [[f64; 3]; 2], crossing: &Crossing) -> Row {
+    let enters = inside(program, crossing.after);
+    Row {
+        t: crossing.t,
+        point,
+        // the normal looks at regions: out of a region of the world's medium is not out of the solid
+        normal: if enters == crossing.enters() { normal } else { normal.map(|x| -x) },
+        before: crossing.before.0,
+        after: crossing.after.0,
+        surface: surface(program, crossing),
+        placement: crossing.face.placement.0 as i32,
+        enters,
+    }
+}
+
+fn put<T>(rows: &[Row], to: &mut [T], of: impl Fn(&Row) -> T) {
+    zip(to, rows).for_each(|(to, row)| *to = of(row));
+}
+
+/// Rays, and how their crossings are asked for.
+struct Asked<'a, 'py> {
+    py: Python<'py>,
+    evaluator: Cow<'a, AnyEvaluator>,
+    rays: RayArrays<'py>,
+    window: Window,
+    cut: Cut,
+}
+
+impl<'a, 'py> Asked<'a, 'py> {
+    fn new(engine: &'a Engine, rays: [&Bound<'py, PyAny>; 2], how: &How) -> PyResult<Self> {
+        let py = rays[0].py();
+        let rays = RayArrays::new(rays)?;
+        // small tables stay in a near cache
+        let (cut, evaluator) = (how.cut(rays.len()).small(), engine.chosen(py, how)?);
+        Ok(Asked { py, evaluator, rays, window: how.window, cut })
+    }
+
+    /// Puts the crossings of every chunk into a table that `table` gives, and takes the tables in order.
+    fn run(
+        &self,
+        table: impl Fn() -> Table + Send + Sync,
+        merge: impl FnMut(Table) -> PyResult<()> + Send,
+    ) -> PyResult<()> {
+        let (rays, window) = (self.rays.rows(), self.window);
+        let work = |worker: &mut Worker<'_, Columns>, range| look_at(worker, rays, range, window, table());
+        if ask_rays(self.py, &self.evaluator, self.cut, self.cut.ranges(), work, merge)? {
+            Ok(())
+        } else {
+            Err(self.rays.refusal())
         }
-        Some(table)
-    };
-    let merge = |table| {
-        tables.push(table);
+    }
+
+    fn tables(&self) -> PyResult<Vec<Table>> {
+        let mut tables = room(self.cut.chunks())?;
+        self.run(Table::default, |table| {
+            tables.push(table);
+            Ok(())
+        })?;
+        Ok(tables)
+    }
+
+    /// More rows than all rays are likely to need, from what rays spread over them have.
+    fn guess(&self) -> usize {
+        let step = (self.cut.len / SAMPLE).max(1);
+        let (rays, count) = (self.rays.rows().every(step), self.cut.len.div_ceil(step));
+        let (evaluator, window) = (&*self.evaluator, self.window);
+        let sampled = self.py.detach(|| {
+            let (memory, scratch) = (evaluator.scratch(), Columns::default());
+            let mut worker = Worker { evaluator, memory, scratch };
+            let table = look_at(&mut worker, rays, 0..count, window, Table::default());
+            // a ray that cannot be used is told when all are asked
+            table.map_or(0, |table| table.rows.len())
+        });
+        let likely = sampled as f64 / count as f64 * self.cut.len as f64;
+        // rows that are not written take no memory
+        (1.25 * likely) as usize + MANY
+    }
+}
+
+/// Adds the crossings of some rays to a table; `None` if one of the rays cannot be used.
+fn look_at(
+    worker: &mut Worker<'_, Columns>,
+    rays: RayRows<'_>,
+    range: Range<usize>,
+    window: Window,
+    mut table: Table,
+) -> Option<Table> {
+    let (program, query) = (worker.evaluator.program(), Query { window, ..Query::default() });
+    for start in range.clone().step_by(BLOCK) {
+        let rays = worker.scratch.rays(rays, start..range.end.min(start + BLOCK))?;
+        let mut sink = |answer: RayAnswer<'_>| table.push(program, &rays.get(answer.ray), &answer);
+        worker.evaluator.crossings(rays, &query, &mut worker.memory, &mut sink);
+    }
+    Some(table)
+}
+
+/// So many rays are asked first, to guess the number of rows that all of them need.
+const SAMPLE: usize = 1024;
+
+/// All crossings of every ray as the object that Python sees.
+pub fn crossings<'py>(
+    engine: &Engine,
+    rays: [&Bound<'py, PyAny>; 2],
+    how: &How,
+) -> PyResult<Bound<'py, PyAny>> {
+    let asked = Asked::new(engine, rays, how)?;
+    match asked.cut.chunks() {
+        0..LONG => into_python(asked.py, engine, asked.tables()?, asked.cut),
+        _ => placed(engine, &asked),
+    }
+}
+
+/// From so many chunks on it pays to ask some rays twice, so that tables are brought to their places while they are still in
+/// a near cache, and their memory is used again.
+const LONG: usize = 16;
+
+/// A table and its places.
+struct Job<'a> {
+    table: Table,
+    first: usize,
+    rows: Rows<'a>,
+    start_inside: &'a mut [bool],
+    ends: &'a mut [i64],
+}
+
+impl Job<'_> {
+    /// Writes the table into its places, and hands it back empty.
+    fn run(mut self, engine: &Engine) -> Table {
+        self.table.put_rows(engine, &mut self.rows);
+        self.table.put_rays(self.first, self.start_inside, self.ends);
+        self.table.clear();
+        self.table
+    }
+}
+
+/// What threads leave for each other; of use even if one of them panicked.
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+}
+
+/// The places that tables have not got yet.
+struct Places<'a> {
+    rows: Rows<'a>,
+    start_inside: &'a mut [bool],
+    ends: &'a mut [i64],
+    /// The rows of all tables so far.
+    total: usize,
+    /// Tables for which there were no rows left, each with the number of its first.
+    rest: Vec<(usize, Table)>,
+}
+
+impl<'a> Places<'a> {
+    /// The places of the next table, if there are rows left.
+    fn take(&mut self, table: Table) -> Option<Job<'a>> {
+        let (first, count, rays) = (self.total, table.rows.len(), table.counts.len());
+        self.total += count;
+        let (start_inside, ends) = (take(&mut self.start_inside, rays), take(&mut self.ends, rays));
+        if self.rest.is_empty() && count <= self.rows.len() {
+            return Some(Job { table, first, rows: self.rows.take(count), start_inside, ends });
+        }
+        table.put_rays(first, start_inside, ends);
+        self.rest.push((first, table));
+        None
+    }
+}
+
+/// Crossings in arrays that are made for a guessed number of rows.
+fn placed<'py>(engine: &Engine, asked: &Asked<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    let answer = Answer::new(asked.py, engine, [asked.guess(), asked.cut.len])?;
+    let offsets = fresh::<i64>(asked.py, asked.cut.len + 1)?;
+    let (total, rest) = answer.fill(|rows, start_inside| {
+        let mut offsets = offsets.readwrite();
+        let ends = begun(&mut offsets)?;
+        let mut places = Places { rows, start_inside, ends, total: 0, rest: Vec::new() };
+        fill_places(engine, asked, &mut places)?;
+        Ok((places.total, places.rest))
+    })?;
+    answer.resize(total)?;
+    answer.fill(|mut rows, _| {
+        rows.take(rest.first().map_or(total, |(first, _)| *first));
+        rest.iter().for_each(|(_, table)| table.put_rows(engine, &mut rows.take(table.rows.len())));
         Ok(())
+    })?;
+    answer.into_python(engine, Some(offsets))
+}
+
+fn fill_places<'a>(engine: &Engine, asked: &Asked<'_, '_>, places: &mut Places<'a>) -> PyResult<()> {
+    let jobs = Mutex::new(Vec::<Job<'a>>::new());
+    // whoever wants a table brings another one to its places first, and is given that
+    let table = || {
+        let job = lock(&jobs).pop();
+        job.map_or_else(Table::default, |job| job.run(engine))
     };
-    if ask_rays(py, &evaluator, cut, cut.ranges(), work, merge)? {
-        Ok((tables, cut))
-    } else {
-        Err(rays.refusal())
+    asked.run(table, |table| {
+        lock(&jobs).extend(places.take(table));
+        Ok(())
+    })?;
+    let left = std::mem::take(&mut *lock(&jobs));
+    asked.py.detach(|| left.into_iter().for_each(|job| _ = job.run(engine)));
+    Ok(())
+}
+
+/// The ends of the rows of each ray; the rows of the first begin at 0.
+fn begun<'a>(offsets: &'a mut PyReadwriteArray1<'_, i64>) -> PyResult<&'a mut [i64]> {
+    match offsets.as_slice_mut().map_err(bad_value)? {
+        [first, ends @ ..] => {
+            *first = 0;
+            Ok(ends)
+        }
+        [] => Ok(&mut []),
     }
 }
 
@@ -123,29 +320,21 @@ pub fn into_python<'py>(
     tables: Vec<Table>,
     cut: Cut,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let rows = tables.iter().map(|table| table.t.len()).sum();
+    let rows = tables.iter().map(|table| table.rows.len()).sum();
     let rays = tables.iter().map(|table| table.counts.len()).sum::<usize>();
     let answer = Answer::new(py, engine, [rows, rays])?;
     let offsets = fresh::<i64>(py, rays + 1)?;
     answer.fill(|mut rows, mut start_inside| {
         let mut offsets = offsets.readwrite();
-        let [first, rest @ ..] = offsets.as_slice_mut().map_err(bad_value)? else { return Ok(()) };
-        *first = 0;
-        let (mut offsets, mut end) = (rest, 0);
-        let chunks = tables.into_iter().map(move |table| {
+        let (mut ends, mut end) = (begun(&mut offsets)?, 0);
+        let jobs = tables.into_iter().map(move |table| {
             let (rays, first) = (table.counts.len(), end);
-            end += table.t.len() as i64;
-            let places = (rows.take(table.t.len()), take(&mut start_inside, rays), take(&mut offsets, rays));
-            (table, first, places)
+            end += table.rows.len();
+            let rows = rows.take(table.rows.len());
+            let (start_inside, ends) = (take(&mut start_inside, rays), take(&mut ends, rays));
+            Job { table, first, rows, start_inside, ends }
         });
-        share(py, cut, chunks, |(table, mut end, (mut rows, start_inside, offsets))| {
-            table.put(engine, &mut rows);
-            start_inside.copy_from_slice(&table.start_inside);
-            for (offset, &count) in zip(offsets, &table.counts) {
-                end += count as i64;
-                *offset = end;
-            }
-        })
+        share(py, cut, jobs, |job| _ = job.run(engine))
     })?;
     answer.into_python(engine, Some(offsets))
 }
@@ -171,14 +360,14 @@ pub fn rows_of(counts: &[usize], rows: usize) -> PyResult<Vec<i64>> {
     Ok(rays)
 }
 
-/// The pieces between crossings as the object that Python sees.
-pub fn into_partition<'py>(
-    py: Python<'py>,
+/// The pieces of every ray between crossings as the object that Python sees.
+pub fn partition<'py>(
     engine: &Engine,
-    tables: &[Table],
-    window: Window,
+    rays: [&Bound<'py, PyAny>; 2],
+    how: &How,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let pieces = Pieces::new(tables, window)?;
+    let (py, tables) = (rays[0].py(), Asked::new(engine, rays, how)?.tables()?);
+    let pieces = Pieces::new(&tables, how.window)?;
     let fields = PyDict::new(py);
     let medium = pieces.region.iter().map(|&region| medium_of(engine, region as u32)).collect();
     fields.set_item("ray", column(py, pieces.ray))?;
@@ -205,7 +394,7 @@ struct Pieces {
 impl Pieces {
     fn new(tables: &[Table], window: Window) -> PyResult<Self> {
         let rays = tables.iter().map(|table| table.counts.len()).sum::<usize>();
-        let len = tables.iter().map(|table| table.t.len()).sum::<usize>() + rays;
+        let len = tables.iter().map(|table| table.rows.len()).sum::<usize>() + rays;
         let mut pieces = Pieces {
             ray: room(len)?,
             t_start: room(len)?,
@@ -222,9 +411,9 @@ impl Pieces {
         let mut row = 0;
         for (&count, &region) in zip(&table.counts, &table.start_region) {
             let (ray, mut start, mut region) = (self.offsets.len() - 1, window.t_min(), region);
-            for k in row..row + count {
-                self.push(ray, [start, table.t[k]], region);
-                (start, region) = (table.t[k], table.after[k]);
+            for crossing in &table.rows[row..row + count] {
+                self.push(ray, [start, crossing.t], region);
+                (start, region) = (crossing.t, crossing.after);
             }
             self.push(ray, [start, window.t_max()], region);
             self.offsets.push(self.ray.len() as i64);

@@ -3,10 +3,11 @@
 use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
-use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
@@ -38,7 +39,9 @@ pub struct Engine {
     /// The names of the media by their numbers; none for a solid alone.
     pub media: Option<Arc<[String]>>,
     evaluator: AnyEvaluator,
-    leaves: OnceLock<Vec<i32>>,
+    /// Every region is of another medium than the world.
+    is_plain: bool,
+    leaves: PyOnceLock<Py<PyArray1<i32>>>,
     surface_names: PyOnceLock<Py<PyTuple>>,
     medium_names: PyOnceLock<Py<PyTuple>>,
     region_names: PyOnceLock<Py<PyTuple>>,
@@ -60,9 +63,10 @@ impl Engine {
     fn new(program: Arc<Program>, media: Option<Arc<[String]>>) -> PyResult<Self> {
         Ok(Engine {
             evaluator: AnyEvaluator::new(None, program.clone()).map_err(bad_value)?,
+            is_plain: program.regions().iter().all(|region| region.medium != 0),
             program,
             media,
-            leaves: OnceLock::new(),
+            leaves: PyOnceLock::new(),
             surface_names: PyOnceLock::new(),
             medium_names: PyOnceLock::new(),
             region_names: PyOnceLock::new(),
@@ -82,17 +86,37 @@ impl Engine {
         Ok(Cow::Owned(made.map_err(bad_value)?))
     }
 
-    /// The leaves that the faces belong to, by the numbers of the faces.
-    pub fn leaves(&self) -> &[i32] {
-        self.leaves.get_or_init(|| {
-            let mut leaves = vec![-1; self.program.facets().len()];
+    /// Whether every region is of another medium than the world.
+    pub fn is_plain(&self) -> bool {
+        self.is_plain
+    }
+
+    /// Whether solids are placed in it, so that a face is in more than one place.
+    pub fn has_placements(&self) -> bool {
+        self.program.prototypes().iter().any(|group| group.placements > 1)
+    }
+
+    /// Whether each region is of another medium than the world.
+    pub fn put_inside(&self, regions: &[u32], flags: &mut [bool]) {
+        let pairs = flags.iter_mut().zip(regions);
+        match self.is_plain {
+            true => pairs.for_each(|(flag, &region)| *flag = region != 0),
+            false => pairs.for_each(|(flag, &region)| *flag = inside(&self.program, RegionId(region))),
+        }
+    }
+
+    /// The leaves that the faces belong to, by the numbers of the faces, and -1 for face -1 at the end.
+    pub fn leaves<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
+        let leaves = || {
+            let mut leaves = vec![-1; self.program.facets().len() + 1];
             for leaf in self.program.leaves() {
                 if let LeafKind::Shape { facets } = leaf.kind() {
                     leaves[facets.start as usize..facets.end as usize].fill(leaf.id().0 as i32);
                 }
             }
-            leaves
-        })
+            PyArray1::from_vec(py, leaves).unbind()
+        };
+        self.leaves.get_or_init(py, leaves).bind(py).clone()
     }
 
     /// The names of all faces, by their numbers.

@@ -12,6 +12,7 @@ mod explain;
 mod hit_array;
 mod hits;
 mod infill;
+mod layout;
 mod model;
 mod nearest;
 mod pickle;

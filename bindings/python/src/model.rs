@@ -208,8 +208,7 @@ impl PyModel {
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        let (tables, cut) = crossings::ask(engine, [origins, directions], &how)?;
-        crossings::into_python(origins.py(), engine, tables, cut)
+        crossings::crossings(engine, [origins, directions], &how)
     }
 
     /// All changes of the medium by one curve, or by each in a list of curves, strictly between two times: see `ModelCrossings`, where
@@ -254,8 +253,7 @@ impl PyModel {
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        let (tables, _) = crossings::ask(engine, [origins, directions], &how)?;
-        crossings::into_partition(origins.py(), engine, &tables, how.window)
+        crossings::partition(engine, [origins, directions], &how)
     }
 
     /// Whether points (N, 3) or (3,) are in another medium than that of the world: bool (N,).

@@ -1,10 +1,13 @@
 //! The first crossing of each ray, in columns.
 
+use std::iter::zip;
+
 use pyo3::prelude::*;
-use rayweave::model::{Evaluator, FirstHits, Program, Rays, RegionId, Window};
+use rayweave::model::{Evaluator, FirstHits, Window};
 
 use crate::answer::{Answer, Rows, take};
-use crate::engine::{BLOCK, Engine, How, Worker, ask, inside};
+use crate::engine::{BLOCK, Engine, How, Worker, ask};
+use crate::layout::{join, points_at};
 use crate::rays::{Columns, RayArrays, RayRows};
 
 /// What a thread needs to answer a block.
@@ -85,45 +88,30 @@ impl Question<'_> {
             normal: Some(normal.each_mut().map(Vec::as_mut_slice)),
         };
         worker.evaluator.nearest(rays, self.window, &mut worker.memory, &mut hits);
-        let program = worker.evaluator.program();
-        put_points(&rays, rows.t, rows.point);
-        put_normals(program, normal, after, rows.normal);
-        for (i, &t) in rows.t.iter().enumerate() {
-            rows.enters[i] = t < f64::INFINITY && inside(program, RegionId(after[i]));
-            start_inside[i] = inside(program, RegionId(before[i]));
+        points_at(rays.origins, rays.directions, rows.t, rows.point);
+        join(normal.each_ref().map(Vec::as_slice), rows.normal);
+        self.engine.put_inside(before, start_inside);
+        self.engine.put_inside(after, rows.enters);
+        self.turn_normals(after, &mut rows);
+        // of a ray that starts inside and crosses nothing, what follows is inside, too
+        zip(&mut *rows.enters, &*rows.t).for_each(|(enters, &t)| *enters &= t < f64::INFINITY);
+        for ((to, &placement), &face) in zip(&mut *rows.placement, &*placement).zip(&*rows.surface) {
+            *to = if face < 0 { -1 } else { placement as i32 };
         }
-        self.put_faces(placement, &mut rows);
-        rows.put_regions(self.engine, before, after);
+        rows.put_regions(self.engine, zip(before, after).map(|(before, after)| [*before, *after]));
         Some(())
     }
 
-    /// The leaves that the faces belong to, and their placements; -1 for a miss.
-    fn put_faces(&self, placement: &[u32], rows: &mut Rows<'_>) {
-        let leaves = self.engine.leaves();
-        for (i, &face) in rows.surface.iter().enumerate() {
-            let leaf = usize::try_from(face).ok().and_then(|face| leaves.get(face));
-            rows.leaf[i] = leaf.copied().unwrap_or(-1);
-            rows.placement[i] = if face < 0 { -1 } else { placement[i] as i32 };
+    /// Makes normals outward of the solid: those of the evaluator look at regions, and out of a region of the world's medium
+    /// is not out of the solid. `enters` tells whether what follows is inside.
+    fn turn_normals(&self, after: &[u32], rows: &mut Rows<'_>) {
+        if self.engine.is_plain() {
+            return;
         }
-    }
-}
-
-/// Where the rays are at their times; NaN for a miss.
-fn put_points(rays: &Rays<'_>, t: &[f64], points: &mut [[f64; 3]]) {
-    for k in 0..3 {
-        let (origins, directions) = (rays.origins[k], rays.directions[k]);
-        for (((point, &t), o), d) in points.iter_mut().zip(t).zip(origins).zip(directions) {
-            point[k] = if t < f64::INFINITY { o + t * d } else { f64::NAN };
+        for ((normal, &enters), &after) in zip(&mut *rows.normal, &*rows.enters).zip(after) {
+            if after != 0 && !enters {
+                *normal = normal.map(|x| -x);
+            }
         }
-    }
-}
-
-/// The normals, outward of the solid: those of the evaluator look at regions, and out of a region of the world's medium is
-/// not out of the solid.
-fn put_normals(program: &Program, normal: &[Vec<f64>; 3], after: &[u32], normals: &mut [[f64; 3]]) {
-    let [x, y, z] = normal;
-    for ((((to, &x), &y), &z), &after) in normals.iter_mut().zip(x).zip(y).zip(z).zip(after) {
-        let is_turned = after != 0 && !inside(program, RegionId(after));
-        *to = if is_turned { [-x, -y, -z] } else { [x, y, z] };
     }
 }

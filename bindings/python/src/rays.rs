@@ -10,6 +10,7 @@ use rayweave::model::Rays;
 
 use crate::arrays::{double_array, shape_text};
 use crate::error::bad_value;
+use crate::layout::separate;
 
 /// What is asked of the components of vectors.
 #[derive(Clone, Copy, PartialEq)]
@@ -22,6 +23,7 @@ enum Kind {
 
 impl Kind {
     /// Whether a vector can be used. NaN is in no range.
+    #[inline(always)]
     fn accepts(self, [x, y, z]: [f64; 3]) -> bool {
         let (x, y, z) = (x.abs(), y.abs(), z.abs());
         // no branches: this is asked of millions in a row
@@ -226,32 +228,24 @@ impl Three {
         let (x, y, z) = (&mut x[..len], &mut y[..len], &mut z[..len]);
         let ok = match (rows.one, rows.packed) {
             (Some(vector), _) => rows.kind.accepts(vector),
-            (None, Some(packed)) => {
-                transpose(&packed[block], [&mut *x, &mut *y, &mut *z]);
-                all_accepted(rows.kind, [x, y, z])
-            }
+            (None, Some(packed)) => separated(rows.kind, &packed[block], [&mut *x, &mut *y, &mut *z]),
             (None, None) => {
                 for (k, column) in [&mut *x, &mut *y, &mut *z].into_iter().enumerate() {
                     let values = rows.view.column(k);
                     column.iter_mut().zip(block.clone()).for_each(|(to, i)| *to = values[i]);
                 }
-                all_accepted(rows.kind, [x, y, z])
+                x.iter().zip(&*y).zip(&*z).all(|((&x, &y), &z)| rows.kind.accepts([x, y, z]))
             }
         };
         ok.then_some([x, y, z])
     }
 }
 
-fn transpose(rows: &[[f64; 3]], [x, y, z]: [&mut [f64]; 3]) {
-    for (((row, x), y), z) in rows.iter().zip(x).zip(y).zip(z) {
-        [*x, *y, *z] = *row;
-    }
-}
-
-fn all_accepted(kind: Kind, [x, y, z]: [&[f64]; 3]) -> bool {
-    let rows = x.iter().zip(y).zip(z);
+/// Copies rows into columns; true if all can be used.
+fn separated(kind: Kind, rows: &[[f64; 3]], columns: [&mut [f64]; 3]) -> bool {
+    // a loop for each kind
     match kind {
-        Kind::Point => rows.fold(true, |ok, ((&x, &y), &z)| ok & Kind::Point.accepts([x, y, z])),
-        Kind::Direction => rows.fold(true, |ok, ((&x, &y), &z)| ok & Kind::Direction.accepts([x, y, z])),
+        Kind::Point => separate(rows, columns, |row| Kind::Point.accepts(row)),
+        Kind::Direction => separate(rows, columns, |row| Kind::Direction.accepts(row)),
     }
 }

@@ -188,8 +188,7 @@ impl PySolid {
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        let (tables, cut) = crossings::ask(engine, [origins, directions], &how)?;
-        crossings::into_python(origins.py(), engine, tables, cut)
+        crossings::crossings(engine, [origins, directions], &how)
     }
 
     /// All crossings of the surface by one curve, or by each in a list of curves, strictly between two times: see `Crossings`, where

@@ -159,6 +159,24 @@ def test_few_rays_that_need_many_rows(rng):
         assert pearls.hits(origins[others[:2]], [0, 0, 1]).shape == (2, 2)
 
 
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_crossings_of_more_rows_than_were_guessed(threads):
+    """Rays that miss at even places, and pass the ball at odd ones: whoever asks only some of them knows nothing."""
+    count = 48 * 1024
+    odd = np.arange(count) % 2 == 1
+    origins = np.where(odd[:, None], [0.0, 0, -5], [9.0, 0, -5])
+    found = sphere(2).crossings(origins, [0, 0, 1], threads=threads)
+    assert len(found) == count
+    np.testing.assert_array_equal(np.diff(found.offsets), 2 * odd)
+    np.testing.assert_array_equal(found.ray, np.repeat(np.flatnonzero(odd), 2))
+    np.testing.assert_array_equal(found.t.reshape(-1, 2), np.tile([3.0, 7.0], (count // 2, 1)))
+    np.testing.assert_array_equal(found.point[:, 2], np.tile([-2.0, 2.0], count // 2))
+    np.testing.assert_array_equal(found.normal[:, 2], np.tile([-1.0, 1.0], count // 2))
+    np.testing.assert_array_equal(found.enters, np.tile([True, False], count // 2))
+    assert not found.start_inside.any() and not found.surface.any()
+    assert found.t.flags.owndata and found.t.flags.c_contiguous and found.t.base is None
+
+
 def test_all_rays_need_more_rows_than_those_asked_before(rng):
     solid = lumps(60)
     origins, directions = rays(rng, 700)
@@ -294,6 +312,59 @@ def test_broadcast_rays_are_those_written_out(rng):
             assert_same_answers(question(*plain), question(a, b))
             assert_same_answers(question(*plain), question(*given, threads=3))
         assert_same(die().hits(*plain), die().hits(a, b))
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize(
+    "layout",
+    [
+        np.float32,
+        np.int16,
+        lambda x: np.asfortranarray(x, dtype=float),
+        lambda x: np.repeat(x.astype(">f8"), 2, axis=0)[::2],
+        lambda x: x[:, ::-1].copy()[:, ::-1],
+    ],
+)
+def test_many_rays_of_any_layout(rng, layout, threads):
+    """Whole numbers are the same in every type."""
+    origins = rng.integers(-9, 10, (20_000, 3)).astype(float)
+    directions = rng.integers(-3, 4, (20_000, 3)) + [0.0, 0, 4]
+    o, d = layout(origins), layout(directions)
+    for solid in (sphere(3), die()):
+        expected = solid.hits(origins, directions, return_surfaces=True, threads=1)
+        for hits, again in zip(expected, solid.hits(o, d, return_surfaces=True, threads=threads), strict=True):
+            assert_same(hits, again)
+        for question in (solid.nearest, solid.crossings):
+            assert_same_answers(question(origins, directions, threads=1), question(o, d, threads=threads))
+        assert_same(solid.contains(origins, threads=1), solid.contains(o, threads=threads))
+    # and the closed form: t of |o + t d| = 3
+    a, b, c = ((directions**2).sum(1), (origins * directions).sum(1), (origins**2).sum(1) - 9)
+    with np.errstate(invalid="ignore"):
+        first = (-b - np.sqrt(b * b - a * c)) / a
+    t = sphere(3).nearest(o, d, -INF, threads=threads).t
+    clear = np.abs(b * b - a * c) > 0.5
+    np.testing.assert_array_equal(np.isfinite(t)[clear], (b * b > a * c)[clear])
+    np.testing.assert_allclose(t[clear & (b * b > a * c)], first[clear & (b * b > a * c)], rtol=0, atol=1e-12)
+
+
+def test_leaves_and_placements_that_follow_from_faces(rng):
+    """They are made when asked for: of two balls side by side, and of one that is placed twice, by where the crossings are."""
+    origins, directions = rays(rng, 3000)
+    apart = sphere(0.5).translate([1, 0, 0]).named("right") | sphere(0.5).translate([-1, 0, 0]).named("left")
+    twice = rayweave.place(sphere(0.5), [[1, 0, 0], [-1, 0, 0]])
+    for name in ("nearest", "crossings"):
+        one, two = (getattr(solid, name)(origins, directions) for solid in (apart, twice))
+        hit = np.isfinite(one.t)
+        assert hit.any() and one.leaf.dtype == one.placement.dtype == two.placement.dtype == np.int32
+        is_left = one.point[:, 0] < 0
+        np.testing.assert_array_equal(one.leaf, np.where(hit, is_left, -1))
+        np.testing.assert_array_equal(one.placement, np.where(hit, 0, -1))
+        assert two.leaf[hit][0] >= 0
+        np.testing.assert_array_equal(two.leaf, np.where(hit, two.leaf[hit][0], -1))
+        placed = two.placement[hit]
+        assert len(np.unique(placed)) == 2
+        np.testing.assert_array_equal(placed == placed[is_left[hit]][0], is_left[hit])
+        assert one.leaf is one.leaf and one.placement is one.placement
 
 
 def test_columns_made_when_asked_for(rng):

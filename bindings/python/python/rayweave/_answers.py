@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -42,17 +43,11 @@ class Crossings:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """Makes `ray`, and `offsets` if there is one row a ray, when they are asked for: most never are."""
-            if name not in ("ray", "offsets") or "start_inside" not in self.__dict__:
+            """Makes what follows from other arrays when it is asked for: most never is."""
+            make = _MADE.get(name)
+            if make is None or "_leaves" not in self.__dict__:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-            count = len(self.start_inside)
-            if name == "offsets":
-                value = np.arange(count + 1, dtype=np.int64)
-            elif "offsets" in self.__dict__:
-                value = np.repeat(np.arange(count, dtype=np.int64), np.diff(self.offsets))
-            else:
-                value = np.arange(count, dtype=np.int64)
-            return self.__dict__.setdefault(name, value)
+            return self.__dict__.setdefault(name, make(self))
 
     def __len__(self) -> int:
         """The number of rows, M."""
@@ -60,6 +55,20 @@ class Crossings:
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {len(self)} rows of {len(self.start_inside)} rays>"
+
+
+def _ray(rows: Crossings) -> NDArray[np.int64]:
+    rays = np.arange(len(rows.start_inside), dtype=np.int64)
+    return np.repeat(rays, np.diff(rows.offsets)) if "offsets" in rows.__dict__ else rays
+
+
+# `_leaves` holds the leaves of all faces, with -1 at the end for face -1
+_MADE: dict[str, Callable[[Any], NDArray[Any]]] = {
+    "ray": _ray,
+    "offsets": lambda rows: np.arange(len(rows.start_inside) + 1, dtype=np.int64),
+    "leaf": lambda rows: rows.__dict__["_leaves"][rows.surface],
+    "placement": lambda rows: np.minimum(rows.surface, np.int32(0)),
+}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
