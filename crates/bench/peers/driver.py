@@ -50,9 +50,11 @@ def serve(name, version, tasks):
                 prepared.clear()
                 prepared[key] = prepare(np.load(file + ".npy"), int(count))
             if verb == "run":
-                started = _clock()
+                # the processor times of many threads add up: what passes is asked for
+                clock = perf_counter if task.endswith("/all") else _clock
+                started = clock()
                 work(prepared[key])
-                say(f"seconds {_clock() - started!r}")
+                say(f"seconds {clock() - started!r}")
             else:
                 np.save(rest[0] + ".npy", np.ascontiguousarray(answer(prepared[key]), dtype=np.float64))
                 say("done")

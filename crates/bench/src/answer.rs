@@ -31,6 +31,11 @@ impl HitTable {
         HitTable { times: vec![0.0; rows * columns], faces: vec![0; rows * columns], columns }
     }
 
+    /// Without room for faces.
+    pub fn of_times(rows: usize, columns: usize) -> HitTable {
+        HitTable { faces: Vec::new(), ..HitTable::new(rows, columns) }
+    }
+
     /// The table as rows, for an evaluator to fill.
     pub fn rows(&mut self) -> (Vec<&mut [f64]>, Vec<&mut [i32]>) {
         let columns = self.columns.max(1);

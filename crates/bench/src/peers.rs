@@ -4,6 +4,7 @@
 //! `run TASK FILE N` with `seconds S`, the time that the first N rays of FILE.npy took it; `answer TASK FILE N OUT` with
 //! `done` when OUT.npy holds the times, float64 of shape (H, N), +inf where there is none. Whatever goes wrong is
 //! `error TEXT`. It ends when its input does. If the variable `RAYWEAVE_BENCH_CLOCK` is `processor`, it tells processor times.
+//! A task `NAME/all` is NAME on as many threads as the variable `RAYWEAVE_THREADS` says; its times are those that pass.
 //! What is missing is told, and no reason to stop.
 
 use crate::answer::Lists;
@@ -30,6 +31,9 @@ struct Known {
 
 /// The scripts share what is in `driver.py`.
 const DRIVER: (&str, &str) = ("driver.py", include_str!("../peers/driver.py"));
+
+/// The name of this project's own driver in Python.
+pub const FROM_PYTHON: &str = "Rayweave from Python";
 
 const KNOWN: &[Known] = &[
     Known {
@@ -64,7 +68,7 @@ const KNOWN: &[Known] = &[
         script: Some(("peer_embree.py", include_str!("../peers/peer_embree.py"))),
     },
     Known {
-        name: "Rayweave from Python",
+        name: FROM_PYTHON,
         role: Role::Ours,
         program: "py/bin/python",
         script: Some(("peer_rayweave.py", include_str!("../peers/peer_rayweave.py"))),
@@ -112,8 +116,8 @@ impl Drop for Peer {
 }
 
 impl Peers {
-    /// Starts the peers that are installed in a folder; without one, all are missing.
-    pub fn start(installed: Option<&Path>, clock: Clock) -> io::Result<Peers> {
+    /// Starts the peers that are installed in a folder; without one, all are missing. Tasks for all threads get so many.
+    pub fn start(installed: Option<&Path>, clock: Clock, threads: usize) -> io::Result<Peers> {
         let Some(installed) = installed else {
             let reason = "no folder of peers is given (--peers)";
             let missing = KNOWN.iter().map(|known| (known.name.to_owned(), reason.to_owned()));
@@ -124,7 +128,7 @@ impl Peers {
         let mut peers = Peers { folder: Some(Folder(folder.clone())), ..Peers::default() };
         let installed = installed.canonicalize()?;
         for known in KNOWN {
-            match Peer::start(known, &installed, &folder, clock) {
+            match Peer::start(known, &installed, &folder, clock, threads) {
                 Ok(peer) => peers.running.push(Rc::new(RefCell::new(peer))),
                 Err(reason) => peers.missing.push((known.name.to_owned(), reason)),
             }
@@ -188,7 +192,13 @@ impl Peers {
 }
 
 impl Peer {
-    fn start(known: &Known, installed: &Path, folder: &Path, clock: Clock) -> Result<Peer, String> {
+    fn start(
+        known: &Known,
+        installed: &Path,
+        folder: &Path,
+        clock: Clock,
+        threads: usize,
+    ) -> Result<Peer, String> {
         let program = installed.join(known.program);
         if !program.exists() {
             return Err(format!("there is no {} where peers are installed (see install.sh)", known.program));
@@ -201,6 +211,7 @@ impl Peer {
             command.arg(script.0);
         }
         command.current_dir(folder).env("OMP_NUM_THREADS", "1").env("PYTHONDONTWRITEBYTECODE", "1");
+        command.env("RAYWEAVE_THREADS", threads.to_string());
         if clock == Clock::Processor {
             command.env("RAYWEAVE_BENCH_CLOCK", "processor");
         }
@@ -302,14 +313,14 @@ mod tests {
 
     #[test]
     fn without_a_folder_all_are_missing() {
-        let peers = Peers::start(None, Clock::Wall).unwrap();
+        let peers = Peers::start(None, Clock::Wall, 1).unwrap();
         assert_eq!(peers.missing.len(), KNOWN.len());
         assert!(peers.contenders("die.full", "rays", 10).is_empty());
     }
 
     #[test]
     fn what_is_not_installed_is_missing_for_a_reason() {
-        let peers = Peers::start(Some(&std::env::temp_dir()), Clock::Wall).unwrap();
+        let peers = Peers::start(Some(&std::env::temp_dir()), Clock::Wall, 1).unwrap();
         assert!(peers.running().is_empty());
         assert!(peers.missing.iter().all(|(_, reason)| reason.contains("install.sh")));
     }
@@ -327,7 +338,7 @@ mod tests {
         fs::write(&program, script).unwrap();
         fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
 
-        let peers = Peers::start(Some(&installed), Clock::Processor).unwrap();
+        let peers = Peers::start(Some(&installed), Clock::Processor, 1).unwrap();
         assert_eq!(peers.running(), [("VecGeom".to_owned(), "9.9".to_owned())]);
         assert!(peers.contenders("die.first", "rays", 10).is_empty());
         assert_eq!(peers.contenders("die.full", "rays", 10).len(), 1);

@@ -42,7 +42,7 @@ fn measure(wanted: &[&dyn Exemplar], arguments: &Arguments) -> Result<(), String
     let levels = level::available(arguments.level.as_deref());
     let ceilings = Ceilings::measure(&levels, arguments.thread_count(), &arguments.effort())?;
     println!("{}", report::ceilings(&ceilings));
-    let peers = Peers::start(arguments.peers.as_deref(), arguments.clock())
+    let peers = Peers::start(arguments.peers.as_deref(), arguments.clock(), arguments.thread_count())
         .map_err(|error| format!("peers: {error}"))?;
     let (running, missing) = (peers.running(), peers.missing.clone());
     for (name, reason) in &missing {

@@ -77,6 +77,10 @@ impl ArrayCsg {
         });
         let whole = |contender: Contender<'static>| contender.whole();
         contenders.extend(bench.peers.contenders("array_csg", &file, count).into_iter().map(whole));
+        if bench.threads > 1 {
+            let all = bench.peers.contenders("array_csg/all", &file, count).into_iter();
+            contenders.extend(all.map(|contender| contender.whole().threads(bench.threads)));
+        }
         let outcomes = contest(contenders, &bench.effort);
 
         let mut section = Section::new(&*self.name, "ray", self.about());

@@ -4,6 +4,7 @@ mod array_csg;
 pub mod die;
 mod lens;
 mod picture;
+mod python;
 mod question;
 mod scale;
 
@@ -71,6 +72,7 @@ pub fn all(large: bool) -> Vec<Box<dyn Exemplar>> {
     all.extend(die::all());
     all.extend(lens::all());
     all.push(Box::new(picture::Picture));
+    all.extend(python::all());
     all.extend(scale::all(large));
     all
 }

@@ -6,10 +6,11 @@ use rayweave::model::drive::{Cancel, drive};
 use rayweave::model::{FirstHits, HitRows, Rays};
 use rayweave::{AnyEvaluator, Evaluator, Window};
 use std::convert::Infallible;
+use std::iter::repeat_with;
 use std::num::NonZeroUsize;
 
 /// Rays that a thread takes at a time.
-const CHUNK: usize = 1 << 14;
+pub const CHUNK: usize = 1 << 14;
 
 /// Every crossing, with its face, into hit arrays of so many rows.
 pub fn full<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>, rows: usize) -> Contender<'a> {
@@ -39,10 +40,21 @@ pub fn full_on_threads<'a>(
     rows: usize,
     threads: usize,
 ) -> Contender<'a> {
-    let mut table = HitTable::new(rows, rays.len());
+    into_table_on_threads(name, evaluator, rays, HitTable::new(rows, rays.len()), threads)
+}
+
+/// Every crossing, with its face if the table has room for them, on threads.
+pub fn into_table_on_threads<'a>(
+    name: &str,
+    evaluator: &'a AnyEvaluator,
+    rays: Rays<'a>,
+    mut table: HitTable,
+    threads: usize,
+) -> Contender<'a> {
     let run = move || {
         let (times, faces) = table.rows();
-        let chunks = pieces(rays).zip(columns(times).into_iter().zip(columns(faces)));
+        let faces = columns(faces).into_iter().chain(repeat_with(Vec::new));
+        let chunks = pieces(rays).zip(columns(times).into_iter().zip(faces));
         on_threads(evaluator, threads, chunks, |scratch, (rays, (mut times, mut faces))| {
             let mut rows = HitRows { times: &mut times, faces: &mut faces };
             evaluator.hits(rays, Window::ALL, scratch, &mut rows);
@@ -69,21 +81,26 @@ pub fn first_on_threads<'a>(
     Ok(Contender::here(name, Role::Ours, rays.len(), run).threads(threads))
 }
 
-/// Runs the work on every chunk, each thread with a scratch of its own.
-fn on_threads<I: Send>(
+/// Runs the work on every chunk, each thread with a scratch of its own; what it makes of them, in order.
+pub fn on_threads<I: Send, O: Send>(
     evaluator: &AnyEvaluator,
     threads: usize,
     chunks: impl Iterator<Item = I> + Send,
-    work: impl Fn(&mut <AnyEvaluator as Evaluator>::Scratch, I) + Sync,
-) {
+    work: impl Fn(&mut <AnyEvaluator as Evaluator>::Scratch, I) -> O + Sync,
+) -> Vec<O> {
     let threads = NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN);
-    let merge = |()| Ok::<(), Infallible>(());
+    let mut made = Vec::new();
+    let merge = |one| {
+        made.push(one);
+        Ok::<(), Infallible>(())
+    };
     // nobody cancels, and nothing can fail
     let _ = drive(threads, &Cancel::new(), chunks, || evaluator.scratch(), work, merge);
+    made
 }
 
 /// The rays, chunk by chunk.
-fn pieces(rays: Rays<'_>) -> impl Iterator<Item = Rays<'_>> + Send {
+pub fn pieces(rays: Rays<'_>) -> impl Iterator<Item = Rays<'_>> + Send {
     (0..rays.len()).step_by(CHUNK).map(move |at| {
         let part = |column: &'_ [f64]| at..(at + CHUNK).min(column.len());
         Rays {
@@ -104,20 +121,26 @@ fn columns<T>(rows: Vec<&mut [T]>) -> Vec<Vec<&mut [T]>> {
 }
 
 /// First hits cut into those of the chunks.
-fn hits(hits: FirstHits<'_>) -> impl Iterator<Item = FirstHits<'_>> + Send {
+pub fn hits(hits: FirstHits<'_>) -> impl Iterator<Item = FirstHits<'_>> + Send {
     let FirstHits { t, face, placement, before, after, normal } = hits;
     let [x, y, z] = normal.unwrap_or_default();
     let times = t.chunks_mut(CHUNK).zip(face.chunks_mut(CHUNK));
     let ids = placement.chunks_mut(CHUNK).zip(before.chunks_mut(CHUNK)).zip(after.chunks_mut(CHUNK));
-    let normals = x.chunks_mut(CHUNK).zip(y.chunks_mut(CHUNK)).zip(z.chunks_mut(CHUNK));
-    times.zip(ids).zip(normals).map(|(((t, face), ((placement, before), after)), ((x, y), z))| FirstHits {
+    let parts = times.zip(ids).zip(components([x, y, z]));
+    parts.map(|(((t, face), ((placement, before), after)), normal)| FirstHits {
         t,
         face,
         placement,
         before,
         after,
-        normal: Some([x, y, z]),
+        normal: Some(normal),
     })
+}
+
+/// Columns of components cut into those of the chunks.
+pub fn components([x, y, z]: [&mut [f64]; 3]) -> impl Iterator<Item = [&mut [f64]; 3]> + Send {
+    let parts = x.chunks_mut(CHUNK).zip(y.chunks_mut(CHUNK)).zip(z.chunks_mut(CHUNK));
+    parts.map(|((x, y), z)| [x, y, z])
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ mod text;
 use crate::answer::Agreement;
 use crate::ceiling::{Ceilings, Floor};
 use crate::contest::{Outcome, Role};
+use crate::peers::FROM_PYTHON;
 use crate::statistics::Statistics;
 
 pub use json::json;
@@ -108,6 +109,15 @@ impl Section {
         let figures = self.figures.iter().filter(|figure| figure.role == role);
         figures.min_by(|a, b| a.time.median.total_cmp(&b.time.median))
     }
+
+    /// The time of a call from Python in parts of that of the same call from Rust, which is the first of ours on as many
+    /// threads; nothing for others.
+    pub fn over_rust(&self, figure: &Figure) -> Option<f64> {
+        let is_python = |figure: &Figure| figure.name == FROM_PYTHON;
+        let mut figures = self.figures.iter().filter(|other| other.threads == figure.threads);
+        let rust = figures.find(|other| other.role == Role::Ours && !is_python(other));
+        rust.filter(|_| is_python(figure)).map(|rust| figure.time.median / rust.time.median)
+    }
 }
 
 impl Figure {
@@ -154,6 +164,23 @@ pub mod tests {
             missing: vec![("Raysect".to_owned(), "it is not there".to_owned())],
             sections: vec![section],
         }
+    }
+
+    #[test]
+    fn python_is_compared_with_rust_on_as_many_threads() {
+        let mut section = Section::new("python", "ray", "A call.");
+        let times = |ns| Ok(Statistics::of(&[ns]).unwrap());
+        let outcome = |name: &str, threads, ns| Outcome {
+            name: name.to_owned(),
+            role: Role::Ours,
+            threads,
+            times: times(ns),
+        };
+        let outcomes = [("Rust", 1, 8.0), ("Rust", 2, 4.0), (FROM_PYTHON, 1, 10.0), (FROM_PYTHON, 2, 6.0)];
+        section.take(outcomes.map(|(name, threads, ns)| outcome(name, threads, ns)).into(), |_| None);
+        let taxes: Vec<_> = section.figures.iter().map(|figure| section.over_rust(figure)).collect();
+        assert_eq!(taxes, [None, None, Some(1.25), Some(1.5)]);
+        assert!(text::section(&section).contains("| 1.25 x "));
     }
 
     #[test]

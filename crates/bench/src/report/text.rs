@@ -24,6 +24,7 @@ pub fn section(section: &Section) -> String {
         "spread",
         "of the ceiling",
         "to the best peer",
+        "time over Rust's",
         "answers",
         &format!("instructions per {item}"),
     ];
@@ -50,6 +51,7 @@ fn row(section: &Section, figure: &Figure) -> Vec<String> {
         .fastest(Role::Peer)
         .filter(|_| figure.role != Role::Peer)
         .map(|peer| format!("{} x", short(peer.time.median / figure.time.median)));
+    let tax = section.over_rust(figure).map(|tax| format!("{} x", short(tax)));
     let or_nothing = |text: Option<String>| text.unwrap_or_default();
     vec![
         name,
@@ -59,6 +61,7 @@ fn row(section: &Section, figure: &Figure) -> Vec<String> {
         percent(figure.time.spread()),
         or_nothing(fraction),
         or_nothing(ratio),
+        or_nothing(tax),
         or_nothing(figure.agreement.map(|agreement| agreement.to_string())),
         or_nothing(figure.instructions.map(short)),
     ]
