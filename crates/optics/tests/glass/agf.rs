@@ -1,5 +1,6 @@
 //! AGF files: encodings, all problems at once, and files as they occur.
 
+use super::mutations;
 use rayweave_optics::glass::{Published, glass, read_agf};
 
 const FILE: &str = "CC Example (2024) 20 °C\r\n\
@@ -93,4 +94,17 @@ fn any_bytes_are_read_or_refused() {
     }
     assert!(read_agf(b"NM", "").is_err());
     assert!(read_agf(b"NM A 1 0 1.5 60\nCD 1e999\nLD 1 2", "").is_err());
+}
+
+#[test]
+fn mutated_files_are_read_or_refused_with_lines_of_theirs() {
+    let mut refused = 0;
+    for file in mutations(FILE, 3000) {
+        if let Err(error) = read_agf(&file, "") {
+            assert!(!error.problems().is_empty());
+            assert!(error.problems().iter().all(|problem| (1..=40).contains(&problem.line)), "{error}");
+            refused += 1;
+        }
+    }
+    assert!((300..2900).contains(&refused), "{refused}");
 }

@@ -1,5 +1,6 @@
 //! Files of refractiveindex.info.
 
+use super::mutations;
 use rayweave_optics::glass::{Published, read_refractiveindex};
 
 /// As the database writes its files since 2024.
@@ -123,4 +124,17 @@ fn any_text_is_read_or_refused() {
         read_refractiveindex(negative, "gain").unwrap_err().to_string(),
         "line 2: the extinction coefficient of gain is -1 at 500 nm (it is at least 0)"
     );
+}
+
+#[test]
+fn mutated_files_are_read_or_refused_with_lines_of_theirs() {
+    let mut refused = 0;
+    for file in mutations(GLASS, 3000) {
+        if let Err(error) = read_refractiveindex(&String::from_utf8_lossy(&file), "") {
+            assert!(!error.problems().is_empty());
+            assert!(error.problems().iter().all(|problem| (1..=40).contains(&problem.line)), "{error}");
+            refused += 1;
+        }
+    }
+    assert!((300..2900).contains(&refused), "{refused}");
 }
