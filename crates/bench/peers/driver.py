@@ -32,6 +32,20 @@ def padded(lists):
     return table
 
 
+def seconds(work, argument, clock):
+    """The time of one run: if it is short, the mean of as many in a row as the benchmark makes of its own contenders."""
+    started = clock()
+    work(argument)
+    once = clock() - started
+    repeats = min(int(0.1 / max(once, 1e-6)), 1000)
+    if repeats < 2:
+        return once
+    started = clock()
+    for _ in range(repeats):
+        work(argument)
+    return (clock() - started) / repeats
+
+
 def serve(name, version, tasks):
     """Serves orders until there are no more.
 
@@ -52,9 +66,7 @@ def serve(name, version, tasks):
             if verb == "run":
                 # the processor times of many threads add up: what passes is asked for
                 clock = perf_counter if task.endswith("/all") else _clock
-                started = clock()
-                work(prepared[key])
-                say(f"seconds {clock() - started!r}")
+                say(f"seconds {seconds(work, prepared[key], clock)!r}")
             else:
                 np.save(rest[0] + ".npy", np.ascontiguousarray(answer(prepared[key]), dtype=np.float64))
                 say("done")
