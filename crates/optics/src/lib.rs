@@ -3,7 +3,8 @@
 //! An [`Assembly`] of [`Element`]s, solids of a [`Material`] and sheets, is compiled into a [`System`]; a [`Tracer`] sends
 //! light through it, a [`Beam`] or any other [`Emitter`], and answers with the [`Segments`] of all rays and a [`Balance`] of
 //! power. Light is refracted and reflected where media meet, whatever the shapes that bound them: cemented, immersed and
-//! nested parts need no gaps. [`interface`] holds the physics of one such event, [`glass`] the indices of refraction.
+//! nested parts need no gaps. [`interface`] holds the physics of one such event, [`glass`] the indices of refraction,
+//! [`component`] lenses, mirrors and prisms, [`source`] what shines.
 //!
 //! ```
 //! use rayweave_model::Solid;
@@ -34,6 +35,7 @@ mod medium;
 mod near;
 mod segments;
 mod settings;
+pub mod source;
 mod system;
 mod trace;
 

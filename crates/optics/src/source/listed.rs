@@ -1,0 +1,110 @@
+//! Rays given one by one.
+
+use super::SourceError;
+use super::pattern::LocalRay;
+use rayweave_math::Vec3;
+use std::sync::Arc;
+
+/// Rays given one by one, with wavelengths and powers of their own if wanted.
+///
+/// A shared handle: cloning it costs a reference count.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ListedRays(Arc<Columns>);
+
+#[derive(Debug, PartialEq)]
+struct Columns {
+    origins: Vec<Vec3>,
+    directions: Vec<Vec3>,
+    wavelength_nm: Option<Vec<f64>>,
+    power: Option<Vec<f64>>,
+    mean_power: f64,
+}
+
+impl ListedRays {
+    /// Rays by their origins and directions, which need not be of unit length.
+    ///
+    /// Wavelengths, in nanometres, take the place of the source's spectrum. Powers are factors to the power of a ray, which
+    /// is 1 then unless the source says otherwise.
+    ///
+    /// # Errors
+    /// Columns of different lengths, numbers that are not finite, directions of length zero, wavelengths that are not
+    /// positive, powers that are negative or all zero.
+    pub fn new(
+        origins: Vec<Vec3>,
+        directions: Vec<Vec3>,
+        wavelength_nm: Option<Vec<f64>>,
+        power: Option<Vec<f64>>,
+    ) -> Result<ListedRays, SourceError> {
+        let expected = origins.len();
+        for (column, found) in [
+            ("directions", directions.len()),
+            ("wavelength_nm", wavelength_nm.as_ref().map_or(expected, Vec::len)),
+            ("power", power.as_ref().map_or(expected, Vec::len)),
+        ] {
+            if found != expected {
+                return Err(SourceError::Column { column, found, expected });
+            }
+        }
+        check("origins", &origins, "coordinates are finite", |origin| origin.is_finite())?;
+        check("directions", &directions, "it has no length, or one beyond all numbers", |direction| {
+            rayweave_math::unit(*direction).is_finite()
+        })?;
+        let (wavelengths, powers) =
+            (wavelength_nm.as_deref().unwrap_or(&[]), power.as_deref().unwrap_or(&[]));
+        check("wavelength_nm", wavelengths, "wavelengths are finite and greater than 0", |&value| {
+            value > 0.0 && value.is_finite()
+        })?;
+        check("power", powers, "powers are finite and not negative", |&value| {
+            value >= 0.0 && value.is_finite()
+        })?;
+        let mean_power =
+            if powers.is_empty() { 1.0 } else { powers.iter().sum::<f64>() / powers.len() as f64 };
+        if mean_power == 0.0 {
+            return Err(SourceError::Unfit { part: "rays", problem: "all powers are 0 (nothing shines)" });
+        }
+        Ok(ListedRays(Arc::new(Columns { origins, directions, wavelength_nm, power, mean_power })))
+    }
+
+    /// The number of rays.
+    pub fn len(&self) -> usize {
+        self.0.origins.len()
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    pub(super) fn has_powers(&self) -> bool {
+        self.0.power.is_some()
+    }
+
+    pub(super) fn mean_power(&self) -> f64 {
+        self.0.mean_power
+    }
+
+    pub(super) fn wavelength_nm(&self, ray: usize) -> Option<f64> {
+        self.0.wavelength_nm.as_ref().map(|column| column[ray])
+    }
+
+    pub(super) fn ray(&self, ray: usize) -> LocalRay {
+        LocalRay {
+            origin: self.0.origins[ray],
+            direction: self.0.directions[ray],
+            weight: self.0.power.as_ref().map_or(1.0, |column| column[ray]),
+        }
+    }
+}
+
+/// An error for the first value that is none.
+fn check<T: std::fmt::Display>(
+    column: &'static str,
+    values: &[T],
+    why: &'static str,
+    is_sound: impl Fn(&T) -> bool,
+) -> Result<(), SourceError> {
+    match values.iter().position(|value| !is_sound(value)) {
+        None => Ok(()),
+        Some(ray) => Err(SourceError::BadRay { column, ray, value: values[ray].to_string(), why }),
+    }
+}

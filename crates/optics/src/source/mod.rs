@@ -1,0 +1,212 @@
+//! Sources of light: rays as columns, with wavelength and power.
+//!
+//! A [`Source`] is a [`Pattern`] of rays with a [`Spectrum`], a [`Power`], a seed and a place. In its own coordinates it
+//! shines along +z. What it sends out is fixed: ray k is a function of the source and of k alone, so that any piece of it
+//! can be made anywhere, at any time, in any order, with the same bits. (PyRayT's static lamp is every lamp here; another
+//! seed gives another one.)
+//!
+//! ```
+//! use rayweave_optics::component::Aperture;
+//! use rayweave_optics::source::{BeamProfile, Pattern, Power, Sampling, Source, Spectrum};
+//!
+//! let laser = Source::new(Pattern::Beam {
+//!     aperture: Aperture::circle(4.0),
+//!     profile: BeamProfile::Gaussian { radius: 1.0 },
+//!     sampling: Sampling::Fibonacci { count: 10_000 },
+//! })?
+//! .spectrum(&Spectrum::Line(532.0))?
+//! .power(Power::Total(1.0))?;
+//!
+//! let rays = laser.rays(2_000..3_000);
+//! assert_eq!(rays.len(), 1_000);
+//! assert_eq!((rays.id[0], rays.wavelength_nm[0]), (2_000, 532.0));
+//! # Ok::<(), rayweave_optics::source::SourceError>(())
+//! ```
+//!
+//! | PyRayT | here |
+//! | --- | --- |
+//! | `LineOfRays(spacing)` | [`Pattern::Line`] |
+//! | `CircleOfRays(diameter)` | [`Pattern::Circle`] |
+//! | `ConeOfRays(cone_angle)` | [`Pattern::Cone`] |
+//! | `WedgeOfRays(angle)` | [`Pattern::Wedge`] |
+//! | `Lamp(width, length, max_angle)`, `StaticLamp` | [`Pattern::Lamp`] |
+//! | `intensity`, 100 for each ray | [`Power::PerRay`] |
+
+mod error;
+mod listed;
+mod pattern;
+mod random;
+mod rays;
+mod sampling;
+mod spectrum;
+
+pub use error::SourceError;
+pub use listed::ListedRays;
+pub use pattern::{BeamProfile, Emission, Pattern};
+pub use rays::SourceRays;
+pub use sampling::Sampling;
+pub use spectrum::{Cumulative, Spectrum, Wavelengths, planck};
+
+use error::positive;
+use random::{NUMBERS, Numbers, RayNumbers};
+use rayweave_math::{Affine, unit};
+use std::ops::Range;
+
+/// The power of the rays of a source, in any unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Power {
+    /// Of each ray, times its weight: of a lamp the cosine, of listed rays the power given.
+    PerRay(f64),
+    /// Of all rays together; of a lamp, whose rays differ at random, in the mean.
+    Total(f64),
+}
+
+/// A source of light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    pattern: Pattern,
+    wavelengths: Wavelengths,
+    /// That of a ray of weight 1.
+    unit_power: f64,
+    seed: u64,
+    place: Affine,
+}
+
+impl Source {
+    /// A source about the origin, of 633 nm and a power of 100 for each ray (1 for listed rays that have powers).
+    ///
+    /// # Errors
+    /// Settings out of their range, or that do not fit together: each names itself.
+    pub fn new(pattern: Pattern) -> Result<Source, SourceError> {
+        let pattern = pattern.checked()?;
+        let has_powers = matches!(&pattern, Pattern::Rays(listed) if listed.has_powers());
+        Ok(Source {
+            pattern,
+            wavelengths: Spectrum::default().wavelengths()?,
+            unit_power: if has_powers { 1.0 } else { 100.0 },
+            seed: 0,
+            place: Affine::IDENTITY,
+        })
+    }
+
+    /// The same with another spectrum.
+    ///
+    /// # Errors
+    /// As of [`Spectrum::wavelengths`].
+    pub fn spectrum(self, spectrum: &Spectrum) -> Result<Source, SourceError> {
+        Ok(Source { wavelengths: spectrum.wavelengths()?, ..self })
+    }
+
+    /// The same with another power.
+    ///
+    /// # Errors
+    /// A power that is not positive.
+    pub fn power(self, power: Power) -> Result<Source, SourceError> {
+        let unit_power = match power {
+            Power::PerRay(power) => positive("source", "power", power)?,
+            Power::Total(power) => {
+                let rays = self.pattern.count() as f64 * self.pattern.mean_weight();
+                positive("source", "power", power)? / rays
+            }
+        };
+        Ok(Source { unit_power, ..self })
+    }
+
+    /// The same with other random numbers; the seed is 0 unless one is given.
+    pub fn seed(self, seed: u64) -> Source {
+        Source { seed, ..self }
+    }
+
+    /// The same moved by a map: after those given before, as with solids.
+    ///
+    /// # Errors
+    /// A map that is singular or not finite.
+    pub fn apply(self, world_from_local: &Affine) -> Result<Source, SourceError> {
+        let place = self.place.then(world_from_local);
+        place.inverse()?;
+        Ok(Source { place, ..self })
+    }
+
+    /// The number of rays.
+    pub fn count(&self) -> u64 {
+        self.pattern.count()
+    }
+
+    /// Its rays with numbers in a range, as far as there are such.
+    pub fn rays(&self, range: Range<u64>) -> SourceRays {
+        let mut rays = SourceRays::default();
+        self.append(range, 0, 0, &mut rays);
+        rays
+    }
+
+    /// Appends rays as those of the source with this number, their own numbers counted from `first_id`.
+    fn append(&self, range: Range<u64>, number: i32, first_id: i64, rays: &mut SourceRays) {
+        let range = range.start..range.end.min(self.count());
+        let is_random = self.pattern.is_random() || !self.wavelengths.is_line();
+        let mut random = is_random.then(|| RayNumbers::from(self.seed, number as u64, range.start));
+        rays.reserve(range.end.saturating_sub(range.start) as usize);
+        for k in range {
+            let numbers = random.as_mut().map_or([0.0; NUMBERS], RayNumbers::ray);
+            self.push(k, &numbers, rays);
+            rays.id.push(first_id + k as i64);
+            rays.source.push(number);
+        }
+    }
+
+    /// Appends what a ray carries, without its numbers.
+    fn push(&self, k: u64, numbers: &Numbers, rays: &mut SourceRays) {
+        let local = self.pattern.ray(k, numbers);
+        let listed = match &self.pattern {
+            Pattern::Rays(listed) => listed.wavelength_nm(k as usize),
+            _ => None,
+        };
+        let origin = self.place.point(local.origin);
+        let direction = unit(self.place.vector(local.direction));
+        for axis in 0..3 {
+            rays.origins[axis].push(origin[axis]);
+            rays.directions[axis].push(direction[axis]);
+        }
+        rays.wavelength_nm.push(listed.unwrap_or_else(|| self.wavelengths.at(numbers[4])));
+        rays.power.push(self.unit_power * local.weight);
+    }
+}
+
+/// Several sources as one: their rays are numbered on from source to source, and each draws random numbers of its own.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sources {
+    sources: Vec<Source>,
+}
+
+impl Sources {
+    /// The sources in order; their numbers are 0, 1, ...
+    pub fn new(sources: Vec<Source>) -> Sources {
+        Sources { sources }
+    }
+
+    /// The sources.
+    pub fn sources(&self) -> &[Source] {
+        &self.sources
+    }
+
+    /// The number of all rays.
+    pub fn count(&self) -> u64 {
+        self.sources.iter().map(Source::count).sum()
+    }
+
+    /// The rays with numbers in a range, as far as there are such.
+    pub fn rays(&self, range: Range<u64>) -> SourceRays {
+        let mut rays = SourceRays::default();
+        self.append(range, &mut rays);
+        rays
+    }
+
+    /// Appends the rays with numbers in a range to others.
+    pub fn append(&self, range: Range<u64>, rays: &mut SourceRays) {
+        let mut first = 0;
+        for (number, source) in self.sources.iter().enumerate() {
+            let piece = range.start.saturating_sub(first)..range.end.saturating_sub(first);
+            source.append(piece, number as i32, first as i64, rays);
+            first += source.count();
+        }
+    }
+}

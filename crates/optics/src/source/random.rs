@@ -1,0 +1,85 @@
+//! Random numbers that belong to a ray: the same whichever piece of a source is generated.
+//!
+//! ChaCha is a counter-based generator: block number k of a stream, 64 bytes, is computed from key and counter alone. Ray k
+//! gets block k, eight numbers with 53 bits each. That is better than a stream for each ray: rays in a row are blocks in a
+//! row, which the generator makes four at a time, and a piece of a source begins with one jump. A source has a stream of
+//! its own, so that sources of equal seeds do not share their numbers. Eight rounds are enough for more than statistics
+//! (J.-P. Aumasson, *Too much crypto*, 2019).
+
+use rand::rngs::ChaCha8Rng;
+use rand::{Rng, SeedableRng};
+
+/// So many numbers each ray has.
+pub(super) const NUMBERS: usize = 8;
+
+/// The numbers of one ray, uniform in [0, 1).
+pub(super) type Numbers = [f64; NUMBERS];
+
+/// The numbers of rays in a row.
+pub(super) struct RayNumbers(ChaCha8Rng);
+
+impl RayNumbers {
+    /// Those from a ray on.
+    pub fn from(seed: u64, stream: u64, ray: u64) -> RayNumbers {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(stream);
+        // two words of 32 bits for each number
+        generator.set_word_pos(u128::from(ray) * 2 * NUMBERS as u128);
+        RayNumbers(generator)
+    }
+
+    /// The numbers of the next ray.
+    pub fn ray(&mut self) -> Numbers {
+        std::array::from_fn(|_| uniform(self.0.next_u64()))
+    }
+}
+
+/// The upper 53 bits as a fraction.
+pub(super) fn uniform(bits: u64) -> f64 {
+    (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_has_its_numbers_wherever_the_piece_begins() {
+        let mut all = RayNumbers::from(7, 3, 0);
+        let all: Vec<Numbers> = (0..100).map(|_| all.ray()).collect();
+        for first in [0, 1, 5, 63, 99] {
+            let mut piece = RayNumbers::from(7, 3, first);
+            assert!((first as usize..100).all(|ray| piece.ray() == all[ray]), "{first}");
+        }
+        assert_ne!(RayNumbers::from(7, 4, 0).ray(), all[0]);
+        assert_ne!(RayNumbers::from(8, 3, 0).ray(), all[0]);
+    }
+
+    #[test]
+    fn the_ends_of_the_range() {
+        assert_eq!((uniform(0), uniform(u64::MAX)), (0.0, 1.0 - f64::EPSILON / 2.0));
+    }
+
+    /// Mean 1/2 and variance 1/12 of each number, none correlated with another.
+    #[test]
+    fn moments() {
+        let (mut generator, count) = (RayNumbers::from(1, 0, 0), 100_000);
+        let mut products = [[0.0; NUMBERS]; NUMBERS];
+        for _ in 0..count {
+            let numbers = generator.ray().map(|u| u - 0.5);
+            for i in 0..NUMBERS {
+                (0..NUMBERS).for_each(|j| products[i][j] += numbers[i] * numbers[j]);
+            }
+        }
+        // standard deviations: of the product of two 1/12, of a square sqrt(1/180)
+        let error = 5.0 / f64::from(count).sqrt();
+        for i in 0..NUMBERS {
+            for j in 0..NUMBERS {
+                let (expected, deviation) =
+                    if i == j { (1.0 / 12.0, 180f64.sqrt().recip()) } else { (0.0, 1.0 / 12.0) };
+                let found = products[i][j] / f64::from(count);
+                assert!((found - expected).abs() < error * deviation, "{i} {j} {found}");
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Rays on their way out of sources.
+
+use rayweave_model::Rays;
+
+/// Rays as columns of equal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SourceRays {
+    /// The components of the origins, in the unit of the document.
+    pub origins: [Vec<f64>; 3],
+    /// The components of the directions, of unit length.
+    pub directions: [Vec<f64>; 3],
+    /// The wavelengths in nanometres.
+    pub wavelength_nm: Vec<f64>,
+    /// The powers, in the unit of the source. (PyRayT's intensity.)
+    pub power: Vec<f64>,
+    /// The numbers of the rays, counted through all sources.
+    pub id: Vec<i64>,
+    /// The numbers of their sources.
+    pub source: Vec<i32>,
+}
+
+impl SourceRays {
+    /// The number of rays.
+    pub fn len(&self) -> usize {
+        self.id.len()
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.id.is_empty()
+    }
+
+    /// Origins and directions as an evaluator takes them.
+    pub fn rays(&self) -> Rays<'_> {
+        let [ox, oy, oz] = &self.origins;
+        let [dx, dy, dz] = &self.directions;
+        Rays { origins: [ox, oy, oz], directions: [dx, dy, dz] }
+    }
+
+    /// Forgets all rays and keeps the memory.
+    pub fn clear(&mut self) {
+        self.numbers().for_each(Vec::clear);
+        self.id.clear();
+        self.source.clear();
+    }
+
+    /// Room for more rays.
+    pub(super) fn reserve(&mut self, more: usize) {
+        self.numbers().for_each(|column| column.reserve(more));
+        self.id.reserve(more);
+        self.source.reserve(more);
+    }
+
+    fn numbers(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let SourceRays { origins, directions, wavelength_nm, power, .. } = self;
+        origins.iter_mut().chain(directions).chain([wavelength_nm, power])
+    }
+}
