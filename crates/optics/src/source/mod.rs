@@ -23,6 +23,8 @@
 //! # Ok::<(), rayweave_optics::source::SourceError>(())
 //! ```
 //!
+//! A [`Tracer`](crate::Tracer) takes a source, or several as [`Sources`], as its [`Emitter`].
+//!
 //! | PyRayT | here |
 //! | --- | --- |
 //! | `LineOfRays(spacing)` | [`Pattern::Line`] |
@@ -47,9 +49,11 @@ pub use rays::SourceRays;
 pub use sampling::Sampling;
 pub use spectrum::{Cumulative, Spectrum, Wavelengths, planck};
 
+use crate::{Beam, Emitter, Light};
 use error::positive;
 use random::{NUMBERS, Numbers, RayNumbers};
 use rayweave_math::{Affine, unit};
+use rayweave_shape::Ray;
 use std::ops::Range;
 
 /// The power of the rays of a source, in any unit.
@@ -135,39 +139,45 @@ impl Source {
     /// Its rays with numbers in a range, as far as there are such.
     pub fn rays(&self, range: Range<u64>) -> SourceRays {
         let mut rays = SourceRays::default();
-        self.append(range, 0, 0, &mut rays);
+        self.each(range, 0, |k, light| rays.push(k, &light));
         rays
     }
 
-    /// Appends rays as those of the source with this number, their own numbers counted from `first_id`.
-    fn append(&self, range: Range<u64>, number: i32, first_id: i64, rays: &mut SourceRays) {
+    /// Makes the rays of a range, as far as there are such, for the source with this number in a list.
+    fn each(&self, range: Range<u64>, number: u32, mut take: impl FnMut(u64, Light)) {
         let range = range.start..range.end.min(self.count());
         let is_random = self.pattern.is_random() || !self.wavelengths.is_line();
-        let mut random = is_random.then(|| RayNumbers::from(self.seed, number as u64, range.start));
-        rays.reserve(range.end.saturating_sub(range.start) as usize);
+        let mut random = is_random.then(|| RayNumbers::from(self.seed, u64::from(number), range.start));
         for k in range {
             let numbers = random.as_mut().map_or([0.0; NUMBERS], RayNumbers::ray);
-            self.push(k, &numbers, rays);
-            rays.id.push(first_id + k as i64);
-            rays.source.push(number);
+            take(k, self.light(k, &numbers, number));
         }
     }
 
-    /// Appends what a ray carries, without its numbers.
-    fn push(&self, k: u64, numbers: &Numbers, rays: &mut SourceRays) {
+    fn light(&self, k: u64, numbers: &Numbers, source: u32) -> Light {
         let local = self.pattern.ray(k, numbers);
         let listed = match &self.pattern {
             Pattern::Rays(listed) => listed.wavelength_nm(k as usize),
             _ => None,
         };
         let origin = self.place.point(local.origin);
-        let direction = unit(self.place.vector(local.direction));
-        for axis in 0..3 {
-            rays.origins[axis].push(origin[axis]);
-            rays.directions[axis].push(direction[axis]);
+        Light {
+            ray: Ray::new(origin, unit(self.place.vector(local.direction))),
+            wavelength_nm: listed.unwrap_or_else(|| self.wavelengths.at(numbers[4])),
+            power: self.unit_power * local.weight,
+            source,
+            stokes: None,
         }
-        rays.wavelength_nm.push(listed.unwrap_or_else(|| self.wavelengths.at(numbers[4])));
-        rays.power.push(self.unit_power * local.weight);
+    }
+}
+
+impl Emitter for Source {
+    fn count(&self) -> usize {
+        Source::count(self) as usize
+    }
+
+    fn emit(&self, range: Range<usize>, beam: &mut Beam) {
+        self.each(range.start as u64..range.end as u64, 0, |_, light| beam.push(light));
     }
 }
 
@@ -202,11 +212,25 @@ impl Sources {
 
     /// Appends the rays with numbers in a range to others.
     pub fn append(&self, range: Range<u64>, rays: &mut SourceRays) {
+        self.each(range, |k, light| rays.push(k, &light));
+    }
+
+    fn each(&self, range: Range<u64>, mut take: impl FnMut(u64, Light)) {
         let mut first = 0;
-        for (number, source) in self.sources.iter().enumerate() {
+        for (number, source) in (0..).zip(&self.sources) {
             let piece = range.start.saturating_sub(first)..range.end.saturating_sub(first);
-            source.append(piece, number as i32, first as i64, rays);
+            source.each(piece, number, |k, light| take(first + k, light));
             first += source.count();
         }
+    }
+}
+
+impl Emitter for Sources {
+    fn count(&self) -> usize {
+        Sources::count(self) as usize
+    }
+
+    fn emit(&self, range: Range<usize>, beam: &mut Beam) {
+        self.each(range.start as u64..range.end as u64, |_, light| beam.push(light));
     }
 }

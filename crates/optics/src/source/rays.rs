@@ -1,5 +1,6 @@
 //! Rays on their way out of sources.
 
+use crate::Light;
 use rayweave_model::Rays;
 
 /// Rays as columns of equal length.
@@ -44,11 +45,16 @@ impl SourceRays {
         self.source.clear();
     }
 
-    /// Room for more rays.
-    pub(super) fn reserve(&mut self, more: usize) {
-        self.numbers().for_each(|column| column.reserve(more));
-        self.id.reserve(more);
-        self.source.reserve(more);
+    /// Appends a ray with its number.
+    pub(super) fn push(&mut self, id: u64, light: &Light) {
+        for axis in 0..3 {
+            self.origins[axis].push(light.ray.origin[axis]);
+            self.directions[axis].push(light.ray.direction[axis]);
+        }
+        self.wavelength_nm.push(light.wavelength_nm);
+        self.power.push(light.power);
+        self.id.push(id as i64);
+        self.source.push(light.source as i32);
     }
 
     fn numbers(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {

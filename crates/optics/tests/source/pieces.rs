@@ -3,6 +3,7 @@
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::component::Aperture;
 use rayweave_optics::source::*;
+use rayweave_optics::{Beam, Emitter};
 
 fn patterns() -> Vec<Pattern> {
     let (disc, plate, count) = (Aperture::circle(3.0), Aperture::rectangle(1.0, 2.0), 100);
@@ -82,4 +83,23 @@ fn memory_is_kept() {
     rays.clear();
     assert!(rays.is_empty() && rays.power.is_empty() && rays.directions[2].is_empty());
     assert!(rays.origins[0].capacity() >= 50);
+}
+
+/// A tracer gets the same rays.
+#[test]
+fn emitters() {
+    let sources = sources();
+    let (rays, mut beam) = (sources.rays(90..260), Beam::default());
+    sources.emit(90..200, &mut beam);
+    sources.emit(200..260, &mut beam);
+    assert_eq!((Emitter::count(&sources) as u64, beam.len()), (sources.count(), rays.len()));
+    for k in 0..rays.len() {
+        let light = beam.get(k);
+        assert_eq!(light.ray, rays.rays().get(k));
+        assert_eq!((light.power, light.wavelength_nm), (rays.power[k], rays.wavelength_nm[k]));
+        assert_eq!(light.source as i32, rays.source[k]);
+    }
+    let (source, mut alone) = (&sources.sources()[4], Beam::default());
+    source.emit(10..20, &mut alone);
+    assert_eq!(alone.get(3).ray, source.rays(13..14).rays().get(0));
 }
