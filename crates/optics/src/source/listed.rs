@@ -14,6 +14,7 @@ pub struct ListedRays(Arc<Columns>);
 #[derive(Debug, PartialEq)]
 struct Columns {
     origins: Vec<Vec3>,
+    /// Of unit length.
     directions: Vec<Vec3>,
     wavelength_nm: Option<Vec<f64>>,
     power: Option<Vec<f64>>,
@@ -62,6 +63,7 @@ impl ListedRays {
         if mean_power == 0.0 {
             return Err(SourceError::Unfit { part: "rays", problem: "all powers are 0 (nothing shines)" });
         }
+        let directions = directions.into_iter().map(rayweave_math::unit).collect();
         Ok(ListedRays(Arc::new(Columns { origins, directions, wavelength_nm, power, mean_power })))
     }
 

@@ -51,8 +51,9 @@ pub use spectrum::{Cumulative, Spectrum, Wavelengths, planck};
 
 use crate::{Beam, Emitter, Light};
 use error::positive;
+use pattern::Prepared;
 use random::{NUMBERS, Numbers, RayNumbers};
-use rayweave_math::{Affine, unit};
+use rayweave_math::{Affine, Mat3};
 use rayweave_shape::Ray;
 use std::ops::Range;
 
@@ -68,12 +69,14 @@ pub enum Power {
 /// A source of light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    pattern: Pattern,
+    prepared: Prepared,
     wavelengths: Wavelengths,
     /// That of a ray of weight 1.
     unit_power: f64,
     seed: u64,
     place: Affine,
+    /// The linear part of `place` over its size, so that images of directions are neither tiny nor huge.
+    turn: Mat3,
 }
 
 impl Source {
@@ -82,14 +85,14 @@ impl Source {
     /// # Errors
     /// Settings out of their range, or that do not fit together: each names itself.
     pub fn new(pattern: Pattern) -> Result<Source, SourceError> {
-        let pattern = pattern.checked()?;
         let has_powers = matches!(&pattern, Pattern::Rays(listed) if listed.has_powers());
         Ok(Source {
-            pattern,
+            prepared: Prepared::new(pattern)?,
             wavelengths: Spectrum::default().wavelengths()?,
             unit_power: if has_powers { 1.0 } else { 100.0 },
             seed: 0,
             place: Affine::IDENTITY,
+            turn: Mat3::IDENTITY,
         })
     }
 
@@ -109,7 +112,7 @@ impl Source {
         let unit_power = match power {
             Power::PerRay(power) => positive("source", "power", power)?,
             Power::Total(power) => {
-                let rays = self.pattern.count() as f64 * self.pattern.mean_weight();
+                let rays = self.count() as f64 * self.prepared.pattern.mean_weight();
                 positive("source", "power", power)? / rays
             }
         };
@@ -128,12 +131,14 @@ impl Source {
     pub fn apply(self, world_from_local: &Affine) -> Result<Source, SourceError> {
         let place = self.place.then(world_from_local);
         place.inverse()?;
-        Ok(Source { place, ..self })
+        let size =
+            place.linear.to_cols_array().into_iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
+        Ok(Source { turn: place.linear * (1.0 / size), place, ..self })
     }
 
     /// The number of rays.
     pub fn count(&self) -> u64 {
-        self.pattern.count()
+        self.prepared.pattern.count()
     }
 
     /// Its rays with numbers in a range, as far as there are such.
@@ -146,7 +151,7 @@ impl Source {
     /// Makes the rays of a range, as far as there are such, for the source with this number in a list.
     fn each(&self, range: Range<u64>, number: u32, mut take: impl FnMut(u64, Light)) {
         let range = range.start..range.end.min(self.count());
-        let is_random = self.pattern.is_random() || !self.wavelengths.is_line();
+        let is_random = self.prepared.pattern.is_random() || !self.wavelengths.is_line();
         let mut random = is_random.then(|| RayNumbers::from(self.seed, u64::from(number), range.start));
         for k in range {
             let numbers = random.as_mut().map_or([0.0; NUMBERS], RayNumbers::ray);
@@ -155,14 +160,14 @@ impl Source {
     }
 
     fn light(&self, k: u64, numbers: &Numbers, source: u32) -> Light {
-        let local = self.pattern.ray(k, numbers);
-        let listed = match &self.pattern {
+        let local = self.prepared.ray(k, numbers);
+        let listed = match &self.prepared.pattern {
             Pattern::Rays(listed) => listed.wavelength_nm(k as usize),
             _ => None,
         };
-        let origin = self.place.point(local.origin);
+        let direction = self.turn * local.direction;
         Light {
-            ray: Ray::new(origin, unit(self.place.vector(local.direction))),
+            ray: Ray::new(self.place.point(local.origin), direction / direction.length()),
             wavelength_nm: listed.unwrap_or_else(|| self.wavelengths.at(numbers[4])),
             power: self.unit_power * local.weight,
             source,

@@ -110,7 +110,7 @@ pub enum Emission {
 /// A ray in the source's own coordinates.
 pub(super) struct LocalRay {
     pub origin: Vec3,
-    /// Not of length zero.
+    /// Of unit length, to rounding.
     pub direction: Vec3,
     /// What it counts for.
     pub weight: f64,
@@ -165,7 +165,7 @@ impl Pattern {
     }
 
     /// The pattern, if all its settings are in their ranges and fit together.
-    pub(super) fn checked(self) -> Result<Pattern, SourceError> {
+    fn checked(self) -> Result<Pattern, SourceError> {
         let (part, count) = (self.name(), self.count());
         if count == 0 || count > 1 << 53 {
             return Err(SourceError::Count { part, count });
@@ -197,41 +197,103 @@ impl Pattern {
         Ok(self)
     }
 
-    /// Ray `k` by its random numbers, of which the first four may be used.
-    pub(super) fn ray(&self, k: u64, numbers: &Numbers) -> LocalRay {
+    /// The angle that its directions are made of, in degrees.
+    fn half_angle_degrees(&self) -> f64 {
         match self {
+            Pattern::Cone { half_angle_degrees, .. }
+            | Pattern::Lamp { half_angle_degrees, .. }
+            | Pattern::Point { half_angle_degrees, .. }
+            | Pattern::Extended { half_angle_degrees, .. } => *half_angle_degrees,
+            _ => 0.0,
+        }
+    }
+
+    /// The part of the power of a whole beam that its aperture lets pass.
+    fn passed(&self) -> f64 {
+        match self {
+            Pattern::Beam { aperture, profile, .. } => profile.within(0.5 * aperture.size()[0]),
+            _ => 1.0,
+        }
+    }
+}
+
+/// A pattern with what all its rays have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Prepared {
+    pub pattern: Pattern,
+    angle: Angle,
+    passed: f64,
+}
+
+/// The greatest angle to the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Angle {
+    sin: f64,
+    cos: f64,
+    /// 1 - cos, with all its digits where the angle is small.
+    drop: f64,
+}
+
+impl Prepared {
+    pub fn new(pattern: Pattern) -> Result<Prepared, SourceError> {
+        let pattern = pattern.checked()?;
+        let degrees = pattern.half_angle_degrees();
+        let ((sin, cos), (sin_half, _)) = (sin_cos_degrees(degrees), sin_cos_degrees(0.5 * degrees));
+        let angle = Angle { sin, cos, drop: 2.0 * sin_half * sin_half };
+        Ok(Prepared { angle, passed: pattern.passed(), pattern })
+    }
+
+    /// Ray `k` by its random numbers, of which the first four may be used.
+    pub fn ray(&self, k: u64, numbers: &Numbers) -> LocalRay {
+        let angle = &self.angle;
+        match &self.pattern {
             Pattern::Line { length, count } => along_z(Vec3::Y * (length * centred(k, *count)), 1.0),
             Pattern::Circle { diameter, count } => {
                 along_z(0.5 * diameter * around(k as f64 / *count as f64), 1.0)
             }
-            Pattern::Cone { half_angle_degrees, count } => {
-                let (sin, cos) = sin_cos_degrees(*half_angle_degrees);
-                from_origin(tilted(sin, cos, k as f64 / *count as f64), 1.0)
+            Pattern::Cone { count, .. } => {
+                from_origin(tilted(angle.sin, angle.cos, k as f64 / *count as f64), 1.0)
             }
             Pattern::Wedge { angle_degrees, count } => {
                 let (sin, cos) = sin_cos_degrees(angle_degrees * centred(k, *count));
                 from_origin(Vec3::new(0.0, sin, cos), 1.0)
             }
-            Pattern::Lamp { width, height, half_angle_degrees, .. } => {
-                let direction = isotropic(*half_angle_degrees, numbers[2], numbers[3]);
+            Pattern::Lamp { width, height, .. } => {
+                let direction = angle.isotropic(numbers[2], numbers[3]);
                 let origin = Vec3::new(width * (numbers[0] - 0.5), height * (numbers[1] - 0.5), 0.0);
                 LocalRay { origin, direction, weight: direction.z }
             }
-            Pattern::Beam { aperture, profile, sampling } => beam(aperture, profile, sampling, k, numbers),
-            Pattern::Point { half_angle_degrees, sampling } => {
-                let Place { area, turn, weight } = sampling.in_disc(k, numbers);
-                from_origin(isotropic(*half_angle_degrees, area, turn), weight)
+            Pattern::Beam { aperture, profile, sampling } => {
+                beam(aperture, profile, sampling, self.passed, k, numbers)
             }
-            Pattern::Extended { aperture, emission, half_angle_degrees, .. } => {
-                let beam = beam(aperture, &BeamProfile::TopHat, &ANYWHERE, k, numbers);
+            Pattern::Point { sampling, .. } => {
+                let Place { area, turn, weight } = sampling.in_disc(k, numbers);
+                from_origin(angle.isotropic(area, turn), weight)
+            }
+            Pattern::Extended { aperture, emission, .. } => {
+                let start = beam(aperture, &BeamProfile::TopHat, &ANYWHERE, 1.0, k, numbers);
                 let direction = match emission {
-                    Emission::Lambert => lambert(*half_angle_degrees, numbers[2], numbers[3]),
-                    Emission::Isotropic => isotropic(*half_angle_degrees, numbers[2], numbers[3]),
+                    Emission::Lambert => angle.lambert(numbers[2], numbers[3]),
+                    Emission::Isotropic => angle.isotropic(numbers[2], numbers[3]),
                 };
-                LocalRay { direction, ..beam }
+                LocalRay { direction, ..start }
             }
             Pattern::Rays(listed) => listed.ray(k as usize),
         }
+    }
+}
+
+impl Angle {
+    /// Cosines uniform between that of the greatest angle and 1 (Archimedes: a zone's area is proportional to its height).
+    fn isotropic(&self, part: f64, turn: f64) -> Vec3 {
+        let drop = self.drop * part;
+        tilted((drop * (2.0 - drop)).max(0.0).sqrt(), 1.0 - drop, turn)
+    }
+
+    /// Squares of sines uniform: the disc below a hemisphere is covered evenly (Malley's method).
+    fn lambert(&self, part: f64, turn: f64) -> Vec3 {
+        let square = self.sin * self.sin * part;
+        tilted(square.sqrt(), (1.0 - square).max(0.0).sqrt(), turn)
     }
 }
 
@@ -271,9 +333,17 @@ fn centred(k: u64, count: u64) -> f64 {
     if count < 2 { 0.0 } else { k as f64 / (count - 1) as f64 - 0.5 }
 }
 
-/// The unit vector at an azimuth given in turns.
+/// The unit vector at an azimuth of 0 to 1 turns; exact at the quarters.
 fn around(turn: f64) -> Vec3 {
-    rayweave_math::unit_vector_degrees(360.0 * turn)
+    let quarter = (4.0 * turn + 0.5) as u32;
+    let (sin, cos) = libm::sincos((turn - 0.25 * f64::from(quarter)) * std::f64::consts::TAU);
+    let (x, y) = match quarter {
+        1 => (-sin, cos),
+        2 => (-cos, -sin),
+        3 => (sin, -cos),
+        _ => (cos, sin),
+    };
+    Vec3::new(x, y, 0.0)
 }
 
 /// The direction at an angle to the axis, by its sine and cosine.
@@ -281,25 +351,11 @@ fn tilted(sin: f64, cos: f64, turn: f64) -> Vec3 {
     (sin * around(turn)).with_z(cos)
 }
 
-/// Cosines uniform between that of the greatest angle and 1 (Archimedes: a zone's area is proportional to its height).
-fn isotropic(half_angle_degrees: f64, part: f64, turn: f64) -> Vec3 {
-    // 1 - cos = 2 sin^2 of half the angle keeps its digits where the angle is small
-    let (sin_half, _) = sin_cos_degrees(0.5 * half_angle_degrees);
-    let drop = 2.0 * sin_half * sin_half * part;
-    tilted((drop * (2.0 - drop)).max(0.0).sqrt(), 1.0 - drop, turn)
-}
-
-/// Squares of sines uniform: the disc below a hemisphere is covered evenly (Malley's method).
-fn lambert(half_angle_degrees: f64, part: f64, turn: f64) -> Vec3 {
-    let (sin, _) = sin_cos_degrees(half_angle_degrees);
-    let square = sin * sin * part;
-    tilted(square.sqrt(), (1.0 - square).max(0.0).sqrt(), turn)
-}
-
 fn beam(
     aperture: &Aperture,
     profile: &BeamProfile,
     sampling: &Sampling,
+    passed: f64,
     k: u64,
     numbers: &Numbers,
 ) -> LocalRay {
@@ -309,22 +365,27 @@ fn beam(
         return along_z(Vec3::new(width * (u - 0.5), height * (v - 0.5), 0.0), 1.0);
     }
     let Place { area, turn, weight } = sampling.in_disc(k, numbers);
-    let point = profile.radius(area, 0.5 * width) * around(turn);
+    let point = profile.radius(area * passed, 0.5 * width) * around(turn);
     // a factor of exactly 1 for a circle
     along_z(Vec3::new(point.x, point.y * (height / width), 0.0), weight)
 }
 
 impl BeamProfile {
-    /// The distance from the axis within which a part of the power lies, out of that within `limit`. Of a Gaussian beam
-    /// `1 - exp(-2 r^2 / radius^2)` lies within r.
+    /// The part of the power within a distance from the axis; of a top hat, whose aperture is all there is, 1.
+    fn within(&self, distance: f64) -> f64 {
+        match *self {
+            BeamProfile::TopHat => 1.0,
+            BeamProfile::Gaussian { radius } => {
+                -libm::expm1(-2.0 * (distance / radius) * (distance / radius))
+            }
+        }
+    }
+
+    /// The distance from the axis within which a part of the power lies, at most `limit`.
     fn radius(&self, part: f64, limit: f64) -> f64 {
         match *self {
             BeamProfile::TopHat => limit * part.sqrt(),
-            BeamProfile::Gaussian { radius } => {
-                let ratio = limit / radius;
-                let passed = -libm::expm1(-2.0 * ratio * ratio);
-                (radius * (-0.5 * libm::log1p(-part * passed)).sqrt()).min(limit)
-            }
+            BeamProfile::Gaussian { radius } => (radius * (-0.5 * libm::log1p(-part)).sqrt()).min(limit),
         }
     }
 }

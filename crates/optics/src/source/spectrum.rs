@@ -100,16 +100,40 @@ pub struct Cumulative {
     density: Vec<f64>,
     /// Up to each point; of a line, with itself.
     before: Vec<f64>,
+    /// For each of 2^k equal parts of the total, the first point before which there is more than before that part begins:
+    /// where to look from (H. C. Chen and Y. Asau, *On generating random variates from an empirical distribution*, 1974).
+    guide: Vec<u32>,
 }
 
 impl Cumulative {
+    fn new(wavelengths_nm: Vec<f64>, density: Vec<f64>, before: Vec<f64>) -> Result<Cumulative, SourceError> {
+        let total = before.last().copied().unwrap_or(0.0);
+        if total == 0.0 || !total.is_finite() {
+            return Err(SourceError::Dark);
+        }
+        let parts = before.len().next_power_of_two();
+        let first = |part: usize| {
+            let sought = part as f64 / parts as f64 * total;
+            before.partition_point(|&before| before <= sought) as u32
+        };
+        let guide = (0..parts).map(first).collect();
+        Ok(Cumulative { wavelengths_nm, density, before, guide })
+    }
+
     fn total(&self) -> f64 {
         self.before.last().copied().unwrap_or(0.0)
     }
 
-    fn if_light(self) -> Result<Cumulative, SourceError> {
-        let total = self.total();
-        if total > 0.0 && total.is_finite() { Ok(self) } else { Err(SourceError::Dark) }
+    /// The first point before which there is more than a part of the total.
+    fn after(&self, part: f64) -> usize {
+        let sought = part * self.total();
+        // exact for a power of two, so that the search never begins too late
+        let begin = (part * self.guide.len() as f64) as usize;
+        let mut point = self.guide[begin.min(self.guide.len() - 1)] as usize;
+        while point < self.before.len() && self.before[point] <= sought {
+            point += 1;
+        }
+        point
     }
 }
 
@@ -124,14 +148,11 @@ impl Wavelengths {
         match self {
             Wavelengths::Line(wavelength_nm) => *wavelength_nm,
             Wavelengths::Lines(lines) => {
-                let sought = part * lines.total();
-                let line = lines.before.partition_point(|&before| before <= sought);
-                lines.wavelengths_nm[line.min(lines.wavelengths_nm.len() - 1)]
+                lines.wavelengths_nm[lines.after(part).min(lines.wavelengths_nm.len() - 1)]
             }
             Wavelengths::Density(points) => {
-                let sought = part * points.total();
-                let next = points.before.partition_point(|&before| before <= sought);
-                points.within(next.clamp(1, points.before.len() - 1) - 1, sought)
+                let next = points.after(part).clamp(1, points.before.len() - 1);
+                points.within(next - 1, part * points.total())
             }
         }
     }
@@ -174,7 +195,7 @@ fn discrete(lines: &[(f64, f64)]) -> Result<Wavelengths, SourceError> {
         Some(*sum)
     };
     let before = density.iter().scan(0.0, sum).collect();
-    Ok(Wavelengths::Lines(Cumulative { wavelengths_nm, density, before }.if_light()?))
+    Cumulative::new(wavelengths_nm, density, before).map(Wavelengths::Lines)
 }
 
 fn continuous(points: &[(f64, f64)]) -> Result<Wavelengths, SourceError> {
@@ -187,7 +208,7 @@ fn continuous(points: &[(f64, f64)]) -> Result<Wavelengths, SourceError> {
         let area = 0.5 * (density[k - 1] + density[k]) * (wavelengths_nm[k] - wavelengths_nm[k - 1]);
         before.push(before[k - 1] + area);
     }
-    Ok(Wavelengths::Density(Cumulative { wavelengths_nm, density, before }.if_light()?))
+    Cumulative::new(wavelengths_nm, density, before).map(Wavelengths::Density)
 }
 
 /// Points of Planck's curve, at equal ratios of wavelengths.

@@ -5,4 +5,5 @@ mod lenses;
 mod mirrors;
 mod prisms;
 mod probe;
+mod pyrayt;
 mod sheets;
