@@ -7,7 +7,7 @@ use rayweave_math::roots::Crossings;
 use rayweave_math::{Affine, Mat3, Transform, Vec3, any_perpendicular};
 use rayweave_shape::Ray;
 use rayweave_shape::lanes::{
-    Doubt, Facet, Gap, Kernel, LANES, LaneLimits, LaneRay, Lanes, Span, Vec3Lanes, splat,
+    Doubt, Facet, Gap, Gradient, Kernel, LANES, LaneLimits, LaneRay, Lanes, Span, Vec3Lanes, splat,
 };
 use rayweave_shape::surface::{Surface, hugs, lies_in};
 
@@ -332,6 +332,118 @@ fn long_adversarial_rays_get_the_bits_of_the_scalar_kernels() {
     for seed in 0..20 {
         rounds(1000, 100 + seed);
     }
+}
+
+/// Thick and thin ones, those that touch themselves or nearly, spindles and images.
+fn tori(scale: f64, dice: &mut Dice) -> Vec<Case> {
+    let sizes = [(1.0, 0.4), (1.0, 1.0), (1.0, 1.0 - 1e-12), (1.0, 0.999), (0.5, 0.8), (1e-3, 1.0)];
+    let mut cases = Vec::new();
+    for (major, minor) in sizes.into_iter().chain([(1.0, 1e-2), (1.0, 1e-4), (1.0, 1e-7)]) {
+        for axis in [Vec3::Z, dice.vector().normalize()] {
+            let at = if dice.below(3) == 0 { Vec3::ZERO } else { scale * dice.vector() };
+            let ring = Surface::torus(at, axis, scale * major, scale * minor);
+            cases.push(Case { surface: ring, at, axis, scale });
+            let ring = Surface::torus(Vec3::ZERO, axis, scale * major, scale * minor);
+            let by = Vec3::new(1.0, dice.wide(-1.0, 0.0), dice.wide(0.0, 0.5));
+            cases.push(Case { surface: stretched(&ring, by, at, axis), at, axis, scale });
+        }
+    }
+    cases
+}
+
+impl Case {
+    /// Rays in planes that touch a torus, along its axis, along its tube, through its centre, at both sides of its hole.
+    fn at_torus(&self, dice: &mut Dice) -> Ray {
+        let (axis, major, minor) = match &self.surface {
+            Surface::Torus(s) => (s.axis, s.major, s.minor),
+            _ => return self.adversarial(dice),
+        };
+        let u = axis.cross(dice.vector()).normalize();
+        let v = axis.cross(u);
+        let side = [-1.0, 1.0][dice.below(2)];
+        let rho = [0.0, major - minor, major, major + minor, major + minor * dice.unit()][dice.below(5)];
+        let (from, along) = match dice.below(8) {
+            // in the planes that touch it along a circle
+            0 => (side * minor * axis + rho * u, v),
+            // across the axis, at any height
+            1 => (dice.unit() * minor * axis + rho * u, v),
+            2 => (rho * u, side * axis),
+            // through the centre and at both sides of it: touches it twice where the hole allows it
+            3 => (Vec3::ZERO, (1.0 - (minor / major).min(1.0).powi(2)).sqrt() * u + minor / major * axis),
+            // along the tube, and out of it
+            4 => (major * u + minor * dice.unit() * axis, v),
+            5 => (major * u + minor * dice.unit() * u, dice.vector()),
+            // through the axis
+            6 => (dice.unit() * self.scale * axis, dice.vector()),
+            _ => return self.adversarial(dice),
+        };
+        let along = along.normalize() + [0.0, dice.wide(-18.0, -1.0)][dice.below(2)] * dice.vector();
+        let aside = [0.0, minor * dice.wide(-17.0, 0.0)][dice.below(2)] * dice.vector();
+        let back = [0.0, 3.0, 1e3, 1e8][dice.below(4)] * self.scale;
+        let length = if dice.below(3) == 0 { dice.wide(-60.0, 60.0) } else { 1.0 };
+        Ray::new(self.at + from + aside - back * along, length * along.normalize())
+    }
+}
+
+#[test]
+fn tori_get_the_bits_of_the_scalar_kernel() {
+    let (mut dice, levels, effort) = (Dice::new(3), levels(), effort());
+    let (mut doubts, mut rays) = (0, 0);
+    for round in 0..100 * effort {
+        let scale = [1.0, 1e-8, 1e8][round % 3];
+        for case in tori(scale, &mut dice) {
+            let eight = std::array::from_fn(|_| case.at_torus(&mut dice));
+            let [always, _] = check(&case, true, &eight, &levels, &mut dice);
+            doubts += always;
+            rays += LANES as u32;
+        }
+    }
+    println!("{doubts} of {rays} in doubt");
+    assert!(2 * doubts < rays, "{doubts} of {rays} in doubt");
+}
+
+fn bits_of(v: Vec3) -> [u64; 3] {
+    v.to_array().map(|x| if x.is_nan() { f64::NAN } else { x }.to_bits())
+}
+
+#[inline(always)]
+fn gradients<S: Simd>(simd: S, gradient: &Gradient, points: &[Vec3; LANES]) -> [[f64; LANES]; 3] {
+    let column = |k: usize| Lanes::from_fn(simd, |lane| points[lane][k]);
+    let points: Vec3Lanes<S> = Vec3Lanes { x: column(0), y: column(1), z: column(2) };
+    let Vec3Lanes { x, y, z } = gradient.at(simd, points);
+    [x.to_array(), y.to_array(), z.to_array()]
+}
+
+/// On surfaces, near them, at centres and apexes, on axes, far away.
+#[test]
+fn gradients_have_the_bits_of_the_scalar_ones() {
+    let (mut dice, levels) = (Dice::new(4), levels());
+    for round in 0..30 {
+        let scale = [1.0, 1e-8, 1e8][round % 3];
+        for case in cases(scale, &mut dice).into_iter().chain(tori(scale, &mut dice)) {
+            let points = std::array::from_fn(|_| match dice.below(6) {
+                0 => case.at,
+                1 => case.at + scale * dice.unit() * case.axis,
+                2 => case.at + 1e9 * scale * dice.vector(),
+                3 => case.at + scale * dice.vector(),
+                _ => case.point(&mut dice).unwrap_or(case.at),
+            });
+            let gradient = Gradient::of(&case.surface);
+            for &level in &levels {
+                let [x, y, z] = dispatch!(level, simd => gradients(simd, &gradient, &points));
+                for (k, &point) in points.iter().enumerate() {
+                    let (_, expected) = case.surface.value_and_gradient(point);
+                    let got = Vec3::new(x[k], y[k], z[k]);
+                    assert_eq!(bits_of(got), bits_of(expected), "{case:?} {point:?} {level:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A factor to the number of rays.
+fn effort() -> usize {
+    std::env::var("RAYWEAVE_EFFORT").ok().and_then(|s| s.parse().ok()).unwrap_or(1)
 }
 
 /// Of ordinary rays lanes are sure.

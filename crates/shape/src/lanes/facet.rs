@@ -5,7 +5,7 @@ use super::quadratic::Roots;
 use super::quadric::LaneQuadric;
 use super::ray::{Doubt, LaneRay};
 use super::span::{Gap, Span};
-use super::torus::LaneTorus;
+use super::torus::{LaneTorus, Stretch};
 use super::vector::{Lanes, Mask, splat};
 use crate::surface::{Cone, Cylinder, Plane, Sphere, Surface};
 use fearless_simd::Simd;
@@ -173,7 +173,8 @@ impl Facet {
                 self.slab(simd, slab, ray, span, doubt);
                 None
             }
-            Kernel::Cone(_) | Kernel::Quadric(_) | Kernel::Torus(_) => {
+            Kernel::Torus(torus) => Some(self.torus(simd, torus, ray, span, doubt)),
+            Kernel::Cone(_) | Kernel::Quadric(_) => {
                 // a function of its own, on copies: what is asked most often stays in registers
                 let (ray, mut copies) = (*ray, (*span, *doubt));
                 let gap = simd.vectorize(
@@ -204,13 +205,35 @@ impl Facet {
                 let roots = quadric.roots(simd, ray, doubt);
                 self.second_degree(simd, ray, &roots, 1.0, span, doubt)
             }
-            Kernel::Torus(torus) => {
-                let stretch = torus.stretch(simd, ray, span.is_some(), doubt);
-                self.stretch(simd, stretch.from, stretch.to, span);
-                Some(stretch.gap)
-            }
             _ => None,
         }
+    }
+
+    /// A torus: most rays pass it, and are not asked further.
+    #[inline(always)]
+    fn torus<S: Simd>(
+        &self,
+        simd: S,
+        torus: &LaneTorus,
+        ray: &LaneRay<S>,
+        span: &mut Span<S>,
+        doubt: &mut Doubt<S>,
+    ) -> Gap<S> {
+        let approach = torus.approach(ray);
+        let asked = torus.may_meet(ray, &approach) & span.is_some();
+        let stretch = if asked.any_true() {
+            let (ray, mut copy) = (*ray, *doubt);
+            let stretch = simd.vectorize(
+                #[inline(always)]
+                || torus.stretch(simd, &ray, &approach, asked, &mut copy),
+            );
+            *doubt = copy;
+            stretch
+        } else {
+            Stretch::none(simd)
+        };
+        self.stretch(simd, stretch.from, stretch.to, span);
+        stretch.gap
     }
 
     /// Two planes that face away from each other: met at the same speed, one after the other.

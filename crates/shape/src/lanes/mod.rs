@@ -10,15 +10,18 @@
 mod axis;
 mod cone;
 mod facet;
+mod gradient;
 mod quadratic;
 mod quadric;
 mod ray;
 mod span;
 mod torus;
+mod torus_line;
 mod vector;
 
 pub use axis::{AxisCylinder, AxisSlab};
 pub use facet::{Facet, Kernel};
+pub use gradient::Gradient;
 pub use quadric::LaneQuadric;
 pub use ray::{Doubt, LaneLimits, LaneRay};
 pub use span::{Gap, Span};

@@ -27,6 +27,12 @@ pub struct Gap<S: Simd> {
 }
 
 impl<S: Simd> Gap<S> {
+    /// The same, but from one time to another where a mask says so.
+    #[inline(always)]
+    pub(super) fn or(&self, mask: Mask<S>, from: Lanes<S>, to: Lanes<S>) -> Self {
+        Gap { from: mask.select(from, self.from), to: mask.select(to, self.to) }
+    }
+
     /// Whether there is anything left of a span before the gap, and after it.
     #[inline(always)]
     pub(super) fn pieces(&self, span: &Span<S>) -> [Mask<S>; 2] {

@@ -1,9 +1,9 @@
-//! Tori along eight rays, as [`Torus::crossings`]: which rays may meet one is found for all at once, where those do one
-//! after the other.
+//! Tori along eight rays, as [`Torus::crossings`].
 
-use super::ray::{Doubt, LaneRay};
+use super::ray::{Doubt, LaneRay, infinite};
 use super::span::Gap;
-use super::vector::{LANES, Lanes, Mask, Vec3Lanes, splat};
+use super::torus_line::{Lines, Ring, Root};
+use super::vector::{Lanes, Mask, Vec3Lanes};
 use crate::surface::{AffineTorus, Torus, delta_of};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -18,6 +18,20 @@ pub struct LaneTorus {
     is_torus: bool,
     /// The most by which the map into the frame of that torus stretches a length.
     stretch: f64,
+    /// The other torus in units of its own.
+    ring: Ring,
+}
+
+/// Rays in the frame of a torus about the origin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Approach<S: Simd> {
+    /// When they are closest to the centre.
+    shift: Lanes<S>,
+    /// Where they are then.
+    place: Vec3Lanes<S>,
+    direction: Vec3Lanes<S>,
+    /// The squares of the lengths of the directions.
+    square: Lanes<S>,
 }
 
 /// Where a ray is inside.
@@ -44,7 +58,7 @@ impl LaneTorus {
             world_from_local: Mat3::IDENTITY,
             torus: Torus { centre: Vec3::ZERO, ..*torus },
         };
-        LaneTorus { image, is_torus: true, stretch: 1.0 }
+        LaneTorus { image, is_torus: true, stretch: 1.0, ring: Ring::of(torus) }
     }
 
     /// `None` for an image that is too thin.
@@ -52,7 +66,34 @@ impl LaneTorus {
         let stretch = |m: Mat3| Affine::from_linear(m).stretch();
         let (down, up) = (stretch(image.local_from_world), stretch(image.world_from_local));
         let is_mild = down * up < MOST_SQUEEZED;
-        is_mild.then_some(LaneTorus { image: *image, is_torus: false, stretch: down })
+        let ring = Ring::of(&image.torus);
+        is_mild.then_some(LaneTorus { image: *image, is_torus: false, stretch: down, ring })
+    }
+
+    /// The rays where they are closest to the centre.
+    #[inline(always)]
+    pub(super) fn approach<S: Simd>(&self, ray: &LaneRay<S>) -> Approach<S> {
+        let (mut direction, mut square) = (ray.direction, ray.square);
+        let mut from = ray.origin.minus_all(self.image.centre);
+        let towards = match self.is_torus {
+            true => ray.origin.taken_from(self.image.centre),
+            false => {
+                (from, direction) = (self.local(from), self.local(direction));
+                square = direction.length_squared();
+                from.taken_from(Vec3::ZERO)
+            }
+        };
+        let shift = towards.dot(direction) / square;
+        Approach { shift, place: from.plus(direction.times(shift)), direction, square }
+    }
+
+    /// False where a ray passes the ball around the torus for certain.
+    #[inline(always)]
+    pub(super) fn may_meet<S: Simd>(&self, ray: &LaneRay<S>, approach: &Approach<S>) -> Mask<S> {
+        let Torus { major, minor, .. } = self.image.torus;
+        // the rounding of the place, with much room
+        let outer = ray.near * self.stretch + (major + minor) * (1.0 + ROOM);
+        !approach.place.length_squared().simd_gt(outer * outer)
     }
 
     /// Where the rays are inside.
@@ -61,91 +102,37 @@ impl LaneTorus {
         &self,
         simd: S,
         ray: &LaneRay<S>,
-        wanted: Mask<S>,
+        approach: &Approach<S>,
+        asked: Mask<S>,
         doubt: &mut Doubt<S>,
     ) -> Stretch<S> {
-        let mut found = Found::none();
-        let asked = (self.may_meet(simd, ray) & wanted).to_bitmask();
-        for k in (0..LANES).filter(|k| asked >> k & 1 == 1) {
-            self.ask(ray, k, &mut found);
+        let Approach { shift, place, direction, square } = *approach;
+        let length = square.sqrt();
+        let (lines, rate) = Lines::new(&self.ring, place, direction, length);
+        let Some(roots) = lines.roots(simd, asked) else { return Stretch::none(simd) };
+        let [from, to] = [roots.ends[0].s / rate + shift + 0.0, roots.ends[1].s / rate + shift + 0.0];
+        let mut sure = from.simd_lt(to) & from.abs().max(to.abs()).simd_lt(f64::INFINITY);
+        let ends = [(&roots.ends[0], from), (&roots.ends[1], to)];
+        let mut gentle = self.is_gentle(ray, length, ends[0]) | self.is_gentle(ray, length, ends[1]);
+        let mut stretch = Stretch::none(simd);
+        if let Some([leaves, enters]) = &roots.gap {
+            let [a, b] = [leaves.s / rate + shift + 0.0, enters.s / rate + shift + 0.0];
+            sure &= !roots.two | (from.simd_lt(a) & a.simd_lt(b) & b.simd_lt(to));
+            let either = self.is_gentle(ray, length, (leaves, a)) | self.is_gentle(ray, length, (enters, b));
+            gentle |= roots.two & either;
+            stretch.gap = stretch.gap.or(roots.two, a, b);
         }
-        if asked != 0 {
-            doubt.always |= Mask::from_bitmask(simd, found.unsure);
-            doubt.grazes |= Mask::from_bitmask(simd, found.gentle);
-        }
-        let [from, to, gap_from, gap_to] = &found.times;
-        let gap =
-            Gap { from: Lanes::load_array_ref(simd, gap_from), to: Lanes::load_array_ref(simd, gap_to) };
-        Stretch { from: Lanes::load_array_ref(simd, from), to: Lanes::load_array_ref(simd, to), gap }
-    }
-
-    /// False where a ray is sure to miss: outside of the ball around the torus, of the two planes that it lies between, or
-    /// within its hole all the way from one plane to the other.
-    #[inline(always)]
-    fn may_meet<S: Simd>(&self, simd: S, ray: &LaneRay<S>) -> Mask<S> {
-        let Torus { axis, major, minor, .. } = self.image.torus;
-        let (place, direction, square) = self.closest(ray);
-        // the rounding of the place, with much room
-        let near = ray.near * self.stretch;
-        let outer = near + (major + minor) * (1.0 + ROOM);
-        let left = outer * outer - place.length_squared();
-        let half = (left / square).sqrt();
-        let thick = near + minor * (1.0 + ROOM);
-        let (z, rise) = (place.dot_all(axis), direction.dot_all(axis));
-        let (below, above) = ((-thick - z) / rise, (thick - z) / rise);
-        let (from, to) = (below.min(above).max(-half), below.max(above).min(half));
-        let hole = splat(simd, (major - minor) * (1.0 - ROOM)) - near;
-        let (across, along) = (place.without(z, axis), direction.without(rise, axis));
-        let first = across.plus(along.times(from)).length_squared();
-        let last = across.plus(along.times(to)).length_squared();
-        let within = hole.simd_gt(0.0) & first.max(last).simd_lt(hole * hole);
-        left.simd_gt(0.0) & from.simd_lt(to) & !within
-    }
-
-    /// The places where the rays are closest to the centre, from it, in the torus's own frame; the directions there and
-    /// the squares of their lengths.
-    #[inline(always)]
-    fn closest<S: Simd>(&self, ray: &LaneRay<S>) -> (Vec3Lanes<S>, Vec3Lanes<S>, Lanes<S>) {
-        let (mut from, mut direction) = (ray.origin.minus_all(self.image.centre), ray.direction);
-        let mut square = ray.square;
-        if !self.is_torus {
-            (from, direction) = (self.local(from), self.local(direction));
-            square = direction.length_squared();
-        }
-        let shift = -from.dot(direction) / square;
-        (from.plus(direction.times(shift)), direction, square)
+        doubt.always |= roots.unsure | (roots.some & !sure);
+        doubt.grazes |= roots.some & gentle;
+        stretch.from = roots.some.select(from, stretch.from);
+        stretch.to = roots.some.select(to, stretch.to);
+        stretch
     }
 
     #[inline(always)]
     fn local<S: Simd>(&self, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
         let map = &self.image.local_from_world;
-        Vec3Lanes { x: v.dot_all(map.row(0)), y: v.dot_all(map.row(1)), z: v.dot_all(map.row(2)) }
-    }
-
-    /// Asks the scalar kernel about lane `k`.
-    fn ask<S: Simd>(&self, ray: &LaneRay<S>, k: usize, found: &mut Found) {
-        let one = ray.lane(k);
-        let crossings = match self.is_torus {
-            true => Torus { centre: self.image.centre, ..self.image.torus }.crossings(&one),
-            false => self.image.crossings(&one),
-        };
-        let times = match *crossings.times() {
-            [] => return,
-            [a, b] => [a, b, f64::INFINITY, f64::NEG_INFINITY],
-            [a, b, c, d] => [a, d, b, c],
-            _ => {
-                found.unsure |= 1 << k;
-                return;
-            }
-        };
-        for (row, t) in found.times.iter_mut().zip(times) {
-            row[k] = t;
-        }
-        let (lengths, speed) = (ray.lengths.as_slice()[k], ray.speed.as_slice()[k]);
-        let is_gentle = |&t: &f64| self.is_gentle(&one, t, lengths + t.abs() * speed, speed);
-        if crossings.times().iter().any(is_gentle) {
-            found.gentle |= 1 << k;
-        }
+        v.dots([map.row(0), map.row(1), map.row(2)])
     }
 
     /// True if the torus may be met at a grazing angle at a time: then it is not told how long the ray keeps to it.
@@ -165,42 +152,44 @@ impl LaneTorus {
     /// direction. That is more if `slope |d| > 1.2e-4 minor stretch |d world|` (and delta <= minor). What remains is that
     /// delta belongs to the later end. Up to a time as far from the root as the root is from all the origins of lengths
     /// it is at most twice that at the root, which is taken here; for a piece longer than that, 1. says that there is none.
-    fn is_gentle(&self, ray: &crate::Ray, t: f64, lengths: f64, speed: f64) -> bool {
-        let Torus { axis, major, minor, .. } = self.image.torus;
-        let delta = 2.0 * self.stretch * delta_of(lengths);
-        let c = minor + 2.0 * delta;
-        let long = 342.0 * delta * c * (2.0 * c * c + 8.0 * major * major);
-        let place = self.image.local_from_world * (ray.at(t) - self.image.centre);
-        let direction = self.image.local_from_world * ray.direction;
-        let length = direction.length();
-        let (z, rise) = (axis.dot(place), axis.dot(direction));
-        let (across, along) = (place - z * axis, direction - rise * axis);
-        let rho = across.length();
-        let slope = 2.0 * ((rho - major) * across.dot(along) / rho + z * rise).abs() / length;
-        let bend = 2.0 + 4.0 * major / rho;
-        let (steep, far) = (4.0 * slope / bend, 0.5 * rho);
-        let fourth = |x: f64| (x * x) * (x * x);
-        let is_steep = fourth(steep) > long
-            && fourth(far) > long
-            && slope * length > 1.2e-4 * minor * self.stretch * speed
-            && delta <= minor;
+    ///
+    /// The slope is taken where g was looked at last, a step from the root, an eighth of rho at most; so `1 / rho` is
+    /// larger by 8/7 at most, and the slope smaller by `bend step`. All in units in which major + minor is about 1.
+    #[inline(always)]
+    fn is_gentle<S: Simd>(
+        &self,
+        ray: &LaneRay<S>,
+        length: Lanes<S>,
+        (root, t): (&Root<S>, Lanes<S>),
+    ) -> Mask<S> {
+        let Ring { scale, major, minor, .. } = self.ring;
+        let delta = ray.lengths_at(t) * (2.0 * self.stretch * scale * delta_of(1.0));
+        let c = delta * 2.0 + minor;
+        let long = delta * c * 342.0 * (c * c * 2.0 + 8.0 * major * major);
+        let inverse = root.inverse * 1.15;
+        let bend = inverse * (4.0 * major) + 2.0;
+        let slope = root.slope.abs() * 2.0 - bend * root.step;
+        let (steep, twice) = (slope * 4.0, inverse * 2.0);
+        let is_steep = slope.simd_gt(0.0)
+            & fourth(steep).simd_gt(long * fourth(bend))
+            & (long * fourth(twice)).simd_lt(1.0)
+            & (slope * length).simd_gt(ray.speed * (1.2e-4 * minor * self.stretch))
+            & delta.simd_le(minor)
+            & (root.step * 8.0 * root.inverse).simd_le(1.0);
         !is_steep
     }
 }
 
-/// What the scalar kernel said.
-struct Found {
-    /// When the rays enter first, leave for good, leave first, and enter again.
-    times: [[f64; LANES]; 4],
-    /// Lanes that have to be asked again, a bit each.
-    unsure: u64,
-    /// Lanes that meet the torus at a grazing angle, a bit each.
-    gentle: u64,
+#[inline(always)]
+fn fourth<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    (x * x) * (x * x)
 }
 
-impl Found {
-    fn none() -> Found {
-        let (plus, minus) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-        Found { times: [plus, minus, plus, minus], unsure: 0, gentle: 0 }
+impl<S: Simd> Stretch<S> {
+    /// Nowhere.
+    #[inline(always)]
+    pub(super) fn none(simd: S) -> Self {
+        let [plus, minus] = infinite(simd);
+        Stretch { from: plus, to: minus, gap: Gap { from: plus, to: minus } }
     }
 }

@@ -49,6 +49,22 @@ impl<S: Simd> Vec3Lanes<S> {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 
+    /// The dot products with three vectors for all lanes.
+    #[inline(always)]
+    pub fn dots(self, [x, y, z]: [Vec3; 3]) -> Self {
+        Vec3Lanes { x: self.dot_all(x), y: self.dot_all(y), z: self.dot_all(z) }
+    }
+
+    /// The cross product.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Vec3Lanes {
+            x: self.y * other.z - other.y * self.z,
+            y: self.z * other.x - other.z * self.x,
+            z: self.x * other.y - other.x * self.y,
+        }
+    }
+
     /// The dot product with itself.
     #[inline(always)]
     pub fn length_squared(self) -> Lanes<S> {

@@ -6,7 +6,7 @@
 //! # What holds for every kernel
 //!
 //! - *Pure*: crossings are a function of (surface, origin, direction) and nothing else; only +, -, *, / and
-//!   square roots in a fixed order, `libm` for a cube root, nothing fused. Equal input gives equal bits.
+//!   square roots in a fixed order, nothing fused. Equal input gives equal bits.
 //! - *Backward stable*: a computed point r(t) lies within `64 u (|o| + |t| |d| + reach)` of the surface, and
 //!   a pair of crossings exists or not as it should if the ray clears tangency by more: see [`delta`].
 //! - *Scales*: lengths times a power of two give times times that power, to the bit.
@@ -23,7 +23,7 @@ mod share;
 mod sphere;
 mod tolerance;
 mod torus;
-mod torus_line;
+pub(crate) mod torus_line;
 
 pub use affine_torus::AffineTorus;
 pub use along::quadratic_crossings;

@@ -41,12 +41,23 @@ impl Times {
     }
 }
 
-/// g, half its slope (NaN on the axis) and half its second derivative at a point of the line.
+/// g and its derivatives at a point of the line.
 #[derive(Clone, Copy, Debug)]
 struct Jet {
     value: f64,
+    /// Half of the slope; NaN on the axis.
     slope: f64,
-    curvature: f64,
+    /// `major twist^2 / rho^3`: 1 less half of the second derivative.
+    turn: f64,
+    /// 1 / rho.
+    inverse: f64,
+}
+
+impl Jet {
+    /// Half of the second derivative.
+    fn curvature(&self) -> f64 {
+        1.0 - self.turn
+    }
 }
 
 /// A part of the line on which g is convex or concave.
@@ -75,21 +86,24 @@ pub struct TorusLine {
 }
 
 /// A distance from the axis at which the rounding of a point is not small any more.
-const AXIS: f64 = 128.0 * UNIT_ROUNDOFF;
+pub(crate) const AXIS: f64 = 128.0 * UNIT_ROUNDOFF;
 
 /// The last step to a root is not longer: at a nearly double root, the noise of g over a slope of its root.
-const POLISH: f64 = 1.0 / (1u64 << 20) as f64;
+pub(crate) const POLISH: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// A step whose error is this part of the noise of g need not be looked at again.
+pub(crate) const CERTAIN: f64 = 1.0 / 16.0;
 
 /// Room around a region outside of which g > 0 for certain, against the rounding of its border.
-const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
+pub(crate) const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
 
 impl TorusLine {
     /// The line through the point q relative to the torus's centre along d, and the factor from times along d
     /// to its arc length.
     pub fn new(torus: &Torus, q: Vec3, d: Vec3) -> (TorusLine, f64) {
-        let scale = libm::ldexp(1.0, -libm::ilogb(torus.major + torus.minor));
+        let scale = TorusLine::scale(torus);
         let length = d.length();
-        let (q, d) = (scale * q, d / length);
+        let (q, d) = (scale * q, (1.0 / length) * d);
         let (z, rise) = (torus.axis.dot(q), torus.axis.dot(d));
         let (across, along) = (q - z * torus.axis, d - rise * torus.axis);
         let twist = torus.axis.dot(across.cross(along));
@@ -106,6 +120,11 @@ impl TorusLine {
             start: None,
         };
         (line, scale * length)
+    }
+
+    /// The factor to units in which major + minor is about 1: a power of two.
+    pub(crate) fn scale(torus: &Torus) -> f64 {
+        libm::ldexp(1.0, -libm::ilogb(torus.major + torus.minor))
     }
 
     /// Where g changes sign; it is positive far away.
@@ -140,7 +159,7 @@ impl TorusLine {
             }
             let negative = if k == 0.0 { !piece.convex } else { k < 0.0 };
             if negative != (end.value < 0.0) {
-                times.push(line.root(&piece, negative, piece.to));
+                times.push(line.root(&piece, negative, (piece.to, end)));
             }
         }
         times
@@ -158,7 +177,7 @@ impl TorusLine {
         let p = self.across + s * self.along;
         let z = self.z + s * self.rise;
         let rho = p.length();
-        let ring = rho - self.major;
+        let (ring, inverse) = (rho - self.major, 1.0 / rho);
         // k is the better conditioned near the start, g farther away, where its rounding is below that of s k
         let value = if self.start.is_some() && s <= self.minor {
             s * self.chord_slope(s)
@@ -166,11 +185,12 @@ impl TorusLine {
             ring * ring + (z * z - self.minor * self.minor)
         };
         // so near the axis the direction of p is noise, and g has a kink anyway
-        let outwards = if rho > AXIS { p.dot(self.along) / rho } else { f64::NAN };
+        let outwards = if rho > AXIS { p.dot(self.along) * inverse } else { f64::NAN };
         Jet {
             value,
             slope: ring * outwards + z * self.rise,
-            curvature: 1.0 - self.major * self.twist_squared / (rho * rho * rho),
+            turn: self.major * self.twist_squared * (inverse * inverse * inverse),
+            inverse,
         }
     }
 
@@ -212,9 +232,9 @@ impl TorusLine {
         if self.alpha == 0.0 {
             return None;
         }
-        let rho = libm::cbrt(self.major * self.twist_squared);
-        let square = (rho * rho - self.twist_squared / self.alpha) / self.alpha;
-        let closest = -self.beta / self.alpha;
+        let (rho, inverse) = (cube_root(self.major * self.twist_squared), 1.0 / self.alpha);
+        let square = (rho * rho - self.twist_squared * inverse) * inverse;
+        let closest = -self.beta * inverse;
         let half = square.sqrt();
         (square >= 0.0 && half.is_finite()).then_some((closest - half, closest + half))
     }
@@ -224,19 +244,20 @@ impl TorusLine {
     fn search(&self, piece: &Piece, from: Jet, to: Jet, times: &mut Times) {
         let (first, last) = (from.value < 0.0, to.value < 0.0);
         if first != last {
-            let near = if from.value.abs() < to.value.abs() { piece.from } else { piece.to };
+            let is_nearer = from.value.abs() < to.value.abs();
+            let near = if is_nearer { (piece.from, from) } else { (piece.to, to) };
             times.push(self.root(piece, first, near));
         } else if first != piece.convex
             && let Some(between) = self.other_side(piece, from, to)
         {
-            times.push(self.root(&Piece { to: between, ..*piece }, first, between));
-            times.push(self.root(&Piece { from: between, ..*piece }, !first, between));
+            times.push(self.root(&Piece { to: between.0, ..*piece }, first, between));
+            times.push(self.root(&Piece { from: between.0, ..*piece }, !first, between));
         }
     }
 
     /// A point of the piece where g has not the sign of the ends: a search for the extremum that stops as
     /// soon as one is found, or as soon as the tangent shows that there is none.
-    fn other_side(&self, piece: &Piece, from: Jet, to: Jet) -> Option<f64> {
+    fn other_side(&self, piece: &Piece, from: Jet, to: Jet) -> Option<(f64, Jet)> {
         let up = if piece.convex { 1.0 } else { -1.0 };
         // a slope of NaN says nothing
         if up * from.slope >= 0.0 || up * to.slope <= 0.0 {
@@ -247,7 +268,7 @@ impl TorusLine {
         for _ in 0..80 {
             let jet = self.jet(s);
             if (jet.value < 0.0) == piece.convex {
-                return Some(s);
+                return Some((s, jet));
             }
             // only the ends of a piece are on the axis
             let rising = up * jet.slope > 0.0 || (jet.slope.is_nan() && hi - s < s - lo);
@@ -258,7 +279,7 @@ impl TorusLine {
             }
             let room = if rising { s - lo } else { hi - s };
             let out_of_reach = up * jet.value > 2.0 * jet.slope.abs() * room;
-            let next = within(lo, hi, s - jet.slope / jet.curvature);
+            let next = within(lo, hi, s - jet.slope / jet.curvature());
             if out_of_reach || (next - s).abs() <= UNIT_ROUNDOFF * (1.0 + s.abs()) {
                 return None;
             }
@@ -269,23 +290,24 @@ impl TorusLine {
 
     /// The sign change in a bracket, by steps to the root of the local parabola (Euler's method, of third
     /// order, and as fast at a nearly double root), or to the middle where that leaves the bracket.
-    fn root(&self, piece: &Piece, starts_negative: bool, near: f64) -> f64 {
-        let (mut lo, mut hi, mut s) = (piece.from, piece.to, near);
+    fn root(&self, piece: &Piece, starts_negative: bool, near: (f64, Jet)) -> f64 {
+        let (mut lo, mut hi, (mut s, mut jet)) = (piece.from, piece.to, near);
         for _ in 0..120 {
-            let jet = self.jet(s);
             if (jet.value < 0.0) == starts_negative {
                 lo = s
             } else {
                 hi = s
             }
-            let near = s + parabola_step(&jet);
-            let noise = match self.start {
-                None => UNIT_ROUNDOFF * self.minor,
-                Some(_) => UNIT_ROUNDOFF * self.minor.min(s),
-            };
-            if jet.value.abs() <= noise || (near - s).abs() <= UNIT_ROUNDOFF * s.abs() {
+            let step = parabola_step(&jet);
+            let near = s + step;
+            let least = if self.start.is_some() { self.minor.min(s) } else { self.minor };
+            let between = lo < near && near < hi;
+            if between && self.is_certain(&jet, step, least) {
+                return near;
+            }
+            if jet.value.abs() <= UNIT_ROUNDOFF * least || (near - s).abs() <= UNIT_ROUNDOFF * s.abs() {
                 // where slope and curvature vanish, too, the parabola is made of noise and may lead anywhere
-                let polished = lo < near && near < hi && (near - s).abs() <= POLISH;
+                let polished = between && (near - s).abs() <= POLISH;
                 return if polished { near } else { s };
             }
             let next = within(lo, hi, near);
@@ -293,9 +315,22 @@ impl TorusLine {
                 // so it would be ever after
                 return s;
             }
-            s = next;
+            (s, jet) = (next, self.jet(next));
         }
         s
+    }
+
+    /// True if the parabola's root is g's but for noise.
+    ///
+    /// By Taylor's theorem `g = 0 +- max |g'''| |step|^3 / 6` there, and `|g'''| = 6 turn |rho'| / rho <= 6 turn / rho`
+    /// grows by at most (8/7)^4 < 2 where rho shrinks by an eighth of it. That is to be small against the noise of g
+    /// near a root, `u minor`; so is the noise at the point itself, which grows with g, if g is at most `minor^2`.
+    fn is_certain(&self, jet: &Jet, step: f64, least: f64) -> bool {
+        let step = step.abs();
+        let error = 2.0 * (jet.turn * jet.inverse) * (step * step * step);
+        jet.value.abs() <= self.minor * least
+            && 8.0 * step * jet.inverse <= 1.0
+            && error <= CERTAIN * UNIT_ROUNDOFF * least
     }
 }
 
@@ -306,6 +341,53 @@ fn within(lo: f64, hi: f64, s: f64) -> f64 {
 
 /// The root of `value + 2 slope x + curvature x^2` nearest 0; NaN if there is none.
 fn parabola_step(jet: &Jet) -> f64 {
-    let discriminant = jet.slope * jet.slope - jet.curvature * jet.value;
+    let discriminant = jet.slope * jet.slope - jet.curvature() * jet.value;
     -jet.value / (jet.slope + discriminant.sqrt().copysign(jet.slope))
+}
+
+/// The cube root of a number >= 0 within a few roundings; 0 for less than 2^-600.
+///
+/// The inverse cube root by a guess from the exponent and two steps of fourth order (Moroz, Samotyy, Walczyk, Cieslinski:
+/// "Fast calculation of cube and inverse cube roots using a magic constant", 2021): nothing that lanes could not do.
+pub(crate) fn cube_root(x: f64) -> f64 {
+    if x < CUBE_LEAST {
+        return 0.0;
+    }
+    let high = f64::from_bits((x.to_bits() >> 32) | CUBE_ONE.to_bits()) - CUBE_ONE;
+    let guess = (CUBE_MAGIC - high * (1.0 / 3.0)) + CUBE_ONE;
+    let mut y = f64::from_bits(guess.to_bits() << 32);
+    for _ in 0..2 {
+        let rest = 1.0 - x * (y * y * y);
+        y += y * rest * (1.0 / 3.0 + rest * (2.0 / 9.0 + rest * (14.0 / 81.0)));
+    }
+    x * (y * y)
+}
+
+/// Smaller numbers have the cube root 0.
+pub(crate) const CUBE_LEAST: f64 = f64::from_bits((1023 - 600) << 52);
+
+/// 2^52: numbers of 32 bits stand in the last bits of their sum with it.
+pub(crate) const CUBE_ONE: f64 = (1u64 << 52) as f64;
+
+/// The first half of the bits of the magic number for inverse cube roots.
+pub(crate) const CUBE_MAGIC: f64 = 0x553e_f0ff as f64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against `libm`, which rounds correctly.
+    #[test]
+    fn cube_roots_are_right_within_a_few_roundings() {
+        let mut x = 8.0;
+        while x > CUBE_LEAST {
+            let (got, expected) = (cube_root(x), libm::cbrt(x));
+            assert!(
+                (got - expected).abs() <= 6.0 * UNIT_ROUNDOFF * expected,
+                "{x:e}: {got:e}, not {expected:e}"
+            );
+            x *= 0.9973;
+        }
+        assert_eq!(cube_root(0.0), 0.0);
+    }
 }

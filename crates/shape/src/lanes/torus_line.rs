@@ -1,0 +1,439 @@
+//! Straight lines through a torus, eight at a time: the steps of [`surface`](crate::surface)'s own lines through a torus,
+//! which says why they are what they are.
+
+use super::vector::{Lanes, Mask, Vec3Lanes, splat};
+use crate::surface::Torus;
+use crate::surface::torus_line::{
+    AXIS, CERTAIN, CUBE_LEAST, CUBE_MAGIC, CUBE_ONE, MARGIN, POLISH, TorusLine,
+};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use rayweave_math::{UNIT_ROUNDOFF, Vec3};
+
+/// A torus about the origin, in units in which major + minor is about 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ring {
+    /// The factor to these units.
+    pub scale: f64,
+    /// Unit vector along the axis.
+    pub axis: Vec3,
+    /// The radius of the circle.
+    pub major: f64,
+    /// The radius of the tube.
+    pub minor: f64,
+}
+
+impl Ring {
+    /// A torus in such units, whatever its centre.
+    pub fn of(torus: &Torus) -> Ring {
+        let scale = TorusLine::scale(torus);
+        Ring { scale, axis: torus.axis, major: scale * torus.major, minor: scale * torus.minor }
+    }
+}
+
+/// The lines, by arc length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lines<'r, S: Simd> {
+    ring: &'r Ring,
+    across: Vec3Lanes<S>,
+    along: Vec3Lanes<S>,
+    z: Lanes<S>,
+    rise: Lanes<S>,
+    alpha: Lanes<S>,
+    beta: Lanes<S>,
+    twist_squared: Lanes<S>,
+}
+
+/// A point of each line, with g and its derivatives there: half of the slope, `major twist^2 / rho^3`, and `1 / rho`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Jet<S: Simd> {
+    pub s: Lanes<S>,
+    pub value: Lanes<S>,
+    pub slope: Lanes<S>,
+    pub turn: Lanes<S>,
+    pub inverse: Lanes<S>,
+}
+
+/// Where the lines enter first, leave first, enter again, and leave for good.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Roots<S: Simd> {
+    /// Those that go through the torus.
+    pub some: Mask<S>,
+    /// Those that do so twice.
+    pub two: Mask<S>,
+    /// The first and the last root.
+    pub ends: [Root<S>; 2],
+    /// The roots between, if any line has two.
+    pub gap: Option<[Root<S>; 2]>,
+    /// Those that have to be asked one by one.
+    pub unsure: Mask<S>,
+}
+
+/// A root of each line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Root<S: Simd> {
+    /// Where it is.
+    pub s: Lanes<S>,
+    /// Half of the slope of g where it was looked at last, 1 / rho there, and how far that is from the root.
+    pub slope: Lanes<S>,
+    pub inverse: Lanes<S>,
+    pub step: Lanes<S>,
+}
+
+/// Two points with a root between them.
+#[derive(Clone, Copy, Debug)]
+struct Bracket<S: Simd> {
+    lo: Jet<S>,
+    hi: Jet<S>,
+    /// Where the search begins at the first; where it does at the second. Elsewhere it does where g is smaller.
+    at_lo: Mask<S>,
+    at_hi: Mask<S>,
+}
+
+/// The ends of the three pieces, and a point of the other side between the ends of some.
+struct Points<S: Simd> {
+    ends: [Jet<S>; 4],
+    /// In the first piece, where the line enters the torus there and leaves it, or else in the second, where it leaves and
+    /// enters.
+    middle: Jet<S>,
+    dips: Mask<S>,
+    bumps: Mask<S>,
+    /// In the third piece.
+    last: Jet<S>,
+    dips_last: Mask<S>,
+    /// g < 0 at the inflections.
+    below: [Mask<S>; 2],
+}
+
+/// Searches that take more steps than this are left to the scalar kernel.
+const STEPS: usize = 24;
+
+/// Room around the hole, relative to its size.
+const ROOM: f64 = 1e-3;
+
+impl<S: Simd> Jet<S> {
+    #[inline(always)]
+    fn curvature(&self) -> Lanes<S> {
+        1.0 - self.turn
+    }
+
+    #[inline(always)]
+    fn is_below(&self) -> Mask<S> {
+        self.value.simd_lt(0.0)
+    }
+}
+
+#[inline(always)]
+fn pick<S: Simd>(mask: Mask<S>, a: &Jet<S>, b: &Jet<S>) -> Jet<S> {
+    Jet {
+        s: mask.select(a.s, b.s),
+        value: mask.select(a.value, b.value),
+        slope: mask.select(a.slope, b.slope),
+        turn: mask.select(a.turn, b.turn),
+        inverse: mask.select(a.inverse, b.inverse),
+    }
+}
+
+/// `s` if it lies strictly between, else the middle.
+#[inline(always)]
+fn within<S: Simd>(lo: Lanes<S>, hi: Lanes<S>, s: Lanes<S>) -> Lanes<S> {
+    (lo.simd_lt(s) & s.simd_lt(hi)).select(s, lo * 0.5 + hi * 0.5)
+}
+
+/// The root of the local parabola nearest 0; NaN if there is none.
+#[inline(always)]
+fn parabola_step<S: Simd>(jet: &Jet<S>) -> Lanes<S> {
+    let discriminant = jet.slope * jet.slope - jet.curvature() * jet.value;
+    -jet.value / (jet.slope + discriminant.sqrt().copysign(jet.slope))
+}
+
+/// As the scalar one.
+#[inline(always)]
+fn cube_root<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
+    let high = Lanes::from_bits((x.to_bits() >> 32) | CUBE_ONE.to_bits()) - CUBE_ONE;
+    let guess = (CUBE_MAGIC - high * (1.0 / 3.0)) + CUBE_ONE;
+    let mut y: Lanes<S> = Lanes::from_bits(guess.to_bits() << 32);
+    for _ in 0..2 {
+        let rest = 1.0 - x * (y * y * y);
+        y += y * rest * (1.0 / 3.0 + rest * (2.0 / 9.0 + rest * (14.0 / 81.0)));
+    }
+    let zero = splat(simd, 0.0);
+    x.simd_lt(CUBE_LEAST).select(zero, x * (y * y))
+}
+
+impl<'r, S: Simd> Lines<'r, S> {
+    /// The lines through the points q relative to the torus's centre along d, of the given lengths, and the factors from
+    /// times along d to arc lengths.
+    #[inline(always)]
+    pub fn new(ring: &'r Ring, q: Vec3Lanes<S>, d: Vec3Lanes<S>, length: Lanes<S>) -> (Self, Lanes<S>) {
+        let q = Vec3Lanes { x: q.x * ring.scale, y: q.y * ring.scale, z: q.z * ring.scale };
+        let d = d.times(1.0 / length);
+        let (z, rise) = (q.dot_all(ring.axis), d.dot_all(ring.axis));
+        let (across, along) = (q.without(z, ring.axis), d.without(rise, ring.axis));
+        let twist = across.cross(along).dot_all(ring.axis);
+        let (alpha, beta) = (along.length_squared(), across.dot(along));
+        let lines = Lines { ring, across, along, z, rise, alpha, beta, twist_squared: twist * twist };
+        (lines, length * ring.scale)
+    }
+
+    #[inline(always)]
+    fn jet(&self, simd: S, s: Lanes<S>) -> Jet<S> {
+        let Ring { major, minor, .. } = *self.ring;
+        let p = self.across.plus(self.along.times(s));
+        let z = self.z + s * self.rise;
+        let rho = p.length_squared().sqrt();
+        let (ring, inverse) = (rho - major, 1.0 / rho);
+        let outwards = rho.simd_gt(AXIS).select(p.dot(self.along) * inverse, splat(simd, f64::NAN));
+        Jet {
+            s,
+            value: ring * ring + (z * z - minor * minor),
+            slope: ring * outwards + z * self.rise,
+            turn: self.twist_squared * major * (inverse * inverse * inverse),
+            inverse,
+        }
+    }
+
+    /// The parts of the lines in the ball and between the two planes that hold the torus, and where there are any.
+    #[inline(always)]
+    fn window(&self, simd: S) -> ([Lanes<S>; 2], Mask<S>) {
+        let outer = (self.ring.major + self.ring.minor) * (1.0 + MARGIN);
+        let middle = -(self.beta + self.z * self.rise);
+        let height = self.z + middle * self.rise;
+        let nearest = self.across.plus(self.along.times(middle)).length_squared() + height * height;
+        let square = splat(simd, outer * outer) - nearest;
+        let half = square.sqrt();
+        let thick = self.ring.minor + MARGIN * outer;
+        let (a, b) = ((-thick - self.z) / self.rise, (thick - self.z) / self.rise);
+        let (first, last) = (middle - half, middle + half);
+        let flat = self.rise.simd_eq(0.0);
+        let from = flat.select(first, a.min(b).max(first));
+        let to = flat.select(last, a.max(b).min(last));
+        let level = !flat | self.z.abs().simd_lt(thick);
+        ([from, to], square.simd_gt(0.0) & level & from.simd_lt(to))
+    }
+
+    /// The two inflections; +inf where there are none.
+    #[inline(always)]
+    fn inflections(&self, simd: S) -> [Lanes<S>; 2] {
+        let (rho, inverse) = (cube_root(simd, self.twist_squared * self.ring.major), 1.0 / self.alpha);
+        let square = (rho * rho - self.twist_squared * inverse) * inverse;
+        let closest = -self.beta * inverse;
+        let half = square.sqrt();
+        let infinity = splat(simd, f64::INFINITY);
+        let some = square.simd_ge(0.0) & half.simd_lt(infinity) & !self.alpha.simd_eq(0.0);
+        [some.select(closest - half, infinity), some.select(closest + half, infinity)]
+    }
+
+    /// Where g changes sign on the lines asked for.
+    #[inline(always)]
+    pub fn roots(&self, simd: S, asked: Mask<S>) -> Option<Roots<S>> {
+        let ([from, to], some) = self.window(simd);
+        let asked = asked & some;
+        if !asked.any_true() {
+            return None;
+        }
+        let (first, last) = (self.jet(simd, from), self.jet(simd, to));
+        // rho is convex: nowhere more than at the larger end
+        let hole = (self.ring.major - self.ring.minor) * (1.0 - ROOM);
+        let asked = asked & !(first.inverse.min(last.inverse) * hole).simd_gt(1.0);
+        if !asked.any_true() {
+            return None;
+        }
+        let mut unsure = asked & (first.is_below() | last.is_below());
+        let points = self.points(simd, asked, [first, last], &mut unsure);
+        points.any(asked).then(|| points.roots(self, simd, asked, unsure))
+    }
+
+    /// Points of both sides.
+    #[inline(always)]
+    fn points(&self, simd: S, asked: Mask<S>, [first, last]: [Jet<S>; 2], unsure: &mut Mask<S>) -> Points<S> {
+        let [a, b] = self.inflections(simd);
+        let one = self.jet(simd, a.max(first.s).min(last.s));
+        let two = self.jet(simd, b.max(first.s).min(last.s));
+        let below = [one.is_below(), two.is_below()];
+        let may_dip = asked & !below[0] & first.s.simd_lt(one.s);
+        let may_bump = asked & below[0] & below[1] & one.s.simd_lt(two.s);
+        let may_dip_last = asked & !below[1] & two.s.simd_lt(last.s);
+        let (left, right) = (pick(may_bump, &one, &first), pick(may_bump, &two, &one));
+        let ones = splat(simd, 1.0);
+        let up = may_bump.select(-ones, ones);
+        let (middle, found) = self.other_side(simd, may_dip | may_bump, up, [&left, &right], unsure);
+        let (last_dip, found_last) = self.other_side(simd, may_dip_last, ones, [&two, &last], unsure);
+        Points {
+            ends: [first, one, two, last],
+            middle,
+            dips: found & may_dip,
+            bumps: found & may_bump,
+            last: last_dip,
+            dips_last: found_last,
+            below,
+        }
+    }
+
+    /// Points between two ends that have both the sign of the curvature, `up`, where g has the other one.
+    #[inline(always)]
+    fn other_side(
+        &self,
+        simd: S,
+        asked: Mask<S>,
+        up: Lanes<S>,
+        [from, to]: [&Jet<S>; 2],
+        unsure: &mut Mask<S>,
+    ) -> (Jet<S>, Mask<S>) {
+        let mut found = Mask::splat(simd, false);
+        let mut place = *from;
+        let away = (up * from.slope).simd_ge(0.0) | (up * to.slope).simd_le(0.0);
+        let mut active = asked & !away;
+        if !active.any_true() {
+            return (place, found);
+        }
+        let (mut lo, mut hi) = (from.s, to.s);
+        let mut s = within(lo, hi, lo - from.slope * (hi - lo) / (to.slope - from.slope));
+        let convex = up.simd_gt(0.0);
+        for _ in 0..STEPS {
+            let jet = self.jet(simd, s);
+            let other = active & !(jet.is_below() ^ convex);
+            place = pick(other, &jet, &place);
+            found |= other;
+            let slope = up * jet.slope;
+            let is_nan = !jet.slope.simd_eq(jet.slope);
+            let rising = slope.simd_gt(0.0) | (is_nan & (hi - s).simd_lt(s - lo));
+            (lo, hi) = (rising.select(lo, s), rising.select(s, hi));
+            let room = rising.select(s - lo, hi - s);
+            let out_of_reach = (up * jet.value).simd_gt(jet.slope.abs() * 2.0 * room);
+            let next = within(lo, hi, s - jet.slope / jet.curvature());
+            let stuck = (next - s).abs().simd_le((s.abs() + 1.0) * UNIT_ROUNDOFF);
+            active &= !(other | out_of_reach | stuck);
+            if !active.any_true() {
+                break;
+            }
+            s = next;
+        }
+        *unsure |= active;
+        (place, found)
+    }
+
+    /// The sign changes in brackets, where asked.
+    #[inline(always)]
+    fn root(
+        &self,
+        simd: S,
+        asked: Mask<S>,
+        bracket: &Bracket<S>,
+        enters: bool,
+        unsure: &mut Mask<S>,
+    ) -> Root<S> {
+        let (mut lo, mut hi) = (bracket.lo.s, bracket.hi.s);
+        let mut jet = bracket.start();
+        let mut root = Root { s: jet.s, slope: jet.slope, inverse: jet.inverse, step: splat(simd, 0.0) };
+        let (minor, mut active) = (self.ring.minor, asked);
+        for _ in 0..STEPS {
+            let s = jet.s;
+            let before = if enters { !jet.is_below() } else { jet.is_below() };
+            (lo, hi) = (before.select(s, lo), before.select(hi, s));
+            let step = parabola_step(&jet);
+            let near = s + step;
+            let between = lo.simd_lt(near) & near.simd_lt(hi);
+            let size = jet.value.abs();
+            let certain = between & is_certain(&jet, step, minor);
+            let moved = (near - s).abs();
+            let settled = size.simd_le(UNIT_ROUNDOFF * minor) | moved.simd_le(s.abs() * UNIT_ROUNDOFF);
+            let polished = between & moved.simd_le(POLISH);
+            let next = between.select(near, lo * 0.5 + hi * 0.5);
+            let takes = certain | (settled & polished);
+            let done = active & (certain | settled | next.simd_eq(s));
+            let at = takes.select(near, s);
+            root.s = done.select(at, root.s);
+            root.step = done.select((at - s).abs(), root.step);
+            root.slope = done.select(jet.slope, root.slope);
+            root.inverse = done.select(jet.inverse, root.inverse);
+            active &= !done;
+            if !active.any_true() {
+                break;
+            }
+            jet = self.jet(simd, next);
+        }
+        *unsure |= active;
+        root
+    }
+}
+
+/// True if the parabola's root is g's but for noise.
+#[inline(always)]
+fn is_certain<S: Simd>(jet: &Jet<S>, step: Lanes<S>, minor: f64) -> Mask<S> {
+    let step = step.abs();
+    let error = (jet.turn * jet.inverse) * 2.0 * (step * step * step);
+    jet.value.abs().simd_le(minor * minor)
+        & (step * 8.0 * jet.inverse).simd_le(1.0)
+        & error.simd_le(CERTAIN * UNIT_ROUNDOFF * minor)
+}
+
+impl<S: Simd> Bracket<S> {
+    /// Where the search begins.
+    #[inline(always)]
+    fn start(&self) -> Jet<S> {
+        let nearer = self.lo.value.abs().simd_lt(self.hi.value.abs());
+        pick(self.at_lo | (nearer & !self.at_hi), &self.lo, &self.hi)
+    }
+}
+
+impl<S: Simd> Points<S> {
+    /// True if any line goes through the torus.
+    #[inline(always)]
+    fn any(&self, asked: Mask<S>) -> bool {
+        (asked & (self.below[0] | self.below[1] | self.dips | self.dips_last)).any_true()
+    }
+
+    #[inline(always)]
+    fn roots(&self, lines: &Lines<'_, S>, simd: S, asked: Mask<S>, mut unsure: Mask<S>) -> Roots<S> {
+        let ([one, two], never) = (self.below, Mask::splat(simd, false));
+        let some = asked & (one | two | self.dips | self.dips_last);
+        let twice = (self.dips & (two | self.dips_last)) | self.bumps | (one & self.dips_last);
+        let twice = some & twice;
+        let first = lines.root(simd, some, &self.first(never), true, &mut unsure);
+        let last = lines.root(simd, some, &self.last(never), false, &mut unsure);
+        let gap = twice.any_true().then(|| {
+            let leaves = lines.root(simd, twice, &self.leaves(), false, &mut unsure);
+            [leaves, lines.root(simd, twice, &self.enters_again(), true, &mut unsure)]
+        });
+        Roots { some, two: twice, ends: [first, last], gap, unsure }
+    }
+
+    /// Around the first entry: the first point inside, and the one before.
+    #[inline(always)]
+    fn first(&self, never: Mask<S>) -> Bracket<S> {
+        let ([a, b, c, _], [one, two]) = (&self.ends, self.below);
+        let early = self.dips | one;
+        let lo = pick(early, a, &pick(two, b, c));
+        let hi = pick(self.dips, &self.middle, &pick(one, b, &pick(two, c, &self.last)));
+        Bracket { lo, hi, at_lo: never, at_hi: self.dips | !(one | two) }
+    }
+
+    /// Around the last exit: the last point inside, and the one after it.
+    #[inline(always)]
+    fn last(&self, never: Mask<S>) -> Bracket<S> {
+        let ([_, b, c, d], [one, two]) = (&self.ends, self.below);
+        let late = self.dips_last | two;
+        let lo = pick(self.dips_last, &self.last, &pick(two, c, &pick(one, b, &self.middle)));
+        let hi = pick(late, d, &pick(one, c, b));
+        Bracket { lo, hi, at_lo: self.dips_last | !(one | two), at_hi: never }
+    }
+
+    /// Around the first exit of two.
+    #[inline(always)]
+    fn leaves(&self) -> Bracket<S> {
+        let [_, b, c, _] = &self.ends;
+        let lo = pick(self.dips, &self.middle, b);
+        let hi = pick(self.dips, b, &pick(self.bumps, &self.middle, c));
+        Bracket { lo, hi, at_lo: self.dips, at_hi: self.bumps }
+    }
+
+    /// Around the second entry of two.
+    #[inline(always)]
+    fn enters_again(&self) -> Bracket<S> {
+        let [_, b, c, _] = &self.ends;
+        let lo = pick(self.bumps, &self.middle, &pick(self.dips_last, c, b));
+        let hi = pick(self.dips_last, &self.last, c);
+        Bracket { lo, hi, at_lo: self.bumps, at_hi: self.dips_last }
+    }
+}
