@@ -1,8 +1,8 @@
 //! Points and normals of crossings, computed once and only for those that are reported.
 
 use crate::weld::local_ray;
-use crate::{Crossing, Face, Program};
-use rayweave_math::Vec3;
+use crate::{Crossing, Face, PlacementId, Program};
+use rayweave_math::{Mat3, Vec3};
 use rayweave_shape::Ray;
 
 /// The point of a crossing.
@@ -27,11 +27,28 @@ pub fn normal(program: &Program, ray: &Ray, crossing: &Crossing) -> Vec3 {
 pub fn world_gradient(program: &Program, ray: &Ray, face: Face, t: f64) -> Vec3 {
     let (local, _) = local_ray(program, ray, face.placement);
     let (_, gradient) = program.surface(face.surface).surface.value_and_gradient(local.at(t));
-    // carried up through every frame: the covector of f composed with the map into the frame
-    let steps: Vec<_> = program.descend(face.placement).collect();
-    let up = steps.iter().rev().fold(gradient, |g, place| place.local_from_world.linear.transpose() * g);
+    let up = carried_up(program, face.placement, gradient);
     let largest = up.abs().max_element();
     if largest > 0.0 { up / largest } else { Vec3::ZERO }
+}
+
+/// So many frames, one in the other, are gone through without memory of their own.
+const NESTED: usize = 4;
+
+/// A gradient carried up through every frame to the world: the covector of f composed with the map into the frame.
+fn carried_up(program: &Program, placement: PlacementId, gradient: Vec3) -> Vec3 {
+    if placement == PlacementId(0) {
+        return gradient;
+    }
+    let (mut first, mut count, mut deeper) = ([Mat3::IDENTITY; NESTED], 0, Vec::new());
+    for place in program.descend(placement) {
+        let map = place.local_from_world.linear.transpose();
+        match first.get_mut(count) {
+            Some(slot) => (*slot, count) = (map, count + 1),
+            None => deeper.push(map),
+        }
+    }
+    first[..count].iter().chain(&deeper).rev().fold(gradient, |gradient, map| *map * gradient)
 }
 
 /// +1 if the gradient of a face's surface points out of its leaf, else -1: decides where a ray only grazes.

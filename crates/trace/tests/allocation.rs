@@ -4,8 +4,13 @@
 
 use rayweave_conformance::rays::{batch, rays};
 use rayweave_conformance::{Model, Random, Style};
-use rayweave_model::{Evaluator, Limit, Program, Query, RayAnswer, RegionId};
-use rayweave_trace::{SingleHit, Spans, Weave};
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::{
+    Evaluator, FirstHits, Limit, Program, Query, RayAnswer, RayBatch, RegionId, Solid, Window,
+};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::{Value, build};
+use rayweave_trace::{Packets, SingleHit, Spans, Weave};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use std::alloc::System;
 use std::sync::Arc;
@@ -13,23 +18,9 @@ use std::sync::Arc;
 #[global_allocator]
 static COUNTER: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Allocations and reallocations in a round like one before, and the crossings found there: the least of three, since the
-/// thread of the test harness may allocate meanwhile.
-fn second_round<E: Evaluator>(evaluator: &E, seed: u64, model: &Model) -> (usize, usize) {
-    let rays = batch(&rays(&mut Random::new(seed), model.style, &model.frame, 100));
-    let points: [Vec<f64>; 3] = std::array::from_fn(|k| rays.rays().origins[k].to_vec());
-    let mut regions = vec![RegionId(0); points[0].len()];
-    let mut scratch = evaluator.scratch();
-    let mut round = || {
-        let mut crossings = 0;
-        for limit in [Limit::All, Limit::First] {
-            let query = Query { limit, ..Query::default() };
-            let mut count = |answer: RayAnswer<'_>| crossings += answer.crossings.len();
-            evaluator.crossings(rays.rays(), &query, &mut scratch, &mut count);
-        }
-        evaluator.regions_at([&points[0], &points[1], &points[2]], &mut scratch, &mut regions);
-        crossings
-    };
+/// Allocations and reallocations in a round like one before, and what was found there: the least of three, since the thread
+/// of the test harness may allocate meanwhile.
+fn in_second<T: PartialEq + std::fmt::Debug>(mut round: impl FnMut() -> T) -> (usize, T) {
     let first = round();
     let mut again = || {
         let region = Region::new(COUNTER);
@@ -39,6 +30,59 @@ fn second_round<E: Evaluator>(evaluator: &E, seed: u64, model: &Model) -> (usize
     };
     let least = (0..2).fold(again(), |least, _| if least == 0 { 0 } else { least.min(again()) });
     (least, first)
+}
+
+/// Lists of crossings, first ones, and the regions of the origins.
+fn second_round<E: Evaluator>(evaluator: &E, seed: u64, model: &Model) -> (usize, usize) {
+    let rays = batch(&rays(&mut Random::new(seed), model.style, &model.frame, 100));
+    let points: [Vec<f64>; 3] = std::array::from_fn(|k| rays.rays().origins[k].to_vec());
+    let mut regions = vec![RegionId(0); points[0].len()];
+    let mut scratch = evaluator.scratch();
+    in_second(|| {
+        let mut crossings = 0;
+        for limit in [Limit::All, Limit::First] {
+            let query = Query { limit, ..Query::default() };
+            let mut count = |answer: RayAnswer<'_>| crossings += answer.crossings.len();
+            evaluator.crossings(rays.rays(), &query, &mut scratch, &mut count);
+        }
+        evaluator.regions_at([&points[0], &points[1], &points[2]], &mut scratch, &mut regions);
+        crossings
+    })
+}
+
+/// First hits with their normals; how many there are.
+fn second_look<E: Evaluator>(evaluator: &E, rays: &RayBatch) -> (usize, usize) {
+    let count = rays.rays().len();
+    let [mut t, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; count]);
+    let [mut placement, mut before, mut after] = [(); 3].map(|()| vec![0; count]);
+    let (mut face, mut scratch) = (vec![-1; count], evaluator.scratch());
+    in_second(|| {
+        let mut hits = FirstHits {
+            t: &mut t,
+            face: &mut face,
+            placement: &mut placement,
+            before: &mut before,
+            after: &mut after,
+            normal: Some([&mut x, &mut y, &mut z]),
+        };
+        evaluator.nearest(rays.rays(), Window::ALL, &mut scratch, &mut hits);
+        face.iter().filter(|&&face| face >= 0).count()
+    })
+}
+
+/// Curved solids, some of them placed, in a group that is placed again.
+fn placed() -> Arc<Program> {
+    let shape = |name: &str, arguments: &[(&str, f64)]| {
+        let arguments: Vec<_> = arguments.iter().map(|&(name, value)| (name, Value::Number(value))).collect();
+        Solid::from(build(name, &arguments).unwrap())
+    };
+    let ring = shape("torus", &[("major", 0.3), ("minor", 0.1)]);
+    let funnel = shape("cone", &[("radius1", 0.3), ("radius2", 0.1), ("height", 0.5)]);
+    let at =
+        |k: usize, step: f64| Affine::translate(step * Vec3::new(k as f64, (k / 2) as f64, 0.3 * k as f64));
+    let pair = (&ring | funnel).place((0..4).map(|k| at(k, 0.8)).collect::<Vec<_>>());
+    let all = ring.translate([0.0, 0.0, 1.0]) | pair.place((0..3).map(|k| at(k, -2.0)).collect::<Vec<_>>());
+    Arc::new(Program::compile(&all).unwrap())
 }
 
 #[test]
@@ -53,6 +97,9 @@ fn no_ray_and_no_point_allocates() {
         let spans = second_round(&Spans::new(program.clone()), seed, &model);
         assert_eq!(spans.0, 0, "spans, model {seed}");
         assert_eq!(spans.1, weave.1);
+        let packets = second_round(&Packets::new(program.clone()), seed, &model);
+        assert_eq!(packets.0, 0, "packets, model {seed}");
+        assert_eq!(packets.1, weave.1);
         let single_hit = second_round(&SingleHit::new(program).unwrap(), seed, &model);
         assert_eq!(single_hit.0, 0, "single_hit, model {seed}");
         assert_eq!(single_hit.1, weave.1);
@@ -60,4 +107,20 @@ fn no_ray_and_no_point_allocates() {
         crossings += weave.1;
     }
     assert!(models > 150 && crossings > 10_000, "{models} models, {crossings} crossings");
+
+    let (program, mut random) = (placed(), Random::new(1));
+    let mut vector =
+        || Vec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+    let rays = (0..2_000).map(|_| {
+        let from = 9.0 * vector();
+        Ray::new(from, 4.0 * vector() - from)
+    });
+    let rays: RayBatch = rays.collect();
+    let looks = [
+        second_look(&Packets::new(program.clone()), &rays),
+        second_look(&Weave::new(program.clone()), &rays),
+    ];
+    assert_eq!(looks[0], looks[1]);
+    assert_eq!(looks[0].0, 0);
+    assert!(looks[0].1 > 100, "{} hits", looks[0].1);
 }

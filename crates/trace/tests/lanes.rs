@@ -3,7 +3,9 @@
 use fearless_simd::Level;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::Vec3;
-use rayweave_model::{Collected, Evaluator, Limit, Program, Query, RayBatch, Region, Solid, Window};
+use rayweave_model::{
+    Collected, Evaluator, FirstHits, Limit, Program, Query, RayBatch, Region, Solid, Window,
+};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::{Packets, Reference};
@@ -128,12 +130,33 @@ fn bits(found: &Collected) -> Vec<u64> {
     found.crossings.iter().map(|c| c.t.to_bits()).collect()
 }
 
+/// The bits of times and normals of first hits, and their faces.
+fn looks<E: Evaluator>(evaluator: &E, batch: &RayBatch, window: Window) -> (Vec<[u64; 4]>, Vec<i32>) {
+    let count = batch.rays().len();
+    let [mut t, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; count]);
+    let [mut placement, mut before, mut after] = [(); 3].map(|()| vec![0; count]);
+    let mut face = vec![-1; count];
+    let mut hits = FirstHits {
+        t: &mut t,
+        face: &mut face,
+        placement: &mut placement,
+        before: &mut before,
+        after: &mut after,
+        normal: Some([&mut x, &mut y, &mut z]),
+    };
+    evaluator.nearest(batch.rays(), window, &mut evaluator.scratch(), &mut hits);
+    let bits = (0..count).filter(|&k| face[k] >= 0).map(|k| [t[k], x[k], y[k], z[k]].map(f64::to_bits));
+    (bits.collect(), face)
+}
+
 fn compare(name: &str, program: &Arc<Program>, batch: &RayBatch, level: Level) {
     let (reference, packets) = (Reference::new(program.clone()), Packets::with_level(program.clone(), level));
     assert!(packets.uses_lanes(), "{name}");
     for (t_min, t_max) in [(f64::NEG_INFINITY, f64::INFINITY), (0.0, f64::INFINITY), (-1.0, 5.2)] {
+        let window = Window::new(t_min, t_max).unwrap();
+        assert_eq!(looks(&packets, batch, window), looks(&reference, batch, window), "{name}");
         for limit in [Limit::All, Limit::First] {
-            let query = Query { window: Window::new(t_min, t_max).unwrap(), limit, starts: None };
+            let query = Query { window, limit, starts: None };
             let [expected, got] =
                 [reference.collect(batch.rays(), &query), packets.collect(batch.rays(), &query)]
                     .map(Result::unwrap);

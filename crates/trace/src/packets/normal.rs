@@ -5,11 +5,11 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
 use rayweave_model::Program;
-use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, splat};
+use rayweave_shape::lanes::{Gradient, LANES, Lanes, Mask, Vec3Lanes, splat};
 use rayweave_shape::surface::{Cylinder, Surface};
 
 /// How the normals of a face are found.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum Slope {
     /// The same everywhere, up to its sense.
     Unit(Vec3),
@@ -17,6 +17,8 @@ pub(super) enum Slope {
     Centre(Vec3),
     /// Along the perpendicular from the axis of a cylinder.
     Axis(Cylinder),
+    /// Along the gradient of any other surface.
+    Curved(Gradient),
     /// One by one.
     Other,
 }
@@ -28,7 +30,7 @@ impl Slope {
             Surface::Plane(plane) => unit(plane.normal),
             Surface::Sphere(sphere) => Slope::Centre(sphere.centre),
             Surface::Cylinder(cylinder) => Slope::Axis(*cylinder),
-            _ => Slope::Other,
+            curved => Slope::Curved(Gradient::of(curved)),
         };
         program.facets().iter().map(of_face).collect()
     }
@@ -69,6 +71,14 @@ impl<S: Simd> Hits<S> {
                 Slope::Axis(axis) => {
                     Some(normalised(simd, place.minus_all(axis.point).perpendicular(axis.axis)))
                 }
+                Slope::Curved(gradient) => {
+                    // a function of its own: what is asked most often stays in registers
+                    let along = simd.vectorize(
+                        #[inline(always)]
+                        || scaled_to_unit(simd, gradient.at(simd, place)),
+                    );
+                    Some(along)
+                }
                 Slope::Other => None,
             };
             match gradient {
@@ -93,12 +103,17 @@ fn select<S: Simd>(mask: Mask<S>, a: Vec3Lanes<S>, b: Vec3Lanes<S>) -> Vec3Lanes
     Vec3Lanes { x: mask.select(a.x, b.x), y: mask.select(a.y, b.y), z: mask.select(a.z, b.z) }
 }
 
-/// The unit vectors along twice an offset, first brought to a largest component of 1.
+/// The unit vectors along twice an offset.
 #[inline(always)]
 fn normalised<S: Simd>(simd: S, offset: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    let gradient = offset.times(splat(simd, 2.0));
-    let largest = gradient.x.abs().max(gradient.y.abs()).max(gradient.z.abs());
+    scaled_to_unit(simd, offset.times(splat(simd, 2.0)))
+}
+
+/// The unit vectors along gradients, first brought to a largest component of 1.
+#[inline(always)]
+fn scaled_to_unit<S: Simd>(simd: S, gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
     let Vec3Lanes { x, y, z } = gradient;
+    let largest = x.abs().max(y.abs()).max(z.abs());
     let scaled = Vec3Lanes { x: x / largest, y: y / largest, z: z / largest };
     scaled.times(splat(simd, 1.0) / scaled.length_squared().sqrt())
 }
