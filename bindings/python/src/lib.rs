@@ -15,6 +15,7 @@ mod infill;
 mod layout;
 mod model;
 mod nearest;
+mod optics;
 mod pickle;
 mod points;
 mod polygons;
@@ -47,6 +48,14 @@ mod _core {
     use crate::infill::infill_columns;
     #[pymodule_export]
     use crate::model::{PyModel, load_model, loads};
+    #[pymodule_export]
+    use crate::optics::component::{PySheet, lensmaker, optical_component};
+    #[pymodule_export]
+    use crate::optics::glass::{PyGlass, glass_names};
+    #[pymodule_export]
+    use crate::optics::source::PySource;
+    #[pymodule_export]
+    use crate::optics::system::{PySystem, event_names};
     #[pymodule_export]
     use crate::polygons::{PyPolygons, region_from_polygons};
     #[pymodule_export]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rayweave
-from rayweave import Operation, RootRay, Solid, rootray, space
+from rayweave import Operation, RootRay, Solid, optics, rootray, space
 
 
 def hit_arrays() -> None:
@@ -125,6 +125,18 @@ def pictures(solid: Solid) -> None:
     assert_type(rayweave.ray_timeline(solid, [0, 0, 0], [0, 0, 1]), rayweave.Timeline)
 
 
+def light() -> None:
+    lens = optics.biconvex_lens(50, 50, 8, aperture=25, material="N-BK7")
+    assert_type(lens.translate([0, 0, 1]).rotate_x(5), optics.Element)
+    system = optics.System([lens, optics.detector(40, name="screen").translate([0, 0, 46])])
+    source = optics.line_of_rays(20, 11, wavelength_nm={486.1: 1, 656.3: 1}).translate([0, 0, -20])
+    trace = system.trace(source, branches="both", threshold=1e-3)
+    assert_type(trace.at("screen").points(), NDArray[np.float64])
+    assert_type(trace.balance.error, float)
+    assert_type(optics.glass("N-SF5").index(550.0), float)
+    assert_type(optics.lensmaker(50, -50, 1.5, 8), float)
+
+
 def main() -> None:
     hit_arrays()
     regions()
@@ -134,3 +146,4 @@ def main() -> None:
     questions(solid)
     models()
     pictures(solid)
+    light()

@@ -65,7 +65,7 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
         let mut trace = Trace::default();
         trace.balance = self.run(light, settings, |segments| {
             trace.segments.append(&segments);
-            Ok(())
+            Ok::<(), OpticsError>(())
         })?;
         Ok(trace)
     }
@@ -75,12 +75,12 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     ///
     /// # Errors
     /// [`OpticsError`] for light that cannot be traced, if the run is cancelled, and what `sink` returns.
-    pub fn run(
+    pub fn run<X: From<OpticsError>>(
         &self,
         light: &impl Emitter,
         settings: &Settings,
-        mut sink: impl FnMut(Segments) -> Result<(), OpticsError>,
-    ) -> Result<Balance, OpticsError> {
+        mut sink: impl FnMut(Segments) -> Result<(), X>,
+    ) -> Result<Balance, X> {
         let count = light.count();
         let chunks = (0..count).step_by(CHUNK).map(|at| at..(at + CHUNK).min(count));
         let mut balance =
@@ -94,7 +94,7 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
         let threads = thread_count(settings.threads);
         drive(threads, &settings.cancel, chunks, || Worker::new(self, settings), work, merge).map_err(
             |stopped| match stopped {
-                Stopped::Cancelled => OpticsError::Cancelled,
+                Stopped::Cancelled => OpticsError::Cancelled.into(),
                 Stopped::Failed(error) => error,
             },
         )?;

@@ -177,6 +177,7 @@ pub mod shapes;
 
 pub use rayweave_math as math;
 pub use rayweave_model as model;
+pub use rayweave_optics as optics;
 pub use rayweave_render as render;
 pub use rayweave_rootray as rootray;
 pub use rayweave_scene as scene;

@@ -1,6 +1,6 @@
 """Exact ray tracing through constructive solid geometry."""
 
-from rayweave import rootray, space
+from rayweave import optics, rootray, space
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._core import (
     Explanation,
@@ -75,6 +75,7 @@ __all__ = [
     "intersection",
     "load",
     "loads",
+    "optics",
     "paraboloid",
     "place",
     "plenum",

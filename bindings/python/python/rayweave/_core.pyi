@@ -14,29 +14,37 @@ from rayweave.space import PointCrossings, Trajectory
 
 __all__ = [
     "Arc",
+    "CompiledSystem",
     "Curve",
     "Explanation",
+    "Glass",
     "Helix",
+    "LightSource",
     "Line",
     "Model",
     "Parabola",
     "Polygons",
     "RayweaveError",
     "RootRay",
+    "Sheet",
     "Solid",
     "SpaceSolid",
     "Spline",
     "array_csg",
     "count_array",
+    "event_names",
     "from_polygons",
+    "glass_names",
     "infill_columns",
     "intersection",
+    "lensmaker",
     "load",
     "loads",
     "manuals",
     "min_sep",
     "notebook_png",
     "number_list",
+    "optical_component",
     "place",
     "plenum",
     "ray_timeline_svg",
@@ -479,3 +487,104 @@ def ray_timeline_svg(
     title: str,
     window: tuple[float, float] | None,
 ) -> str: ...
+
+_Outline = tuple[str, float, float]
+_Spec = tuple[str, list[float]]
+_Substance = Glass | tuple[float, float]
+
+@final
+class Glass:
+    def __new__(cls, name: str) -> Glass: ...
+    @staticmethod
+    def sellmeier(name: str, b: Sequence[float], c: Sequence[float]) -> Glass: ...
+    @staticmethod
+    def from_abbe(n_d: float, v_d: float) -> Glass: ...
+    @overload
+    def index(self, wavelength_nm: float) -> float: ...
+    @overload
+    def index(self, wavelength_nm: ArrayLike) -> Any: ...
+    @overload
+    def extinction(self, wavelength_nm: float) -> float: ...
+    @overload
+    def extinction(self, wavelength_nm: ArrayLike) -> Any: ...
+    def abbe_number(self) -> float: ...
+    def extrapolated(self) -> Glass: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def maker(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def range_nm(self) -> tuple[float, float]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@final
+class Sheet:
+    def __new__(
+        cls, outline: _Outline, opening: _Outline | None = None, curvature: float = 0.0, conic: float = 0.0
+    ) -> Sheet: ...
+    @staticmethod
+    def from_solids(surface: Solid, trim: Solid) -> Sheet: ...
+    def apply(self, world_from_local: ArrayLike) -> Sheet: ...
+    def solids(self) -> tuple[Solid, Solid]: ...
+
+@final
+class LightSource:
+    def __new__(
+        cls,
+        kind: str,
+        numbers: Sequence[float],
+        count: int,
+        spectrum: _Spec,
+        power: float,
+        is_total: bool,
+        seed: int,
+        outline: _Outline | None,
+        sampling: str,
+    ) -> LightSource: ...
+    def apply(self, world_from_local: ArrayLike) -> LightSource: ...
+    @property
+    def count(self) -> int: ...
+    def rays(
+        self,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+
+@final
+class CompiledSystem:
+    def __new__(
+        cls, parts: Sequence[tuple[Any, ...]], world: _Substance, unit_nm: float
+    ) -> CompiledSystem: ...
+    @property
+    def element_names(self) -> list[str]: ...
+    @property
+    def surface_names(self) -> list[str]: ...
+    def trace(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        wavelength_nm: ArrayLike,
+        power: ArrayLike,
+        source: ArrayLike,
+        stokes: ArrayLike | None,
+        *,
+        branches: str,
+        polarised: bool,
+        generation_limit: int,
+        threshold: float,
+        keep_escaped: bool,
+        seed: int,
+        threads: int | None,
+    ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]: ...
+
+def optical_component(
+    kind: str,
+    numbers: Sequence[float],
+    outline: _Outline | None = None,
+    off_axis: tuple[float, float] = ...,
+) -> list[Solid]: ...
+def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float: ...
+def glass_names() -> list[str]: ...
+def event_names() -> list[str]: ...

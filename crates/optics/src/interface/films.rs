@@ -23,6 +23,13 @@ pub struct Film {
     pub thickness_nm: f64,
 }
 
+impl Film {
+    /// A film of index n + i k.
+    pub fn new(n: f64, k: f64, thickness_nm: f64) -> Film {
+        Film { index: Complex64::new(n, k), thickness_nm }
+    }
+}
+
 /// What an interface makes of the two polarisations: s, perpendicular to the plane of incidence, and p, in it.
 ///
 /// The squares of the absolute values are fractions of *power*: the amplitudes of transmission contain the factor for the

@@ -1,0 +1,187 @@
+"""Layout drawings: a section of the solids and the rays, by matplotlib."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rayweave._core import RayweaveError, Sheet, Solid
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from rayweave.optics._system import System, Trace
+
+_AXES = {"zx": (2, 0), "zy": (2, 1), "xy": (0, 1)}
+_LINES = 800
+
+
+def draw(
+    trace: Trace, view: str, color: str, axis: Axes | None, width: float, rays: int, escape: float | None
+) -> Axes:
+    import matplotlib.pyplot as plt
+    from matplotlib.collections import LineCollection
+
+    if view not in _AXES:
+        raise RayweaveError(f"view is {view!r} (it can be {', '.join(_AXES)})")
+    if axis is None:
+        axis = plt.subplots(figsize=(10, 5))[1]
+    across, up = _AXES[view]
+    starts, ends, chosen = _pieces(trace, rays)
+    limits = _limits(trace.system, starts, ends, across, up)
+    length = escape if escape is not None else 0.2 * float(limits[0][1] - limits[0][0])
+    tilts = np.stack([trace[f"{k}_tilt"] for k in "xyz"], axis=1)[chosen]
+    ends = np.where(np.isnan(ends), starts + length * tilts, ends)
+    _sections(trace.system, axis, across, up, limits)
+    lines = np.stack([starts[:, [across, up]], ends[:, [across, up]]], axis=1)
+    shades = _colours(trace, color, chosen)
+    axis.add_collection(LineCollection(list(lines), colors=shades, linewidths=width, zorder=3))
+    axis.set_aspect("equal")
+    axis.set_xlabel("xyz"[across])
+    axis.set_ylabel("xyz"[up])
+    axis.autoscale_view()
+    return axis
+
+
+def _pieces(trace: Trace, rays: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    ids = np.unique(trace["id"])
+    step = max(1, -(-len(ids) // max(rays, 1)))
+    chosen = np.isin(trace["id"], ids[::step])
+    starts = np.stack([trace[f"{k}0"] for k in "xyz"], axis=1)[chosen]
+    ends = np.stack([trace[f"{k}1"] for k in "xyz"], axis=1)[chosen]
+    return starts, ends, chosen
+
+
+def _bodies(system: System) -> list[tuple[Solid, bool]]:
+    """Solids, and the trims of sheets with their surface: what can be cut."""
+    found = []
+    for part in system.elements:
+        if isinstance(part.body, Sheet):
+            surface, trim = part.body.solids()
+            found += [(surface & trim, True), (trim - surface, True)]
+        else:
+            found.append((part.body, False))
+    return found
+
+
+def _limits(
+    system: System, starts: NDArray[Any], ends: NDArray[Any], across: int, up: int
+) -> list[tuple[float, float]]:
+    points = [starts, ends[~np.isnan(ends).any(axis=1)]]
+    for body, _ in _bodies(system):
+        bounds = np.asarray(body.bounds())
+        if np.isfinite(bounds).all():
+            points.append(bounds)
+    cloud = np.concatenate(points)
+    limits = []
+    for k in (across, up):
+        lo, hi = float(cloud[:, k].min()), float(cloud[:, k].max())
+        margin = 0.05 * (hi - lo) or 1.0
+        limits.append((lo - margin, hi + margin))
+    return limits
+
+
+def _sections(
+    system: System, axis: Axes, across: int, up: int, limits: list[tuple[float, float]]
+) -> None:
+    """Every solid along lines through the plane of the section: filled between where they enter and leave."""
+    from matplotlib.collections import LineCollection
+
+    (left, right), (low, high) = limits
+    at = np.linspace(left, right, _LINES)
+    spacing = at[1] - at[0]
+    rows = np.linspace(low, high, _LINES)
+    for body in system.elements:
+        if isinstance(body.body, Sheet):
+            surface, trim = body.body.solids()
+            _outline(axis, surface & trim, trim - surface, across, up, limits)
+            continue
+        segments = _cuts(body.body, at, across, up, (low, high))
+        shade = "#9aa0a6" if body.material in ("mirror", "absorber") else "#a8d1f0"
+        axis.add_collection(
+            LineCollection(segments, colors=shade, linewidths=_points(axis, spacing, right - left), zorder=1)
+        )
+        # cuts along the picture find the flat parts of the outline, cuts across it the steep ones
+        steep = [ends[:, ::-1] for ends in _cuts(body.body, rows, up, across, (left, right))]
+        if segments or steep:
+            ends = np.concatenate(segments + steep)
+            axis.plot(ends[:, 0], ends[:, 1], ".", markersize=1.0, color="#30506a", zorder=2)
+
+
+def _cuts(
+    solid: Solid, at: NDArray[np.float64], across: int, up: int, height: tuple[float, float]
+) -> list[NDArray[np.float64]]:
+    origins = np.zeros((len(at), 3))
+    origins[:, across] = at
+    direction = np.zeros(3)
+    direction[up] = 1.0
+    hits = np.clip(solid.hits(origins, direction), *height)
+    pieces = []
+    for low, high in zip(hits[0::2], hits[1::2], strict=True):
+        inside = low < high
+        for x, a, b in zip(at[inside], low[inside], high[inside], strict=True):
+            pieces.append(np.array([[x, a], [x, b]]))
+    return pieces
+
+
+def _points(axis: Axes, spacing: float, extent: float) -> float:
+    """The width of a line, in points, that is as wide as the spacing of the cuts in the picture, and a little more."""
+    figure = axis.get_figure(root=True)
+    inches = 10.0 if figure is None else float(figure.get_size_inches()[0])
+    return 1.3 * spacing / extent * inches * 72.0
+
+
+def _outline(
+    axis: Axes, inner: Solid, outer: Solid, across: int, up: int, limits: list[tuple[float, float]]
+) -> None:
+    """A sheet: where lines across the picture pass from one of its sides to the other."""
+    (left, right), (low, high) = limits
+    at = np.linspace(low, high, _LINES)
+    ends = []
+    for solid in (inner, outer):
+        origins = np.zeros((len(at), 3))
+        origins[:, up] = at
+        direction = np.zeros(3)
+        direction[across] = 1.0
+        ends.append(solid.hits(origins, direction))
+    for first in ends[0]:
+        for second in ends[1]:
+            both = np.isfinite(first) & np.isfinite(second)
+            both[both] = np.abs(first[both] - second[both]) < 1e-9 * (right - left)
+            axis.plot(first[both], at[both], ".", markersize=1.2, color="#202020", zorder=4)
+
+
+def _colours(trace: Trace, color: str, chosen: NDArray[Any]) -> Any:
+    if color == "wavelength":
+        return wavelength_rgb(trace["wavelength_nm"][chosen])
+    if color == "source":
+        import matplotlib as mpl
+
+        return mpl.colormaps["tab10"](trace["source"][chosen] % 10)
+    return color
+
+
+def wavelength_rgb(wavelength_nm: NDArray[Any]) -> NDArray[np.float64]:
+    """Colours (N, 3) of wavelengths in nanometres: the colour matching functions of CIE 1931 by the fit of Wyman, Sloan & Shirley
+    (JCGT 2, 1, 2013), in sRGB, as bright as the channel allows; grey where nothing is visible."""
+
+    def lobe(wavelength: NDArray[Any], mean: float, left: float, right: float) -> NDArray[np.float64]:
+        width = np.where(wavelength < mean, left, right)
+        return np.asarray(np.exp(-0.5 * ((wavelength - mean) * width) ** 2))
+
+    w = np.asarray(wavelength_nm, float)
+    x = (
+        0.362 * lobe(w, 442.0, 0.0624, 0.0374)
+        + 1.056 * lobe(w, 599.8, 0.0264, 0.0323)
+        - 0.065 * lobe(w, 501.1, 0.0490, 0.0382)
+    )
+    y = 0.821 * lobe(w, 568.8, 0.0213, 0.0247) + 0.286 * lobe(w, 530.9, 0.0613, 0.0322)
+    z = 1.217 * lobe(w, 437.0, 0.0845, 0.0278) + 0.681 * lobe(w, 459.0, 0.0385, 0.0725)
+    # IEC 61966-2-1: from XYZ to linear sRGB
+    matrix = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
+    linear = np.clip(np.stack([x, y, z], axis=-1) @ matrix.T, 0.0, None)
+    brightest = linear.max(axis=-1, keepdims=True)
+    visible = np.where(brightest > 1e-3, linear / np.maximum(brightest, 1e-3), 0.4)
+    return np.asarray(np.where(visible <= 0.0031308, 12.92 * visible, 1.055 * visible ** (1 / 2.4) - 0.055))

@@ -1,0 +1,371 @@
+"""What optical systems are made of: solids of a material, and sheets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rayweave import _core
+from rayweave._core import Glass, Sheet, Solid
+
+#: A glass, the name of one, a constant index (complex if it absorbs), "mirror" or "absorber".
+Material = Glass | str | float | complex
+
+#: A diameter, a width and a height (negative ones for an ellipse, as in PyRayT), or a kind with its sizes:
+#: ("circle", d), ("rectangle", w, h), ("ellipse", w, h).
+Aperture = float | tuple[float, float] | tuple[str, float] | tuple[str, float, float]
+
+_Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Finish:
+    """What a face does to light: made by `polished`, `coated`, `reflecting`, `splitting`, `diffuse`, `rough`, `black`."""
+
+    kind: str
+    numbers: _Numbers = ()
+
+    def _spec(self) -> tuple[str, list[float]]:
+        return self.kind, [float(number) for number in self.numbers]
+
+
+def polished() -> Finish:
+    """What the two media make of it, by Fresnel's formulas."""
+    return Finish("polished")
+
+
+def black() -> Finish:
+    """Absorbs all light."""
+    return Finish("absorber")
+
+
+def reflecting(reflectance: float = 1.0) -> Finish:
+    """Reflects a fraction of the power, from 0 to 1, and absorbs the rest."""
+    return Finish("mirror", (reflectance,))
+
+
+def splitting(reflectance: float = 0.5) -> Finish:
+    """Reflects a fraction of the power, from 0 to 1, and transmits the rest."""
+    return Finish("splitter", (reflectance,))
+
+
+def diffuse(reflectance: float = 1.0) -> Finish:
+    """Scatters a fraction of the power back by Lambert's cosine law and absorbs the rest."""
+    return Finish("diffuse", (reflectance,))
+
+
+def rough(slope: float) -> Finish:
+    """Polished facets whose slopes have a Gaussian distribution of this standard deviation along each axis."""
+    return Finish("rough", (slope,))
+
+
+def coated(*films: tuple[complex, float]) -> Finish:
+    """Thin films, the outermost first: pairs of an index (complex if it absorbs) and a thickness in nanometres."""
+    numbers = ((complex(n).real, complex(n).imag, thickness) for n, thickness in films)
+    return Finish("coated", tuple(number for film in numbers for number in film))
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """A part of an optical system: made by `element`, `lens`, `spherical_mirror`, `detector`, ... It never changes.
+
+    Maps are about the origin and give a new element: `e.rotate_x(90).translate(v)` rotates first. To try an element in another
+    place, use what a map gives; nothing has to be put back.
+    """
+
+    name: str
+    body: Solid | Sheet
+    material: Material = "absorber"
+    finish: Finish = field(default_factory=polished)
+    faces: tuple[tuple[str, Finish], ...] = ()
+    action: Finish | None = None
+
+    def named(self, name: str) -> Self:
+        """The same under another name, by which it is called in results."""
+        return replace(self, name=name)
+
+    def with_finish(self, finish: Finish, face: str | None = None) -> Self:
+        """The same with a finish on the faces of this name ("front", "front.side", ...), or on all that have none of their own."""
+        if self.action is not None:
+            raise _core.RayweaveError(f"{self.name} is a sheet (it has an action, not a finish)")
+        if face is None:
+            return replace(self, finish=finish)
+        return replace(self, faces=(*self.faces, (face, finish)))
+
+    def transform(self, matrix: ArrayLike) -> Self:
+        """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns."""
+        if isinstance(self.body, Sheet):
+            return replace(self, body=self.body.apply(matrix))
+        return replace(self, body=self.body.transform(matrix))
+
+    def translate(self, v: ArrayLike) -> Self:
+        """Moved by a vector."""
+        matrix = np.eye(4)
+        matrix[:3, 3] = _core.number_list(v, "v")
+        return self.transform(matrix)
+
+    def rotate_x(self, degrees: float) -> Self:
+        """Turned about the x axis, +y towards +z."""
+        return self.transform(_turn(0, degrees))
+
+    def rotate_y(self, degrees: float) -> Self:
+        """Turned about the y axis, +z towards +x."""
+        return self.transform(_turn(1, degrees))
+
+    def rotate_z(self, degrees: float) -> Self:
+        """Turned about the z axis, +x towards +y."""
+        return self.transform(_turn(2, degrees))
+
+    def _part(self) -> tuple[Any, ...]:
+        if isinstance(self.body, Sheet):
+            return self.name, self.body, (self.action or Finish("absorb"))._spec()
+        kind, substance, finish = _substance(self.material, self.finish)
+        faces = [(face, own._spec()) for face, own in self.faces]
+        return self.name, self.body, kind, substance, finish._spec(), faces
+
+
+def _turn(axis: int, degrees: float) -> NDArray[np.float64]:
+    angle = np.deg2rad(degrees)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    matrix = np.eye(4)
+    matrix[i, i] = matrix[j, j] = np.cos(angle)
+    matrix[j, i] = np.sin(angle)
+    matrix[i, j] = -matrix[j, i]
+    return matrix
+
+
+def _medium(material: Glass | str | float | complex) -> Glass | tuple[float, float]:
+    if isinstance(material, Glass):
+        return material
+    if isinstance(material, str):
+        return Glass(material)
+    index = complex(material)
+    return index.real, index.imag
+
+
+def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
+    if isinstance(material, str) and material in ("mirror", "absorber"):
+        shiny = material == "mirror" and finish == polished()
+        return "opaque", None, reflecting() if shiny else finish
+    medium = _medium(material)
+    # where hardly any light goes through a wavelength of it, it is a metal
+    index = medium.index(587.5618) if isinstance(medium, Glass) else medium[0]
+    extinction = medium.extinction(587.5618) if isinstance(medium, Glass) else medium[1]
+    is_metal = float(extinction) > 0.1 * float(index)
+    return "metal" if is_metal else "transparent", medium, finish
+
+
+def _outline(aperture: Aperture) -> tuple[str, float, float]:
+    match aperture:
+        case (str() as kind, *sizes):
+            return kind, float(sizes[0]), float(sizes[-1])
+        case (width, height) if width < 0 and height < 0:
+            return "ellipse", -float(width), -float(height)
+        case (width, height):
+            return "rectangle", float(width), float(height)
+        case diameter:
+            return "circle", float(diameter), float(diameter)  # type: ignore[arg-type]
+
+
+def _component(
+    kind: str,
+    numbers: _Numbers,
+    name: str,
+    material: Material,
+    aperture: Aperture | None = None,
+    off_axis: tuple[float, float] = (0.0, 0.0),
+) -> Element:
+    outline = None if aperture is None else _outline(aperture)
+    (solid,) = _core.optical_component(kind, [float(number) for number in numbers], outline, off_axis)
+    return Element(name, solid, material)
+
+
+def element(solid: Solid, material: Material, *, name: str = "element") -> Element:
+    """Any solid as a part of an optical system."""
+    return Element(name, solid, material)
+
+
+def lens(
+    r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
+) -> Element:
+    """A lens about the origin with its axis along z: radii of curvature are positive if the centre is on the side of +z, inf for
+    a plane; the thickness is that on the axis."""
+    return _component("lens", (r1, r2, thickness), name, material, aperture)
+
+
+def biconvex_lens(
+    r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
+) -> Element:
+    """A lens with two convex faces; both radii are positive."""
+    return _component("biconvex", (r1, r2, thickness), name, material, aperture)
+
+
+def plano_convex_lens(
+    r: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
+) -> Element:
+    """A lens with a plane front and a convex back of radius r > 0."""
+    return _component("plano_convex", (r, thickness), name, material, aperture)
+
+
+def conic_lens(
+    r1: float,
+    k1: float,
+    r2: float,
+    k2: float,
+    thickness: float,
+    *,
+    aperture: Aperture,
+    material: Material = "N-BK7",
+    name: str = "lens",
+) -> Element:
+    """A lens whose faces are conics of revolution with the conic constants k (0 a sphere, -1 a paraboloid)."""
+    return _component("conic_lens", (r1, k1, r2, k2, thickness), name, material, aperture)
+
+
+def cemented(
+    radii: ArrayLike, thicknesses: ArrayLike, materials: list[Material], *, aperture: Aperture, name: str = "cemented"
+) -> list[Element]:
+    """Lenses that share their inner faces: one radius more than thicknesses and materials."""
+    radii, thicknesses = _core.number_list(radii, "radii"), _core.number_list(thicknesses, "thicknesses")
+    if not len(radii) - 1 == len(thicknesses) == len(materials):
+        counts = f"{len(radii)} radii, {len(thicknesses)} thicknesses and {len(materials)} materials"
+        raise _core.RayweaveError(f"{counts} are given (n + 1, n and n are needed)")
+    numbers = [radii[0], *(x for pair in zip(thicknesses, radii[1:], strict=True) for x in pair)]
+    solids = _core.optical_component("cemented", numbers, _outline(aperture))
+    pairs = enumerate(zip(solids, materials, strict=True), start=1)
+    return [Element(f"{name}{k}", solid, material) for k, (solid, material) in pairs]
+
+
+def ball_lens(diameter: float, *, material: Material = "N-BK7", name: str = "ball") -> Element:
+    """A ball about the origin."""
+    return _component("ball_lens", (diameter,), name, material)
+
+
+def axicon(
+    cone_degrees: float, thickness: float, diameter: float, *, material: Material = "N-BK7", name: str = "axicon"
+) -> Element:
+    """A plane front and a cone whose surface is inclined by an angle against the plane."""
+    return _component("axicon", (cone_degrees, thickness, diameter), name, material)
+
+
+def plane_mirror(
+    thickness: float, *, aperture: Aperture, off_axis: tuple[float, float] = (0.0, 0.0), name: str = "mirror"
+) -> Element:
+    """A plane mirror in z = 0 that faces -z, its back at z = thickness."""
+    return _component("plane_mirror", (thickness,), name, "mirror", aperture, off_axis)
+
+
+def spherical_mirror(
+    radius: float,
+    thickness: float,
+    *,
+    aperture: Aperture,
+    off_axis: tuple[float, float] = (0.0, 0.0),
+    name: str = "mirror",
+) -> Element:
+    """A mirror with its vertex at the origin that faces -z; a negative radius is concave towards the light. The rim and the
+    back absorb."""
+    return _faced("spherical_mirror", (radius, thickness), name, aperture, off_axis)
+
+
+def parabolic_mirror(
+    focal_length: float,
+    thickness: float,
+    *,
+    aperture: Aperture,
+    off_axis: tuple[float, float] = (0.0, 0.0),
+    name: str = "mirror",
+) -> Element:
+    """A mirror with its vertex at the origin that faces -z and has its focus at z = -focal_length. The rim and the back absorb."""
+    return _faced("parabolic_mirror", (focal_length, thickness), name, aperture, off_axis)
+
+
+def _faced(
+    kind: str, numbers: _Numbers, name: str, aperture: Aperture, off_axis: tuple[float, float]
+) -> Element:
+    mirror = _component(kind, numbers, name, "absorber", aperture, off_axis)
+    return mirror.with_finish(reflecting(), "front")
+
+
+def equilateral_prism(
+    side_length: float, width: float, *, material: Material = "N-BK7", name: str = "prism"
+) -> Element:
+    """A prism of three equal faces."""
+    return _component("equilateral_prism", (side_length, width), name, material)
+
+
+def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = "prism") -> Element:
+    """A prism: "dispersing" (apex angle, side, width), "right_angle" (leg, width), "penta" (side, width), "dove" (height,
+    length, width), "amici" (diameter)."""
+    return _component(f"{kind}_prism", numbers, name, material)
+
+
+def corner_cube(depth: float, *, material: Material = "N-BK7", name: str = "corner") -> Element:
+    """A corner of a cube that sends light back where it came from."""
+    return _component("corner_cube", (depth,), name, material)
+
+
+def beam_splitter_cube(
+    side: float, *, reflectance: float = 0.5, material: Material = "N-BK7", name: str = "cube"
+) -> list[Element]:
+    """Two prisms that share a face, which reflects a fraction of the power."""
+    first, second = _core.optical_component("beam_splitter_cube", [float(side)])
+    hypotenuse = splitting(reflectance)
+    return [
+        Element(f"{name}1", first, material),
+        Element(f"{name}2", second, material).with_finish(hypotenuse, "hypotenuse"),
+    ]
+
+
+def _sheet(name: str, action: Finish, aperture: Aperture, opening: Aperture | None = None) -> Element:
+    sheet = Sheet(_outline(aperture), None if opening is None else _outline(opening))
+    return Element(name, sheet, action=action)
+
+
+def baffle(aperture: Aperture, *, name: str = "baffle") -> Element:
+    """A sheet in the plane z = 0 that absorbs."""
+    return _sheet(name, Finish("absorb"), aperture)
+
+
+def aperture_stop(size: Aperture, opening: Aperture, *, name: str = "stop") -> Element:
+    """A sheet in the plane z = 0 with an opening about the axis; the rest absorbs."""
+    return _sheet(name, Finish("absorb"), size, opening)
+
+
+def detector(aperture: Aperture, *, absorbs: bool = True, name: str = "detector") -> Element:
+    """A sheet in the plane z = 0 that records what crosses it and ends it, or lets it pass."""
+    return _sheet(name, Finish("absorb" if absorbs else "record"), aperture)
+
+
+def thin_lens(focal_length: float, *, aperture: Aperture, name: str = "thin lens") -> Element:
+    """An ideal thin lens in the plane z = 0."""
+    return _sheet(name, Finish("thin_lens", (focal_length,)), aperture)
+
+
+def grating(
+    lines: tuple[float, float], order: int, *, aperture: Aperture, reflects: bool = False, name: str = "grating"
+) -> Element:
+    """A plane grating in z = 0 that sends all light into one order: `lines` is a vector across the grooves, as long as their
+    number per unit of length."""
+    return _sheet(name, Finish("grating", (*lines, order, reflects)), aperture)
+
+
+def polariser(degrees: float, *, aperture: Aperture, name: str = "polariser") -> Element:
+    """Lets light pass that swings along an axis in the plane z = 0, at an angle from +x towards +y."""
+    angle = np.deg2rad(degrees)
+    return _sheet(name, Finish("polariser", (np.cos(angle), np.sin(angle))), aperture)
+
+
+def wave_plate(retardance_degrees: float, degrees: float, *, aperture: Aperture, name: str = "plate") -> Element:
+    """Retards light across its fast axis, which lies at an angle from +x towards +y: by 90 degrees for a quarter wave."""
+    angle = np.deg2rad(degrees)
+    return _sheet(name, Finish("retarder", (np.cos(angle), np.sin(angle), retardance_degrees)), aperture)
+
+
+def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float:
+    """The focal length of a thick lens of index n in air: 1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2)) (Hecht, *Optics*,
+    5th edition, section 6.1)."""
+    return _core.lensmaker(r1, r2, n, thickness)

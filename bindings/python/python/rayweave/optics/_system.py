@@ -1,0 +1,223 @@
+"""Optical systems, and what becomes of light in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rayweave import _core
+from rayweave._core import Glass, Solid
+from rayweave.optics._elements import Element, _medium
+from rayweave.optics._sources import Source, _gathered
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_UNIT_NM = {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "in": 2.54e7}
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Where the power went; `error` is what is unaccounted for, 0 but for rounding."""
+
+    emitted: float
+    absorbed: dict[str, float]
+    absorbed_in_media: float
+    escaped: float
+    dropped: float
+
+    @property
+    def error(self) -> float:
+        """What is unaccounted for: 0 but for rounding."""
+        ends = sum(self.absorbed.values()) + self.absorbed_in_media + self.escaped + self.dropped
+        return self.emitted - ends
+
+
+class System:
+    """An optical system: elements in a world, in which light is traced.
+
+    Where solids overlap, the later one wins; parts that touch need no gap. `world` is the medium around everything, `unit` that
+    of all lengths: it matters where wavelengths are compared with lengths.
+    """
+
+    def __init__(
+        self,
+        elements: Iterable[Element | list[Element]],
+        *,
+        world: Glass | str | float | complex = 1.0,
+        unit: Literal["nm", "um", "mm", "cm", "m", "in"] = "mm",
+    ) -> None:
+        flat: list[Element] = []
+        for part in elements:
+            flat.extend(part if isinstance(part, list) else [part])
+        if unit not in _UNIT_NM:
+            raise _core.RayweaveError(f"unit is {unit!r} (it can be {', '.join(_UNIT_NM)})")
+        self.elements = tuple(flat)
+        self._compiled = _core.CompiledSystem([part._part() for part in flat], _medium(world), _UNIT_NM[unit])
+
+    @property
+    def element_names(self) -> list[str]:
+        """The names of the elements, by their numbers in results."""
+        return self._compiled.element_names
+
+    @property
+    def surface_names(self) -> list[str]:
+        """The names of the surfaces, by their numbers in results."""
+        return self._compiled.surface_names
+
+    def trace(
+        self,
+        sources: Source | Iterable[Source],
+        *,
+        branches: Literal["ideal", "both", "random"] = "ideal",
+        polarised: bool = False,
+        generation_limit: int = 1000,
+        threshold: float = 0.0,
+        keep_escaped: bool = True,
+        seed: int = 0,
+        threads: int | None = None,
+    ) -> Trace:
+        """Follows the light of sources through the system.
+
+        `branches` says which way it goes where part of it is reflected: "ideal" through without losses, back only by total
+        reflection; "both" ways with their parts of the power by Fresnel's formulas; "random" one of them with all the power.
+        Rays end after `generation_limit` events or below the power `threshold`. Results do not depend on `threads`.
+        """
+        return self.trace_rays(
+            *_gathered([sources] if isinstance(sources, Source) else list(sources)),
+            branches=branches,
+            polarised=polarised,
+            generation_limit=generation_limit,
+            threshold=threshold,
+            keep_escaped=keep_escaped,
+            seed=seed,
+            threads=threads,
+        )
+
+    def trace_rays(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        wavelength_nm: ArrayLike = 587.5618,
+        power: ArrayLike = 1.0,
+        source: ArrayLike = 0,
+        *,
+        stokes: ArrayLike | None = None,
+        branches: Literal["ideal", "both", "random"] = "ideal",
+        polarised: bool = False,
+        generation_limit: int = 1000,
+        threshold: float = 0.0,
+        keep_escaped: bool = True,
+        seed: int = 0,
+        threads: int | None = None,
+    ) -> Trace:
+        """Follows rays, (N, 3) or (3,), broadcast against each other, with wavelengths in nanometres and powers (N,).
+
+        `stokes` (N, 7) is the polarisation: i, q, u, v and the axis of q > 0, a unit vector across the ray; only their
+        proportions count.
+        """
+        rays = np.broadcast_arrays(np.atleast_2d(np.asarray(origins, float)), np.asarray(directions, float))
+        count = len(rays[0])
+        columns, accounts = self._compiled.trace(
+            np.ascontiguousarray(rays[0]),
+            np.ascontiguousarray(rays[1]),
+            np.broadcast_to(np.asarray(wavelength_nm, float), count),
+            np.broadcast_to(np.asarray(power, float), count),
+            np.broadcast_to(np.asarray(source), count),
+            None if stokes is None else np.broadcast_to(np.asarray(stokes, float), (count, 7)).tolist(),
+            branches=branches,
+            polarised=polarised,
+            generation_limit=generation_limit,
+            threshold=threshold,
+            keep_escaped=keep_escaped,
+            seed=seed,
+            threads=threads,
+        )
+        absorbed = dict(zip(self.element_names, accounts.pop("absorbed"), strict=True))
+        return Trace(self, columns, Balance(absorbed=absorbed, **accounts))
+
+
+class Trace(Mapping[str, NDArray[Any]]):
+    """The segments of all rays as columns: a mapping from names to arrays of equal length.
+
+    `id` is the number of the ray, `parent` the row of the segment before it (-1 for the first), `generation` the number of events
+    before, `source` the number of the source; `wavelength_nm`, `intensity` at the beginning, `index` of the medium; `x0`, `y0`,
+    `z0` and `x1`, `y1`, `z1` the ends (NaN for what escapes), `x_tilt`, `y_tilt`, `z_tilt` the unit direction; `path` the optical
+    path from the source; `element`, `surface` and `event` say what happens at the end.
+    """
+
+    def __init__(self, system: System, columns: dict[str, NDArray[Any]], balance: Balance) -> None:
+        self.system = system
+        self.columns = columns
+        self.balance = balance
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __len__(self) -> int:
+        return len(self.columns)
+
+    @property
+    def rows(self) -> int:
+        """The number of segments."""
+        return len(self.columns["id"])
+
+    def __repr__(self) -> str:
+        return f"<Trace of {self.rows} segments, {len(self.columns)} columns>"
+
+    def at(self, element: str, *, event: str | None = None) -> Trace:
+        """The segments that end at an element, or those of them with this event."""
+        names = self.system.element_names
+        if element not in names:
+            raise _core.RayweaveError(f"there is no element {element!r} (there are {', '.join(names)})")
+        chosen = self.columns["element"] == names.index(element)
+        if event is not None:
+            events = _core.event_names()
+            if event not in events:
+                raise _core.RayweaveError(f"there is no event {event!r} (there are {', '.join(events)})")
+            chosen &= self.columns["event"] == events.index(event)
+        return Trace(self.system, {name: column[chosen] for name, column in self.columns.items()}, self.balance)
+
+    def points(self) -> NDArray[np.float64]:
+        """Where the segments end, (rows, 3)."""
+        return np.stack([self.columns[name] for name in ("x1", "y1", "z1")], axis=1)
+
+    def to_pandas(self) -> Any:
+        """The columns as a pandas DataFrame; surfaces, elements and events by number, names in the system."""
+        return import_module("pandas").DataFrame(self.columns, copy=False)
+
+    def to_arrow(self) -> Any:
+        """The columns as an Arrow table, without copies."""
+        pyarrow = import_module("pyarrow")
+        return pyarrow.table({name: pyarrow.array(column) for name, column in self.columns.items()})
+
+    def show(
+        self,
+        view: Literal["zx", "zy", "xy"] = "zy",
+        *,
+        color: Literal["wavelength", "source"] | str = "wavelength",
+        axis: Axes | None = None,
+        ray_width: float = 0.8,
+        rays: int = 200,
+        escape: float | None = None,
+    ) -> Axes:
+        """Draws a true section of the solids through the axis with the rays, on a matplotlib axis.
+
+        Rays are coloured by wavelength, by source, or all in one colour. Of more than `rays` rays, evenly chosen ones are drawn.
+        What escapes is drawn `escape` long, by default a fifth of the picture.
+        """
+        from rayweave.optics._drawing import draw
+
+        return draw(self, view, color, axis, ray_width, rays, escape)
+
+
+def _solids(system: System) -> list[Solid]:
+    return [part.body for part in system.elements if isinstance(part.body, Solid)]

@@ -1,0 +1,152 @@
+//! Sources of light.
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use rayweave::optics::source::{BeamProfile, Emission, Pattern, Power, Sampling, Source, Spectrum};
+
+use crate::error::bad_value;
+use crate::optics::component::Outline;
+use crate::optics::system::Spec;
+use crate::vectors::matrix;
+
+/// Origins, directions, wavelengths and powers.
+type Light<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+);
+
+/// A source of light: see `rayweave.optics.Source`.
+#[pyclass(frozen, module = "rayweave.optics", name = "LightSource")]
+pub struct PySource(pub Source);
+
+#[pymethods]
+impl PySource {
+    #[new]
+    #[pyo3(signature = (kind, numbers, count, spectrum, power, is_total, seed, outline, sampling))]
+    #[allow(clippy::too_many_arguments)] // those of the class in Python
+    fn new(
+        kind: &str,
+        numbers: Vec<f64>,
+        count: u64,
+        spectrum: Spec,
+        power: f64,
+        is_total: bool,
+        seed: u64,
+        outline: Option<Outline>,
+        sampling: &str,
+    ) -> PyResult<Self> {
+        let pattern = pattern(kind, &numbers, count, outline.as_ref(), sampling)?;
+        let power = if is_total { Power::Total(power) } else { Power::PerRay(power) };
+        let spectrum = spectrum_of(&spectrum)?;
+        let source = Source::new(pattern).and_then(|source| source.spectrum(&spectrum)?.power(power));
+        source.map(|source| PySource(source.seed(seed))).map_err(bad_value)
+    }
+
+    /// The source moved by an affine map, a 4 x 4 matrix.
+    #[pyo3(signature = (world_from_local))]
+    fn apply(&self, world_from_local: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let map = matrix(world_from_local, "matrix")?;
+        self.0.clone().apply(&map).map(PySource).map_err(bad_value)
+    }
+
+    /// The number of rays.
+    #[getter]
+    fn count(&self) -> u64 {
+        self.0.count()
+    }
+
+    /// Its rays: origins, directions, wavelengths and powers.
+    fn rays<'py>(&self, py: Python<'py>) -> PyResult<Light<'py>> {
+        let rays = py.detach(|| self.0.rays(0..self.0.count()));
+        Ok((
+            rows(py, &rays.origins)?,
+            rows(py, &rays.directions)?,
+            PyArray1::from_vec(py, rays.wavelength_nm),
+            PyArray1::from_vec(py, rays.power),
+        ))
+    }
+}
+
+/// Vectors (N, 3) from their components.
+fn rows<'py>(py: Python<'py>, [x, y, z]: &[Vec<f64>; 3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let flat: Vec<f64> = x.iter().zip(y).zip(z).flat_map(|((&x, &y), &z)| [x, y, z]).collect();
+    let array = numpy::ndarray::Array2::from_shape_vec((x.len(), 3), flat).map_err(bad_value)?;
+    Ok(PyArray2::from_owned_array(py, array))
+}
+
+fn pattern(
+    kind: &str,
+    numbers: &[f64],
+    count: u64,
+    outline: Option<&Outline>,
+    sampling: &str,
+) -> PyResult<Pattern> {
+    let aperture =
+        || outline.ok_or_else(|| bad_value("an aperture is needed (the light comes through it)"))?.aperture();
+    Ok(match (kind, numbers) {
+        ("line", &[length]) => Pattern::Line { length, count },
+        ("circle", &[diameter]) => Pattern::Circle { diameter, count },
+        ("cone", &[half_angle_degrees]) => Pattern::Cone { half_angle_degrees, count },
+        ("wedge", &[angle_degrees]) => Pattern::Wedge { angle_degrees, count },
+        ("lamp", &[width, height, half_angle_degrees]) => {
+            Pattern::Lamp { width, height, half_angle_degrees, count }
+        }
+        ("beam", numbers) => {
+            let profile = match *numbers {
+                [radius] => BeamProfile::Gaussian { radius },
+                _ => BeamProfile::TopHat,
+            };
+            Pattern::Beam { aperture: aperture()?, profile, sampling: sampling_named(sampling, count)? }
+        }
+        ("point", &[half_angle_degrees]) => {
+            Pattern::Point { half_angle_degrees, sampling: sampling_named(sampling, count)? }
+        }
+        ("disk", &[half_angle_degrees]) => {
+            let emission = Emission::Lambert;
+            Pattern::Extended { aperture: aperture()?, emission, half_angle_degrees, count }
+        }
+        (kind, numbers) => {
+            return Err(bad_value(format!("there is no source {kind:?} with {} numbers", numbers.len())));
+        }
+    })
+}
+
+/// About so many rays: grids and rings have numbers of their own.
+fn sampling_named(name: &str, count: u64) -> PyResult<Sampling> {
+    Ok(match name {
+        "fibonacci" => Sampling::Fibonacci { count },
+        "random" => Sampling::Random { count },
+        "grid" => {
+            let side = (count as f64).sqrt().round().max(1.0) as u32;
+            Sampling::Grid { columns: side, rows: side }
+        }
+        "hexapolar" => {
+            // 3 r (r + 1) + 1 rays
+            let rings = ((4.0 * count as f64 / 3.0).sqrt() / 2.0).round().max(1.0) as u32;
+            Sampling::Hexapolar { rings }
+        }
+        other => {
+            let kinds = "\"fibonacci\", \"random\", \"grid\" or \"hexapolar\"";
+            return Err(bad_value(format!("sampling is {other:?} (it can be {kinds})")));
+        }
+    })
+}
+
+fn spectrum_of(spec: &Spec) -> PyResult<Spectrum> {
+    Ok(match (spec.kind(), spec.numbers()) {
+        ("line", &[wavelength_nm]) => Spectrum::Line(wavelength_nm),
+        ("lines", numbers) => Spectrum::Lines(pairs(numbers)),
+        ("table", numbers) => Spectrum::Table(pairs(numbers)),
+        ("uniform", &[from_nm, to_nm]) => Spectrum::Band { from_nm, to_nm },
+        ("black body", &[kelvin, from_nm, to_nm]) => Spectrum::BlackBody { kelvin, from_nm, to_nm },
+        (kind, numbers) => {
+            return Err(bad_value(format!("there is no spectrum {kind:?} with {} numbers", numbers.len())));
+        }
+    })
+}
+
+fn pairs(numbers: &[f64]) -> Vec<(f64, f64)> {
+    numbers.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect()
+}

@@ -1,0 +1,164 @@
+"""Light through lenses and mirrors, against closed forms."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from rayweave import RayweaveError, optics, sphere
+
+D_NM = 587.5618
+
+
+def focus(trace: optics.Trace) -> NDArray[np.float64]:
+    """Where the last segments of rays meet the axis."""
+    last = trace.columns["event"] == 0
+    x, z = trace["x0"][last], trace["z0"][last]
+    crossings: NDArray[np.float64] = z - x * trace["z_tilt"][last] / trace["x_tilt"][last]
+    return crossings
+
+
+def near_axis(system: optics.System, height: float = 1e-3) -> float:
+    return float(focus(system.trace_rays([height, 0, -100], [0, 0, 1], D_NM))[0])
+
+
+def test_glasses() -> None:
+    crown = optics.glass("N-BK7")
+    # Schott's data sheet: n_d = 1.51680, n_F = 1.52238, n_C = 1.51432, V_d = 64.17
+    expected = [1.51680, 1.52238, 1.51432]
+    np.testing.assert_allclose(crown.index([D_NM, 486.1327, 656.2725]), expected, atol=5e-6)
+    assert crown.abbe_number() == pytest.approx(64.17, abs=0.005)
+    assert isinstance(crown.index(500.0), float) and crown == optics.glass("n bk7")
+    terms = [1.03961212, 0.231792344, 1.01046945], [0.00600069867, 0.0200179144, 103.560653]
+    own = optics.Glass.sellmeier("own", *terms)
+    assert own.index(600.0) == pytest.approx(crown.index(600.0), abs=1e-12)
+    with pytest.raises(RayweaveError, match="N-BK7"):
+        optics.glass("BK7")
+    with pytest.raises(RayweaveError, match="300 nm to 2500 nm"):
+        crown.index([500.0, 200.0])
+
+
+def test_thick_lenses_focus_where_the_lensmaker_says() -> None:
+    r1, r2, d, n = 60.0, -80.0, 6.0, 1.5
+    system = optics.System([optics.lens(r1, r2, d, aperture=30, material=n)])
+    f = optics.lensmaker(r1, r2, n, d)
+    assert 1 / f == pytest.approx((n - 1) * (1 / r1 - 1 / r2 + (n - 1) * d / (n * r1 * r2)))
+    # the back focal distance f (1 - (n - 1) d / (n r1)) is counted from the back vertex
+    back = f * (1 - (n - 1) * d / (n * r1))
+    first = float(system.trace_rays([0, 0, -100], [0, 0, 1], D_NM).at("lens")["z1"][0])
+    assert near_axis(system) == pytest.approx(first + d + back, abs=1e-6)
+
+
+def test_components_are_where_they_should_be() -> None:
+    mirror = optics.parabolic_mirror(50.0, 5.0, aperture=20).translate([0, 0, 100])
+    screen = optics.detector(4.0, name="focus").translate([0, 0, 50])
+    ring = optics.circle_of_rays(12.0, 64).translate([0, 0, -5])
+    hits = optics.System([mirror, screen]).trace(ring).at("focus")
+    assert hits.rows == 64
+    np.testing.assert_allclose(hits.points(), np.tile([0, 0, 50], (64, 1)), atol=1e-12)
+    # 105 to the mirror at z = 100 - r^2 / 200, and back: all paths are equal
+    np.testing.assert_allclose(hits["path"], 155.0, atol=1e-11)
+
+
+def test_a_cemented_doublet_has_no_gap() -> None:
+    pair = optics.cemented([60, -40, -150], [6, 3], [1.5168, 1.62], aperture=20)
+    system = optics.System(pair, world=1.333)
+    trace = system.trace(optics.beam(18.0, 5000).translate([0, 0, -20]))
+    order = np.lexsort((trace["generation"], trace["id"]))
+    np.testing.assert_array_equal(trace["index"][order].reshape(-1, 4), [[1.333, 1.5168, 1.62, 1.333]] * 5000)
+
+
+def test_power_is_shared_by_fresnel() -> None:
+    plate = optics.element(sphere(10.0), 1.5, name="ball").with_finish(optics.polished())
+    system = optics.System([plate])
+    trace = system.trace_rays([0, 0, -20], [0, 0, 1], D_NM, branches="both", threshold=1e-12)
+    reflected = 0.04
+    out = trace["intensity"][(trace["event"] == 0) & (trace["z_tilt"] > 0)]
+    assert out.sum() == pytest.approx((1 - reflected) / (1 + reflected), abs=1e-10)
+    assert abs(trace.balance.error) < 1e-12 and trace.balance.emitted == 1.0
+
+
+def test_coatings_and_metals() -> None:
+    film = optics.coated((1.38, D_NM / 4 / 1.38))
+    coated = optics.element(sphere(10.0), 1.52, name="ball").with_finish(film, "side")
+    rows = optics.System([coated]).trace_rays([0, 0, -20], [0, 0, 1], D_NM, branches="both", generation_limit=1)
+    share = 1 - ((1.52 - 1.38**2) / (1.52 + 1.38**2)) ** 2
+    # the two branches are cut off at the limit: their powers are what is dropped
+    assert rows.balance.dropped == pytest.approx(1.0, abs=1e-14)
+    split = optics.System([coated]).trace_rays([0, 0, -20], [0, 0, 1], D_NM, branches="both", generation_limit=2)
+    inside = split["intensity"][(split["generation"] == 1) & (split["z_tilt"] > 0)]
+    assert inside == pytest.approx([share], abs=1e-12)
+    silver = optics.element(sphere(10.0), 0.13 + 3.6j, name="silver")
+    found = optics.System([silver]).trace_rays([0, 0, -20], [0, 0, 1], D_NM).balance
+    assert found.escaped == pytest.approx(abs((0.13 + 3.6j - 1) / (0.13 + 3.6j + 1)) ** 2, abs=1e-12)
+
+
+def test_polarisers_obey_malus() -> None:
+    first, second = optics.polariser(0, aperture=10), optics.polariser(30, aperture=10, name="second")
+    system = optics.System([first, second.translate([0, 0, 5])])
+    found = system.trace_rays([0, 0, -5], [0, 0, 1], D_NM, polarised=True).balance
+    assert found.escaped == pytest.approx(0.5 * math.cos(math.radians(30)) ** 2, abs=1e-14)
+
+
+def test_results_do_not_depend_on_threads_and_repeat() -> None:
+    system = optics.System([optics.ball_lens(10).with_finish(optics.rough(0.1))])
+    lamp = optics.lamp(2, 2, 6000, seed=7).translate([0, 0, -10])
+    one = system.trace(lamp, branches="random", threads=1)
+    two = system.trace(lamp, branches="random", threads=2)
+    assert one.rows > 10_000
+    for name in one:
+        np.testing.assert_array_equal(one[name], two[name])
+
+
+def test_tables() -> None:
+    trace = optics.System([optics.ball_lens(10)]).trace(optics.line_of_rays(4, 5).translate([0, 0, -20]))
+    assert trace.rows == 15 and set(trace) >= {"generation", "intensity", "wavelength_nm", "index", "id", "surface"}
+    pandas, pyarrow = pytest.importorskip("pandas"), pytest.importorskip("pyarrow")
+    frame = trace.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and len(frame) == 15
+    table = trace.to_arrow()
+    assert isinstance(table, pyarrow.Table)
+    assert table["x1"].chunk(0).buffers()[1].address == trace["x1"].ctypes.data
+
+
+def test_drawings(tmp_path: Path) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    colours = matplotlib.pyplot if hasattr(matplotlib, "pyplot") else pytest.importorskip("matplotlib.pyplot")
+    system = optics.System([optics.ball_lens(10), optics.detector(12).translate([0, 0, 20])])
+    trace = system.trace(optics.line_of_rays(4, 5, wavelength_nm=450.0).translate([0, 0, -20]))
+    axis = trace.show()
+    # a section of a ball of radius 5 between y = -5 and y = 5, and 15 segments of rays
+    (lens, rays) = axis.collections
+    heights = np.concatenate([path.vertices[:, 1] for path in lens.get_paths()])
+    assert heights.max() == pytest.approx(5.0, abs=1e-2) and heights.min() == pytest.approx(-5.0, abs=1e-2)
+    assert len(rays.get_paths()) == 15
+    red, green, blue, _ = rays.get_colors()[0]
+    assert blue > red and blue > green
+    axis.get_figure().savefig(tmp_path / "layout.png")
+    colours.close("all")
+    with pytest.raises(RayweaveError, match="view is 'yz'"):
+        trace.show("yz")  # type: ignore[arg-type]
+
+
+def test_what_is_wrong_is_named() -> None:
+    with pytest.raises(RayweaveError, match="aperture"):
+        optics.lens(10, -10, 5, aperture=30)
+    with pytest.raises(RayweaveError, match="thickness"):
+        optics.lens(100, -100, -1, aperture=10)
+    with pytest.raises(RayweaveError, match="two elements are called `ball`"):
+        optics.System([optics.ball_lens(1), optics.ball_lens(2)])
+    with pytest.raises(RayweaveError, match="has no face `frnt`"):
+        optics.System([optics.ball_lens(1).with_finish(optics.black(), "frnt")])
+    system = optics.System([optics.ball_lens(1)])
+    with pytest.raises(RayweaveError, match="ray 1 has a wavelength of 200 nm"):
+        system.trace_rays([[0, 0, -5]] * 2, [0, 0, 1], [500.0, 200.0])
+    with pytest.raises(RayweaveError, match=r"power\[0\] is -1"):
+        system.trace_rays([0, 0, -5], [0, 0, 1], D_NM, -1.0)
+    with pytest.raises(RayweaveError, match="sources is empty"):
+        system.trace([])
+    with pytest.raises(RayweaveError, match='branches is "all"'):
+        system.trace_rays([0, 0, -5], [0, 0, 1], branches="all")  # type: ignore[arg-type]
+    with pytest.raises(RayweaveError, match="there is no element 'lens'"):
+        system.trace_rays([0, 0, -5], [0, 0, 1]).at("lens")
