@@ -1,5 +1,6 @@
 """Light through lenses and mirrors, against closed forms."""
 
+import csv
 import math
 from pathlib import Path
 
@@ -162,3 +163,46 @@ def test_what_is_wrong_is_named() -> None:
         system.trace_rays([0, 0, -5], [0, 0, 1], branches="all")  # type: ignore[arg-type]
     with pytest.raises(RayweaveError, match="there is no element 'lens'"):
         system.trace_rays([0, 0, -5], [0, 0, 1]).at("lens")
+
+
+def cone(half_degrees: float, count: int, z: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """PyRayT's cone of rays, which begins at its +z, our -x, and goes round towards +y."""
+    angle, half = 2 * np.pi * np.arange(count) / count, math.radians(half_degrees)
+    along = np.full(count, math.cos(half))
+    directions = np.stack([-math.sin(half) * np.cos(angle), math.sin(half) * np.sin(angle), along], axis=1)
+    return np.tile([0.0, 0.0, z], (count, 1)), directions
+
+
+def pyrayt(case: str) -> dict[tuple[int, int], dict[str, float]]:
+    """Its segments by ray and generation."""
+    lines = (Path(__file__).parent / "reference/pyrayt.csv").read_text(encoding="utf-8").splitlines()
+    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+    chosen = [{k: float(v) for k, v in row.items() if k != "case"} for row in rows if row["case"] == case]
+    return {(int(row["id"]), int(row["generation"])): row for row in chosen}
+
+
+def compare_with_pyrayt(case: str, trace: optics.Trace) -> None:
+    expected = pyrayt(case)
+    assert trace.rows == len(expected)
+    names = {"x1": ("z1", 1), "y1": ("y1", 1), "z1": ("x1", -1)}
+    tilts = {"x_tilt": ("z_tilt", 1), "y_tilt": ("y_tilt", 1), "z_tilt": ("x_tilt", -1), "index": ("index", 1)}
+    for k, key in enumerate(zip(trace["id"].tolist(), trace["generation"].tolist(), strict=True)):
+        for theirs, (ours, sign) in (names | tilts).items():
+            size = max(1.0, abs(expected[key][theirs]))
+            assert abs(expected[key][theirs] - sign * trace[ours][k]) < 1e-9 * size, (case, key, theirs)
+
+
+def test_pyrayts_tutorial_and_examples() -> None:
+    lens, screen = optics.biconvex_lens(2, 2, 0.25, aperture=1, material=1.5), optics.baffle((1, 1))
+    system = optics.System([lens, screen.translate([0, 0, 1])], unit="in")
+    compare_with_pyrayt("tutorial", system.trace_rays(*cone(10, 10, -2.04), 633.0))
+    focal_length = optics.lensmaker(2, -2, 1.5, 0.25)
+    compare_with_pyrayt("collimator", system.trace_rays(*cone(6, 20, -focal_length), 633.0))
+    crown = optics.glass("N-BK7")
+    focal_length = optics.lensmaker(100, -100, crown.index(630.0), 10)
+    lens = optics.biconvex_lens(100, 100, 10, aperture=50, material=crown)
+    system = optics.System([lens, optics.baffle((50, 50)).translate([0, 0, 2 * focal_length])])
+    origins, directions = cone(5, 10, -focal_length)
+    wavelengths = np.repeat([405.0, 530.0, 650.0], 10)
+    three = np.tile(origins, (3, 1)), np.tile(directions, (3, 1))
+    compare_with_pyrayt("dispersion", system.trace_rays(*three, wavelengths))
