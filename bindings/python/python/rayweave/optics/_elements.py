@@ -6,10 +6,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
+from rayweave.optics._place import Placed
 
 #: A glass, the name of one, a constant index (complex if it absorbs), "mirror" or "absorber".
 Material = Glass | str | float | complex
@@ -69,7 +70,7 @@ def coated(*films: tuple[complex, float]) -> Finish:
 
 
 @dataclass(frozen=True, eq=False)
-class Element:
+class Element(Placed):
     """A part of an optical system: made by `element`, `lens`, `spherical_mirror`, `detector`, ... It never changes.
 
     Maps are about the origin and give a new element: `e.rotate_x(90).translate(v)` rotates first. To try an element in another
@@ -101,40 +102,12 @@ class Element:
             return replace(self, body=self.body.apply(matrix))
         return replace(self, body=self.body.transform(matrix))
 
-    def translate(self, v: ArrayLike) -> Self:
-        """Moved by a vector."""
-        matrix = np.eye(4)
-        matrix[:3, 3] = _core.number_list(v, "v")
-        return self.transform(matrix)
-
-    def rotate_x(self, degrees: float) -> Self:
-        """Turned about the x axis, +y towards +z."""
-        return self.transform(_turn(0, degrees))
-
-    def rotate_y(self, degrees: float) -> Self:
-        """Turned about the y axis, +z towards +x."""
-        return self.transform(_turn(1, degrees))
-
-    def rotate_z(self, degrees: float) -> Self:
-        """Turned about the z axis, +x towards +y."""
-        return self.transform(_turn(2, degrees))
-
     def _part(self) -> tuple[Any, ...]:
         if isinstance(self.body, Sheet):
             return self.name, self.body, (self.action or Finish("absorb"))._spec()
         kind, substance, finish = _substance(self.material, self.finish)
         faces = [(face, own._spec()) for face, own in self.faces]
         return self.name, self.body, kind, substance, finish._spec(), faces
-
-
-def _turn(axis: int, degrees: float) -> NDArray[np.float64]:
-    angle = np.deg2rad(degrees)
-    i, j = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.eye(4)
-    matrix[i, i] = matrix[j, j] = np.cos(angle)
-    matrix[j, i] = np.sin(angle)
-    matrix[i, j] = -matrix[j, i]
-    return matrix
 
 
 def _medium(material: Glass | str | float | complex) -> Glass | tuple[float, float]:
@@ -167,7 +140,7 @@ def _outline(aperture: Aperture) -> tuple[str, float, float]:
         case (width, height):
             return "rectangle", float(width), float(height)
         case diameter:
-            return "circle", float(diameter), float(diameter)  # type: ignore[arg-type]
+            return "circle", float(diameter), float(diameter)
 
 
 def _component(

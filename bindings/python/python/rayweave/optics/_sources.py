@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
-from rayweave.optics._elements import Aperture, _outline, _turn
+from rayweave.optics._elements import Aperture, _outline
+from rayweave.optics._place import Placed
 
 #: A wavelength in nanometres; wavelengths with weights; or a kind with its numbers: ("uniform", lo, hi),
 #: ("black body", kelvin, lo, hi).
@@ -17,7 +18,7 @@ Spectrum = float | dict[float, float] | tuple[str, *tuple[float, ...]]
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class Source(Placed):
     """A source of light, which shines along +z about the origin until it is moved. It never changes: ray k is always the same, a
     lamp with another seed is another lamp."""
 
@@ -26,24 +27,6 @@ class Source:
     def transform(self, matrix: ArrayLike) -> Self:
         """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns."""
         return replace(self, compiled=self.compiled.apply(matrix))
-
-    def translate(self, v: ArrayLike) -> Self:
-        """Moved by a vector."""
-        matrix = np.eye(4)
-        matrix[:3, 3] = _core.number_list(v, "v")
-        return self.transform(matrix)
-
-    def rotate_x(self, degrees: float) -> Self:
-        """Turned about the x axis, +y towards +z."""
-        return self.transform(_turn(0, degrees))
-
-    def rotate_y(self, degrees: float) -> Self:
-        """Turned about the y axis, +z towards +x."""
-        return self.transform(_turn(1, degrees))
-
-    def rotate_z(self, degrees: float) -> Self:
-        """Turned about the z axis, +x towards +y."""
-        return self.transform(_turn(2, degrees))
 
     def __len__(self) -> int:
         return self.compiled.count
