@@ -2,6 +2,7 @@
 
 mod concentrators;
 mod lenses;
+mod light;
 mod mirrors;
 mod prisms;
 mod probe;
