@@ -6,7 +6,7 @@
 //!
 //! | what | functions |
 //! | --- | --- |
-//! | lenses | [`lens`], [`biconvex`], [`biconcave`], [`plano_convex`], [`plano_concave`], [`conic_lens`], [`cylindrical_lens`], [`cemented`], [`window`], [`ball_lens`], [`half_ball_lens`], [`rod`], [`axicon`] |
+//! | lenses | [`lens`], [`biconvex`], [`biconcave`], [`plano_convex`], [`plano_concave`], [`conic_lens`], [`cylindrical_lens`], [`cemented`], [`window`], [`ball_lens`], [`half_ball_lens`], [`rod`], [`axicon`], [`fresnel_lens`], [`lenslet_array`] |
 //! | mirrors | [`plane_mirror`], [`spherical_mirror`], [`parabolic_mirror`], [`elliptic_mirror`], [`hyperbolic_mirror`], [`conic_mirror`] |
 //! | prisms | [`equilateral_prism`], [`dispersing_prism`], [`right_angle_prism`], [`penta_prism`], [`dove_prism`], [`amici_prism`], [`corner_cube`], [`wedge_prism`], [`beam_splitter_cube`] |
 //! | concentrators | [`light_pipe`], [`tapered_light_pipe`], [`Cpc`] |
@@ -32,6 +32,7 @@
 //! ```
 
 mod aperture;
+mod array;
 mod concentrator;
 mod element;
 mod error;
@@ -44,6 +45,7 @@ mod prism;
 mod sheet;
 
 pub use aperture::Aperture;
+pub use array::{fresnel_lens, lenslet_array};
 pub use concentrator::{Cpc, light_pipe, tapered_light_pipe};
 pub use error::ComponentError;
 pub use face::sag;

@@ -1,5 +1,6 @@
 //! Components against closed forms, through the engine.
 
+mod arrays;
 mod concentrators;
 mod lenses;
 mod light;
