@@ -6,7 +6,7 @@
 //!
 //! | what | functions |
 //! | --- | --- |
-//! | lenses | [`lens`], [`biconvex`], [`biconcave`], [`plano_convex`], [`plano_concave`], [`conic_lens`], [`cylindrical_lens`], [`cemented`], [`window`], [`ball_lens`], [`half_ball_lens`], [`rod`], [`axicon`], [`fresnel_lens`], [`lenslet_array`] |
+//! | lenses | [`lens`], [`biconvex`], [`biconcave`], [`plano_convex`], [`plano_concave`], [`conic_lens`], [`cylindrical_lens`], [`toric_lens`], [`cemented`], [`window`], [`ball_lens`], [`half_ball_lens`], [`rod`], [`axicon`], [`fresnel_lens`], [`lenslet_array`] |
 //! | mirrors | [`plane_mirror`], [`spherical_mirror`], [`parabolic_mirror`], [`elliptic_mirror`], [`hyperbolic_mirror`], [`conic_mirror`] |
 //! | prisms | [`equilateral_prism`], [`dispersing_prism`], [`right_angle_prism`], [`penta_prism`], [`dove_prism`], [`amici_prism`], [`corner_cube`], [`wedge_prism`], [`beam_splitter_cube`] |
 //! | concentrators | [`light_pipe`], [`tapered_light_pipe`], [`Cpc`] |
@@ -43,6 +43,7 @@ mod mirror;
 mod prefix;
 mod prism;
 mod sheet;
+mod toric;
 
 pub use aperture::Aperture;
 pub use array::{fresnel_lens, lenslet_array};
@@ -63,3 +64,4 @@ pub use prism::{
     equilateral_prism, penta_prism, right_angle_prism, wedge_prism,
 };
 pub use sheet::Sheet;
+pub use toric::toric_lens;

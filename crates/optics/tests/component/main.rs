@@ -9,3 +9,4 @@ mod prisms;
 mod probe;
 mod pyrayt;
 mod sheets;
+mod torics;

@@ -1,0 +1,254 @@
+//! Lenses with different curvatures along x and y.
+
+use super::aperture::solid;
+use super::error::positive;
+use super::face::{Face, Profile};
+use super::{Aperture, ComponentError};
+use rayweave_math::Vec3;
+use rayweave_model::Solid;
+use rayweave_shape::primitive::{HalfSpace, Torus};
+
+/// A lens whose surfaces are tori: `[rx, ry]` are the radii of curvature along x and along y, of the usual sign, each with
+/// an infinite one for no curvature. Equal radii give a sphere, one infinite radius a cylinder.
+///
+/// The meridian with the smaller of both radii, in magnitude, is a circle of that radius, and the surface is made by
+/// turning it with the other radius: with r along the coordinate p and R along q,
+/// `sag = R - S sqrt((R - s(p))^2 - q^2)` with `s(p) = r - sign(r) sqrt(r^2 - p^2)` and S the sign of R. (Radii of opposite
+/// sign give a saddle.) Vertices, thickness and faces are as those of [`lens`](super::lens).
+///
+/// # Errors
+/// As of [`lens`](super::lens). The rectangle about the aperture has to lie within the surfaces, and they are compared with
+/// each other at 33 x 33 points of it.
+///
+/// ```
+/// use rayweave_optics::component::{Aperture, toric_lens};
+///
+/// // a spectacle lens; its edge along y would be cut off if it were 0.8 thick
+/// let lens = toric_lens([88.0, 88.0], [120.0, 150.0], 0.8, Aperture::circle(40.0));
+/// assert!(lens.unwrap_err().to_string().contains("cross"));
+/// let lens = toric_lens([88.0, 88.0], [120.0, 150.0], 3.0, Aperture::circle(40.0))?;
+/// # Ok::<(), rayweave_optics::component::ComponentError>(())
+/// ```
+pub fn toric_lens(
+    front: [f64; 2],
+    back: [f64; 2],
+    thickness: f64,
+    aperture: Aperture,
+) -> Result<Solid, ComponentError> {
+    let part = "toric lens";
+    let half = 0.5 * positive(part, "thickness", thickness)?;
+    let [width, height] = aperture.checked()?.size();
+    let box_of = [0.5 * width, 0.5 * height];
+    let front = Toric::new("front", front, -half, box_of)?;
+    let back = Toric::new("back", back, half, box_of)?;
+    check_gap(&front, &back, &aperture)?;
+    let (low, high) = (front.range()[0], back.range()[1]);
+    let margin = 0.25 * (high - low).max(width.min(height));
+    let ends = [front.floor(low - margin), back.ceiling(high + margin)];
+    let edge = aperture.column([0.0; 2], ends)?.named("edge");
+    Ok(Solid::intersection([front.beyond(ends[1])?, back.before(ends[0])?, edge]))
+}
+
+/// The surfaces must not cross at any of some points inside the aperture.
+fn check_gap(front: &Toric, back: &Toric, aperture: &Aperture) -> Result<(), ComponentError> {
+    let step = |k: i32| f64::from(k) / 16.0;
+    let points = (-16..=16).flat_map(|i| (-16..=16).map(move |j| [step(i), step(j)]));
+    let [width, height] = aperture.size();
+    let inside = points.map(|[u, v]| [0.5 * width * u, 0.5 * height * v]).filter(|&[x, y]| {
+        // the rim itself counts
+        aperture.contains([x * (1.0 - 1e-9), y * (1.0 - 1e-9)])
+    });
+    let crossing = inside.filter(|&point| back.z(point) < front.z(point));
+    match crossing.map(|[x, y]| libm::hypot(x, y)).min_by(f64::total_cmp) {
+        None => Ok(()),
+        Some(height) => Err(ComponentError::SurfacesCross {
+            part: "toric lens",
+            first: front.name.to_owned(),
+            second: back.name.to_owned(),
+            height,
+            reach: aperture.reach([0.0; 2]),
+        }),
+    }
+}
+
+/// A toric surface over a rectangle.
+struct Toric {
+    name: &'static str,
+    vertex: f64,
+    /// The half sizes of the rectangle.
+    half: [f64; 2],
+    /// The signed radius of the circle that is turned, and the axis along which it is curved.
+    tube: f64,
+    axis: usize,
+    /// The signed radius of the turn.
+    turn: f64,
+}
+
+impl Toric {
+    fn new(
+        name: &'static str,
+        radii: [f64; 2],
+        vertex: f64,
+        half: [f64; 2],
+    ) -> Result<Toric, ComponentError> {
+        let part = "toric lens";
+        for (radius, along) in radii.into_iter().zip(["x", "y"]) {
+            Profile::sphere(radius).checked(part, format!("{name} radius along {along}"))?;
+        }
+        let axis = usize::from(radii[1].abs() < radii[0].abs());
+        let toric = Toric { name, vertex, half, tube: radii[axis], axis, turn: radii[1 - axis] };
+        toric.check_limits()?;
+        Ok(toric)
+    }
+
+    /// The rectangle has to lie within the surface, and the surface over it in front of the torus' other side.
+    fn check_limits(&self) -> Result<(), ComponentError> {
+        let (part, surface) = ("toric lens", self.name);
+        let too_large = |reach, limit| Err(ComponentError::ApertureTooLarge { part, surface, reach, limit });
+        let (across, along) = (self.half[self.axis], self.half[1 - self.axis]);
+        if across > self.tube.abs() {
+            return too_large(across, self.tube.abs());
+        }
+        let limit = (self.turn - self.tube_sag(across)).abs();
+        if along > limit {
+            return too_large(along, limit);
+        }
+        match self.is_torus() && self.deepest() >= self.far() {
+            true => too_large(across, self.tube.abs()),
+            false => Ok(()),
+        }
+    }
+
+    fn is_torus(&self) -> bool {
+        self.turn.is_finite() && self.turn != self.tube
+    }
+
+    /// Of the circle that is turned, `p` away from the axis.
+    fn tube_sag(&self, p: f64) -> f64 {
+        Profile::sphere(self.tube).sag(p.abs()).unwrap_or(self.tube)
+    }
+
+    /// Above the vertex plane.
+    fn sag(&self, point: [f64; 2]) -> f64 {
+        let (p, q) = (point[self.axis], point[1 - self.axis]);
+        let sag = self.tube_sag(p);
+        // turned about a circle of the radius turn - sag
+        sag + Profile::sphere(self.turn - sag).sag(q.abs()).unwrap_or(self.turn - sag)
+    }
+
+    fn z(&self, point: [f64; 2]) -> f64 {
+        self.vertex + self.sag(point)
+    }
+
+    /// The heights over the rectangle: the sag is monotonic in both directions, so they end at the corners.
+    fn range(&self) -> [f64; 2] {
+        let [x, y] = self.half;
+        let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]].map(|corner| self.z(corner));
+        corners.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], z| [lo.min(z), hi.max(z)])
+    }
+
+    /// How far the surface goes from its vertex towards the centre of the tube.
+    fn deepest(&self) -> f64 {
+        let [low, high] = self.range();
+        if self.tube > 0.0 { high - self.vertex } else { self.vertex - low }
+    }
+
+    /// How far the torus reaches at least, in that direction, over all of the rectangle: to the middle of the tube if the
+    /// turn has the same sign, else to the other side of the tube, which is nearest over a corner.
+    fn far(&self) -> f64 {
+        if self.turn * self.tube > 0.0 {
+            return self.tube.abs();
+        }
+        let sign = self.tube.signum();
+        let other = 2.0 * self.tube - self.tube_sag(self.half[self.axis]);
+        let turned = Profile::sphere(self.turn - other).sag(self.half[1 - self.axis]).unwrap_or(0.0);
+        sign * (other + turned)
+    }
+
+    /// A height between the surface over the rectangle and the other side of the torus.
+    fn divide(&self) -> f64 {
+        self.vertex + self.tube.signum() * 0.5 * (self.deepest() + self.far())
+    }
+
+    /// The torus, or the simpler surface that it is: the points on the side of +z near the vertex.
+    fn inside(&self) -> Result<Solid, ComponentError> {
+        // as far from each other as the centres of both curvatures
+        let major = (self.turn - self.tube).abs();
+        let ring = solid(Torus::new(major, self.tube.abs())?);
+        let ring = if self.axis == 0 { ring.rotate_y(90.0) } else { ring.rotate_x(90.0) };
+        let ring = ring.translate([0.0, 0.0, self.vertex + self.turn]).named(self.name);
+        Ok(if self.tube > 0.0 { ring } else { !ring })
+    }
+
+    /// The height of the axis of the torus. That of a saddle has a hole there, and behind it the other side of the ring.
+    fn middle(&self) -> f64 {
+        self.vertex + self.turn
+    }
+
+    /// The points on the side of +z, right where z < `until` and above [`Toric::floor`].
+    fn beyond(&self, until: f64) -> Result<Solid, ComponentError> {
+        if let Some(face) = self.simple() {
+            return Ok(self.turned(face.beyond(until)?));
+        }
+        let end = match self.tube > 0.0 {
+            true => self.divide(),
+            false if self.turn > 0.0 => self.middle(),
+            false => f64::INFINITY,
+        };
+        let inside = self.inside()?;
+        if until <= end {
+            return Ok(inside);
+        }
+        Ok(inside | solid(HalfSpace::new(-Vec3::Z, -end)?).named(self.name))
+    }
+
+    /// The points on the side of -z, right where z > `from` and below [`Toric::ceiling`].
+    fn before(&self, from: f64) -> Result<Solid, ComponentError> {
+        if let Some(face) = self.simple() {
+            return Ok(self.turned(face.before(from)?));
+        }
+        let end = match self.tube < 0.0 {
+            true => self.divide(),
+            false if self.turn < 0.0 => self.middle(),
+            false => f64::NEG_INFINITY,
+        };
+        let outside = !self.inside()?;
+        if from >= end {
+            return Ok(outside);
+        }
+        Ok(outside | solid(HalfSpace::new(Vec3::Z, end)?).named(self.name))
+    }
+
+    /// The lower end of a column in which [`Toric::beyond`] is right.
+    fn floor(&self, wanted: f64) -> f64 {
+        let low = self.range()[0];
+        match self.simple() {
+            Some(face) => face.floor(low, low - wanted),
+            None if self.tube < 0.0 => wanted.max(self.divide()),
+            None if self.turn < 0.0 => wanted.max(0.5 * (low + self.middle())),
+            None => wanted,
+        }
+    }
+
+    /// The upper end of a column in which [`Toric::before`] is right.
+    fn ceiling(&self, wanted: f64) -> f64 {
+        let high = self.range()[1];
+        match self.simple() {
+            Some(face) => face.ceiling(high, wanted - high),
+            None if self.tube > 0.0 => wanted.min(self.divide()),
+            None if self.turn > 0.0 => wanted.min(0.5 * (high + self.middle())),
+            None => wanted,
+        }
+    }
+
+    /// The sphere, cylinder (curved along x) or plane that it is.
+    fn simple(&self) -> Option<Face> {
+        let profile = Profile { cylindrical: self.turn.is_infinite(), ..Profile::sphere(self.tube) };
+        (!self.is_torus()).then_some(Face { name: self.name, vertex: self.vertex, profile })
+    }
+
+    /// A simple surface turned to where it is curved.
+    fn turned(&self, simple: Solid) -> Solid {
+        if self.axis == 1 && self.turn.is_infinite() { simple.rotate_z(90.0) } else { simple }
+    }
+}
