@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
-from rayweave._core import Glass, Solid
+from rayweave._core import Glass
 from rayweave.optics._elements import Element, _medium
 from rayweave.optics._sources import Source, _gathered
 
@@ -47,14 +47,15 @@ class System:
 
     def __init__(
         self,
-        elements: Iterable[Element | list[Element]],
+        elements: Element | Iterable[Element | list[Element]],
         *,
         world: Glass | str | float | complex = 1.0,
         unit: Literal["nm", "um", "mm", "cm", "m", "in"] = "mm",
     ) -> None:
         flat: list[Element] = []
-        for part in elements:
+        for part in [elements] if isinstance(elements, Element) else elements:
             flat.extend(part if isinstance(part, list) else [part])
+        _all_are(Element, flat, "elements")
         if unit not in _UNIT_NM:
             raise _core.RayweaveError(f"unit is {unit!r} (it can be {', '.join(_UNIT_NM)})")
         self.elements = tuple(flat)
@@ -88,8 +89,10 @@ class System:
         reflection; "both" ways with their parts of the power by Fresnel's formulas; "random" one of them with all the power.
         Rays end after `generation_limit` events or below the power `threshold`. Results do not depend on `threads`.
         """
+        given = [sources] if isinstance(sources, Source) else list(sources)
+        _all_are(Source, given, "sources")
         return self.trace_rays(
-            *_gathered([sources] if isinstance(sources, Source) else list(sources)),
+            *_gathered(given),
             branches=branches,
             polarised=polarised,
             generation_limit=generation_limit,
@@ -121,15 +124,17 @@ class System:
         `stokes` (N, 7) is the polarisation: i, q, u, v and the axis of q > 0, a unit vector across the ray; only their
         proportions count.
         """
-        rays = np.broadcast_arrays(np.atleast_2d(np.asarray(origins, float)), np.asarray(directions, float))
-        count = len(rays[0])
+        starts, ways = _rays(origins, directions)
+        count = len(starts)
+        if not 0 <= generation_limit < 2**32:
+            raise _core.RayweaveError(f"generation_limit is {generation_limit} (it can be 0 to 2^32 - 1)")
         columns, accounts = self._compiled.trace(
-            np.ascontiguousarray(rays[0]),
-            np.ascontiguousarray(rays[1]),
-            np.broadcast_to(np.asarray(wavelength_nm, float), count),
-            np.broadcast_to(np.asarray(power, float), count),
-            np.broadcast_to(np.asarray(source), count),
-            None if stokes is None else np.broadcast_to(np.asarray(stokes, float), (count, 7)).tolist(),
+            starts,
+            ways,
+            _column("wavelength_nm", wavelength_nm, (count,)),
+            _column("power", power, (count,)),
+            _column("source", source, (count,)).astype(np.uint32),
+            None if stokes is None else _column("stokes", stokes, (count, 7)).tolist(),
             branches=branches,
             polarised=polarised,
             generation_limit=generation_limit,
@@ -219,5 +224,30 @@ class Trace(Mapping[str, NDArray[Any]]):
         return draw(self, view, color, axis, ray_width, rays, escape)
 
 
-def _solids(system: System) -> list[Solid]:
-    return [part.body for part in system.elements if isinstance(part.body, Solid)]
+def _all_are(kind: type, things: list[Any], name: str) -> None:
+    for k, thing in enumerate(things):
+        if not isinstance(thing, kind):
+            raise TypeError(f"{name}[{k}] is {type(thing)} (a {kind.__name__} is needed)")
+
+
+def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    vectors = []
+    for name, given in (("origins", origins), ("directions", directions)):
+        array = np.asarray(given, float)
+        if array.ndim not in (1, 2) or array.shape[-1] != 3:
+            raise _core.RayweaveError(f"{name} has shape {array.shape} ((N, 3) or (3,) is needed)")
+        vectors.append(np.atleast_2d(array))
+    counts = {len(array) for array in vectors} - {1} or {1}
+    if len(counts) > 1:
+        lengths = f"origins has {len(vectors[0])} rows and directions {len(vectors[1])}"
+        raise _core.RayweaveError(f"{lengths} (one of each for every ray, or one for all)")
+    first, second = (np.ascontiguousarray(np.broadcast_to(array, (min(counts), 3))) for array in vectors)
+    return first, second
+
+
+def _column(name: str, given: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    array = np.asarray(given, float)
+    try:
+        return np.broadcast_to(array, shape)
+    except ValueError:
+        raise _core.RayweaveError(f"{name} has shape {array.shape} ({shape} is needed)") from None
