@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from rayweave import RayweaveError, optics, sphere
+from rayweave import RayweaveError, box, optics, sphere
 
 D_NM = 587.5618
 
@@ -121,6 +121,46 @@ def test_tables() -> None:
     table = trace.to_arrow()
     assert isinstance(table, pyarrow.Table)
     assert table["x1"].chunk(0).buffers()[1].address == trace["x1"].ctypes.data
+
+
+def test_spots_and_irradiance() -> None:
+    screen = optics.detector(40, name="screen").rotate_y(20).translate([1, 2, 30])
+    light = optics.beam(10, 20_000, power=("total", 2.0)).rotate_y(20).translate([1, 2, 0])
+    system = optics.System([screen])
+    trace = system.trace(light)
+    spot = trace.spot("screen")
+    # a uniform disc of radius 5 has a mean square radius of 25 / 2
+    assert spot.total == pytest.approx(2.0) and spot.rms_radius == pytest.approx(5 / math.sqrt(2), rel=1e-3)
+    assert spot.geometric_radius == pytest.approx(5.0, rel=1e-2) and spot.encircled(2.5) == pytest.approx(0.25, abs=1e-3)
+    # the sheet is 30 above the source along z, the light is inclined by 20 degrees
+    assert spot.centroid == pytest.approx([30 * math.sin(math.radians(20)), 0.0], abs=1e-3)
+    cells, x, y = trace.irradiance("screen", 40, size=(40, 40))
+    assert (cells * np.outer(np.diff(y), np.diff(x))).sum() == pytest.approx(2.0)
+    middle = cells[20, np.searchsorted(x, spot.centroid[0]) - 1]
+    assert middle == pytest.approx(2.0 / (25 * math.pi), rel=0.05)
+    assert trace.angles("screen") == pytest.approx(np.zeros(20_000), abs=1e-6)
+    dark = system.trace(light.translate([100, 0, 0]))
+    with pytest.raises(RayweaveError, match="no light arrives"):
+        dark.spot("screen")
+
+
+def test_paths_tell_ghosts() -> None:
+    plate = optics.element(box([40, 40, 4]), 1.5, name="plate")
+    system = optics.System([plate, optics.detector(30, name="screen").translate([0, 0, 20])])
+    trace = system.trace_rays([0, 0, -20], [0.1, 0, 1], D_NM, branches="both", threshold=1e-9)
+    power = {path.text: path.power for path in trace.paths()}
+    cosine = 1 / math.sqrt(1.01)
+    inner = math.sqrt(1 - (1 - cosine**2) / 2.25)
+    rs = ((cosine - 1.5 * inner) / (cosine + 1.5 * inner)) ** 2
+    rp = ((1.5 * cosine - inner) / (1.5 * cosine + inner)) ** 2
+    # light is taken as unpolarised at each face
+    r = (rs + rp) / 2
+    assert power["plate plate screen"] == pytest.approx((1 - r) ** 2, rel=1e-12)
+    assert power["plate* -"] == pytest.approx(r, rel=1e-12)
+    assert power["plate plate* plate* plate screen"] == pytest.approx((1 - r) ** 2 * r**2, rel=1e-12)
+    assert sum(power.values()) == pytest.approx(1.0, abs=1e-8)
+    with pytest.raises(RayweaveError, match="some segments are left out"):
+        trace.at("screen").paths()
 
 
 def test_drawings(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ The optical axis is z; lengths are in the unit of the system, angles in degrees,
 """
 
 from rayweave._core import Glass, Sheet, glass_names
+from rayweave.optics._analysis import Path, Spot
 from rayweave.optics._elements import (
     Aperture,
     Element,
@@ -66,9 +67,11 @@ __all__ = [
     "Finish",
     "Glass",
     "Material",
+    "Path",
     "Sheet",
     "Source",
     "Spectrum",
+    "Spot",
     "System",
     "Trace",
     "aperture_stop",

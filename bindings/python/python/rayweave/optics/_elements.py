@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
@@ -73,6 +73,8 @@ def coated(*films: tuple[complex, float]) -> Finish:
 class Element(Placed):
     """A part of an optical system: made by `element`, `lens`, `spherical_mirror`, `detector`, ... It never changes.
 
+    `place` is the map from the coordinates in which it was made to those of the world.
+
     Maps are about the origin and give a new element: `e.rotate_x(90).translate(v)` rotates first. To try an element in another
     place, use what a map gives; nothing has to be put back.
     """
@@ -83,6 +85,7 @@ class Element(Placed):
     finish: Finish = field(default_factory=polished)
     faces: tuple[tuple[str, Finish], ...] = ()
     action: Finish | None = None
+    place: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
 
     def named(self, name: str) -> Self:
         """The same under another name, by which it is called in results."""
@@ -98,9 +101,8 @@ class Element(Placed):
 
     def transform(self, matrix: ArrayLike) -> Self:
         """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns."""
-        if isinstance(self.body, Sheet):
-            return replace(self, body=self.body.apply(matrix))
-        return replace(self, body=self.body.transform(matrix))
+        body = self.body.apply(matrix) if isinstance(self.body, Sheet) else self.body.transform(matrix)
+        return replace(self, body=body, place=np.asarray(matrix, float) @ self.place)
 
     def _part(self) -> tuple[Any, ...]:
         if isinstance(self.body, Sheet):

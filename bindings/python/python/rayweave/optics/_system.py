@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass
+from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
 from rayweave.optics._elements import Element, _medium
 from rayweave.optics._sources import Source, _gathered
 
@@ -191,6 +192,37 @@ class Trace(Mapping[str, NDArray[Any]]):
             chosen &= self.columns["event"] == events.index(event)
         return Trace(self.system, {name: column[chosen] for name, column in self.columns.items()}, self.balance)
 
+    def spot(self, element: str) -> Spot:
+        """Where the light arrives at an element, in the coordinates in which it was made, with the power that it has where its last
+        segment begins."""
+        arriving = self.at(element)
+        return spot_of(_local(arriving, element), arriving["intensity"])
+
+    def irradiance(
+        self, element: str, bins: int | tuple[int, int] = 64, *, size: tuple[float, float] | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Power per area that arrives at a plane sheet: an array (y, x), and the edges of its cells along x and y in the coordinates
+        in which the sheet was made. `size` is the width and the height of the map about the origin, by default as far as light
+        arrives."""
+        arriving = self.at(element)
+        return irradiance_of(_local(arriving, element), arriving["intensity"], bins, size)
+
+    def angles(self, element: str) -> NDArray[np.float64]:
+        """The angles, in degrees, between the light that arrives at an element and its z axis."""
+        arriving = self.at(element)
+        axis = self._element(element).place[:3, 2]
+        tilts = np.stack([arriving[f"{k}_tilt"] for k in "xyz"], axis=1)
+        cosine = np.abs(tilts @ axis) / np.linalg.norm(axis)
+        return np.asarray(np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0))))
+
+    def paths(self) -> list[Path]:
+        """The ways that light took, as sequences of elements, with rays and power; the strongest first. Reflections are marked by
+        a `*`: in a lens, ghosts are the ways with two of them."""
+        return paths_of(self, self.system.element_names, _core.event_names())
+
+    def _element(self, name: str) -> Element:
+        return self.system.elements[self.system.element_names.index(name)]
+
     def points(self) -> NDArray[np.float64]:
         """Where the segments end, (rows, 3)."""
         return np.stack([self.columns[name] for name in ("x1", "y1", "z1")], axis=1)
@@ -222,6 +254,11 @@ class Trace(Mapping[str, NDArray[Any]]):
         from rayweave.optics._drawing import draw
 
         return draw(self, view, color, axis, ray_width, rays, escape)
+
+
+def _local(trace: Trace, element: str) -> NDArray[np.float64]:
+    inverse = np.linalg.inv(trace._element(element).place)
+    return np.asarray(trace.points() @ inverse[:3, :3].T + inverse[:3, 3])
 
 
 def _all_are(kind: type, things: list[Any], name: str) -> None:
