@@ -12,6 +12,22 @@
 //! | concentrators | [`light_pipe`], [`tapered_light_pipe`], [`Cpc`] |
 //! | sheets | [`Sheet::plane`], [`Sheet::stop`], [`Sheet::iris`], [`Sheet::spherical`], [`Sheet::conic`], [`Sheet::cylindrical`] |
 //!
+//! For those who come from PyRayT, whose x, y, z are z, x, y here:
+//!
+//! | PyRayT | here |
+//! | --- | --- |
+//! | `thick_lens(r1, r2, thickness)` | [`lens`] |
+//! | `biconvex_lens(r1, r2, thickness)` | [`biconvex`]; that of PyRayT 0.3.1 is right for r1 = r2 only |
+//! | `plano_convex_lens(r, thickness)` | [`plano_convex`] |
+//! | `plane_mirror(thickness)` | [`plane_mirror`]; theirs is centred, ours has its face in the plane of the origin |
+//! | `spherical_mirror(radius, thickness)` | [`spherical_mirror`]; for radius > 0 of a [`Blank::turned`] |
+//! | `parabolic_mirror(focus, thickness)` | [`parabolic_mirror`] of a [`Blank::turned`], translated by -focus along the axis |
+//! | `equilateral_prism(side_length, width)` | [`equilateral_prism`] |
+//! | `baffle(aperture)`, `aperture(size, aperture_size)` | [`Sheet::plane`], [`Sheet::stop`] |
+//! | `aperture=d`, `(a, b)`, `(-a, -b)` | [`Aperture::circle`], [`Aperture::rectangle`], [`Aperture::ellipse`], which fails there |
+//! | `off_axis=(y, z)` | [`Blank::off_axis`] |
+//! | `lensmakers_equation` | [`lensmaker`] |
+//!
 //! # Names of faces
 //!
 //! Leaves are named for what they do: the surface that the light meets first `front`, the one behind `back`, the rim `edge`.

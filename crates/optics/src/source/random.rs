@@ -9,6 +9,9 @@
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 
+/// Keeps the streams of sources apart from those of other things that are drawn by the same seed.
+const SOURCES: u64 = u64::from_be_bytes(*b"sources\0");
+
 /// So many numbers each ray has.
 pub(super) const NUMBERS: usize = 8;
 
@@ -22,7 +25,7 @@ impl RayNumbers {
     /// Those from a ray on.
     pub fn from(seed: u64, stream: u64, ray: u64) -> RayNumbers {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
-        generator.set_stream(stream);
+        generator.set_stream(SOURCES ^ stream);
         // two words of 32 bits for each number
         generator.set_word_pos(u128::from(ray) * 2 * NUMBERS as u128);
         RayNumbers(generator)

@@ -239,3 +239,17 @@ fn conics_that_cross_in_the_middle_only() {
     assert!(make(-least + 1e-4).is_ok());
     assert!(make(-least - 1e-4).unwrap_err().to_string().contains("cross"));
 }
+
+/// Nearly plane surfaces, whose centres are far away: heights err by no more than a few roundings of the radius.
+#[test]
+fn weak_curvatures() {
+    for radius in [1e3, 1e5, 1e6, 1e8] {
+        let probe = Probe::new(&lens(radius, -radius, 3.0, Aperture::circle(20.0)).unwrap());
+        for k in 0..100 {
+            let height = 9.9 * numbers(k)[0];
+            let ratio = height / radius;
+            let sag = height * ratio / (1.0 + (1.0 - ratio * ratio).sqrt());
+            assert_close(probe.chord(height, 0.0), 3.0 - 2.0 * sag, 4e-16 * radius);
+        }
+    }
+}
