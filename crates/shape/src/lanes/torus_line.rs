@@ -90,6 +90,20 @@ struct Bracket<S: Simd> {
     at_hi: Mask<S>,
 }
 
+/// A search for a root of each line.
+#[derive(Clone, Copy, Debug)]
+struct Search<S: Simd> {
+    lo: Lanes<S>,
+    hi: Lanes<S>,
+    /// Where it looks now.
+    jet: Jet<S>,
+    root: Root<S>,
+    /// The lines on which it goes on.
+    active: Mask<S>,
+    /// True for roots where lines enter.
+    enters: bool,
+}
+
 /// The ends of the three pieces, and a point of the other side between the ends of some.
 struct Points<S: Simd> {
     ends: [Jet<S>; 4],
@@ -313,48 +327,53 @@ impl<'r, S: Simd> Lines<'r, S> {
         (place, found)
     }
 
-    /// The sign changes in brackets, where asked.
+    /// Two sign changes of each line, together: what one waits for fills the time of the other.
     #[inline(always)]
-    fn root(
-        &self,
-        simd: S,
-        asked: Mask<S>,
-        bracket: &Bracket<S>,
-        enters: bool,
-        unsure: &mut Mask<S>,
-    ) -> Root<S> {
-        let (mut lo, mut hi) = (bracket.lo.s, bracket.hi.s);
-        let mut jet = bracket.start();
-        let mut root = Root { s: jet.s, slope: jet.slope, inverse: jet.inverse, step: splat(simd, 0.0) };
-        let (minor, mut active) = (self.ring.minor, asked);
+    fn search(&self, simd: S, [mut one, mut two]: [Search<S>; 2], unsure: &mut Mask<S>) -> [Root<S>; 2] {
         for _ in 0..STEPS {
-            let s = jet.s;
-            let before = if enters { !jet.is_below() } else { jet.is_below() };
-            (lo, hi) = (before.select(s, lo), before.select(hi, s));
-            let step = parabola_step(&jet);
-            let near = s + step;
-            let between = lo.simd_lt(near) & near.simd_lt(hi);
-            let size = jet.value.abs();
-            let certain = between & is_certain(&jet, step, minor);
-            let moved = (near - s).abs();
-            let settled = size.simd_le(UNIT_ROUNDOFF * minor) | moved.simd_le(s.abs() * UNIT_ROUNDOFF);
-            let polished = between & moved.simd_le(POLISH);
-            let next = between.select(near, lo * 0.5 + hi * 0.5);
-            let takes = certain | (settled & polished);
-            let done = active & (certain | settled | next.simd_eq(s));
-            let at = takes.select(near, s);
-            root.s = done.select(at, root.s);
-            root.step = done.select((at - s).abs(), root.step);
-            root.slope = done.select(jet.slope, root.slope);
-            root.inverse = done.select(jet.inverse, root.inverse);
-            active &= !done;
-            if !active.any_true() {
+            let next = [one.step(self.ring.minor), two.step(self.ring.minor)];
+            if !(one.active | two.active).any_true() {
                 break;
             }
-            jet = self.jet(simd, next);
+            (one.jet, two.jet) = (self.jet(simd, next[0]), self.jet(simd, next[1]));
         }
-        *unsure |= active;
-        root
+        *unsure |= one.active | two.active;
+        [one.root, two.root]
+    }
+}
+
+impl<S: Simd> Search<S> {
+    #[inline(always)]
+    fn new(simd: S, active: Mask<S>, bracket: &Bracket<S>, enters: bool) -> Self {
+        let jet = bracket.start();
+        let root = Root { s: jet.s, slope: jet.slope, inverse: jet.inverse, step: splat(simd, 0.0) };
+        Search { lo: bracket.lo.s, hi: bracket.hi.s, jet, root, active, enters }
+    }
+
+    /// Keeps the roots of the lines that are done; where to look next on the others.
+    #[inline(always)]
+    fn step(&mut self, minor: f64) -> Lanes<S> {
+        let jet = &self.jet;
+        let s = jet.s;
+        let before = if self.enters { !jet.is_below() } else { jet.is_below() };
+        (self.lo, self.hi) = (before.select(s, self.lo), before.select(self.hi, s));
+        let step = parabola_step(jet);
+        let near = s + step;
+        let between = self.lo.simd_lt(near) & near.simd_lt(self.hi);
+        let certain = between & is_certain(jet, step, minor);
+        let moved = (near - s).abs();
+        let is_noise = jet.value.abs().simd_le(UNIT_ROUNDOFF * minor);
+        let settled = is_noise | moved.simd_le(s.abs() * UNIT_ROUNDOFF);
+        let next = between.select(near, self.lo * 0.5 + self.hi * 0.5);
+        let done = self.active & (certain | settled | next.simd_eq(s));
+        let takes = certain | (settled & between & moved.simd_le(POLISH));
+        let at = takes.select(near, s);
+        self.root.s = done.select(at, self.root.s);
+        self.root.step = done.select((at - s).abs(), self.root.step);
+        self.root.slope = done.select(jet.slope, self.root.slope);
+        self.root.inverse = done.select(jet.inverse, self.root.inverse);
+        self.active &= !done;
+        next
     }
 }
 
@@ -390,13 +409,16 @@ impl<S: Simd> Points<S> {
         let some = asked & (one | two | self.dips | self.dips_last);
         let twice = (self.dips & (two | self.dips_last)) | self.bumps | (one & self.dips_last);
         let twice = some & twice;
-        let first = lines.root(simd, some, &self.first(never), true, &mut unsure);
-        let last = lines.root(simd, some, &self.last(never), false, &mut unsure);
-        let gap = twice.any_true().then(|| {
-            let leaves = lines.root(simd, twice, &self.leaves(), false, &mut unsure);
-            [leaves, lines.root(simd, twice, &self.enters_again(), true, &mut unsure)]
-        });
-        Roots { some, two: twice, ends: [first, last], gap, unsure }
+        let first = Search::new(simd, some, &self.first(never), true);
+        let last = Search::new(simd, some, &self.last(never), false);
+        let ends = lines.search(simd, [first, last], &mut unsure);
+        let mut gap = None;
+        if twice.any_true() {
+            let leaves = Search::new(simd, twice, &self.leaves(), false);
+            let enters = Search::new(simd, twice, &self.enters_again(), true);
+            gap = Some(lines.search(simd, [leaves, enters], &mut unsure));
+        }
+        Roots { some, two: twice, ends, gap, unsure }
     }
 
     /// Around the first entry: the first point inside, and the one before.
