@@ -94,6 +94,45 @@ fn axicons_and_wedges_bend_by_one_angle() {
     }
 }
 
+/// Each lenslet, a placement of one solid, has its focus r / (n - 1) behind its vertex; a ring of a Fresnel lens bends light
+/// as the whole surface does at that height.
+#[test]
+fn lenses_made_of_many() {
+    let (index, radius) = (1.5, 20.0);
+    let array = of_glass(&[lenslet_array(radius, 2.0, 3.0, 4, 3).unwrap()], index);
+    for (column, row) in (0..4).flat_map(|column| (0..3).map(move |row| (column, row))) {
+        let (x, y) = (3.0 * (f64::from(column) - 1.5), 3.0 * (f64::from(row) - 1.0));
+        let (point, direction) = last(&array, x + 1e-3, y - 1e-3);
+        let focus = Vec3::new(x, y, 1.0 + radius / (index - 1.0));
+        assert!(direction.cross(focus - point).length() < 1e-9);
+    }
+    let whole = of_glass(&[plano_convex(radius, 9.0, Aperture::circle(30.0)).unwrap()], index);
+    let rings = of_glass(&[fresnel_lens(radius, 0.0, 1.0, 2.0, 30.0).unwrap()], index);
+    for k in 0..13 {
+        // in the outer part of a ring, where light towards the axis meets no step; beyond 13.3 it is reflected
+        let height = f64::from(k) + 0.55;
+        let (_, direction) = last(&rings, 0.0, height);
+        assert!((direction - last(&whole, 0.0, height).1).length() < 1e-13, "{height}");
+    }
+}
+
+/// The focal lengths of a toric lens along x and y are those of the lensmaker's equation.
+#[test]
+fn toric_lenses_have_two_foci() {
+    let (index, height) = (1.5168, 1e-3);
+    for (front, back) in [([40.0, 60.0], [-90.0, -55.0]), ([30.0, -70.0], [INF, 45.0])] {
+        let system = of_glass(&[toric_lens(front, back, 3.0, Aperture::circle(12.0)).unwrap()], index);
+        for axis in 0..2 {
+            let at = [height * f64::from(1 - axis), height * f64::from(axis)];
+            let (_, direction) = last(&system, at[0], at[1]);
+            let axis = axis as usize;
+            let exact = lensmaker(front[axis], back[axis], index, 3.0).unwrap();
+            assert_close(-height * direction.z / direction[axis] / exact, 1.0, 1e-7);
+            assert_close(direction[1 - axis], 0.0, 1e-17);
+        }
+    }
+}
+
 /// The part of the power that a sheet records.
 fn recorded(sheet: Sheet, source: &impl Emitter) -> f64 {
     let system = Assembly::new().add(Element::sheet("sheet", sheet, Action::Absorb)).compile().unwrap();
