@@ -117,6 +117,16 @@ impl Program {
         leaf_needs(&formula, &simplify::bounds(&formula, &grown), grown.len())
     }
 
+    /// A box in the frame of a group for what a box in the frame of a solid holds that is placed there as one of the
+    /// group's leaves, grown by the margin of that leaf.
+    pub fn placed_bounds(&self, group: &Prototype, id: LeafId, inner: &Bounds) -> Bounds {
+        let Some((run, k)) = self.leaf(id).instance() else { return *inner };
+        let extent = |id: PrototypeId| self.prototype(id).extent;
+        let boxes = Boxes { leaves: &self.leaves, surfaces: &self.surfaces, inner: extent };
+        let (_, margin) = boxes.grown(id.index(), &group.ball);
+        inner.transformed(&run.world_from_local(k)).grown(margin)
+    }
+
     /// A box, in the frame of its group, that holds the conjunction of the facets of a leaf.
     pub fn leaf_bounds(&self, id: LeafId) -> Bounds {
         let inner = |id: PrototypeId| self.prototype(id).extent;

@@ -13,7 +13,7 @@ use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
 
 /// The kernels that exist for lanes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Kernel {
     /// A plane across coordinate axis `axis`: normal `sign` along it.
     AxisPlane {
@@ -34,12 +34,25 @@ pub enum Kernel {
     AxisCylinder(AxisCylinder),
     /// Two faces of a box.
     AxisSlab(AxisSlab),
+    /// Two faces of a box in any direction.
+    Slab(Slab),
     /// A cone.
     Cone(Cone),
-    /// Any other surface of degree 2.
-    Quadric(LaneQuadric),
+    /// Any other surface of degree 2. (Boxed, as large kernels are rare: tables of facets fit nearer caches.)
+    Quadric(Box<LaneQuadric>),
     /// A torus.
-    Torus(LaneTorus),
+    Torus(Box<LaneTorus>),
+}
+
+/// Two parallel planes that face away from each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Slab {
+    /// The unit normal of the one that is called high.
+    pub normal: Vec3,
+    /// The offset of the plane with the opposite normal, and the number of its face.
+    pub low: (f64, f64),
+    /// The offset of the plane with the normal, and the number of its face.
+    pub high: (f64, f64),
 }
 
 impl Kernel {
@@ -53,9 +66,11 @@ impl Kernel {
                 Some(along.unwrap_or(Kernel::Cylinder(*cylinder)))
             }
             Surface::Cone(cone) => Some(Kernel::Cone(*cone)),
-            Surface::Quadric(quadric) => Some(Kernel::Quadric(LaneQuadric::of(quadric))),
-            Surface::Torus(torus) => Some(Kernel::Torus(LaneTorus::plain(torus))),
-            Surface::AffineTorus(torus) => LaneTorus::image(torus).map(Kernel::Torus),
+            Surface::Quadric(quadric) => Some(Kernel::Quadric(Box::new(LaneQuadric::of(quadric)))),
+            Surface::Torus(torus) => Some(Kernel::Torus(Box::new(LaneTorus::plain(torus)))),
+            Surface::AffineTorus(torus) => {
+                LaneTorus::image(torus).map(|torus| Kernel::Torus(Box::new(torus)))
+            }
         }
     }
 
@@ -76,7 +91,7 @@ fn axis_plane(plane: &Plane) -> Option<Kernel> {
 }
 
 /// A side of a surface that bounds a leaf.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Facet {
     /// The surface.
     pub kernel: Kernel,
@@ -94,8 +109,8 @@ pub struct Facet {
 impl Facet {
     /// True if the facet may hold before and after some time, but not at it.
     pub fn can_gap(&self) -> bool {
-        match self.kernel {
-            Kernel::AxisPlane { .. } | Kernel::AxisSlab(_) | Kernel::Plane(_) => false,
+        match &self.kernel {
+            Kernel::AxisPlane { .. } | Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Plane(_) => false,
             Kernel::Sphere(_) | Kernel::Cylinder(_) | Kernel::AxisCylinder(_) => !self.inside,
             Kernel::Quadric(quadric) => !self.inside || quadric.may_open,
             Kernel::Cone(_) | Kernel::Torus(_) => true,
@@ -109,19 +124,34 @@ impl Facet {
 
     /// This facet and the next one of the same leaf as one, if they are opposite faces of a box.
     pub fn joined(&self, next: &Facet) -> Option<Facet> {
-        let (
-            &Kernel::AxisPlane { axis, sign, offset },
-            &Kernel::AxisPlane { axis: other, sign: turned, offset: next_offset },
-        ) = (&self.kernel, &next.kernel)
-        else {
-            return None;
+        let kernel = match (&self.kernel, &next.kernel) {
+            (
+                &Kernel::AxisPlane { axis, sign, offset },
+                &Kernel::AxisPlane { axis: other, sign: turned, offset: next_offset },
+            ) if axis == other && sign == -turned && self.inside && next.inside => {
+                let ends = [(offset, self.face), (next_offset, next.face)];
+                let [low, high] = if sign < 0.0 { ends } else { [ends[1], ends[0]] };
+                Kernel::AxisSlab(AxisSlab { axis, low, high })
+            }
+            (Kernel::Plane(plane), Kernel::Plane(other)) => {
+                let (high, low) = (self.outward(plane), next.outward(other));
+                if high.normal != -low.normal {
+                    return None;
+                }
+                let (low, normal) = ((low.offset, next.face), high.normal);
+                Kernel::Slab(Slab { normal, low, high: (high.offset, self.face) })
+            }
+            _ => return None,
         };
-        if axis != other || sign != -turned || !self.inside || !next.inside {
-            return None;
+        Some(Facet { kernel, inside: true, ..self.clone() })
+    }
+
+    /// The plane with the sign with which this facet is its inside. Nothing is rounded by that, here or along a ray.
+    fn outward(&self, plane: &Plane) -> Plane {
+        match self.inside {
+            true => *plane,
+            false => Plane { normal: -plane.normal, offset: -plane.offset },
         }
-        let ends = [(offset, self.face), (next_offset, next.face)];
-        let [low, high] = if sign < 0.0 { ends } else { [ends[1], ends[0]] };
-        Some(Facet { kernel: Kernel::AxisSlab(AxisSlab { axis, low, high }), ..*self })
     }
 
     /// Narrows the stretch of a leaf to where this facet holds; or answers with a stretch in which it does not.
@@ -169,8 +199,8 @@ impl Facet {
                 let (from, to) = cylinder_times(simd, &across, ray, doubt);
                 self.stretch(simd, from, to, span)
             }
-            Kernel::AxisSlab(slab) => {
-                self.slab(simd, slab, ray, span, doubt);
+            Kernel::AxisSlab(_) | Kernel::Slab(_) => {
+                self.slab(simd, ray, span, doubt);
                 None
             }
             Kernel::Torus(torus) => Some(self.torus(simd, torus, ray, span, doubt)),
@@ -238,21 +268,22 @@ impl Facet {
 
     /// Two planes that face away from each other: met at the same speed, one after the other.
     #[inline(always)]
-    fn slab<S: Simd>(
-        &self,
-        simd: S,
-        slab: &AxisSlab,
-        ray: &LaneRay<S>,
-        span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
-    ) {
-        let axis = slab.axis.into();
-        let (origin, speed) = (ray.origin.component(axis), ray.direction.component(axis));
-        let (below, above) = (origin + slab.low.0, splat(simd, slab.high.0) - origin);
+    fn slab<S: Simd>(&self, simd: S, ray: &LaneRay<S>, span: &mut Span<S>, doubt: &mut Doubt<S>) {
+        let (origin, speed, low, high) = match &self.kernel {
+            Kernel::AxisSlab(AxisSlab { axis, low, high }) => {
+                let axis = (*axis).into();
+                (ray.origin.component(axis), ray.direction.component(axis), *low, *high)
+            }
+            Kernel::Slab(Slab { normal, low, high }) => {
+                (ray.origin.dot_all(*normal), ray.direction.dot_all(*normal), *low, *high)
+            }
+            _ => return,
+        };
+        let (low_face, high_face) = (splat(simd, low.1), splat(simd, high.1));
+        let (below, above) = (origin + low.0, splat(simd, high.0) - origin);
         let (low, high) = (below / -speed + 0.0, above / speed + 0.0);
         let rises = speed.simd_gt(0.0);
         let (mut from, mut to) = (rises.select(low, high), rises.select(high, low));
-        let (low_face, high_face) = (splat(simd, slab.low.1), splat(simd, slab.high.1));
         let [plus, minus] = super::ray::infinite(simd);
         let finite = low.abs().max(high.abs()).simd_lt(plus);
         let slow = speed.abs().simd_le(ray.slow_plane);

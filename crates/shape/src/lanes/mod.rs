@@ -20,7 +20,7 @@ mod torus_line;
 mod vector;
 
 pub use axis::{AxisCylinder, AxisSlab};
-pub use facet::{Facet, Kernel};
+pub use facet::{Facet, Kernel, Slab};
 pub use gradient::Gradient;
 pub use quadric::LaneQuadric;
 pub use ray::{Doubt, LaneLimits, LaneRay};

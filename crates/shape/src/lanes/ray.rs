@@ -71,10 +71,22 @@ impl<S: Simd> LaneRay<S> {
         direction: Vec3Lanes<S>,
         limits: &LaneLimits,
     ) -> (Self, Doubt<S>) {
+        LaneRay::carried(simd, origin, direction, limits, splat(simd, 0.0))
+    }
+
+    /// The same in the frame of a placed solid, the way into which adds `reach` to that of every surface.
+    #[inline(always)]
+    pub fn carried(
+        simd: S,
+        origin: Vec3Lanes<S>,
+        direction: Vec3Lanes<S>,
+        limits: &LaneLimits,
+        reach: Lanes<S>,
+    ) -> (Self, Doubt<S>) {
         let square = direction.length_squared();
         let middle = origin.taken_from(limits.centre).dot(direction) / square;
         let (from, speed) = (origin.taxicab(), direction.taxicab());
-        let lengths = from + limits.reach;
+        let lengths = from + (reach + limits.reach);
         let at_middle = lengths + middle.abs() * speed;
         let near = at_middle * (2.0 * delta_of(1.0));
         // in a plane at both ends of the chord, two radii apart: |n . d| 2 radius / |d| <= 2 delta; twice that

@@ -77,6 +77,12 @@ impl<S: Simd> Vec3Lanes<S> {
         Vec3Lanes { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
     }
 
+    /// Plus one vector for all lanes.
+    #[inline(always)]
+    pub fn plus_all(self, v: Vec3) -> Self {
+        Vec3Lanes { x: self.x + v.x, y: self.y + v.y, z: self.z + v.z }
+    }
+
     /// Less one vector for all lanes.
     #[inline(always)]
     pub fn minus_all(self, v: Vec3) -> Self {
@@ -111,6 +117,16 @@ impl<S: Simd> Vec3Lanes<S> {
     #[inline(always)]
     pub fn perpendicular(self, axis: Vec3) -> Self {
         self.without(self.dot_all(axis), axis)
+    }
+
+    /// Another vector in some lanes.
+    #[inline(always)]
+    pub fn or_where(self, lanes: Mask<S>, other: Self) -> Self {
+        Vec3Lanes {
+            x: lanes.select(other.x, self.x),
+            y: lanes.select(other.y, self.y),
+            z: lanes.select(other.z, self.z),
+        }
     }
 
     /// The sum of the magnitudes of the components: at least the length, at most sqrt(3) times it.

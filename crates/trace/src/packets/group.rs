@@ -6,7 +6,7 @@ use super::plan::{Difference, MOST, NONE, Plan, STEPS};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_model::{Rays, Window};
-use rayweave_shape::lanes::{Doubt, LANES, LaneRay, Lanes, Mask, Span, Vec3Lanes, splat};
+use rayweave_shape::lanes::{Doubt, Facet, LANES, LaneRay, Lanes, Mask, Span, Vec3Lanes, splat};
 
 /// A number of each ray, in memory.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +84,10 @@ impl<'m, S: Simd> Group<'m, S> {
     fn enter_here(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Doubt<S>, Mask<S>) {
         let never = Mask::splat(self.simd, false);
         let mut doubt = Doubt { always: never, grazes: never };
-        self.stretches(plan, ray, &mut doubt);
+        if !self.stretches(plan, ray, &mut doubt) {
+            self.no_changes();
+            return (doubt, never);
+        }
         self.changes(plan, window, true, &mut doubt);
         let starts = Lanes::load_array(self.simd, self.starts(plan, window));
         (doubt, starts.simd_gt(splat(self.simd, 0.0)))
@@ -98,7 +101,10 @@ impl<'m, S: Simd> Group<'m, S> {
         let limits = &plan.model.limits;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
         let (ray, mut doubt) = LaneRay::new(simd, origin, direction, limits);
-        self.stretches(plan, &ray, &mut doubt);
+        if !self.stretches(plan, &ray, &mut doubt) {
+            self.no_changes();
+            return Found { doubt: doubt.always.to_bitmask(), most: 0, starts: [0.0; LANES] };
+        }
         let most = self.changes(plan, window, first, &mut doubt);
         let mut unsure = doubt.always;
         for k in 1..most {
@@ -109,29 +115,46 @@ impl<'m, S: Simd> Group<'m, S> {
         Found { doubt: unsure.to_bitmask(), most, starts: self.starts(plan, window) }
     }
 
-    /// The stretches of all leaves.
+    /// The stretches of all leaves; false if no ray is ever inside, as soon as that is clear.
     #[inline(always)]
-    fn stretches(&mut self, plan: &Plan, ray: &LaneRay<S>, doubt: &mut Doubt<S>) {
-        for leaf in 0..plan.leaves.len() {
-            self.leaf(plan, leaf, ray, doubt);
+    fn stretches(&mut self, plan: &Plan, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> bool {
+        for leaf in &plan.leaves {
+            let is_met = self.leaf(&plan.facets[leaf.facets.clone()], leaf.span, ray, doubt);
+            if leaf.is_needed && !is_met {
+                return false;
+            }
         }
+        true
     }
 
-    /// The stretch of a leaf and those that are cut out of it.
+    /// No change on any ray.
     #[inline(always)]
-    fn leaf(&mut self, plan: &Plan, leaf: usize, ray: &LaneRay<S>, doubt: &mut Doubt<S>) {
+    pub fn no_changes(&mut self) {
+        let never = splat(self.simd, f64::INFINITY);
+        self.set_key(0, never);
+        self.set_key(1, never);
+    }
+
+    /// The stretch of a leaf, number `first`, and those that are cut out of it. False if there is none on any ray: then
+    /// what is cut out of it does not matter.
+    #[inline(always)]
+    pub fn leaf(&mut self, facets: &[Facet], first: usize, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> bool {
         let simd = self.simd;
-        let leaf = &plan.leaves[leaf];
-        let mut span = Span::line(simd);
-        for facet in &plan.facets[leaf.facets.clone()] {
+        let (mut span, mut is_met) = (Span::line(simd), true);
+        for facet in facets {
             if let Some(gap) = facet.narrow(simd, ray, &mut span, doubt)
                 && facet.gap != NONE
             {
                 let face = splat(simd, facet.face);
-                self.keep(facet.gap as usize, [gap.from, gap.to], [face, face]);
+                self.keep(first + facet.gap as usize, [gap.from, gap.to], [face, face]);
+            }
+            is_met = span.is_some().any_true();
+            if !is_met {
+                break;
             }
         }
-        self.keep(leaf.span, [span.from, span.to], [span.from_face, span.to_face]);
+        self.keep(first, [span.from, span.to], [span.from_face, span.to_face]);
+        is_met
     }
 
     #[inline(always)]
@@ -145,7 +168,7 @@ impl<'m, S: Simd> Group<'m, S> {
     }
 
     #[inline(always)]
-    fn end(&self, code: usize) -> Lanes<S> {
+    pub fn end(&self, code: usize) -> Lanes<S> {
         Lanes::load_array_ref(self.simd, &self.memory.ends[code % (2 * MOST)].0)
     }
 
@@ -161,27 +184,30 @@ impl<'m, S: Simd> Group<'m, S> {
     fn changes(&mut self, plan: &Plan, window: Window, first: bool, doubt: &mut Doubt<S>) -> usize {
         let simd = self.simd;
         let never = splat(simd, f64::INFINITY);
-        let (mut earliest, mut second, mut count) = (never, never, 0);
+        let (mut earliest, mut second, mut tied, mut count) = (never, never, never, 0);
         for (stretch, difference) in plan.differences.iter().enumerate() {
             for code in [2 * stretch, 2 * stretch + 1] {
                 let t = self.end(code);
                 let asked = t.simd_gt(window.t_min()) & t.simd_lt(window.t_max());
                 let (changes, ties) = self.difference(difference, t, asked);
-                doubt.always |= ties;
                 let key = (t.to_bits() & !CODE) | code as u64;
                 let key = changes.select(Lanes::from_bits(key), never);
                 if first {
+                    tied = tied.min(ties.select(t, never));
                     second = second.min(earliest.max(key));
                     earliest = earliest.min(key);
                 } else {
+                    doubt.always |= ties;
                     self.set_key(count, key);
                     count += usize::from(changes.any_true());
                 }
             }
         }
         if first {
+            // one that comes later counts as a change
+            doubt.always |= tied.simd_le(earliest) & tied.simd_lt(never);
             self.set_key(0, earliest);
-            self.set_key(1, second);
+            self.set_key(1, second.min(tied));
             return 2;
         }
         sort(simd, &mut self.memory.keys, count);
@@ -192,7 +218,7 @@ impl<'m, S: Simd> Group<'m, S> {
     }
 
     #[inline(always)]
-    fn set_key(&mut self, k: usize, key: Lanes<S>) {
+    pub fn set_key(&mut self, k: usize, key: Lanes<S>) {
         key.store_array(&mut self.memory.keys[k % (2 * MOST)].0);
     }
 
@@ -231,7 +257,7 @@ impl<'m, S: Simd> Group<'m, S> {
 
     /// When a stretch begins and ends.
     #[inline(always)]
-    fn stretch(&self, k: usize) -> (Lanes<S>, Lanes<S>) {
+    pub fn stretch(&self, k: usize) -> (Lanes<S>, Lanes<S>) {
         (self.end(2 * k), self.end(2 * k + 1))
     }
 

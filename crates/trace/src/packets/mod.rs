@@ -2,38 +2,39 @@
 //!
 //! Along a ray a leaf is a stretch from one time to another (less what some facets cut out). Each end of a stretch is
 //! kept if the boolean of the *other* stretches at that time makes it a change: comparisons and masks, no sweep and no
-//! branch. That takes a number of comparisons that grows with the square of the number of leaves, so models of more
-//! than a few leaves, and those with placed solids, are left to [`Weave`]; so is every single ray about which lanes
-//! cannot be certain: where two events come at the same time, where two crossings are so near each other that they may
-//! have to be welded, where a ray may lie in a face.
+//! branch. That takes a number of comparisons that grows with the square of the number of leaves, so models of more than a
+//! few leaves are taken apart for first hits, if they are unions of small solids, placed or not, or carved of a few, and
+//! left to [`Weave`] otherwise; so is every single ray about which lanes cannot be certain: where two events come at the
+//! same time, where two crossings are so near each other that they may have to be welded, where a ray may lie in a face.
 
+mod boxes;
+mod carved;
 mod group;
 mod logic;
 mod network;
 mod normal;
 mod objects;
+mod places;
 mod plan;
 
 use crate::Weave;
 use crate::weave::WeaveScratch;
+use boxes::Ahead;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 use group::{Found, Group, Memory, Row, load, whole};
 use normal::Hits;
-use objects::Objects;
-use plan::{Common, Plan};
+use objects::{First, Objects};
+use plan::{APART, Common, Plan, SMALL};
 use rayweave_model::{
-    Crossing, Evaluator, FirstHits, HitRows, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink, Window,
-    dress,
+    Crossing, Evaluator, Face, FirstHits, HitRows, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink,
+    Window, dress,
 };
-use rayweave_shape::lanes::{LANES, Lanes, splat};
+use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, splat};
 use std::sync::Arc;
 
 /// Up to so many comparisons of stretches a model is asked as a whole for lists; beyond that the weave is faster.
 const TOGETHER: usize = 256;
-
-/// From so many comparisons on the solids of a union are asked one by one for first hits.
-const APART: usize = 64;
 
 /// The evaluator for daily use: lanes where they are sure, [`Weave`] elsewhere.
 #[derive(Clone, Debug)]
@@ -49,8 +50,15 @@ pub struct Packets {
 pub struct PacketsScratch {
     weave: WeaveScratch,
     memory: Option<Box<Memory>>,
-    stack: Vec<u32>,
+    ahead: [Ahead; 2],
     crossings: Vec<Crossing>,
+}
+
+impl PacketsScratch {
+    /// How many leaves the weave has been asked for with this scratch, on rays that were not sure in lanes.
+    pub fn asked_of_weave(&self) -> u64 {
+        self.weave.asked()
+    }
 }
 
 impl Packets {
@@ -66,6 +74,7 @@ impl Packets {
         let comparisons = plan.as_ref().map_or(usize::MAX, Plan::comparisons);
         let objects = model.as_ref().filter(|_| comparisons > APART);
         let objects = objects.and_then(|model| Objects::new(&program, model));
+        let objects = objects.filter(|objects| comparisons > SMALL || objects.count() > 1);
         let plan = plan.filter(|_| comparisons <= TOGETHER);
         Packets {
             plan: plan.map(Box::new),
@@ -272,6 +281,15 @@ impl Take for Firsts<'_, '_> {
     }
 }
 
+/// Eight answers: times and faces, regions before and after, placements.
+struct Eight {
+    t: Row,
+    face: Row,
+    before: Row,
+    after: Row,
+    placement: Row,
+}
+
 impl Firsts<'_, '_> {
     /// Eight rays, all of them sure.
     #[inline(always)]
@@ -285,70 +303,92 @@ impl Firsts<'_, '_> {
                 after.0[lane] = 1.0 - after.0[lane];
             }
         }
-        self.write(group.simd, &plan.model, at, [t, face], [Row(found.starts), after]);
+        let eight = Eight { t, face, before: Row(found.starts), after, placement: Row([0.0; LANES]) };
+        self.write(&eight, at, LANES);
+        if let Some(hits) = self.hits(group.simd, &eight, at) {
+            let (normals, others) = hits.normals(group.simd, &plan.model.slopes);
+            self.write_normals(normals, at, LANES);
+            self.dress(others, at, |lane| plan.model.faces[eight.face.0[lane] as usize]);
+        }
     }
 
-    /// Writes eight answers: times and faces, regions before and after.
+    /// Writes answers but for the normals.
     #[inline(always)]
-    fn write<S: Simd>(
-        &mut self,
-        simd: S,
-        model: &Common,
-        at: usize,
-        [t, face]: [Row; 2],
-        [before, after]: [Row; 2],
-    ) {
-        let here = at..at + LANES;
+    fn write(&mut self, eight: &Eight, at: usize, count: usize) {
+        let here = at..at + count;
         let hits = &mut *self.hits;
-        hits.t[here.clone()].copy_from_slice(&t.0);
-        hits.placement[here.clone()].fill(0);
+        hits.t[here.clone()].copy_from_slice(&eight.t.0[..count]);
         let faces = &mut hits.face[here.clone()];
         let (befores, afters) = (&mut hits.before[here.clone()], &mut hits.after[here.clone()]);
-        for lane in 0..LANES {
-            faces[lane] = whole(face.0[lane]);
-            befores[lane] = whole(before.0[lane]) as u32;
-            afters[lane] = whole(after.0[lane]) as u32;
+        let placements = &mut hits.placement[here];
+        for lane in 0..count {
+            faces[lane] = whole(eight.face.0[lane]);
+            befores[lane] = whole(eight.before.0[lane]) as u32;
+            afters[lane] = whole(eight.after.0[lane]) as u32;
+            placements[lane] = whole(eight.placement.0[lane]) as u32;
         }
-        let Some([x, y, z]) = &mut hits.normal else { return };
+    }
+
+    /// What the normals are found from, if they are asked for.
+    #[inline(always)]
+    fn hits<S: Simd>(&self, simd: S, eight: &Eight, at: usize) -> Option<Hits<S>> {
+        self.hits.normal.as_ref()?;
         let zero = splat(simd, 0.0);
-        let leaves = Lanes::load_array_ref(simd, &after.0).simd_le(zero);
-        let hit = Lanes::load_array_ref(simd, &face.0).simd_ge(zero).to_bitmask();
+        let leaves = Lanes::load_array_ref(simd, &eight.after.0).simd_le(zero);
+        let hit = Lanes::load_array_ref(simd, &eight.face.0).simd_ge(zero).to_bitmask();
         let (origin, direction) = (load(simd, self.rays.origins, at), load(simd, self.rays.directions, at));
-        let found = Hits { origin, direction, t: Lanes::load_array_ref(simd, &t.0), face, leaves, hit };
-        let (normals, mut others) = found.normals(simd, &model.slopes);
-        normals.x.store_slice(&mut x[here.clone()]);
-        normals.y.store_slice(&mut y[here.clone()]);
-        normals.z.store_slice(&mut z[here]);
-        while others != 0 {
-            let lane = others.trailing_zeros() as usize;
-            others &= others - 1;
-            let face = model.faces[face.0[lane] as usize];
-            let [before, after] = [before, after].map(|row| RegionId(row.0[lane] as u32));
-            let crossing = Crossing { t: t.0[lane], face, left: face, entered: face, before, after };
-            let normal = dress::normal(self.weave.program(), &self.rays.get(at + lane), &crossing);
-            (x[at + lane], y[at + lane], z[at + lane]) = (normal.x, normal.y, normal.z);
+        let t = Lanes::load_array_ref(simd, &eight.t.0);
+        Some(Hits { origin, direction, t, face: eight.face, leaves, hit })
+    }
+
+    #[inline(always)]
+    fn write_normals<S: Simd>(&mut self, normals: Vec3Lanes<S>, at: usize, count: usize) {
+        let Some([x, y, z]) = &mut self.hits.normal else { return };
+        x[at..at + count].copy_from_slice(&normals.x.as_slice()[..count]);
+        y[at..at + count].copy_from_slice(&normals.y.as_slice()[..count]);
+        z[at..at + count].copy_from_slice(&normals.z.as_slice()[..count]);
+    }
+
+    /// The normals of some lanes one by one: everything else about them has been written.
+    fn dress(&mut self, mut lanes: u64, at: usize, face: impl Fn(usize) -> Face) {
+        let Some([x, y, z]) = &mut self.hits.normal else { return };
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let (ray, face) = (at + lane, face(lane));
+            let [before, after] = [self.hits.before[ray], self.hits.after[ray]].map(RegionId);
+            let crossing = Crossing { t: self.hits.t[ray], face, left: face, entered: face, before, after };
+            let normal = dress::normal(self.weave.program(), &self.rays.get(ray), &crossing);
+            (x[ray], y[ray], z[ray]) = (normal.x, normal.y, normal.z);
         }
     }
 
     /// What rays meet first among many solids.
     #[inline(always)]
-    fn among<S: Simd>(&mut self, simd: S, objects: &Objects, memory: &mut Memory, stack: &mut Vec<u32>) {
+    fn among<S: Simd>(&mut self, simd: S, objects: &Objects, memory: &mut Memory, ahead: &mut [Ahead; 2]) {
         let mut group = Group::new(simd, memory);
         for at in (0..self.rays.len()).step_by(LANES) {
             let count = LANES.min(self.rays.len() - at);
-            let whole = count == LANES;
-            let first = match whole {
-                true => objects.first(&mut group, stack, self.rays, at, self.query.window),
-                false => None,
-            };
-            if let Some(first) = &first {
-                let outside = Row([0.0; LANES]);
-                self.write(simd, &objects.model, at, [first.t, first.face], [outside, first.region]);
-            }
-            let doubt = first.map_or(!0, |first| first.doubt);
-            for lane in (0..count).filter(|lane| doubt >> lane & 1 == 1) {
+            let program = self.weave.program();
+            let first = objects.first(&mut group, ahead, program, self.rays, at, self.query.window);
+            self.put_first(simd, objects, &first, at, count);
+            for lane in (0..count).filter(|lane| first.doubt >> lane & 1 == 1) {
                 self.put_one(at + lane);
             }
+        }
+    }
+
+    /// Writes what was found first among many solids; lanes in doubt are to be overwritten.
+    #[inline(always)]
+    fn put_first<S: Simd>(&mut self, simd: S, objects: &Objects, first: &First, at: usize, count: usize) {
+        let First { t, face, region: after, placement, .. } = *first;
+        let eight = Eight { t, face, before: Row([0.0; LANES]), after, placement };
+        self.write(&eight, at, count);
+        if let Some(hits) = self.hits(simd, &eight, at) {
+            let (normals, others) = objects.normals(simd, self.weave.program(), first, &hits);
+            self.write_normals(normals, at, count);
+            let there = !0 >> (64 - count);
+            self.dress(others & there & !first.doubt, at, |lane| objects.face(first, lane));
         }
     }
 
@@ -423,10 +463,10 @@ impl Evaluator for Packets {
         let query = Query { window, limit: Limit::First, starts: None };
         if let Some(objects) = &self.objects {
             let mut memory = scratch.memory.take().unwrap_or_default();
-            let mut stack = std::mem::take(&mut scratch.stack);
+            let mut ahead = std::mem::take(&mut scratch.ahead);
             let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits };
-            dispatch!(self.level, simd => firsts.among(simd, objects, &mut memory, &mut stack));
-            (scratch.memory, scratch.stack) = (Some(memory), stack);
+            dispatch!(self.level, simd => firsts.among(simd, objects, &mut memory, &mut ahead));
+            (scratch.memory, scratch.ahead) = (Some(memory), ahead);
             return;
         }
         let Some(plan) = &self.plan else {

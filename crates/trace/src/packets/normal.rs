@@ -82,11 +82,17 @@ impl<S: Simd> Hits<S> {
                 Slope::Other => None,
             };
             match gradient {
-                Some(unit) => normals = select(here, unit, normals),
+                Some(unit) => normals = normals.or_where(here, unit),
                 None => others |= left & here.to_bitmask(),
             }
             left &= !here.to_bitmask();
         }
+        self.oriented(simd, normals, others)
+    }
+
+    /// Unit gradients as normals; the lanes that have to be asked one by one, `others` and those that only graze.
+    #[inline(always)]
+    pub fn oriented(&self, simd: S, normals: Vec3Lanes<S>, others: u64) -> (Vec3Lanes<S>, u64) {
         let slope = normals.dot(self.direction);
         // against the ray where it enters, along it where it leaves
         let turns = slope.simd_gt(0.0) ^ self.leaves;
@@ -98,11 +104,6 @@ impl<S: Simd> Hits<S> {
     }
 }
 
-#[inline(always)]
-fn select<S: Simd>(mask: Mask<S>, a: Vec3Lanes<S>, b: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    Vec3Lanes { x: mask.select(a.x, b.x), y: mask.select(a.y, b.y), z: mask.select(a.z, b.z) }
-}
-
 /// The unit vectors along twice an offset.
 #[inline(always)]
 fn normalised<S: Simd>(simd: S, offset: Vec3Lanes<S>) -> Vec3Lanes<S> {
@@ -111,7 +112,7 @@ fn normalised<S: Simd>(simd: S, offset: Vec3Lanes<S>) -> Vec3Lanes<S> {
 
 /// The unit vectors along gradients, first brought to a largest component of 1.
 #[inline(always)]
-fn scaled_to_unit<S: Simd>(simd: S, gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
+pub(super) fn scaled_to_unit<S: Simd>(simd: S, gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
     let Vec3Lanes { x, y, z } = gradient;
     let largest = x.abs().max(y.abs()).max(z.abs());
     let scaled = Vec3Lanes { x: x / largest, y: y / largest, z: z / largest };

@@ -1,93 +1,300 @@
-//! What eight rays meet first among many small solids that are united.
+//! What eight rays meet first among many small solids that are united, some of them placed.
 //!
 //! As long as a ray is outside of all of them, the first change is the earliest entry into any: each solid is asked by a
-//! plan of its own, front to back through a hierarchy of boxes, and boxes behind what was found so far are left out. A
-//! ray that starts inside, two entries at the same time, or one so near the next change that the two may have to be
-//! welded, is left to the weave.
+//! plan of its own, in its own frame, front to back through a hierarchy of boxes, and boxes behind what was found so far
+//! are left out. A ray that starts inside, two entries at the same time, or one so near the next change that the two may
+//! have to be welded, is left to the weave.
 
+use super::boxes::{Ahead, Boxes, Reach, Slabs};
+use super::carved::{Bundled, Carved};
 use super::group::{Group, Row, load};
-use super::plan::{Common, LARGE, MOST, Plan};
+use super::normal::Hits;
+use super::places::{Carried, Step, unit_gradient};
+use super::plan::{Common, LARGE, MOST, Plan, SMALL, limits};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Edge, Expression, Gate, LeafId, MARGIN, Program, PrototypeId, Rays, Rule, Window};
-use rayweave_shape::lanes::{LANES, LaneRay, Lanes, Mask, Vec3Lanes, splat};
+use rayweave_math::Bounds;
+use rayweave_model::weld::Trajectory;
+use rayweave_model::{
+    Edge, Expression, Face, Gate, LeafId, LeafKind, MARGIN, PlacementId, Program, Prototype, PrototypeId,
+    Rays, Rule, Window,
+};
+use rayweave_shape::lanes::{LANES, LaneLimits, LaneRay, Lanes, Mask, Vec3Lanes, splat};
+use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
-/// Solids that are united, in the order of a hierarchy.
+/// Solids that are united.
 #[derive(Clone, Debug)]
 pub(super) struct Objects {
     pub model: Arc<Common>,
     objects: Vec<Object>,
-    nodes: Vec<Node>,
+    parts: Vec<Part>,
+    /// The ways into the frames of placed solids.
+    steps: Vec<Step>,
+    boxes: Boxes,
     condition: f64,
+    /// True if there are so few leaves that all may as well be asked together by all rays.
+    is_few: bool,
 }
 
 /// One of the solids.
 #[derive(Clone, Debug)]
 struct Object {
-    plan: Plan,
+    bounds: Bounds,
     region: f64,
+    /// The number of its part: copies have the same.
+    part: u32,
+    placement: u32,
+    /// The way into its frame, the outermost step first.
+    steps: Range<u32>,
 }
 
-/// A box around solids: inner nodes stand before their first child.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    bounds: Bounds,
-    /// The axis along which the children are parted, the first below.
-    axis: usize,
-    /// The second child; 0 for none.
-    second: u32,
-    /// The solid in it, where there are no children.
-    object: u32,
+/// What is asked of a solid in its own frame.
+#[derive(Clone, Debug)]
+struct Part {
+    asked: Asked,
+    limits: LaneLimits,
+    /// See [`Prototype::condition`].
+    condition: f64,
+}
+
+/// How a solid is asked.
+#[derive(Clone, Debug)]
+enum Asked {
+    Plan(Box<Plan>),
+    Carved(Box<Carved>),
+}
+
+impl Asked {
+    fn leaf_count(&self) -> usize {
+        match self {
+            Asked::Plan(plan) => plan.leaves.len(),
+            Asked::Carved(carved) => carved.leaf_count(),
+        }
+    }
 }
 
 impl Objects {
     /// For a model whose regions are unions of small solids, none of the medium of the world.
     pub fn new(program: &Program, model: &Arc<Common>) -> Option<Objects> {
-        let group = program.prototype(PrototypeId(0));
         if program.regions().iter().any(|region| region.medium == 0) {
             return None;
         }
-        let matters = program.matters(group);
-        let mut items = Vec::new();
+        let mut found = Gathered::new(program, model);
+        let group = program.prototype(PrototypeId(0));
         for (region, &output) in group.expression.outputs().iter().enumerate() {
-            for edge in united(&group.expression, output)? {
-                let plan = Plan::of(program, model, &[edge], true)?;
-                let leaves = leaves(&group.expression, edge)?;
-                let around = leaves.iter().fold(Bounds::EMPTY, |all, leaf| all.union(&matters[leaf.index()]));
-                if around.is_empty() {
-                    continue;
-                }
-                if plan.start != Some(0) || !around.is_finite() {
-                    return None;
-                }
-                items.push((around, Object { plan, region: region as f64 + 1.0 }));
-            }
+            let region = region as f64 + 1.0;
+            found.waiting.push(Within { edge: output, region, ..Within::default() });
+            found.gather()?;
         }
-        let (nodes, order) = hierarchy(&items);
-        let objects = order.into_iter().map(|k| items[k].1.clone()).collect();
-        Some(Objects { model: model.clone(), objects, nodes, condition: group.condition })
+        let Gathered { parts, objects, steps, .. } = found;
+        let bounds: Vec<Bounds> = objects.iter().map(|object| object.bounds).collect();
+        let mut boxes = Boxes::new(&bounds);
+        let mut objects = boxes.reorder(&objects);
+        let parts = reordered(&parts, &mut objects);
+        let leaves = objects.iter().map(|object| parts[object.part as usize].asked.leaf_count());
+        let is_few = leaves.sum::<usize>() <= MOST;
+        let condition = group.condition;
+        Some(Objects { model: model.clone(), objects, parts, steps, boxes, condition, is_few })
+    }
+
+    /// The number of solids.
+    pub fn count(&self) -> usize {
+        self.objects.len()
+    }
+
+    fn steps(&self, object: &Object) -> &[Step] {
+        &self.steps[object.steps.start as usize..object.steps.end as usize]
     }
 }
 
-/// The operands of nested unions below an edge.
-fn united(expression: &Expression, output: Edge) -> Option<Vec<Edge>> {
-    let (mut found, mut waiting) = (Vec::new(), vec![output]);
-    while let Some(edge) = waiting.pop() {
-        match expression.node(edge.node()) {
-            Gate::Vacuum if !edge.is_complemented() => {}
-            Gate::Join(Rule::AtLeast(1), operands) if !edge.is_complemented() => {
-                waiting.extend(operands.iter());
-            }
-            _ => found.push(edge),
-        }
-        // parts that are used by several unions come by more than once
-        if found.len() + waiting.len() > LARGE {
-            return None;
+/// A solid within a group that may be placed.
+#[derive(Clone, Debug)]
+struct Within {
+    edge: Edge,
+    region: f64,
+    group: PrototypeId,
+    placement: u32,
+    /// The leaves by which the group is placed, the outermost first, each with its own group.
+    path: Vec<(PrototypeId, LeafId)>,
+    steps: Range<u32>,
+}
+
+impl Default for Within {
+    fn default() -> Self {
+        let group = PrototypeId(0);
+        Within { edge: Edge::VACUUM, region: 0.0, group, placement: 0, path: Vec::new(), steps: 0..0 }
+    }
+}
+
+/// The solids of a model as they are found.
+struct Gathered<'p> {
+    program: &'p Program,
+    model: &'p Arc<Common>,
+    /// Where the leaves of each group matter, once that was asked.
+    matters: HashMap<PrototypeId, Vec<Bounds>>,
+    known: HashMap<(PrototypeId, Edge), Option<u32>>,
+    waiting: Vec<Within>,
+    parts: Vec<Part>,
+    objects: Vec<Object>,
+    steps: Vec<Step>,
+}
+
+impl<'p> Gathered<'p> {
+    fn new(program: &'p Program, model: &'p Arc<Common>) -> Self {
+        Gathered {
+            program,
+            model,
+            matters: HashMap::new(),
+            known: HashMap::new(),
+            waiting: Vec::new(),
+            parts: Vec::new(),
+            objects: Vec::new(),
+            steps: Vec::new(),
         }
     }
-    Some(found)
+
+    /// Takes apart what is waiting; `None` if it is not a union of small solids, or one of too many.
+    fn gather(&mut self) -> Option<()> {
+        while let Some(within) = self.waiting.pop() {
+            // parts that are used by several unions come by more than once
+            if self.objects.len() + self.waiting.len() > LARGE {
+                return None;
+            }
+            self.take_apart(within)?;
+        }
+        Some(())
+    }
+
+    fn take_apart(&mut self, within: Within) -> Option<()> {
+        let expression = &self.program.prototype(within.group).expression;
+        let upright = !within.edge.is_complemented();
+        match expression.node(within.edge.node()) {
+            Gate::Vacuum if upright => Some(()),
+            Gate::Join(Rule::AtLeast(1), operands) if upright => {
+                self.waiting.extend(operands.iter().map(|&edge| Within { edge, ..within.clone() }));
+                Some(())
+            }
+            Gate::Leaf(leaf) if upright && self.is_placed(&within, leaf) => self.enter(within, leaf),
+            _ => {
+                let part = self.part(&within)?;
+                self.add(&within, part)
+            }
+        }
+    }
+
+    fn leaf(&self, within: &Within, leaf: LeafId) -> LeafId {
+        LeafId(self.program.prototype(within.group).leaves.start + leaf.0)
+    }
+
+    fn is_placed(&self, within: &Within, leaf: LeafId) -> bool {
+        matches!(self.program.leaf(self.leaf(within, leaf)).kind(), LeafKind::Instance { .. })
+    }
+
+    /// Goes on in the frame of a placed solid.
+    fn enter(&mut self, mut within: Within, leaf: LeafId) -> Option<()> {
+        let id = self.leaf(&within, leaf);
+        let LeafKind::Instance { prototype, placement } = self.program.leaf(id).kind() else { return None };
+        let group = self.program.prototype(prototype);
+        if self.matters(within.group)[leaf.index()].is_empty() {
+            return Some(());
+        }
+        let first = self.steps.len() as u32;
+        self.steps.extend_from_within(within.steps.start as usize..within.steps.end as usize);
+        self.steps.push(Step::new(self.program.leaf(id).place()));
+        within.steps = first..self.steps.len() as u32;
+        within.path.push((within.group, leaf));
+        within.placement += placement;
+        within.group = prototype;
+        within.edge = *group.expression.outputs().first()?;
+        self.waiting.push(within);
+        (group.ball.radius > 0.0).then_some(())
+    }
+
+    fn matters(&mut self, group: PrototypeId) -> &[Bounds] {
+        let program = self.program;
+        self.matters.entry(group).or_insert_with(|| program.matters(program.prototype(group)))
+    }
+
+    /// The number of a part; `None` if it is none for lanes.
+    fn part(&mut self, within: &Within) -> Option<u32> {
+        let key = (within.group, within.edge);
+        if let Some(known) = self.known.get(&key) {
+            return *known;
+        }
+        let part = self.new_part(within);
+        self.known.insert(key, part);
+        part
+    }
+
+    fn new_part(&mut self, within: &Within) -> Option<u32> {
+        let (program, group) = (self.program, self.program.prototype(within.group));
+        let leaves = leaves(&group.expression, within.edge)?;
+        let all = leaves.into_iter().map(|leaf| self.leaf(within, leaf));
+        let (limits, condition) = (limits(program, group, all), group.condition);
+        let asked = self.asked(within, group)?;
+        self.parts.push(Part { asked, limits, condition });
+        Some(self.parts.len() as u32 - 1)
+    }
+
+    /// By a plan if there is a small one; `None` if neither that nor anything else is possible.
+    fn asked(&mut self, within: &Within, group: &Prototype) -> Option<Asked> {
+        // rays must not start inside far away
+        let plan = Plan::of(self.program, self.model, group, &[within.edge], true);
+        let mut plan = plan.filter(|plan| plan.start == Some(0)).map(Box::new);
+        if let Some(plan) = plan.take_if(|plan| is_small(plan)) {
+            return Some(Asked::Plan(plan));
+        }
+        let program = self.program;
+        let carved = Carved::new(program, group, within.edge, self.matters(within.group));
+        carved.map(|carved| Asked::Carved(Box::new(carved))).or(plan.map(Asked::Plan))
+    }
+
+    /// Adds a solid, unless it is nowhere; `None` if it has no end.
+    fn add(&mut self, within: &Within, part: u32) -> Option<()> {
+        let bounds = self.bounds(within)?;
+        if bounds.is_empty() {
+            return Some(());
+        }
+        if !bounds.is_finite() {
+            return None;
+        }
+        let Within { region, placement, ref steps, .. } = *within;
+        self.objects.push(Object { bounds, region, part, placement, steps: steps.clone() });
+        Some(())
+    }
+
+    /// The box of a solid in the world.
+    fn bounds(&mut self, within: &Within) -> Option<Bounds> {
+        let program = self.program;
+        let leaves = leaves(&program.prototype(within.group).expression, within.edge)?;
+        let matters = self.matters(within.group);
+        let mut around = leaves.iter().fold(Bounds::EMPTY, |all, leaf| all.union(&matters[leaf.index()]));
+        for &(group, leaf) in within.path.iter().rev() {
+            let outer: &Prototype = program.prototype(group);
+            let id = LeafId(outer.leaves.start + leaf.0);
+            let image = program.placed_bounds(outer, id, &around);
+            around = image.intersection(&self.matters(group)[leaf.index()]);
+        }
+        Some(around)
+    }
+}
+
+fn is_small(plan: &Plan) -> bool {
+    plan.comparisons() <= SMALL
+}
+
+/// The parts in the order in which objects use them, so that neighbours are near each other in memory, too.
+fn reordered(parts: &[Part], objects: &mut [Object]) -> Vec<Part> {
+    let (mut ordered, mut numbers) = (Vec::with_capacity(parts.len()), HashMap::new());
+    for object in objects {
+        object.part = *numbers.entry(object.part).or_insert_with(|| {
+            ordered.push(parts[object.part as usize].clone());
+            ordered.len() as u32 - 1
+        });
+    }
+    ordered
 }
 
 /// The leaves below an edge, if they are few.
@@ -106,71 +313,6 @@ fn leaves(expression: &Expression, edge: Edge) -> Option<Vec<LeafId>> {
     Some(found)
 }
 
-/// Boxes parted by the surface area heuristic in bins (Wald, "On fast construction of SAH-based bounding volume
-/// hierarchies", 2007), and the order of the solids in them.
-fn hierarchy(items: &[(Bounds, Object)]) -> (Vec<Node>, Vec<usize>) {
-    let mut order: Vec<usize> = (0..items.len()).collect();
-    let (mut nodes, mut waiting): (Vec<Node>, _) = (Vec::new(), vec![(0..items.len(), None)]);
-    while let Some((range, parent)) = waiting.pop() {
-        let here = &mut order[range.clone()];
-        let number = nodes.len() as u32;
-        if let Some(parent) = parent {
-            let parent: &mut Node = &mut nodes[parent as usize];
-            parent.second = number;
-        }
-        let bounds = here.iter().fold(Bounds::EMPTY, |all, &k| all.union(&items[k].0));
-        let (axis, at) = if here.len() > 1 { part(items, here) } else { (0, 0) };
-        nodes.push(Node { bounds, axis, second: 0, object: range.start as u32 });
-        if here.len() > 1 {
-            waiting.push((range.start + at..range.end, Some(number)));
-            waiting.push((range.start..range.start + at, None));
-        }
-    }
-    (nodes, order)
-}
-
-const BINS: usize = 16;
-
-/// Reorders the boxes, two or more, and says along which axis and where to part them.
-fn part(items: &[(Bounds, Object)], here: &mut [usize]) -> (usize, usize) {
-    let centre = |k: usize| items[k].0.centre();
-    let centres =
-        here.iter().fold(Bounds::EMPTY, |all, &k| all.union(&Bounds { lo: centre(k), hi: centre(k) }));
-    let size = centres.size();
-    let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
-    let bin = |k: usize| {
-        let place = (centre(k)[axis] - centres.lo[axis]) / size[axis] * BINS as f64;
-        (place as usize).min(BINS - 1)
-    };
-    let mut bins = [(Bounds::EMPTY, 0usize); BINS];
-    for &k in here.iter() {
-        let slot = &mut bins[bin(k)];
-        *slot = (slot.0.union(&items[k].0), slot.1 + 1);
-    }
-    let cost = |bins: &[(Bounds, usize)]| {
-        let (all, count) =
-            bins.iter().fold((Bounds::EMPTY, 0), |(all, n), bin| (all.union(&bin.0), n + bin.1));
-        (area(&all) * count as f64, count)
-    };
-    let border = |border: &usize| {
-        let (left, right) = (cost(&bins[..*border]), cost(&bins[*border..]));
-        (left.1 > 0 && right.1 > 0).then_some(left.0 + right.0)
-    };
-    let best = (1..BINS).filter_map(|k| border(&k).map(|cost| (cost, k))).min_by(|a, b| a.0.total_cmp(&b.0));
-    match best {
-        Some((_, border)) => {
-            here.sort_by_key(|&k| bin(k) >= border);
-            (axis, here.partition_point(|&k| bin(k) < border))
-        }
-        None => (axis, here.len() / 2),
-    }
-}
-
-fn area(bounds: &Bounds) -> f64 {
-    let size = bounds.size();
-    if bounds.is_empty() { 0.0 } else { size.x * size.y + size.y * size.z + size.z * size.x }
-}
-
 /// What is found first on eight rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct First {
@@ -180,6 +322,10 @@ pub(super) struct First {
     pub face: Row,
     /// The region entered; 0 for a miss.
     pub region: Row,
+    /// The placement of the face; 0 for a miss.
+    pub placement: Row,
+    /// The number of the solid; of no account for a miss.
+    object: Row,
     /// Lanes that have to be asked one by one, a bit each.
     pub doubt: u64,
 }
@@ -193,90 +339,123 @@ struct Search<S: Simd> {
     /// No change is earlier than this after the first.
     second: Lanes<S>,
     face: Lanes<S>,
-    region: Lanes<S>,
+    object: Lanes<S>,
     grazes: Mask<S>,
     always: Mask<S>,
+    /// The rays that are asked about at present.
+    asked: Mask<S>,
 }
 
-/// Eight rays ready for tests against boxes.
-struct Slabs<S: Simd> {
-    origin: Vec3Lanes<S>,
-    inverse: Vec3Lanes<S>,
-    margin: Lanes<S>,
-    behind: Lanes<S>,
+impl<S: Simd> Search<S> {
+    #[inline(always)]
+    fn new(simd: S, always: Mask<S>) -> Self {
+        let (infinity, none) = (splat(simd, f64::INFINITY), splat(simd, -1.0));
+        let never = Mask::splat(simd, false);
+        Search {
+            first: infinity,
+            second: infinity,
+            face: none,
+            object: none,
+            grazes: never,
+            always,
+            asked: never,
+        }
+    }
 }
 
 impl Objects {
-    /// What eight rays meet first; `None` if they go too far apart for it to pay.
+    /// What eight rays meet first: those that go together are asked together.
     #[inline(always)]
     pub fn first<S: Simd>(
         &self,
         group: &mut Group<'_, S>,
-        stack: &mut Vec<u32>,
+        [ahead, inner]: &mut [Ahead; 2],
+        program: &Program,
         rays: Rays<'_>,
         at: usize,
         window: Window,
-    ) -> Option<First> {
+    ) -> First {
         let simd = group.simd;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
         let (ray, doubt) = LaneRay::new(simd, origin, direction, &self.model.limits);
-        if !self.go_together(simd, &ray) {
-            return None;
+        let mut search = Search::new(simd, doubt.always);
+        let margin = ray.origin.taxicab() * (self.condition * MARGIN);
+        let slabs = Slabs::new(simd, ray.origin, ray.direction, margin);
+        let behind = splat(simd, BEHIND * self.model.limits.radius) / ray.direction.taxicab();
+        let mut left: u64 = (1 << LANES.min(rays.len() - at)) - 1;
+        while left != 0 {
+            let some = if self.is_few { left } else { self.together(simd, &ray, left) };
+            search.asked = Mask::from_bitmask(simd, some);
+            self.search(group, [ahead, inner], (&ray, &slabs, behind), some, window, &mut search);
+            left &= !some;
         }
-        let infinity = splat(simd, f64::INFINITY);
-        let mut search = Search {
-            first: infinity,
-            second: infinity,
-            face: splat(simd, -1.0),
-            region: splat(simd, 0.0),
-            grazes: doubt.grazes,
-            always: doubt.always,
-        };
-        let slabs = self.slabs(simd, &ray);
-        stack.clear();
-        stack.extend((!self.nodes.is_empty()).then_some(0));
-        while let Some(number) = stack.pop() {
-            let node = &self.nodes[number as usize];
-            if !slabs.touch(simd, &node.bounds, window, &search) {
-                continue;
-            }
-            if node.second == 0 {
-                self.ask(group, &self.objects[node.object as usize], &ray, window, &mut search);
-                continue;
-            }
-            let rises = ray.direction.component(node.axis).as_slice()[0] > 0.0;
-            let (near, far) = if rises { (number + 1, node.second) } else { (node.second, number + 1) };
-            stack.extend([far, near]);
-        }
-        let hit = search.first.simd_lt(infinity);
-        let next = search.second.min(search.first + slabs.behind);
-        let near = search.grazes | ray.may_hug(search.first, next, &self.model.limits);
-        Some(First {
-            t: Row(search.first.to_array()),
-            face: Row(search.face.to_array()),
-            region: Row(search.region.to_array()),
-            doubt: (search.always | near & hit).to_bitmask(),
-        })
+        self.found(simd, &ray, &search, behind, (program, window))
     }
 
-    /// Looks for the first entry into one solid.
+    /// Looks for what some of the rays meet first.
     #[inline(always)]
-    fn ask<S: Simd>(
+    fn search<S: Simd>(
         &self,
         group: &mut Group<'_, S>,
-        object: &Object,
-        ray: &LaneRay<S>,
+        [ahead, inner]: [&mut Ahead; 2],
+        (ray, slabs, behind): (&LaneRay<S>, &Slabs<S>, Lanes<S>),
+        some: u64,
         window: Window,
         search: &mut Search<S>,
     ) {
         let simd = group.simd;
-        let (doubt, inside) = group.enter(&object.plan, ray, window);
-        search.always |= doubt.always | inside;
-        let infinity = splat(simd, f64::INFINITY);
-        let (mut t, mut face) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]));
-        if !group.key(0).simd_lt(infinity).any_true() {
-            return;
+        let bundle = slabs.bundle(some);
+        let (from, end) = (splat(simd, window.t_min()), splat(simd, window.t_max()));
+        let mut reach =
+            Reach { rays: search.asked, from: (from, window.t_min()), until: (end, window.t_max()) };
+        ahead.begin(simd, &self.boxes, &bundle, &reach);
+        while let Some(item) = ahead.next(simd, &self.boxes, (slabs, &bundle), &reach) {
+            let rays = Bundled { ray, slabs, bundle: &bundle, reach: &reach };
+            if self.ask(group, item, &rays, inner, window, search) {
+                let until = (search.first + behind).min(end);
+                reach.until = (until, latest(search.asked.select(until, from)));
+            }
         }
+    }
+
+    /// Looks for the first entry into one solid; true if that is earlier on any ray.
+    #[inline(always)]
+    fn ask<S: Simd>(
+        &self,
+        group: &mut Group<'_, S>,
+        item: u32,
+        rays: &Bundled<'_, S>,
+        ahead: &mut Ahead,
+        window: Window,
+        search: &mut Search<S>,
+    ) -> bool {
+        let simd = group.simd;
+        let object = &self.objects[item as usize];
+        let part = &self.parts[object.part as usize];
+        let (doubt, inside) = match (self.steps(object), &part.asked) {
+            ([], Asked::Plan(plan)) => group.enter(plan, rays.ray, window),
+            ([], Asked::Carved(carved)) => group.enter_carved(carved, rays, ahead, window),
+            (steps, asked) => {
+                let carried = Carried::new(simd, rays.ray.origin, rays.ray.direction, steps);
+                let (ray, doubt) = carried.ready(simd, &part.limits);
+                search.always |= doubt.always & search.asked;
+                match asked {
+                    Asked::Plan(plan) => group.enter(plan, &ray, window),
+                    Asked::Carved(carved) => {
+                        let slabs = carried.slabs(simd, part.condition);
+                        let bundle = slabs.bundle(search.asked.to_bitmask());
+                        let rays = Bundled { ray: &ray, slabs: &slabs, bundle: &bundle, reach: rays.reach };
+                        group.enter_carved(carved, &rays, ahead, window)
+                    }
+                }
+            }
+        };
+        search.always |= (doubt.always | inside) & search.asked;
+        let infinity = splat(simd, f64::INFINITY);
+        if !group.key(0).simd_lt(infinity).any_true() {
+            return false;
+        }
+        let (mut t, mut face) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]));
         for lane in 0..LANES {
             if let Some(code) = group.code(0, lane) {
                 t.0[lane] = group.memory.ends[code].0[lane];
@@ -284,62 +463,145 @@ impl Objects {
             }
         }
         let (t, face) = (Lanes::load_array_ref(simd, &t.0), Lanes::load_array_ref(simd, &face.0));
+        let t = search.asked.select(t, infinity);
         let closer = t.simd_lt(search.first);
         search.always |= t.simd_eq(search.first) & t.simd_lt(infinity);
         let leaves = group.key(1).min(search.first);
         search.second = closer.select(leaves, search.second.min(t));
         search.first = closer.select(t, search.first);
         search.face = closer.select(face, search.face);
-        search.region = closer.select(splat(simd, object.region), search.region);
+        search.object = closer.select(splat(simd, f64::from(item)), search.object);
         search.grazes = (closer & doubt.grazes) | (search.grazes & !closer);
+        closer.any_true()
     }
 
-    /// True if the rays are so near each other that they touch the same boxes, most of the time.
+    /// What a search has found, and how certain that is.
     #[inline(always)]
-    fn go_together<S: Simd>(&self, simd: S, ray: &LaneRay<S>) -> bool {
-        let lead = ray.lane(0);
+    fn found<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        search: &Search<S>,
+        behind: Lanes<S>,
+        (program, window): (&Program, Window),
+    ) -> First {
+        let zero = Row([0.0; LANES]);
+        let (object, next) = (Row(search.object.to_array()), search.second.min(search.first + behind));
+        let mut first = First {
+            t: Row(search.first.to_array()),
+            face: Row(search.face.to_array()),
+            region: zero,
+            placement: zero,
+            object,
+            doubt: search.always.to_bitmask(),
+        };
+        let mut left = search.first.simd_lt(f64::INFINITY).to_bitmask();
+        while left != 0 {
+            let number = object.0[left.trailing_zeros() as usize % LANES];
+            let here = search.object.simd_eq(splat(simd, number)).to_bitmask();
+            let met = &self.objects[number as usize];
+            let limits = &self.parts[met.part as usize].limits;
+            let near = match self.steps(met) {
+                [] => ray.may_hug(search.first, next, limits),
+                steps => {
+                    let carried = Carried::new(simd, ray.origin, ray.direction, steps);
+                    carried.ready(simd, limits).0.may_hug(search.first, next, limits)
+                }
+            };
+            for lane in 0..LANES {
+                if here >> lane & 1 == 1 {
+                    (first.region.0[lane], first.placement.0[lane]) = (met.region, f64::from(met.placement));
+                }
+            }
+            let mut near = (near | search.grazes).to_bitmask() & here & left & !first.doubt;
+            left &= !here;
+            while near != 0 {
+                let lane = near.trailing_zeros() as usize % LANES;
+                near &= near - 1;
+                let next = next.as_slice()[lane];
+                if !self.is_settled(&first, lane, &ray.lane(lane), next, (program, window)) {
+                    first.doubt |= 1 << lane;
+                }
+            }
+        }
+        first
+    }
+
+    /// True if nothing from a time on, within the model, can be welded to the first crossing of a ray.
+    fn is_settled(
+        &self,
+        first: &First,
+        lane: usize,
+        ray: &rayweave_shape::Ray,
+        next: f64,
+        (program, window): (&Program, Window),
+    ) -> bool {
+        let face = self.face(first, lane);
+        let limits = &self.model.limits;
+        let end = ray.closest_time(limits.centre) + limits.radius / ray.direction.length();
+        ray.clears(program, face, first.t.0[lane], (next, end.min(window.t_max()).max(next)))
+    }
+
+    /// The face of a hit.
+    pub fn face(&self, first: &First, lane: usize) -> Face {
+        let face = self.model.faces[first.face.0[lane] as usize];
+        Face { placement: PlacementId(first.placement.0[lane] as u32), ..face }
+    }
+
+    /// The normals of hits, and the lanes where they have to be found one by one.
+    #[inline(always)]
+    pub fn normals<S: Simd>(
+        &self,
+        simd: S,
+        program: &Program,
+        first: &First,
+        hits: &Hits<S>,
+    ) -> (Vec3Lanes<S>, u64) {
+        if self.steps.is_empty() {
+            return hits.normals(simd, &self.model.slopes);
+        }
+        let objects = Lanes::load_array_ref(simd, &first.object.0);
+        let faces = Lanes::load_array_ref(simd, &first.face.0);
+        let mut units = Vec3Lanes::splat(simd, rayweave_math::Vec3::NAN);
+        let (mut left, mut others) = (hits.hit, 0);
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            let (number, face) = (first.object.0[lane], first.face.0[lane]);
+            let here = objects.simd_eq(splat(simd, number)) & faces.simd_eq(splat(simd, face));
+            let steps = self.steps(&self.objects[number as usize]);
+            let ray = Carried::new(simd, hits.origin, hits.direction, steps);
+            match unit_gradient(simd, (program, &self.model.slopes), face, &ray, hits.t, steps) {
+                Some(unit) => units = units.or_where(here, unit),
+                None => others |= left & here.to_bitmask(),
+            }
+            left &= !here.to_bitmask();
+        }
+        hits.oriented(simd, units, others)
+    }
+
+    /// The first of some rays, and those that are so near it that they touch the same boxes, most of the time; a bit each.
+    #[inline(always)]
+    fn together<S: Simd>(&self, simd: S, ray: &LaneRay<S>, left: u64) -> u64 {
+        let first = left & left.wrapping_neg();
+        let lead = ray.lane(first.trailing_zeros() as usize % LANES);
         let along = ray.direction.dot(Vec3Lanes::splat(simd, lead.direction));
         let both = ray.square * lead.direction.length_squared();
         let apart = ray.origin.minus_all(lead.origin).taxicab();
-        let is_near = apart.simd_lt(0.1 * self.model.limits.radius);
-        (along.simd_gt(0.0) & (along * along).simd_gt(both * 0.99) & is_near).all_true()
-    }
-
-    #[inline(always)]
-    fn slabs<S: Simd>(&self, simd: S, ray: &LaneRay<S>) -> Slabs<S> {
-        let Vec3Lanes { x, y, z } = ray.direction;
-        Slabs {
-            origin: ray.origin,
-            inverse: Vec3Lanes { x: inverse(simd, x), y: inverse(simd, y), z: inverse(simd, z) },
-            margin: ray.origin.taxicab() * (self.condition * MARGIN),
-            behind: splat(simd, BEHIND * self.model.limits.radius) / ray.direction.taxicab(),
-        }
+        let is_near = apart.simd_lt(NEAR * self.model.limits.radius);
+        let near = along.simd_gt(0.0) & (along * along).simd_gt(both * (1.0 - NEAR * NEAR)) & is_near;
+        near.to_bitmask() & left | first
     }
 }
 
-/// The inverse of a component of a direction, kept finite: 1e-100 moves the ray by less than any margin.
+/// Rays go together up to this angle, and up to this distance in radii of the model.
+const NEAR: f64 = 0.03;
+
+/// The greatest of eight times.
 #[inline(always)]
-fn inverse<S: Simd>(simd: S, d: Lanes<S>) -> Lanes<S> {
-    splat(simd, 1.0) / d.abs().max(splat(simd, 1e-100)).copysign(d)
-}
-
-impl<S: Simd> Slabs<S> {
-    /// True if any ray passes the grown box before what it has met so far, or a little later.
-    #[inline(always)]
-    fn touch(&self, simd: S, bounds: &Bounds, window: Window, search: &Search<S>) -> bool {
-        let (mut enter, mut leave) = (splat(simd, window.t_min()), splat(simd, window.t_max()));
-        leave = leave.min(search.first + self.behind);
-        let Vec3 { x, y, z } = bounds.lo;
-        let low = [x, y, z];
-        let Vec3 { x, y, z } = bounds.hi;
-        let high = [x, y, z];
-        for k in 0..3 {
-            let (origin, inverse) = (self.origin.component(k), self.inverse.component(k));
-            let a = (splat(simd, low[k]) - self.margin - origin) * inverse;
-            let b = (splat(simd, high[k]) + self.margin - origin) * inverse;
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
-        }
-        enter.simd_le(leave).any_true()
+fn latest<S: Simd>(times: Lanes<S>) -> f64 {
+    let mut latest = f64::NEG_INFINITY;
+    for &t in times.as_slice() {
+        latest = if t > latest { t } else { latest };
     }
+    latest
 }

@@ -20,6 +20,12 @@ const GATES: usize = 512;
 /// Models of more leaves than this are left to the weave: tables of faces and plans would take too much memory.
 pub(super) const LARGE: usize = 1 << 16;
 
+/// Beyond so many comparisons the solids of a union are asked one by one for first hits.
+pub(super) const APART: usize = 16;
+
+/// Beyond so many comparisons it is better to leave out the leaves that no ray comes near.
+pub(super) const SMALL: usize = 64;
+
 /// No stretch.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -54,15 +60,14 @@ pub(super) struct Common {
 }
 
 impl Common {
-    /// For a model; `None` if it has surfaces for which there is no kernel, placed solids, or no size.
+    /// For a model; `None` if it is too large or has no size.
     pub fn new(program: &Program) -> Option<Arc<Common>> {
         let group = program.prototype(PrototypeId(0));
-        let is_large = group.leaves.len() > LARGE;
-        if program.prototypes().len() > 1 || is_large || group.ball.radius <= 0.0 {
+        if group.leaves.len() > LARGE || program.facets().len() > 8 * LARGE || group.ball.radius <= 0.0 {
             return None;
         }
         Some(Arc::new(Common {
-            limits: limits(program, group),
+            limits: limits(program, group, group.leaves.clone().map(LeafId)),
             faces: faces(program),
             slopes: Slope::all(program),
         }))
@@ -116,6 +121,8 @@ pub(super) struct LeafPlan {
     pub facets: std::ops::Range<usize>,
     /// The number of its stretch.
     pub span: usize,
+    /// True if nothing is inside where this leaf is not.
+    pub is_needed: bool,
 }
 
 impl Plan {
@@ -124,14 +131,20 @@ impl Plan {
         let group = program.prototype(PrototypeId(0));
         let is_plain = program.regions().len() == 1 && program.regions()[0].medium != 0;
         match group.leaves.len() {
-            0..=MOST => Plan::of(program, model, group.expression.outputs(), is_plain),
+            0..=MOST => Plan::of(program, model, group, group.expression.outputs(), is_plain),
             _ => None,
         }
     }
 
-    /// For a part of a model; `None` if that is too large for lanes.
-    pub fn of(program: &Program, model: &Arc<Common>, asked: &[Edge], is_plain: bool) -> Option<Plan> {
-        let group = program.prototype(PrototypeId(0));
+    /// For a part of a group; `None` if that is too large for lanes, or has placed solids or surfaces for which there is no
+    /// kernel.
+    pub fn of(
+        program: &Program,
+        model: &Arc<Common>,
+        group: &Prototype,
+        asked: &[Edge],
+        is_plain: bool,
+    ) -> Option<Plan> {
         let mut plan = Plan {
             model: model.clone(),
             leaves: Vec::new(),
@@ -157,6 +170,13 @@ impl Plan {
             return None;
         }
         plan.start = winner_far_out(&mut logic, &outputs, &bounded);
+        for leaf in &mut plan.leaves {
+            // in a copy: what this adds to the graph is nothing to the next
+            let without = logic.clone().with(&outputs, |k| (k == leaf.span).then_some(Wire::FALSE));
+            leaf.is_needed = without.iter().all(|&wire| wire == Wire::FALSE);
+        }
+        // rays that miss one of these need not be asked about others
+        plan.leaves.sort_by_key(|leaf| !leaf.is_needed);
         Some(plan)
     }
 
@@ -170,28 +190,11 @@ impl Plan {
     ) -> Option<Wire> {
         let (span, first) = (take(stretches)?, self.facets.len());
         let mut inside = logic.input(span);
-        let all = &program.facets()[facets.start as usize..facets.end as usize];
-        for (number, facet) in facets.zip(all) {
-            let kernel = Kernel::of(&program.surface(facet.surface()).surface)?;
-            let is_one_piece = facet.inside() && is_one_piece(program, all, &kernel);
-            let mut facet =
-                Facet { kernel, inside: facet.inside(), face: f64::from(number), gap: NONE, is_one_piece };
-            if !facet.has_one_gap() {
-                return None;
-            }
-            if facet.can_gap() && !is_one_piece {
-                let gap = take(stretches)?;
-                facet.gap = gap as u32;
-                let wire = logic.input(gap);
-                inside = logic.and(inside, wire.not());
-            }
-            match self.facets[first..].last().and_then(|last| last.joined(&facet)) {
-                Some(both) => *self.facets.last_mut()? = both,
-                None => self.facets.push(facet),
-            }
+        for _ in 0..leaf_facets(program, facets, &mut self.facets)? {
+            let wire = logic.input(take(stretches)?);
+            inside = logic.and(inside, wire.not());
         }
-        self.facets[first..].sort_by_key(|facet| facet.is_one_piece);
-        self.leaves.push(LeafPlan { facets: first..self.facets.len(), span });
+        self.leaves.push(LeafPlan { facets: first..self.facets.len(), span, is_needed: false });
         Some(inside)
     }
 
@@ -204,6 +207,36 @@ impl Plan {
     pub fn stretches(&self) -> usize {
         self.differences.len()
     }
+}
+
+/// Adds the facets of a leaf, and numbers the gaps that they may cut out of its stretch, from 1; how many these are, or
+/// `None` if there is no kernel for some facet.
+pub(super) fn leaf_facets(
+    program: &Program,
+    range: std::ops::Range<u32>,
+    facets: &mut Vec<Facet>,
+) -> Option<usize> {
+    let (mut gaps, first) = (0, facets.len());
+    let all = &program.facets()[range.start as usize..range.end as usize];
+    for (number, facet) in range.zip(all) {
+        let kernel = Kernel::of(&program.surface(facet.surface()).surface)?;
+        let is_one_piece = facet.inside() && is_one_piece(program, all, &kernel);
+        let mut facet =
+            Facet { kernel, inside: facet.inside(), face: f64::from(number), gap: NONE, is_one_piece };
+        if !facet.has_one_gap() {
+            return None;
+        }
+        if facet.can_gap() && !is_one_piece {
+            gaps += 1;
+            facet.gap = gaps;
+        }
+        match facets[first..].last().and_then(|last| last.joined(&facet)) {
+            Some(both) => *facets.last_mut()? = both,
+            None => facets.push(facet),
+        }
+    }
+    facets[first..].sort_by_key(|facet| facet.is_one_piece);
+    Some(gaps as usize)
 }
 
 /// The winner where a time is in none of the bounded stretches, if the others do not matter then.
@@ -233,7 +266,12 @@ fn is_beyond(program: &Program, facet: &LeafFacet, point: Vec3) -> bool {
     beyond >= -delta_of(entry.reach + point.length())
 }
 
-fn limits(program: &Program, group: &Prototype) -> LaneLimits {
+/// For rays that may meet some leaves of a group.
+pub(super) fn limits(
+    program: &Program,
+    group: &Prototype,
+    leaves: impl Iterator<Item = LeafId>,
+) -> LaneLimits {
     let mut limits = LaneLimits {
         centre: group.ball.centre,
         radius: group.ball.radius,
@@ -242,7 +280,8 @@ fn limits(program: &Program, group: &Prototype) -> LaneLimits {
         largest_radius: 0.0,
         bend: 0.0,
     };
-    for entry in program.surfaces() {
+    let facets = leaves.flat_map(|leaf| program.leaf(leaf).facets());
+    for entry in facets.map(|facet| program.surface(facet.surface())) {
         limits.reach = limits.reach.max(entry.reach);
         match &entry.surface {
             Surface::Plane(_) => {}

@@ -9,11 +9,12 @@ mod arrange;
 mod combine;
 mod crowd;
 mod judge;
+mod placed;
 
 use aim::aimed;
 use arrange::Arrangement;
 use combine::regions;
-use crowd::{bundles, crowd};
+use crowd::{bundles, carved, crowd};
 use judge::{Judge, Setting, levels};
 use rayweave_conformance::rays::rays;
 use rayweave_conformance::{Model, Random, Style};
@@ -112,6 +113,31 @@ fn crowds() {
 #[ignore = "long"]
 fn long_crowds() {
     check_crowds(20_000, 60);
+}
+
+/// Asks everything about solids out of which many others are taken.
+fn check_carved(models: u64, least: u64) {
+    let mut judge = Judge::new("carved solids");
+    for seed in 0..models {
+        let rng = &mut Random::new(9 << 40 | seed);
+        let frame = frame(rng);
+        let (regions, targets) = carved(rng, &frame);
+        let rays = bundles(rng, &targets, 96).into_iter().map(|ray| ray.transformed(&frame)).collect();
+        let Some(setting) = Setting::new(regions, rays, format!("carved {seed}")) else { continue };
+        judge.everything(&setting, rng, &levels());
+    }
+    judge.finish(models * least);
+}
+
+#[test]
+fn carved_solids() {
+    check_carved(100, 60);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_carved_solids() {
+    check_carved(20_000, 60);
 }
 
 /// Random models of the suite that lanes take: `small` ones, half of the rays on the grid where faces coincide.

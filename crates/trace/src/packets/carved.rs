@@ -1,0 +1,365 @@
+//! Solids of many leaves of which any ray comes near a few only: what some unions of leaves have in common, less other
+//! leaves. A plate with its holes, a turned part.
+//!
+//! The leaves that rays come near are found by a hierarchy of boxes. Nothing is laid out for these leaves beforehand: an end
+//! of a stretch of one of them is a change if it is in some leaf of each other union, in no other leaf of its own, and in
+//! none of those that are taken away.
+
+use super::boxes::{Ahead, Boxes, Bundle, Reach, Slabs};
+use super::group::{CODE, Group};
+use super::plan::{MOST, NONE, leaf_facets};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use rayweave_math::Bounds;
+use rayweave_model::{Edge, Gate, LeafId, LeafKind, Program, Prototype, Rule, Window};
+use rayweave_shape::lanes::{Doubt, Facet, LaneRay, Lanes, Mask, splat};
+use std::ops::Range;
+
+/// Such a solid.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Carved {
+    leaves: Vec<Leaf>,
+    facets: Vec<Facet>,
+    /// The number of unions.
+    unions: u32,
+    boxes: Boxes,
+}
+
+#[derive(Clone, Debug)]
+struct Leaf {
+    facets: Range<usize>,
+    /// How many stretches may be cut out of its own.
+    gaps: usize,
+    /// The union that it is one of; [`NONE`] if it is taken away.
+    union: u32,
+}
+
+/// A solid as it is taken apart.
+struct Builder<'p> {
+    program: &'p Program,
+    group: &'p Prototype,
+    /// Where the leaves of the group matter.
+    matters: &'p [Bounds],
+    carved: Carved,
+    bounds: Vec<Bounds>,
+}
+
+impl Carved {
+    /// For a part of a group, with where the leaves of that matter; `None` if it is of another form, or has leaves for
+    /// which there is no kernel or no end.
+    pub fn new(program: &Program, group: &Prototype, edge: Edge, matters: &[Bounds]) -> Option<Carved> {
+        let mut builder = Builder { program, group, matters, carved: Carved::default(), bounds: Vec::new() };
+        let mut waiting = vec![edge];
+        while let Some(edge) = waiting.pop() {
+            waiting.extend_from_slice(&builder.take(edge)?);
+        }
+        let Builder { mut carved, bounds, .. } = builder;
+        carved.boxes = Boxes::new(&bounds);
+        carved.leaves = carved.boxes.reorder(&carved.leaves);
+        (carved.unions > 0).then_some(carved)
+    }
+
+    /// The number of leaves.
+    pub fn leaf_count(&self) -> usize {
+        self.leaves.len()
+    }
+}
+
+impl Builder<'_> {
+    /// Takes an operand of an intersection; what is left to be taken where it is one itself.
+    fn take(&mut self, edge: Edge) -> Option<Vec<Edge>> {
+        let upright = !edge.is_complemented();
+        match self.group.expression.node(edge.node()) {
+            Gate::Leaf(_) if upright => self.union(&[edge])?,
+            Gate::Leaf(leaf) => self.leaf(leaf, NONE)?,
+            Gate::Join(Rule::AtLeast(1), operands) if upright => self.union(&operands)?,
+            Gate::Join(Rule::AtLeast(1), operands) => {
+                return Some(operands.iter().map(|operand| operand.complement()).collect());
+            }
+            Gate::Join(Rule::AtLeast(least), operands) if upright && least as usize == operands.len() => {
+                return Some(operands.to_vec());
+            }
+            _ => return None,
+        }
+        Some(Vec::new())
+    }
+
+    fn union(&mut self, operands: &[Edge]) -> Option<()> {
+        let number = self.carved.unions;
+        self.carved.unions += 1;
+        operands.iter().try_for_each(|operand| match self.group.expression.node(operand.node()) {
+            Gate::Leaf(leaf) if !operand.is_complemented() => self.leaf(leaf, number),
+            _ => None,
+        })
+    }
+
+    fn leaf(&mut self, leaf: LeafId, union: u32) -> Option<()> {
+        let bounds = self.matters[leaf.index()];
+        if bounds.is_empty() {
+            return Some(());
+        }
+        let id = LeafId(self.group.leaves.start + leaf.0);
+        let LeafKind::Shape { facets } = self.program.leaf(id).kind() else { return None };
+        let first = self.carved.facets.len();
+        let gaps = leaf_facets(self.program, facets, &mut self.carved.facets)?;
+        self.carved.leaves.push(Leaf { facets: first..self.carved.facets.len(), gaps, union });
+        self.bounds.push(bounds);
+        bounds.is_finite().then_some(())
+    }
+}
+
+/// The leaves that some rays come near, union by union, those that are taken away at the end.
+struct Near {
+    leaves: [NearLeaf; MOST],
+    count: usize,
+}
+
+#[derive(Clone, Copy)]
+struct NearLeaf {
+    /// Its number.
+    leaf: u32,
+    union: u32,
+    /// The numbers of its stretches: its own, then those cut out of it.
+    first: usize,
+    end: usize,
+}
+
+impl Near {
+    fn new() -> Near {
+        Near { leaves: [NearLeaf { leaf: 0, union: NONE, first: 0, end: 0 }; MOST], count: 0 }
+    }
+
+    /// False if there is no room for it.
+    #[inline(always)]
+    fn add(&mut self, leaf: u32, union: u32) -> bool {
+        if self.count == MOST {
+            return false;
+        }
+        let mut at = self.count;
+        while at > 0 && self.leaves[at - 1].union > union {
+            self.leaves[at] = self.leaves[at - 1];
+            at -= 1;
+        }
+        self.leaves[at] = NearLeaf { leaf, union, first: 0, end: 0 };
+        self.count += 1;
+        true
+    }
+
+    fn all(&self) -> &[NearLeaf] {
+        &self.leaves[..self.count.min(MOST)]
+    }
+
+    /// How many unions they belong to.
+    #[inline(always)]
+    fn unions(&self) -> u32 {
+        let (mut count, mut last) = (0, NONE);
+        for leaf in self.all() {
+            count += u32::from(leaf.union != last && leaf.union != NONE);
+            last = leaf.union;
+        }
+        count
+    }
+}
+
+/// Eight rays and the bundle that they are.
+pub(super) struct Bundled<'a, S: Simd> {
+    pub ray: &'a LaneRay<S>,
+    pub slabs: &'a Slabs<S>,
+    pub bundle: &'a Bundle,
+    pub reach: &'a Reach<S>,
+}
+
+impl<S: Simd> Group<'_, S> {
+    /// As [`Group::enter`]: the first two changes of rays, what is in doubt about them, and which start inside.
+    pub fn enter_carved(
+        &mut self,
+        carved: &Carved,
+        rays: &Bundled<'_, S>,
+        ahead: &mut Ahead,
+        window: Window,
+    ) -> (Doubt<S>, Mask<S>) {
+        let simd = self.simd;
+        simd.vectorize(
+            #[inline(always)]
+            || self.enter_carved_here(carved, rays, ahead, window),
+        )
+    }
+
+    #[inline(always)]
+    fn enter_carved_here(
+        &mut self,
+        carved: &Carved,
+        rays: &Bundled<'_, S>,
+        ahead: &mut Ahead,
+        window: Window,
+    ) -> (Doubt<S>, Mask<S>) {
+        let (simd, mut near) = (self.simd, Near::new());
+        let never = Mask::splat(simd, false);
+        let mut doubt = Doubt { always: never, grazes: never };
+        self.no_changes();
+        ahead.begin(simd, &carved.boxes, rays.bundle, rays.reach);
+        while let Some(leaf) = ahead.next(simd, &carved.boxes, (rays.slabs, rays.bundle), rays.reach) {
+            if !near.add(leaf, carved.leaves[leaf as usize].union) {
+                return (Doubt { always: !never, ..doubt }, never);
+            }
+        }
+        if near.unions() < carved.unions {
+            return (doubt, never);
+        }
+        match self.near_stretches(carved, &mut near, rays.ray, &mut doubt) {
+            Some(true) => {}
+            Some(false) => return (doubt, never),
+            None => return (Doubt { always: !never, ..doubt }, never),
+        }
+        self.near_changes(&near, window, &mut doubt);
+        (doubt, self.starts_inside(&near, window))
+    }
+
+    /// The stretches of leaves; false if there is a union that no ray meets, as soon as that is clear, `None` if there are
+    /// too many.
+    #[inline(always)]
+    fn near_stretches(
+        &mut self,
+        carved: &Carved,
+        near: &mut Near,
+        ray: &LaneRay<S>,
+        doubt: &mut Doubt<S>,
+    ) -> Option<bool> {
+        let (mut count, mut is_met, mut of) = (0, true, NONE);
+        for near in &mut near.leaves[..near.count.min(MOST)] {
+            if near.union != of {
+                if !is_met {
+                    return Some(false);
+                }
+                (is_met, of) = (near.union == NONE, near.union);
+            }
+            let leaf = &carved.leaves[near.leaf as usize];
+            (near.first, near.end) = (count, count + 1 + leaf.gaps);
+            if near.end > MOST {
+                return None;
+            }
+            is_met |= self.leaf(&carved.facets[leaf.facets.clone()], count, ray, doubt);
+            count = near.end;
+        }
+        Some(is_met)
+    }
+
+    /// Finds the first two changes.
+    #[inline(always)]
+    fn near_changes(&mut self, near: &Near, window: Window, doubt: &mut Doubt<S>) {
+        let never = splat(self.simd, f64::INFINITY);
+        let (mut earliest, mut second, mut tied) = (never, never, never);
+        for own in 0..near.count {
+            let NearLeaf { first, end, .. } = near.leaves[own];
+            for code in 2 * first..2 * end {
+                let t = self.end(code);
+                // what is later than the first two changes does not matter
+                let asked =
+                    t.simd_gt(window.t_min()) & t.simd_lt(window.t_max()) & t.simd_le(second.min(tied));
+                if !asked.any_true() {
+                    continue;
+                }
+                let (changes, ties) = self.near_change(near, own, code / 2, t, asked);
+                tied = tied.min(ties.select(t, never));
+                let key = changes.select(Lanes::from_bits((t.to_bits() & !CODE) | code as u64), never);
+                second = second.min(earliest.max(key));
+                earliest = earliest.min(key);
+            }
+        }
+        doubt.always |= tied.simd_le(earliest) & tied.simd_lt(never);
+        self.set_key(0, earliest);
+        self.set_key(1, second.min(tied));
+    }
+
+    /// Where an end of a stretch at a time is a change, and where it may be one that comes at the same time as another one.
+    #[inline(always)]
+    fn near_change(
+        &self,
+        near: &Near,
+        own: usize,
+        stretch: usize,
+        t: Lanes<S>,
+        asked: Mask<S>,
+    ) -> (Mask<S>, Mask<S>) {
+        let NearLeaf { union, first, end, .. } = near.leaves[own];
+        let (mut open, mut ties) = (asked, Mask::splat(self.simd, false));
+        for other in (first..end).filter(|&other| other != stretch) {
+            let (within, touches) = self.within(other, t);
+            open &= if other == first { within | touches } else { !within };
+            ties |= touches;
+        }
+        // those of one union follow each other
+        let (mut any, mut of) = (Mask::splat(self.simd, true), NONE);
+        for (k, leaf) in near.all().iter().enumerate() {
+            if k == own {
+                continue;
+            }
+            let (holds, touches) = self.holds(leaf, t);
+            ties |= touches;
+            if leaf.union == union || leaf.union == NONE {
+                open &= !holds;
+                continue;
+            }
+            if leaf.union != of {
+                open &= any;
+                (any, of) = (Mask::splat(self.simd, false), leaf.union);
+            }
+            any |= holds | touches;
+        }
+        open &= any;
+        (open & !ties, open & ties)
+    }
+
+    /// Where a time is in a leaf for sure, and where some stretch of it begins or ends then.
+    #[inline(always)]
+    fn holds(&self, leaf: &NearLeaf, t: Lanes<S>) -> (Mask<S>, Mask<S>) {
+        let (mut holds, mut touches) = self.within(leaf.first, t);
+        for gap in leaf.first + 1..leaf.end {
+            let (within, ends) = self.within(gap, t);
+            holds &= !(within | ends);
+            touches |= ends;
+        }
+        (holds, touches)
+    }
+
+    /// Where a time is in a stretch, and where that begins or ends then.
+    #[inline(always)]
+    fn within(&self, stretch: usize, t: Lanes<S>) -> (Mask<S>, Mask<S>) {
+        let (from, to) = self.stretch(stretch);
+        (from.simd_lt(t) & t.simd_lt(to), t.simd_eq(from) | t.simd_eq(to))
+    }
+
+    /// Which rays are inside just after the window begins.
+    #[inline(always)]
+    fn starts_inside(&self, near: &Near, window: Window) -> Mask<S> {
+        let never = Mask::splat(self.simd, false);
+        let t = splat(self.simd, window.t_min());
+        if window.t_min() == f64::NEG_INFINITY {
+            return never;
+        }
+        let (mut inside, mut any, mut of) = (!never, !never, NONE);
+        for leaf in near.all() {
+            let mut holds = self.begun(leaf.first, t);
+            for gap in leaf.first + 1..leaf.end {
+                holds &= !self.begun(gap, t);
+            }
+            if leaf.union == NONE {
+                inside &= !holds;
+                continue;
+            }
+            if leaf.union != of {
+                inside &= any;
+                (any, of) = (never, leaf.union);
+            }
+            any |= holds;
+        }
+        inside & any
+    }
+
+    /// Where a stretch holds just after a time.
+    #[inline(always)]
+    fn begun(&self, stretch: usize, t: Lanes<S>) -> Mask<S> {
+        let (from, to) = self.stretch(stretch);
+        from.simd_le(t) & t.simd_lt(to)
+    }
+}

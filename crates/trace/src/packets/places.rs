@@ -1,0 +1,111 @@
+//! Eight rays in the frames of placed solids, and the normals of what they meet there.
+
+use super::boxes::Slabs;
+use super::group::whole;
+use super::normal::{Slope, scaled_to_unit};
+use fearless_simd::Simd;
+use rayweave_math::Affine;
+use rayweave_model::{MARGIN, Place, Program};
+use rayweave_shape::lanes::{Doubt, LaneLimits, LaneRay, Lanes, Vec3Lanes, splat};
+use rayweave_shape::surface::Surface;
+
+/// A step on the way into the frame of a placed solid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    place: Place,
+    /// The most by which it stretches a length.
+    stretch: f64,
+}
+
+/// Eight rays on the way into a frame.
+#[derive(Clone, Copy)]
+pub(super) struct Carried<S: Simd> {
+    pub origin: Vec3Lanes<S>,
+    pub direction: Vec3Lanes<S>,
+    /// What the way adds to the reach of every surface.
+    reach: Lanes<S>,
+}
+
+impl<S: Simd> Carried<S> {
+    /// Through some steps, the outermost first, as [`rayweave_model::carried`] does it; what is added to reaches may be
+    /// somewhat more.
+    #[inline(always)]
+    pub fn new(simd: S, origin: Vec3Lanes<S>, direction: Vec3Lanes<S>, steps: &[Step]) -> Self {
+        let mut ray = Carried { origin, direction, reach: splat(simd, 0.0) };
+        for Step { place, stretch } in steps {
+            let down = &place.local_from_world;
+            ray = Carried {
+                origin: turned(down, ray.origin).plus_all(down.translation),
+                direction: turned(down, ray.direction),
+                reach: (ray.origin.taxicab() + place.path + ray.reach) * *stretch,
+            };
+        }
+        ray
+    }
+
+    /// Ready for tests against the boxes of a group of a condition.
+    #[inline(always)]
+    pub fn slabs(&self, simd: S, condition: f64) -> Slabs<S> {
+        let margin = (self.origin.taxicab() + self.reach) * (condition * MARGIN);
+        Slabs::new(simd, self.origin, self.direction, margin)
+    }
+
+    /// Ready for kernels.
+    #[inline(always)]
+    pub fn ready(&self, simd: S, limits: &LaneLimits) -> (LaneRay<S>, Doubt<S>) {
+        LaneRay::carried(simd, self.origin, self.direction, limits, self.reach)
+    }
+}
+
+/// The images of vectors, as [`Affine::vector`].
+#[inline(always)]
+fn turned<S: Simd>(map: &Affine, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    let linear = &map.linear;
+    v.dots([linear.row(0), linear.row(1), linear.row(2)])
+}
+
+impl Step {
+    pub fn new(place: Place) -> Step {
+        Step { place, stretch: place.local_from_world.stretch() }
+    }
+
+    /// Gradients in the frame outside: by the transpose.
+    #[inline(always)]
+    fn back<S: Simd>(&self, gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
+        let down = &self.place.local_from_world.linear;
+        gradient.dots([down.x_axis, down.y_axis, down.z_axis])
+    }
+}
+
+/// The unit gradients, in the frame of the world, of a face met by rays at times `t`, as
+/// [`rayweave_model::dress::world_gradient`] and what is done with it; `None` of faces whose normals are found one by one.
+#[inline(always)]
+pub(super) fn unit_gradient<S: Simd>(
+    simd: S,
+    (program, slopes): (&Program, &[Slope]),
+    face: f64,
+    ray: &Carried<S>,
+    t: Lanes<S>,
+    steps: &[Step],
+) -> Option<Vec3Lanes<S>> {
+    let place = ray.origin.plus(ray.direction.times(t));
+    let two = splat(simd, 2.0);
+    let mut gradient = match &slopes[whole(face) as usize] {
+        Slope::Centre(centre) => place.minus_all(*centre).times(two),
+        Slope::Axis(axis) => place.minus_all(axis.point).perpendicular(axis.axis).times(two),
+        // a function of its own: what is asked most often stays in registers
+        Slope::Curved(gradient) => simd.vectorize(
+            #[inline(always)]
+            || gradient.at(simd, place),
+        ),
+        Slope::Unit(_) | Slope::Other => {
+            let facet = &program.facets()[whole(face) as usize];
+            let Surface::Plane(plane) = &program.surface(facet.surface()).surface else { return None };
+            Vec3Lanes::splat(simd, plane.normal)
+        }
+    };
+    for step in steps.iter().rev() {
+        gradient = step.back(gradient);
+    }
+    Some(scaled_to_unit(simd, gradient))
+}
