@@ -339,7 +339,8 @@ impl<'t, E: Evaluator> Worker<'t, E> {
             power: packet.light.power,
             stokes: packet.stokes,
             index,
-            stream: packet.stream ^ mixed(u64::from(packet.generation)),
+            // not a sum or the like: ray 3 in generation 5 must not draw what ray 5 draws in generation 3
+            stream: mixed(packet.stream ^ u64::from(packet.generation)),
         };
         (arriving, packet.segment((from, to), intensity, index))
     }
