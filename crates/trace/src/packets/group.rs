@@ -189,6 +189,10 @@ impl<'m, S: Simd> Group<'m, S> {
             for code in [2 * stretch, 2 * stretch + 1] {
                 let t = self.end(code);
                 let asked = t.simd_gt(window.t_min()) & t.simd_lt(window.t_max());
+                if !asked.any_true() {
+                    // most rays miss most leaves
+                    continue;
+                }
                 let (changes, ties) = self.difference(difference, t, asked);
                 let key = (t.to_bits() & !CODE) | code as u64;
                 let key = changes.select(Lanes::from_bits(key), never);
