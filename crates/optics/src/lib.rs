@@ -6,6 +6,9 @@
 //! nested parts need no gaps. [`interface`] holds the physics of one such event, [`glass`] the indices of refraction,
 //! [`component`] lenses, mirrors and prisms, [`source`] what shines.
 //!
+//! [`prescription`] makes solids of lenses as designers write them, surface by surface, and [`paraxial`] tells their focal
+//! lengths, pupils and aberration sums.
+//!
 //! ```
 //! use rayweave_model::Solid;
 //! use rayweave_optics::{Assembly, Beam, Element, Light, Medium, Settings, Tracer};
@@ -33,6 +36,8 @@ mod interact;
 pub mod interface;
 mod medium;
 mod near;
+pub mod paraxial;
+pub mod prescription;
 mod segments;
 mod settings;
 pub mod source;

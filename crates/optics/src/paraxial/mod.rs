@@ -1,0 +1,157 @@
+//! Paraxial optics of prescriptions: ray transfer matrices, cardinal points, pupils, Petzval and Seidel sums.
+//!
+//! A paraxial ray is (y, n u): its height, and its slope times the index of refraction. Over a distance t, y grows by
+//! t (n u) / n; at a surface of curvature c, n u falls by y (n' - n) c. Both are matrices of determinant 1, and so is their
+//! product (E. Hecht, *Optics*, section 6.2.1). Where light travels towards -z, n and t are negative, and nothing else
+//! changes (W. T. Welford, *Aberrations of Optical Systems*, 1986, section 4.2).
+//!
+//! With the matrix (A, B; C, D) from the first to the last surface, n in front and n' behind:
+//!
+//! | what | formula |
+//! | --- | --- |
+//! | power, focal length | K = -C, f = 1 / K |
+//! | back focal distance, from the last vertex | n' A / K |
+//! | front focal distance, from the first vertex | -n D / K |
+//! | back principal plane, from the last vertex | n' (A - 1) / K |
+//! | front principal plane, from the first vertex | n (1 - D) / K |
+//! | entrance pupil, from the first vertex, with (A, B) up to the stop | n B / A |
+//! | exit pupil, from the last vertex, with (B, D) behind the stop | -n' B / D |
+//! | Petzval sum | sum of c (1/n' - 1/n), the curvature of the Petzval surface times -1/n' |
+//!
+//! (Born & Wolf, *Principles of Optics*, 7th edition, section 4.4; Welford, chapters 3, 8 and 10.)
+
+mod matrix;
+mod seidel;
+
+pub use matrix::Matrix;
+pub use seidel::Seidel;
+
+use crate::prescription::{Prescription, PrescriptionError, Resolved, SystemAperture};
+
+/// A pupil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pupil {
+    /// Its place along z, in the coordinates of the prescription: the vertex of surface 1 is 0; infinite if telecentric.
+    pub position: f64,
+    /// Its diameter; infinite if telecentric.
+    pub diameter: f64,
+}
+
+/// First-order data at one wavelength. Lengths are infinite or NaN where there are none, as the focal length of an afocal
+/// system.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstOrder {
+    /// From the first to the last surface.
+    pub matrix: Matrix,
+    /// 1 / power; positive if collimated light is made to converge.
+    pub focal_length: f64,
+    /// From the vertex of the last surface to the back focal point, along z.
+    pub back_focal_distance: f64,
+    /// From the vertex of the first surface to the front focal point, along z.
+    pub front_focal_distance: f64,
+    /// From the vertex of the last surface to the back principal plane, along z.
+    pub back_principal_plane: f64,
+    /// From the vertex of the first surface to the front principal plane, along z.
+    pub front_principal_plane: f64,
+    /// The stop as seen from the object.
+    pub entrance_pupil: Pupil,
+    /// The stop as seen from the image.
+    pub exit_pupil: Pupil,
+    /// The semi-diameter of the stop itself.
+    pub stop_semi_diameter: f64,
+    /// Focal length over entrance pupil.
+    pub f_number: f64,
+    /// The lateral magnification between the object and its paraxial image; 0 for distant objects.
+    pub magnification: f64,
+    /// The angular magnification of light that comes and leaves collimated: of meaning for afocal systems.
+    pub angular_magnification: f64,
+    /// From the vertex of the last surface to the paraxial image, along z.
+    pub image_distance: f64,
+    /// The Petzval sum; the field is flat at 0.
+    pub petzval_sum: f64,
+}
+
+impl Prescription {
+    /// First-order data at a wavelength in nanometres.
+    ///
+    /// # Errors
+    /// [`PrescriptionError`] for prescriptions that say nothing and wavelengths at which a medium has no index.
+    pub fn first_order(&self, wavelength_nm: f64) -> Result<FirstOrder, PrescriptionError> {
+        self.first_order_resolved(&self.resolved()?, wavelength_nm)
+    }
+
+    pub(crate) fn first_order_resolved(
+        &self,
+        resolved: &Resolved,
+        wavelength_nm: f64,
+    ) -> Result<FirstOrder, PrescriptionError> {
+        let n = resolved.indices(wavelength_nm)?;
+        let last = self.surfaces.len();
+        let (front, back) = (self.matrix(&n, 0, self.stop - 1), self.matrix(&n, self.stop - 1, last));
+        let matrix = front.then(back);
+        let (a, d, power) = (matrix.a, matrix.d, -matrix.c);
+        let (n_object, n_image) = (n[0], n[last]);
+        let last_vertex = resolved.vertices[last - 1];
+        let entrance = n_object * front.b / front.a;
+        let semi_diameter = self.entrance_semi_diameter(entrance, front.a, 1.0 / power, n_object);
+        let stop_semi_diameter = (front.a * semi_diameter).abs();
+        let image = self.image_of_object(matrix, n_object, n_image);
+        Ok(FirstOrder {
+            matrix,
+            focal_length: 1.0 / power,
+            back_focal_distance: n_image * a / power,
+            front_focal_distance: -n_object * d / power,
+            back_principal_plane: n_image * (a - 1.0) / power,
+            front_principal_plane: n_object * (1.0 - d) / power,
+            entrance_pupil: Pupil { position: entrance, diameter: 2.0 * semi_diameter },
+            exit_pupil: Pupil {
+                position: last_vertex - n_image * back.b / back.d,
+                diameter: 2.0 * (stop_semi_diameter / back.d).abs(),
+            },
+            stop_semi_diameter,
+            f_number: (0.5 / (power * semi_diameter)).abs(),
+            magnification: image.1,
+            angular_magnification: d * n_object / n_image,
+            image_distance: image.0,
+            petzval_sum: self.petzval_sum(&n),
+        })
+    }
+
+    /// From in front of one surface, counted from 0, to in front of another; behind the last there is no distance.
+    fn matrix(&self, n: &[f64], from: usize, to: usize) -> Matrix {
+        (from..to).fold(Matrix::IDENTITY, |matrix, k| {
+            let surface = &self.surfaces[k];
+            let refracted = matrix.then(Matrix::surface(surface.curvature(), n[k], n[k + 1]));
+            let is_last = k + 1 == self.surfaces.len();
+            if is_last { refracted } else { refracted.then(Matrix::distance(surface.thickness, n[k + 1])) }
+        })
+    }
+
+    fn entrance_semi_diameter(&self, pupil: f64, to_stop: f64, focal_length: f64, n_object: f64) -> f64 {
+        match self.aperture {
+            SystemAperture::EntrancePupilDiameter(diameter) => 0.5 * diameter,
+            SystemAperture::FNumber(number) => (0.5 * focal_length / number).abs(),
+            SystemAperture::StopSemiDiameter(height) => (height / to_stop).abs(),
+            SystemAperture::ObjectNumericalAperture(aperture) => {
+                let sine = aperture / n_object;
+                (pupil + self.object_distance) * sine / (1.0 - sine * sine).sqrt()
+            }
+        }
+    }
+
+    /// Where the paraxial image is, from the last vertex, and how large.
+    fn image_of_object(&self, matrix: Matrix, n_object: f64, n_image: f64) -> (f64, f64) {
+        let from_object = match self.object_distance.is_finite() {
+            false => return (n_image * matrix.a / -matrix.c, 0.0),
+            true => Matrix::distance(self.object_distance, n_object).then(matrix),
+        };
+        // the image is where height does not depend on slope
+        let distance = -n_image * from_object.b / from_object.d;
+        (distance, from_object.then(Matrix::distance(distance, n_image)).a)
+    }
+
+    fn petzval_sum(&self, n: &[f64]) -> f64 {
+        let surfaces = self.surfaces.iter().enumerate();
+        surfaces.map(|(k, surface)| surface.curvature() * (1.0 / n[k + 1] - 1.0 / n[k])).sum()
+    }
+}

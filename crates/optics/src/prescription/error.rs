@@ -1,0 +1,94 @@
+//! What can be wrong with a prescription.
+
+use crate::component::ComponentError;
+use crate::error::OpticsError;
+use crate::glass::GlassError;
+
+/// What can be wrong with a prescription, as "problem (why) suggestion?"; surfaces are counted from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PrescriptionError {
+    /// There is no surface, no field or no wavelength.
+    #[error("the prescription has no {0} (it needs at least one)")]
+    None(&'static str),
+    /// A number that is out of its range.
+    #[error("{what} is {value} (it has to be {range})")]
+    BadNumber {
+        /// What the number is, with its surface.
+        what: String,
+        /// The number.
+        value: f64,
+        /// Which numbers are possible.
+        range: &'static str,
+    },
+    /// A surface, field or wavelength that does not exist.
+    #[error("the {what} is number {number} (there are {count})")]
+    NoSuch {
+        /// What was asked for.
+        what: &'static str,
+        /// Its number.
+        number: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A medium that is not known.
+    #[error("surface {surface}: {problem}")]
+    Glass {
+        /// The surface in front of the medium.
+        surface: usize,
+        /// What is wrong.
+        problem: GlassError,
+    },
+    /// Surfaces that cross inside the aperture: the lens, or the space between two lenses, has a negative thickness there.
+    #[error(
+        "surfaces {first} and {second} cross {height} from the axis (their clear semi-diameters reach {reach}) is the \
+         thickness too small or a semi-diameter too large?"
+    )]
+    Cross {
+        /// The surface in front.
+        first: usize,
+        /// The surface behind it.
+        second: usize,
+        /// The distance from the axis at which they cross.
+        height: f64,
+        /// How far the aperture reaches.
+        reach: f64,
+    },
+    /// A semi-diameter that reaches beyond where the surface ends.
+    #[error("surface {surface}: its semi-diameter is {reach} (the surface ends {limit} from the axis)")]
+    TooLarge {
+        /// The surface.
+        surface: usize,
+        /// Its semi-diameter.
+        reach: f64,
+        /// Where it ends.
+        limit: f64,
+    },
+    /// A part that cannot be made for another reason.
+    #[error("surface {surface}: {problem}")]
+    Component {
+        /// The first surface of the part.
+        surface: usize,
+        /// What is wrong.
+        problem: ComponentError,
+    },
+    /// What is asked for does not exist for this system.
+    #[error("the system has no {what} ({why})")]
+    Undefined {
+        /// What was asked for.
+        what: &'static str,
+        /// Why there is none.
+        why: &'static str,
+    },
+    /// A ray that does not arrive.
+    #[error("the ray does not reach the image ({why} at surface {surface})")]
+    Lost {
+        /// The surface, counted from 1; the image is the last.
+        surface: usize,
+        /// What happens there.
+        why: &'static str,
+    },
+    /// Light that cannot be traced.
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+}

@@ -1,0 +1,90 @@
+//! One real ray from surface to surface, in the order of the prescription: what sizes lenses before they are solids.
+
+use super::{Behind, Prescription, PrescriptionError, Resolved};
+use crate::interface::{reflect, refract};
+use rayweave_math::Vec3;
+use rayweave_shape::Ray;
+
+/// Where a ray meets a surface and how it goes on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass {
+    /// The point, in the coordinates of the prescription.
+    pub point: Vec3,
+    /// The direction behind the surface, of unit length.
+    pub direction: Vec3,
+    /// The optical path from the start of the ray.
+    pub path: f64,
+}
+
+impl Prescription {
+    /// Follows a ray in the order of the surfaces, whatever their semi-diameters: a point for every surface and one for the
+    /// image. Total reflection and missed surfaces end it.
+    ///
+    /// # Errors
+    /// [`PrescriptionError`] for prescriptions that say nothing, and [`PrescriptionError::Lost`].
+    pub fn follow(&self, ray: &Ray, wavelength_nm: f64) -> Result<Vec<Pass>, PrescriptionError> {
+        self.follow_resolved(&self.resolved()?, ray, wavelength_nm)
+    }
+
+    pub(crate) fn follow_resolved(
+        &self,
+        resolved: &Resolved,
+        ray: &Ray,
+        wavelength_nm: f64,
+    ) -> Result<Vec<Pass>, PrescriptionError> {
+        let indices = resolved.indices(wavelength_nm)?;
+        let mut pass = Pass { point: ray.origin, direction: ray.direction.normalize(), path: 0.0 };
+        let mut passes = Vec::with_capacity(indices.len());
+        for (k, &vertex) in resolved.vertices.iter().enumerate() {
+            let lost = |why| PrescriptionError::Lost { surface: k + 1, why };
+            let surface = self.surfaces.get(k);
+            let (radius, conic) =
+                surface.map_or((self.image.radius, self.image.conic), |s| (s.radius, s.conic));
+            let conicoid = Conicoid { vertex, curvature: 1.0 / radius, conic };
+            let length = conicoid.distance(pass.point, pass.direction).ok_or(lost("it misses"))?;
+            pass.point += length * pass.direction;
+            pass.path += indices[k].abs() * length;
+            let normal = conicoid.normal(pass.point, pass.direction);
+            let ratio = indices[k].abs() / indices.get(k + 1).map_or(1.0, |n| n.abs());
+            pass.direction = match surface.map(|surface| &surface.behind) {
+                None => pass.direction,
+                Some(Behind::Mirror) => reflect(pass.direction, normal),
+                Some(_) if ratio == 1.0 => pass.direction,
+                Some(_) => refract(pass.direction, normal, ratio).ok_or(lost("total reflection"))?,
+            };
+            passes.push(pass);
+        }
+        Ok(passes)
+    }
+}
+
+/// A conic of revolution about the axis, `c (x^2 + y^2 + (1 + k) z^2) = 2 z`.
+struct Conicoid {
+    vertex: f64,
+    curvature: f64,
+    conic: f64,
+}
+
+impl Conicoid {
+    /// How far a ray has to go to the root that tends to that of the vertex plane as the curvature tends to 0 (Welford,
+    /// section 4.4).
+    fn distance(&self, point: Vec3, d: Vec3) -> Option<f64> {
+        let to_plane = (self.vertex - point.z) / d.z;
+        let p = point + to_plane * d;
+        let (c, turn) = (self.curvature, 1.0 + self.conic);
+        let a = c * (d.x * d.x + d.y * d.y + turn * d.z * d.z);
+        let b = d.z - c * (p.x * d.x + p.y * d.y);
+        let constant = c * (p.x * p.x + p.y * p.y);
+        let root = (b * b - a * constant).sqrt();
+        let length = to_plane + constant / (b + root.copysign(d.z));
+        length.is_finite().then_some(length)
+    }
+
+    /// The unit normal against a direction.
+    fn normal(&self, point: Vec3, d: Vec3) -> Vec3 {
+        let (c, z) = (self.curvature, point.z - self.vertex);
+        let gradient =
+            Vec3::new(c * point.x, c * point.y, c * (1.0 + self.conic) * z - 1.0).normalize_or(Vec3::Z);
+        if gradient.dot(d) > 0.0 { -gradient } else { gradient }
+    }
+}

@@ -1,0 +1,124 @@
+//! A prescription with its media found, its vertices placed and its numbers checked.
+
+use super::{FieldKind, Prescription, PrescriptionError, Surface};
+use crate::medium::Medium;
+
+/// Vertices and media along the axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Resolved {
+    /// The place of every surface along z; the last is the image.
+    pub vertices: Vec<f64>,
+    /// The medium in front of every surface; the last is that in front of the image.
+    pub media: Vec<Medium>,
+    /// True where light travels towards +z in front of a surface.
+    pub forward: Vec<bool>,
+}
+
+impl Prescription {
+    /// Checks all numbers and finds all media.
+    pub(crate) fn resolved(&self) -> Result<Resolved, PrescriptionError> {
+        self.check()?;
+        let mut resolved =
+            Resolved { vertices: vec![0.0], media: vec![Medium::vacuum()], forward: vec![true] };
+        let (mut z, mut medium, mut forward) = (0.0, Medium::vacuum(), true);
+        for (k, surface) in self.surfaces.iter().enumerate() {
+            z += surface.thickness;
+            let found = surface.behind.medium();
+            match found.map_err(|problem| PrescriptionError::Glass { surface: k + 1, problem })? {
+                Some(behind) => medium = behind,
+                None => forward = !forward,
+            }
+            resolved.vertices.push(z);
+            resolved.media.push(medium.clone());
+            resolved.forward.push(forward);
+        }
+        Ok(resolved)
+    }
+
+    fn check(&self) -> Result<(), PrescriptionError> {
+        let lists = [
+            ("surface", self.surfaces.is_empty()),
+            ("field", self.fields.is_empty()),
+            ("wavelength", self.lines.is_empty()),
+        ];
+        if let Some((what, _)) = lists.iter().find(|(_, is_empty)| *is_empty) {
+            return Err(PrescriptionError::None(what));
+        }
+        let count = self.surfaces.len();
+        if !(1..=count).contains(&self.stop) {
+            return Err(PrescriptionError::NoSuch { what: "stop", number: self.stop, count });
+        }
+        if self.primary >= self.lines.len() {
+            let (what, number, count) = ("primary wavelength", self.primary, self.lines.len());
+            return Err(PrescriptionError::NoSuch { what, number, count });
+        }
+        let is_near = self.object_distance.is_finite();
+        if !(is_near || self.object_distance == f64::INFINITY) {
+            return Err(bad("the distance of the object", self.object_distance, "a number or infinite"));
+        }
+        if self.field_kind == FieldKind::ObjectHeight && !is_near {
+            let why = "the object is infinitely far: give angles";
+            return Err(PrescriptionError::Undefined { what: "height of the object", why });
+        }
+        positive("the unit in nm", self.unit_nm)?;
+        for line in &self.lines {
+            positive("a wavelength", line.wavelength_nm)?;
+        }
+        self.surfaces.iter().enumerate().try_for_each(|(k, surface)| surface.check(k + 1))
+    }
+}
+
+impl Surface {
+    fn check(&self, number: usize) -> Result<(), PrescriptionError> {
+        let named = |what: &str| format!("{what} of surface {number}");
+        if self.radius == 0.0 || self.radius.is_nan() {
+            return Err(bad(named("the radius"), self.radius, "other than 0, infinite for a plane"));
+        }
+        let finite = [("the thickness", self.thickness), ("the conic constant", self.conic)];
+        if let Some((what, value)) = finite.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(bad(named(what), value, "finite"));
+        }
+        if let Some(semi_diameter) = self.semi_diameter {
+            positive(named("the semi-diameter"), semi_diameter)?;
+        }
+        match self.hole >= 0.0 && self.hole.is_finite() {
+            true => Ok(()),
+            false => Err(bad(named("the hole"), self.hole, "at least 0, finite")),
+        }
+    }
+}
+
+impl Resolved {
+    /// The index in front of a surface at a wavelength; negative where light travels towards -z, as paraxial formulas want
+    /// it (Welford, *Aberrations of Optical Systems*, 1986, section 4.2).
+    pub fn index(&self, space: usize, wavelength_nm: f64) -> f64 {
+        let n = self.media[space].index(wavelength_nm).re;
+        if self.forward[space] { n } else { -n }
+    }
+
+    /// All of them; an error where one is not known.
+    pub fn indices(&self, wavelength_nm: f64) -> Result<Vec<f64>, PrescriptionError> {
+        let index = |space: usize| {
+            let medium = &self.media[space];
+            let [low, high] = medium.range_nm();
+            if !(low..=high).contains(&wavelength_nm) {
+                let (what, range) =
+                    (format!("the wavelength in nm for `{}`", medium.name()), "in the range of its data");
+                return Err(bad(what, wavelength_nm, range));
+            }
+            Ok(self.index(space, wavelength_nm))
+        };
+        (0..self.media.len()).map(index).collect()
+    }
+}
+
+pub(super) fn bad(what: impl Into<String>, value: f64, range: &'static str) -> PrescriptionError {
+    PrescriptionError::BadNumber { what: what.into(), value, range }
+}
+
+pub(super) fn positive(what: impl Into<String>, value: f64) -> Result<f64, PrescriptionError> {
+    match value > 0.0 && value.is_finite() {
+        true => Ok(value),
+        false => Err(bad(what, value, "greater than 0 and finite")),
+    }
+}

@@ -1,0 +1,320 @@
+//! Prescriptions as solids: lenses that share their cemented faces, mirrors on substrates, stop and image as sheets.
+
+use super::resolved::{bad, positive};
+use super::{Behind, Prescription, PrescriptionError, Resolved, Surface};
+use crate::component::{
+    Aperture, Blank, ComponentError, Sheet, conic_lens, conic_mirror, rod, sag, with_prefix,
+};
+use crate::element::{Action, Element, Finish};
+use crate::medium::Medium;
+use crate::system::Assembly;
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::Solid;
+
+/// The name of the element that is the image.
+pub const IMAGE: &str = "image";
+/// The name of the element that is the stop, where that is no lens or mirror itself.
+pub const STOP: &str = "stop";
+
+/// Semi-diameters that nobody stated are larger by this factor than the rays need.
+const SPARE: f64 = 1.02;
+
+/// The least thickness of the substrate of a mirror behind its rim, in units of its diameter.
+const SUBSTRATE: f64 = 0.1;
+
+/// A prescription as parts of a system.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// The parts: lenses are `lens 1-2` by their surfaces, mirrors `mirror 3`; then [`STOP`], if it is not the rim of one of
+    /// them, and [`IMAGE`], which lets the light pass. Rims absorb.
+    pub assembly: Assembly,
+    /// The elements that light meets in the order of the prescription, by their numbers; light that meets others, or in
+    /// another order, is stray.
+    pub sequence: Vec<usize>,
+    /// The clear semi-diameters of the surfaces; the last is that of the image.
+    pub semi_diameters: Vec<f64>,
+}
+
+impl Prescription {
+    /// The prescription as solids in air, the unit of lengths included. Light is [`Prescription::beam`]'s.
+    ///
+    /// A lens is as wide as the wider one of its two surfaces; where the other one does not reach so far, or they would cross
+    /// outside its semi-diameter, a flat rim goes from it to the edge. Neighbours whose faces are one, as in cemented lenses,
+    /// have one surface in the compiled system, so that light passes from glass to glass in one event. Mirrors get a
+    /// substrate. A lens or mirror that light passes twice is one part.
+    ///
+    /// # Errors
+    /// [`PrescriptionError`], with the surfaces at fault, for lenses that cannot be made.
+    pub fn assembly(&self) -> Result<Layout, PrescriptionError> {
+        let resolved = self.resolved()?;
+        let semi_diameters = self.semi_diameters(&resolved)?;
+        let mut builder =
+            Builder { lens: self, resolved: &resolved, radii: &semi_diameters, parts: Vec::new() };
+        let mut sequence = Vec::new();
+        for k in 0..self.surfaces.len() {
+            builder.check_gap(k)?;
+            sequence.extend(builder.surface(k)?);
+        }
+        if let Some(stop) = builder.stop()? {
+            builder.parts.push(Part { low: 0.0, high: 0.0, element: stop });
+        }
+        sequence.push(builder.parts.len());
+        let assembly = Assembly::new().unit_nm(self.unit_nm);
+        let assembly = builder.parts.iter().fold(assembly, |all, part| all.add(part.element.clone()));
+        let image = builder.image()?;
+        Ok(Layout { assembly: assembly.add(image), sequence, semi_diameters })
+    }
+
+    /// The clear semi-diameters: those stated, else what the real rays of all fields and wavelengths through middle and rim
+    /// of the pupil need. That of the image comes last.
+    fn semi_diameters(&self, resolved: &Resolved) -> Result<Vec<f64>, PrescriptionError> {
+        let mut needed = vec![0.0_f64; resolved.vertices.len()];
+        for field in 0..self.fields.len() {
+            let launch = self.launch(resolved, field)?;
+            for line in &self.lines {
+                for point in rim() {
+                    let ray = launch.ray(point);
+                    // a ray that is lost needs no room
+                    let passes = self.follow_resolved(resolved, &ray, line.wavelength_nm).unwrap_or_default();
+                    let widen = |(room, pass): (&mut f64, &super::Pass)| {
+                        *room = room.max(pass.point.x.hypot(pass.point.y));
+                    };
+                    needed.iter_mut().zip(&passes).for_each(widen);
+                }
+            }
+        }
+        let image = self.surfaces.len();
+        let widest = needed[..image].iter().fold(0.0_f64, |widest, &room| widest.max(room));
+        let stated = |k: usize| match self.surfaces.get(k) {
+            Some(surface) => surface.semi_diameter.unwrap_or(SPARE * needed[k]),
+            None => self.image.semi_diameter.unwrap_or((2.0 * needed[k]).max(0.1 * widest)),
+        };
+        (0..=image).map(|k| positive(format!("the semi-diameter of surface {}", k + 1), stated(k))).collect()
+    }
+}
+
+/// Middle and rim of the pupil.
+fn rim() -> impl Iterator<Item = [f64; 2]> {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let diagonal = [[half, half], [half, -half], [-half, half], [-half, -half]];
+    [[0.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 0.0], [-1.0, 0.0]].into_iter().chain(diagonal)
+}
+
+/// An element and where it is along the axis.
+struct Part {
+    low: f64,
+    high: f64,
+    element: Element,
+}
+
+struct Builder<'a> {
+    lens: &'a Prescription,
+    resolved: &'a Resolved,
+    radii: &'a [f64],
+    parts: Vec<Part>,
+}
+
+/// A surface in its place: the number, from 0, vertex, radius of curvature, conic constant, semi-diameter.
+#[derive(Clone, Copy)]
+struct Placed {
+    k: usize,
+    vertex: f64,
+    radius: f64,
+    conic: f64,
+    reach: f64,
+}
+
+impl Placed {
+    fn z(&self, height: f64) -> Option<f64> {
+        Some(self.vertex + sag(self.radius, self.conic, height)?)
+    }
+
+    /// The plane at its rim.
+    fn rim(&self) -> Option<Placed> {
+        Some(Placed { vertex: self.z(self.reach)?, radius: f64::INFINITY, conic: 0.0, ..*self })
+    }
+}
+
+impl Builder<'_> {
+    fn placed(&self, k: usize) -> Placed {
+        let image = &self.lens.image;
+        let surface = self.lens.surfaces.get(k);
+        let (radius, conic) = surface.map_or((image.radius, image.conic), |s| (s.radius, s.conic));
+        Placed { k, vertex: self.resolved.vertices[k], radius, conic, reach: self.radii[k] }
+    }
+
+    /// Both ends of the space behind a surface, in the order of z.
+    fn ends(&self, k: usize) -> [Placed; 2] {
+        let (here, next) = (self.placed(k), self.placed(k + 1));
+        if self.resolved.forward[k + 1] { [here, next] } else { [next, here] }
+    }
+
+    /// The surfaces at both ends of a space must not cross where both of them are.
+    fn check_gap(&self, k: usize) -> Result<(), PrescriptionError> {
+        for placed in [self.placed(k), self.placed(k + 1)] {
+            if placed.z(placed.reach).is_none() {
+                let limit = placed.radius.abs() / (1.0 + placed.conic).sqrt();
+                return Err(PrescriptionError::TooLarge {
+                    surface: placed.k + 1,
+                    reach: placed.reach,
+                    limit,
+                });
+            }
+        }
+        if k + 1 == self.lens.surfaces.len() && self.resolved.media[k + 1] == Medium::vacuum() {
+            return Ok(());
+        }
+        let [low, high] = self.ends(k);
+        let reach = low.reach.min(high.reach);
+        let gap = |height: f64| Some(high.z(height)? - low.z(height)?);
+        let is_open =
+            |height: &f64| gap(*height).is_some_and(|gap| gap < -1e-12 * (reach + low.vertex.abs()));
+        // steps, then halves: only the message tells where
+        let wrong = (0..=64).map(|step| reach * f64::from(step) / 64.0).find(is_open);
+        match wrong {
+            None => Ok(()),
+            Some(wrong) => {
+                let (mut good, mut bad) = ((wrong - reach / 64.0).max(0.0), wrong);
+                for _ in 0..60 {
+                    let middle = 0.5 * (good + bad);
+                    if gap(middle).is_some_and(|gap| gap < 0.0) { bad = middle } else { good = middle }
+                }
+                Err(PrescriptionError::Cross { first: k + 1, second: k + 2, height: bad, reach })
+            }
+        }
+    }
+
+    /// Adds what begins at a surface; the element that light meets there.
+    fn surface(&mut self, k: usize) -> Result<Option<usize>, PrescriptionError> {
+        let surface = &self.lens.surfaces[k];
+        if surface.behind == Behind::Mirror {
+            return self.mirror(k, surface).map(Some);
+        }
+        if self.resolved.media[k + 1] != Medium::vacuum() {
+            return self.lens(k).map(Some);
+        }
+        // into air: the light leaves what it was in
+        let inside = k > 0 && self.resolved.media[k] != Medium::vacuum();
+        if inside { self.lens(k - 1).map(Some) } else { Ok(None) }
+    }
+
+    /// The number of a part that is there already, or of the new one.
+    fn put(&mut self, part: Part) -> usize {
+        let span = part.high - part.low;
+        let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * span;
+        let is_lens = |name: &str| name.starts_with("lens");
+        let known = self.parts.iter().position(|other| {
+            same(other.low, part.low)
+                && same(other.high, part.high)
+                && is_lens(other.element.name()) == is_lens(part.element.name())
+        });
+        known.unwrap_or_else(|| {
+            self.parts.push(part);
+            self.parts.len() - 1
+        })
+    }
+
+    /// The lens between a surface and the next one.
+    fn lens(&mut self, k: usize) -> Result<usize, PrescriptionError> {
+        let [low, high] = self.ends(k);
+        if low.vertex >= high.vertex {
+            let name = format!("the thickness behind surface {}", k + 1);
+            let range = "greater than 0 in a lens, less where light travels back";
+            return Err(bad(name, self.lens.surfaces[k].thickness, range));
+        }
+        let name = format!("lens {}-{}", k + 1, k + 2);
+        let wrong = |problem| told(problem, k);
+        let (solid, has_flat) = body(low, high).map_err(wrong)?;
+        let mut element =
+            Element::transparent(&name, solid, &self.resolved.media[k + 1]).face("edge", Finish::Absorber);
+        if has_flat {
+            let flat = if low.reach > high.reach { "back" } else { "front" };
+            element = element.face(&format!("{name}.flat.{flat}.plane"), Finish::Absorber);
+        }
+        Ok(self.put(Part { low: low.vertex, high: high.vertex, element }))
+    }
+
+    fn mirror(&mut self, k: usize, surface: &Surface) -> Result<usize, PrescriptionError> {
+        let (placed, faces_back) = (self.placed(k), !self.resolved.forward[k]);
+        let rim = sag(placed.radius, placed.conic, placed.reach).unwrap_or(0.0);
+        let towards_substrate = if faces_back { -rim } else { rim };
+        let thickness = towards_substrate.max(0.0) + 2.0 * SUBSTRATE * placed.reach;
+        let blank = Blank::new(Aperture::circle(2.0 * placed.reach), thickness);
+        let blank = if faces_back { blank.turned() } else { blank };
+        let wrong = |problem| told(problem, k);
+        let mut solid = conic_mirror(placed.radius, placed.conic, &blank).map_err(wrong)?;
+        if surface.hole > 0.0 {
+            let bore = rod(2.0 * surface.hole, 4.0 * (thickness + rim.abs())).map_err(wrong)?;
+            solid = solid - with_prefix(&bore, "hole");
+        }
+        let element =
+            Element::absorber(&format!("mirror {}", k + 1), solid.translate(Vec3::Z * placed.vertex))
+                .face("front", Finish::Mirror { reflectance: 1.0 });
+        let (low, high) = if faces_back { (-thickness, 0.0) } else { (0.0, thickness) };
+        Ok(self.put(Part { low: placed.vertex + low, high: placed.vertex + high, element }))
+    }
+
+    /// The sheet of the stop, unless the rim of a lens or mirror is the stop.
+    fn stop(&self) -> Result<Option<Element>, PrescriptionError> {
+        let k = self.lens.stop - 1;
+        let placed = self.placed(k);
+        let is_dummy = self.resolved.media[k] == self.resolved.media[k + 1]
+            && self.lens.surfaces[k].behind != Behind::Mirror;
+        if !is_dummy {
+            return Ok(None);
+        }
+        let widest = self.radii.iter().fold(0.0_f64, |widest, &radius| widest.max(radius));
+        let outline = 2.0 * widest.max(placed.reach);
+        let wrong = |problem| told(problem, k);
+        let sheet = Sheet::iris(2.0 * outline, 2.0 * placed.reach).map_err(wrong)?;
+        let sheet = sheet.apply(&Affine::translate(Vec3::Z * placed.vertex)).map_err(wrong)?;
+        Ok(Some(Element::sheet(STOP, sheet, Action::Absorb)))
+    }
+
+    fn image(&self) -> Result<Element, PrescriptionError> {
+        let k = self.lens.surfaces.len();
+        let placed = self.placed(k);
+        let wrong = |problem| told(problem, k);
+        let sheet = Sheet::conic(placed.radius, placed.conic, Aperture::circle(2.0 * placed.reach));
+        let sheet =
+            sheet.map_err(wrong)?.apply(&Affine::translate(Vec3::Z * placed.vertex)).map_err(wrong)?;
+        Ok(Element::sheet(IMAGE, sheet, Action::Record))
+    }
+}
+
+/// What lies between two surfaces, and whether it needs a flat rim.
+fn body(low: Placed, high: Placed) -> Result<(Solid, bool), ComponentError> {
+    let reach = low.reach.max(high.reach);
+    let whole = between(low, high, reach);
+    let is_whole =
+        !matches!(whole, Err(ComponentError::ApertureTooLarge { .. } | ComponentError::SurfacesCross { .. }));
+    let narrow = low.reach.min(high.reach);
+    let flat = if low.reach > high.reach { (Some(low), high.rim()) } else { (low.rim(), Some(high)) };
+    match flat {
+        (Some(front), Some(back)) if !is_whole && narrow < reach => {
+            let core = between(low, high, narrow)?;
+            let ring = between(front, back, reach)?;
+            let length = 4.0 * (reach + (back.vertex - front.vertex).abs());
+            let bore = rod(2.0 * narrow, length)?.translate(Vec3::Z * front.vertex);
+            Ok((core | with_prefix(&(ring - bore.named("bore")), "flat"), true))
+        }
+        _ => Ok((whole?, false)),
+    }
+}
+
+fn between(low: Placed, high: Placed, reach: f64) -> Result<Solid, ComponentError> {
+    let thickness = high.vertex - low.vertex;
+    let aperture = Aperture::circle(2.0 * reach);
+    let solid = conic_lens(low.radius, low.conic, high.radius, high.conic, thickness, aperture)?;
+    Ok(solid.translate(Vec3::Z * (low.vertex + 0.5 * thickness)))
+}
+
+/// A problem of a component with the surface at which it begins, counted from 0.
+fn told(problem: ComponentError, k: usize) -> PrescriptionError {
+    match problem {
+        ComponentError::SurfacesCross { height, reach, .. } => {
+            PrescriptionError::Cross { first: k + 1, second: k + 2, height, reach }
+        }
+        problem => PrescriptionError::Component { surface: k + 1, problem },
+    }
+}

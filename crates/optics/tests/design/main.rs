@@ -1,0 +1,5 @@
+//! Prescriptions, their paraxial data, and what is made of the rays traced through them, against closed forms and peers.
+
+mod lenses;
+mod paraxial;
+mod prescription;
