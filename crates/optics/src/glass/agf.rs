@@ -41,7 +41,7 @@ pub fn read_agf(bytes: &[u8], maker: &str) -> Result<Vec<Glass>, ReadError> {
 }
 
 /// The text of a file in UTF-16 or UTF-8, with or without a byte order mark, or else in Latin-1.
-fn decode(bytes: &[u8]) -> String {
+pub(crate) fn decode(bytes: &[u8]) -> String {
     let zero_at = |parity: usize| bytes.iter().skip(parity).step_by(2).take(64).any(|&byte| byte == 0);
     match bytes {
         [0xff, 0xfe, text @ ..] => utf16(text, u16::from_le_bytes),

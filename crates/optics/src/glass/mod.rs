@@ -20,6 +20,7 @@ mod spectrum;
 mod table;
 mod yaml;
 
+pub(crate) use agf::decode;
 pub use agf::read_agf;
 pub use air::Air;
 pub use catalogue::{Catalogue, glass, glasses};

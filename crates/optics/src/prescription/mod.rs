@@ -11,6 +11,7 @@
 //! | one real ray from surface to surface | [`Prescription::follow`] |
 //! | rays through the entrance pupil | [`Prescription::beam`] |
 //! | solids, stop and image as parts of a system | [`Prescription::assembly`] |
+//! | Zemax files | [`read_zmx`], [`write_zmx`] |
 
 //!
 //! ```
@@ -35,10 +36,12 @@ mod follow;
 mod launch;
 mod resolved;
 mod solids;
+mod zmx;
 
 pub use error::PrescriptionError;
 pub use follow::Pass;
 pub use solids::{IMAGE, Layout, STOP};
+pub use zmx::{Read, ZmxError, read_zmx, write_zmx};
 
 pub(crate) use resolved::Resolved;
 

@@ -1,6 +1,6 @@
 //! A prescription with its media found, its vertices placed and its numbers checked.
 
-use super::{FieldKind, Prescription, PrescriptionError, Surface};
+use super::{FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
 use crate::medium::Medium;
 
 /// Vertices and media along the axis.
@@ -61,6 +61,15 @@ impl Prescription {
             return Err(PrescriptionError::Undefined { what: "height of the object", why });
         }
         positive("the unit in nm", self.unit_nm)?;
+        let (SystemAperture::EntrancePupilDiameter(size)
+        | SystemAperture::FNumber(size)
+        | SystemAperture::ObjectNumericalAperture(size)
+        | SystemAperture::StopSemiDiameter(size)) = self.aperture;
+        positive("the aperture", size)?;
+        if matches!(self.aperture, SystemAperture::ObjectNumericalAperture(_)) && !is_near {
+            let why = "the object is infinitely far: give the entrance pupil";
+            return Err(PrescriptionError::Undefined { what: "numerical aperture at the object", why });
+        }
         for line in &self.lines {
             positive("a wavelength", line.wavelength_nm)?;
         }

@@ -3,3 +3,4 @@
 mod lenses;
 mod paraxial;
 mod prescription;
+mod zmx;

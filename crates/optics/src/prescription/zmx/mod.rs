@@ -1,0 +1,49 @@
+//! Zemax files: sequential prescriptions as text.
+//!
+//! A line is a keyword and its arguments; lines about a surface follow its `SURF` line. What is read, and written again:
+//!
+//! | keyword | holds |
+//! | --- | --- |
+//! | `NAME`, `NOTE 0` | the name, a line of notes |
+//! | `UNIT` | the unit of lengths: MM, CM, IN, METER |
+//! | `ENPD`, `FNUM`, `OBNA`, `FLOA` | diameter of the entrance pupil, F-number, object aperture, or "as the stop is" |
+//! | `FTYP` | kind of field (0 angle, 1 object height, 2 paraxial image height), then the numbers of fields and of wavelengths |
+//! | `XFLN`, `YFLN` (`XFLD`, `YFLD`) | fields |
+//! | `WAVM n` (`WAVL`, `WWGT`), `PWAV` | wavelengths in µm with weights, the primary one |
+//! | `SURF n` | begins a surface: 0 is the object, the last one the image |
+//! | `TYPE` | STANDARD, or EVENASPH without coefficients |
+//! | `CURV`, `CONI`, `DISZ` | curvature, conic constant, distance to the next surface |
+//! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number |
+//! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is computed again) |
+//! | `STOP` | the stop |
+//!
+//! `MODE` has to be `SEQ`. Everything else is passed over, with a note. The format is described by its use only: Zemax
+//! OpticStudio user guide, "Lens data editor", and files that makers of lenses publish.
+
+mod read;
+mod write;
+
+pub use read::{Read, ZmxError, read_zmx};
+pub use write::write_zmx;
+
+/// Significant digits to which a number in a file is taken for a decimal one.
+const DECIMALS: usize = 11;
+
+/// The decimal number with few digits that is this one but for rounding, or this one.
+fn decimal(value: f64) -> f64 {
+    let short = format!("{value:.DECIMALS$e}").parse().unwrap_or(value);
+    if ((short - value) / value).abs() <= 1e-15 { short } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_found_again() {
+        assert_eq!(decimal(1.0 / (1.0 / 22.01359)), 22.01359);
+        assert_eq!(decimal(587.5618 / 1e3), 0.5875618);
+        assert_eq!(decimal(1.0 / 3.0), 1.0 / 3.0);
+        assert_eq!(decimal(f64::INFINITY), f64::INFINITY);
+    }
+}

@@ -1,0 +1,350 @@
+//! Reader of Zemax files.
+
+use super::decimal;
+use crate::glass::{Problem, decode};
+use crate::prescription::{Behind, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture};
+use std::collections::HashSet;
+
+/// The units of lengths with their names, in nanometres.
+pub(super) const UNITS: [(&str, f64); 4] = [("MM", 1e6), ("CM", 1e7), ("IN", 2.54e7), ("METER", 1e9)];
+
+/// What a file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Read {
+    /// The prescription.
+    pub prescription: Prescription,
+    /// The keywords that were passed over, each once, with the line where it came first.
+    pub notes: Vec<Problem>,
+}
+
+/// All problems of a file, in the order of its lines.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct ZmxError {
+    /// What is wrong, line by line; at least one problem.
+    pub problems: Vec<Problem>,
+}
+
+/// Reads a Zemax file in UTF-16, UTF-8 or Latin-1.
+///
+/// # Errors
+/// All problems at once, each with its line: numbers that are none, unknown glasses, types of surfaces that are not read.
+///
+/// ```
+/// use rayweave_optics::prescription::read_zmx;
+///
+/// let file = b"ENPD 10\nYFLN 0\nWAVM 1 0.55 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n CURV 0.02\n DISZ 4\n GLAS N-BK7\nSURF 2\n DISZ 95\nSURF 3\n";
+/// let lens = read_zmx(file)?.prescription;
+/// assert_eq!(lens.surfaces.len(), 2);
+/// assert_eq!(lens.surfaces[0].radius, 50.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_zmx(bytes: &[u8]) -> Result<Read, ZmxError> {
+    let text = decode(bytes);
+    let mut reader = Reader::default();
+    for (index, line) in text.lines().enumerate() {
+        reader.line = index + 1;
+        if let Err(text) = reader.read(line.trim()) {
+            reader.problems.push(Problem { line: index + 1, text });
+        }
+    }
+    reader.finish()
+}
+
+/// Keywords that say nothing about the light, or what is said elsewhere.
+const SILENT: [&str; 22] = [
+    "VERS", "PFIL", "LANG", "GCAT", "ENVD", "GFAC", "RAIM", "PUSH", "SDMA", "OMMA", "ROPD", "PICB", "POLS",
+    "GLRS", "GSTD", "NSCD", "COFN", "HIDE", "MIRR", "SLAB", "POPS", "FIMP",
+];
+
+/// What is said of a surface so far.
+#[derive(Default)]
+struct Record {
+    line: usize,
+    kind: String,
+    curvature: f64,
+    conic: f64,
+    thickness: f64,
+    behind: Option<Behind>,
+    semi_diameter: Option<f64>,
+    /// As the file has it, fixed or computed.
+    diam: f64,
+    hole: f64,
+    is_stop: bool,
+    has_coefficients: bool,
+}
+
+#[derive(Default)]
+struct Reader {
+    line: usize,
+    name: String,
+    notes: Vec<String>,
+    unit_nm: Option<f64>,
+    aperture: Option<SystemAperture>,
+    kind: Option<FieldKind>,
+    counts: Option<[usize; 2]>,
+    fields: [Vec<f64>; 2],
+    wavelengths: Vec<f64>,
+    weights: Vec<f64>,
+    primary: usize,
+    surfaces: Vec<Record>,
+    passed_over: HashSet<String>,
+    ignored: Vec<Problem>,
+    problems: Vec<Problem>,
+}
+
+impl Reader {
+    fn read(&mut self, line: &str) -> Result<(), String> {
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let words: Vec<&str> = rest.split_whitespace().collect();
+        match keyword {
+            "" => Ok(()),
+            "SURF" => {
+                self.surfaces.push(Record { line: self.line, ..Record::default() });
+                Ok(())
+            }
+            _ if self.of_surface(keyword, &words)? || self.of_system(keyword, rest, &words)? => Ok(()),
+            _ => {
+                if !SILENT.contains(&keyword) && self.passed_over.insert(keyword.to_owned()) {
+                    let text = format!("{keyword} is passed over");
+                    self.ignored.push(Problem { line: self.line, text });
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// True if the keyword is one about the system that is read.
+    fn of_system(&mut self, keyword: &str, rest: &str, words: &[&str]) -> Result<bool, String> {
+        match keyword {
+            "MODE" if words != ["SEQ"] => {
+                return Err(format!("the mode is {rest} (only sequential systems, SEQ, are read)"));
+            }
+            "MODE" => {}
+            "NAME" => self.name = rest.trim().to_owned(),
+            "NOTE" => {
+                let (_, note) = rest.trim().split_once(' ').unwrap_or_default();
+                self.notes.push(note.to_owned());
+            }
+            "UNIT" => self.unit_nm = Some(unit(words.first().copied().unwrap_or(""))?),
+            "ENPD" => self.aperture = Some(SystemAperture::EntrancePupilDiameter(number(words, 0)?)),
+            "FNUM" => self.aperture = Some(SystemAperture::FNumber(number(words, 0)?)),
+            "OBNA" if words.get(1) == Some(&"1") => {
+                return Err(
+                    "the object aperture is an angle (only the numerical aperture is read)".to_owned()
+                );
+            }
+            "OBNA" => self.aperture = Some(SystemAperture::ObjectNumericalAperture(number(words, 0)?)),
+            "FLOA" => self.aperture = Some(SystemAperture::StopSemiDiameter(f64::NAN)),
+            "FTYP" => {
+                self.kind = Some(field_kind(words)?);
+                let count = |k: usize| words.get(k).and_then(|word| word.parse::<usize>().ok());
+                self.counts = count(2).zip(count(3)).map(|(fields, lines)| [fields, lines]);
+            }
+            "XFLN" | "XFLD" => self.fields[0] = numbers(words)?,
+            "YFLN" | "YFLD" => self.fields[1] = numbers(words)?,
+            "WAVM" => {
+                self.wavelengths.push(number(words, 1)?);
+                self.weights.push(number(words, 2).unwrap_or(1.0));
+            }
+            "WAVL" | "WAVN" => self.wavelengths = numbers(words)?,
+            "WWGT" | "WWGN" => self.weights = numbers(words)?,
+            "PWAV" => self.primary = whole(words, 0)?.max(1) - 1,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// True if the keyword is one about the last surface that is read.
+    fn of_surface(&mut self, keyword: &str, words: &[&str]) -> Result<bool, String> {
+        let Some(surface) = self.surfaces.last_mut() else { return Ok(false) };
+        match keyword {
+            "TYPE" => {
+                surface.kind = words.first().copied().unwrap_or("").to_owned();
+                if !matches!(surface.kind.as_str(), "STANDARD" | "EVENASPH") {
+                    let kind = &surface.kind;
+                    return Err(format!("the surface is of type {kind} (only STANDARD surfaces are read)"));
+                }
+            }
+            "PARM" => {
+                let is_coefficient = surface.kind == "EVENASPH" && number(words, 1)? != 0.0;
+                if is_coefficient && !surface.has_coefficients {
+                    surface.has_coefficients = true;
+                    return Err("the asphere has coefficients (only conics are read)".to_owned());
+                }
+            }
+            "CURV" => surface.curvature = number(words, 0)?,
+            "CONI" => surface.conic = number(words, 0)?,
+            "DISZ" if words.first() == Some(&"INFINITY") => surface.thickness = f64::INFINITY,
+            "DISZ" => surface.thickness = number(words, 0)?,
+            "GLAS" => surface.behind = Some(behind(words)?),
+            "DIAM" => {
+                let is_fixed = words.get(1).is_some_and(|flag| *flag != "0");
+                let value = number(words, 0)?;
+                surface.diam = value;
+                surface.semi_diameter = (is_fixed && value > 0.0).then_some(value).or(surface.semi_diameter);
+            }
+            "CLAP" => {
+                surface.hole = number(words, 0)?;
+                let outer = number(words, 1)?;
+                surface.semi_diameter = (outer > 0.0).then_some(outer).or(surface.semi_diameter);
+            }
+            "STOP" => surface.is_stop = true,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    fn problem(&mut self, line: usize, text: &str) {
+        self.problems.push(Problem { line, text: text.to_owned() });
+    }
+
+    fn finish(mut self) -> Result<Read, ZmxError> {
+        let stop = self.surfaces.iter().position(|surface| surface.is_stop);
+        if self.surfaces.len() < 3 {
+            self.problem(
+                self.line,
+                "the file has no surface between object and image (it needs three SURF lines)",
+            );
+        } else if !stop.is_some_and(|stop| (1..self.surfaces.len() - 1).contains(&stop)) {
+            self.problem(self.line, "no surface between object and image is the STOP");
+        }
+        if self.aperture.is_none() {
+            self.problem(self.line, "the file has no aperture (one of ENPD, FNUM, OBNA, FLOA)");
+        }
+        let lines = self.lines();
+        if lines.is_empty() {
+            self.problem(self.line, "the file has no wavelength (WAVM or WAVL)");
+        }
+        let far = self.surfaces.iter().skip(1).find(|surface| surface.thickness.is_infinite());
+        if let Some(line) = far.map(|surface| surface.line) {
+            self.problem(
+                line,
+                "the distance to the next surface is infinite (only that of the object may be)",
+            );
+        }
+        match (self.problems.is_empty(), stop, self.aperture) {
+            (true, Some(stop), Some(aperture)) => Ok(self.prescription(stop, aperture, lines)),
+            _ => {
+                self.problems.sort_by_key(|problem| problem.line);
+                Err(ZmxError { problems: self.problems })
+            }
+        }
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let count = self.counts.map_or(usize::MAX, |counts| counts[1].max(1));
+        let line = |(k, &um): (usize, &f64)| Line {
+            wavelength_nm: decimal(um * 1e3),
+            weight: self.weights.get(k).copied().unwrap_or(1.0),
+        };
+        self.wavelengths.iter().enumerate().take(count).map(line).collect()
+    }
+
+    fn fields(&self) -> Vec<[f64; 2]> {
+        let given = self.fields[0].len().max(self.fields[1].len());
+        let count = self.counts.map_or(given, |counts| counts[0]).max(1);
+        let at = |axis: usize, k: usize| self.fields[axis].get(k).copied().unwrap_or(0.0);
+        (0..count).map(|k| [at(0, k), at(1, k)]).collect()
+    }
+
+    fn prescription(self, stop: usize, aperture: SystemAperture, lines: Vec<Line>) -> Read {
+        let fields = self.fields();
+        let last = self.surfaces.len() - 1;
+        let image = &self.surfaces[last];
+        let image = ImageSurface {
+            radius: radius(image.curvature),
+            conic: image.conic,
+            semi_diameter: image.semi_diameter,
+        };
+        let stop_radius = self.surfaces[stop].semi_diameter.unwrap_or(self.surfaces[stop].diam);
+        let aperture = match aperture {
+            SystemAperture::StopSemiDiameter(_) => SystemAperture::StopSemiDiameter(stop_radius),
+            aperture => aperture,
+        };
+        let prescription = Prescription {
+            name: self.name,
+            notes: self.notes,
+            unit_nm: self.unit_nm.unwrap_or(1e6),
+            aperture,
+            field_kind: self.kind.unwrap_or(FieldKind::Angle),
+            fields,
+            lines,
+            primary: self.primary,
+            object_distance: self.surfaces[0].thickness,
+            surfaces: self.surfaces[1..last].iter().map(Record::surface).collect(),
+            stop,
+            image,
+        };
+        Read { prescription, notes: self.ignored }
+    }
+}
+
+impl Record {
+    fn surface(&self) -> Surface {
+        Surface {
+            radius: radius(self.curvature),
+            conic: self.conic,
+            thickness: self.thickness,
+            behind: self.behind.clone().unwrap_or(Behind::Air),
+            semi_diameter: self.semi_diameter,
+            hole: self.hole,
+        }
+    }
+}
+
+fn radius(curvature: f64) -> f64 {
+    if curvature == 0.0 { f64::INFINITY } else { decimal(1.0 / curvature) }
+}
+
+fn unit(name: &str) -> Result<f64, String> {
+    let known = UNITS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+    known
+        .map(|(_, nm)| *nm)
+        .ok_or_else(|| format!("the unit {name:?} is not known (MM, CM, IN and METER are)"))
+}
+
+fn field_kind(words: &[&str]) -> Result<FieldKind, String> {
+    match words.first().copied() {
+        Some("0") => Ok(FieldKind::Angle),
+        Some("1") => Ok(FieldKind::ObjectHeight),
+        Some("2") => Ok(FieldKind::ImageHeight),
+        other => Err(format!(
+            "fields are of type {} (0, 1 and 2 are read: angle, object height, paraxial image height)",
+            other.unwrap_or("nothing")
+        )),
+    }
+}
+
+fn behind(words: &[&str]) -> Result<Behind, String> {
+    match words.first().copied() {
+        None => Err("GLAS has no name".to_owned()),
+        Some("MIRROR") => Ok(Behind::Mirror),
+        Some("___BLANK") => {
+            let (n_d, v_d) = (number(words, 3)?, number(words, 4)?);
+            Ok(if v_d == 0.0 { Behind::Index(n_d) } else { Behind::Abbe { n_d, v_d } })
+        }
+        Some(name) => {
+            let behind = Behind::Glass(name.to_owned());
+            behind.medium().map_err(|problem| problem.to_string())?;
+            Ok(behind)
+        }
+    }
+}
+
+fn number(words: &[&str], place: usize) -> Result<f64, String> {
+    let word = words.get(place).ok_or_else(|| format!("number {} of the line is missing", place + 1))?;
+    match word.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("{word:?} is no number")),
+    }
+}
+
+fn whole(words: &[&str], place: usize) -> Result<usize, String> {
+    let word = words.get(place).copied().unwrap_or("");
+    word.parse().map_err(|_| format!("{word:?} is no whole number"))
+}
+
+fn numbers(words: &[&str]) -> Result<Vec<f64>, String> {
+    (0..words.len()).map(|k| number(words, k)).collect()
+}

@@ -1,0 +1,114 @@
+//! Zemax files, read and written.
+
+use crate::lenses::{cassegrain, doublet, near, triplet};
+use rayweave_optics::prescription::{
+    Behind, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture, read_zmx, write_zmx,
+};
+
+/// As programs write them: indented, with much that does not matter here.
+const SINGLET: &str = "VERS 160720 18 100027\r\nMODE SEQ\r\nNAME a singlet\r\nNOTE 0 from 0.5 to 2\r\n\
+UNIT IN X W X CM MR CPMM\r\nENPD 1.0E-1\r\nGCAT SCHOTT \r\nFTYP 0 0 2 3 0 0 0\r\nXFLN 0 0 0 0\r\nYFLN 0 7.0E+0 0 0\r\n\
+FWGN 1 1\r\nWAVM 1 4.861327E-1 1\r\nWAVM 2 5.875618E-1 2\r\nWAVM 3 6.562725E-1 1\r\nWAVM 4 5.5E-1 1\r\nPWAV 2\r\n\
+SURF 0\r\n  TYPE STANDARD\r\n  CURV 0.0 0 0 0 0 \"\"\r\n  DISZ INFINITY\r\n  DIAM 0 0 0 0 1 \"\"\r\n\
+SURF 1\r\n  STOP\r\n  TYPE EVENASPH\r\n  CURV 5.0E-1 0 0 0 0 \"\"\r\n  CONI -5.0E-1\r\n  PARM 1 0\r\n  PARM 2 0.0\r\n  MIRR 2 0\r\n\
+  DISZ 1.2E-1\r\n  GLAS N-BK7 0 0 1.5168 64.17\r\n  DIAM 2.5E-1 1 0 0 1 \"\"\r\n\
+SURF 2\r\n  TYPE STANDARD\r\n  CURV 0.0\r\n  DISZ 3.7\r\n  DIAM 2.4E-1 0 0 0 1 \"\"\r\n  XDAT 1 2\r\n\
+SURF 3\r\n  TYPE STANDARD\r\n  CURV -0.1\r\n  DISZ 0\r\n  DIAM 0.3 0 0 0 1 \"\"\r\nBLNK \r\nXDAT 3\r\n";
+
+fn singlet() -> Prescription {
+    let line = |wavelength_nm, weight| Line { wavelength_nm, weight };
+    Prescription {
+        name: "a singlet".to_owned(),
+        notes: vec!["from 0.5 to 2".to_owned()],
+        unit_nm: 2.54e7,
+        aperture: SystemAperture::EntrancePupilDiameter(0.1),
+        fields: vec![[0.0; 2], [0.0, 7.0]],
+        lines: vec![line(486.1327, 1.0), line(587.5618, 2.0), line(656.2725, 1.0)],
+        primary: 1,
+        image: ImageSurface { radius: -10.0, conic: 0.0, semi_diameter: None },
+        ..Prescription::new(vec![
+            Surface::new(2.0, 0.12, Behind::Glass("N-BK7".to_owned())).conic(-0.5).semi_diameter(0.25),
+            Surface::new(f64::INFINITY, 3.7, Behind::Air),
+        ])
+    }
+}
+
+#[test]
+fn files_are_read_in_any_encoding() {
+    let utf16: Vec<u8> = SINGLET.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let with_mark: Vec<u8> = [0xff, 0xfe].into_iter().chain(utf16.iter().copied()).collect();
+    for bytes in [SINGLET.as_bytes(), &utf16, &with_mark] {
+        let read = read_zmx(bytes).unwrap();
+        assert_eq!(read.prescription, singlet());
+        let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            notes,
+            ["line 11: FWGN is passed over", "line 38: XDAT is passed over", "line 44: BLNK is passed over"]
+        );
+    }
+    let latin: Vec<u8> = SINGLET.replace("a singlet", "R\u{f6}ntgen").chars().map(|c| c as u8).collect();
+    assert_eq!(read_zmx(&latin).unwrap().prescription.name, "R\u{f6}ntgen");
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let model = Prescription::new(vec![
+        Surface::new(33.3, 2.0, Behind::Abbe { n_d: 1.62, v_d: 36.37 }),
+        Surface::new(-1.0 / 3.0e-2, 0.0, Behind::Index(1.5)),
+        Surface::new(7.7, 5.0, Behind::Air).semi_diameter(2.5),
+    ])
+    .stop_at(2);
+    let finite = Prescription {
+        object_distance: 123.4,
+        field_kind: FieldKind::ObjectHeight,
+        fields: vec![[0.5, 1.0]],
+        aperture: SystemAperture::ObjectNumericalAperture(0.05),
+        ..model.clone()
+    };
+    let slow =
+        Prescription { aperture: SystemAperture::FNumber(8.0), field_kind: FieldKind::ImageHeight, ..model };
+    let hubble = {
+        let mut lens = cassegrain();
+        lens.surfaces[0].semi_diameter = Some(51.0);
+        lens
+    };
+    for lens in [singlet(), doublet(), triplet(), finite, slow, hubble] {
+        let text = write_zmx(&lens).unwrap();
+        let read = read_zmx(text.as_bytes()).unwrap();
+        assert_eq!(read.prescription, lens, "{text}");
+        assert_eq!(read.notes, []);
+        assert_eq!(write_zmx(&read.prescription).unwrap(), text);
+    }
+    let floating = Prescription { aperture: SystemAperture::StopSemiDiameter(3.0), ..triplet() };
+    let read = read_zmx(write_zmx(&floating).unwrap().as_bytes()).unwrap().prescription;
+    let diameter = |lens: &Prescription| lens.first_order(587.6).unwrap().entrance_pupil.diameter;
+    near(diameter(&read), diameter(&floating), 1e-12);
+    assert_eq!(read.surfaces[4].semi_diameter, Some(3.0));
+}
+
+#[test]
+fn all_problems_are_told_with_their_lines() {
+    let file = "MODE NSC\nUNIT FURLONG\nENPD x\nFTYP 3\nSURF 0\n DISZ INFINITY\nSURF 1\n TYPE TOROIDAL\n GLAS BK8\n CURV\nSURF 2\n \
+                TYPE EVENASPH\n PARM 2 1e-5\n DISZ INFINITY\nSURF 3\n";
+    let problems: Vec<String> =
+        read_zmx(file.as_bytes()).unwrap_err().problems.iter().map(ToString::to_string).collect();
+    let expected = [
+        "line 1: the mode is NSC (only sequential systems, SEQ, are read)",
+        "line 2: the unit \"FURLONG\" is not known (MM, CM, IN and METER are)",
+        "line 3: \"x\" is no number",
+        "line 4: fields are of type 3 (0, 1 and 2 are read: angle, object height, paraxial image height)",
+        "line 8: the surface is of type TOROIDAL (only STANDARD surfaces are read)",
+        "line 9: no glass is named \"BK8\"",
+        "line 10: number 1 of the line is missing",
+        "line 11: the distance to the next surface is infinite (only that of the object may be)",
+        "line 13: the asphere has coefficients (only conics are read)",
+        "line 15: no surface between object and image is the STOP",
+        "line 15: the file has no aperture (one of ENPD, FNUM, OBNA, FLOA)",
+        "line 15: the file has no wavelength (WAVM or WAVL)",
+    ];
+    assert_eq!(problems.len(), expected.len(), "{problems:#?}");
+    for (found, expected) in problems.iter().zip(expected) {
+        assert!(found.starts_with(expected), "{found}");
+    }
+    assert!(read_zmx(b"").unwrap_err().to_string().starts_with("line 0: the file has no surface"));
+}
