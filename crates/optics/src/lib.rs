@@ -6,8 +6,9 @@
 //! nested parts need no gaps. [`interface`] holds the physics of one such event, [`glass`] the indices of refraction,
 //! [`component`] lenses, mirrors and prisms, [`source`] what shines.
 //!
-//! [`prescription`] makes solids of lenses as designers write them, surface by surface, and [`paraxial`] tells their focal
-//! lengths, pupils and aberration sums.
+//! [`prescription`] makes solids of lenses as designers write them, surface by surface, [`paraxial`] tells their focal lengths,
+//! pupils and aberration sums, and [`analysis`] makes spots, wavefronts and aberrations of real rays, in these and any other
+//! systems.
 //!
 //! ```
 //! use rayweave_model::Solid;
@@ -27,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod analysis;
 mod beam;
 pub mod component;
 mod element;

@@ -57,6 +57,11 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
         }
     }
 
+    /// The system.
+    pub fn system(&self) -> &'a System {
+        self.system
+    }
+
     /// Traces light and keeps all segments.
     ///
     /// # Errors

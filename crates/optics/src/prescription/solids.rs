@@ -247,9 +247,15 @@ impl Builder<'_> {
             let bore = rod(2.0 * surface.hole, 4.0 * (thickness + rim.abs())).map_err(wrong)?;
             solid = solid - with_prefix(&bore, "hole");
         }
-        let element =
-            Element::absorber(&format!("mirror {}", k + 1), solid.translate(Vec3::Z * placed.vertex))
-                .face("front", Finish::Mirror { reflectance: 1.0 });
+        // all of it reflects but what is named: where the face lies in one of a lens, as on the back of a meniscus, it may
+        // bear the name of that
+        let name = format!("mirror {}", k + 1);
+        let mut element = Element::mirror(&name, solid.translate(Vec3::Z * placed.vertex))
+            .face(&format!("{name}.back.plane"), Finish::Absorber)
+            .face(&format!("{name}.edge.side"), Finish::Absorber);
+        if surface.hole > 0.0 {
+            element = element.face(&format!("{name}.hole.edge.side"), Finish::Absorber);
+        }
         let (low, high) = if faces_back { (-thickness, 0.0) } else { (0.0, thickness) };
         Ok(self.put(Part { low: placed.vertex + low, high: placed.vertex + high, element }))
     }

@@ -1,0 +1,39 @@
+//! Why there is nothing to analyse.
+
+use crate::error::OpticsError;
+use crate::prescription::PrescriptionError;
+
+/// Why there is nothing to analyse, as "problem (why) suggestion?".
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AnalysisError {
+    /// The prescription says nothing.
+    #[error(transparent)]
+    Prescription(#[from] PrescriptionError),
+    /// The light cannot be traced.
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+    /// No sheet has this name.
+    #[error("there is no sheet `{0}` (the image has to be a sheet of the system)")]
+    NoSheet(String),
+    /// A ray that is needed does not arrive.
+    #[error(
+        "the {ray} ray of field {field} does not arrive at the image (it is stopped, lost or goes another way)"
+    )]
+    Stopped {
+        /// Which ray.
+        ray: &'static str,
+        /// The number of the field, from 0.
+        field: usize,
+    },
+    /// Too few points for a fit.
+    #[error(
+        "{points} points cannot tell {terms} terms apart (there have to be at least as many points) fewer terms?"
+    )]
+    TooFew {
+        /// The number of points.
+        points: usize,
+        /// The number of terms.
+        terms: usize,
+    },
+}

@@ -1,0 +1,85 @@
+//! How the image depends on the field: distortion and field curvature.
+
+use super::{AnalysisError, Study};
+use rayweave_model::Evaluator;
+
+/// The distance of the rays from the principal one that field curvature is measured by, in units of the pupil.
+const NEAR: f64 = 1e-3;
+
+/// Where a principal ray meets the image, and where it paraxially should.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distortion {
+    /// The distance from the axis of the real principal ray on the image.
+    pub real: f64,
+    /// That of the paraxial principal ray on the image plane.
+    pub paraxial: f64,
+}
+
+impl Distortion {
+    /// (real - paraxial) / paraxial; NaN on the axis.
+    pub fn relative(&self) -> f64 {
+        (self.real - self.paraxial) / self.paraxial
+    }
+}
+
+/// Where rays near the principal ray meet it, by the distance along the axis from the image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FieldFoci {
+    /// Of rays in the plane of the axis and the principal ray.
+    pub tangential: f64,
+    /// Of rays across it.
+    pub sagittal: f64,
+}
+
+impl<E: Evaluator> Study<'_, E> {
+    /// The distortion of a field at a wavelength.
+    ///
+    /// # Errors
+    /// As of [`Study::principal`].
+    pub fn distortion(&self, field: usize, wavelength_nm: f64) -> Result<Distortion, AnalysisError> {
+        let position = self.principal(field, wavelength_nm)?.position;
+        let paraxial = self.paraxial_height(field, wavelength_nm)?;
+        Ok(Distortion { real: libm::hypot(position.x, position.y), paraxial: paraxial.abs() })
+    }
+
+    /// The height of the paraxial principal ray on the image plane.
+    fn paraxial_height(&self, field: usize, wavelength_nm: f64) -> Result<f64, AnalysisError> {
+        let resolved = self.lens.resolved()?;
+        let ray = self.lens.launch(&resolved, field)?.ray([0.0; 2]);
+        let pupil = self.lens.first_order(self.lens.primary_nm())?.entrance_pupil.position;
+        let slope = libm::hypot(ray.direction.x, ray.direction.y) / ray.direction.z;
+        let n = resolved.indices(wavelength_nm)?;
+        let matrix = self.lens.first_order(wavelength_nm)?.matrix;
+        let [y, nu] = matrix.apply([-slope * pupil, n[0] * slope]);
+        let last = self.lens.surfaces.len();
+        Ok(y + self.lens.surfaces[last - 1].thickness * nu / n[last])
+    }
+
+    /// The foci of thin pencils of a field (Coddington's) at a wavelength, by rays a thousandth of the pupil away from the
+    /// principal ray.
+    ///
+    /// # Errors
+    /// As of [`Study::principal`].
+    pub fn field_foci(&self, field: usize, wavelength_nm: f64) -> Result<FieldFoci, AnalysisError> {
+        let [x, y] = self.lens.fields.get(field).copied().unwrap_or([0.0, 1.0]);
+        let length = libm::hypot(x, y);
+        let along = if length > 0.0 { [x / length, y / length] } else { [0.0, 1.0] };
+        let across = [along[1], -along[0]];
+        Ok(FieldFoci {
+            tangential: self.pencil(field, wavelength_nm, along)?,
+            sagittal: self.pencil(field, wavelength_nm, across)?,
+        })
+    }
+
+    /// Where two rays on both sides of the principal one have the same place along a direction.
+    fn pencil(&self, field: usize, wavelength_nm: f64, [a, b]: [f64; 2]) -> Result<f64, AnalysisError> {
+        let ray =
+            |side: f64| self.one(field, wavelength_nm, [side * a, side * b], "neighbour of the principal");
+        let (one, other) = (ray(NEAR)?, ray(-NEAR)?);
+        let slope = |d: rayweave_math::Vec3| (a * d.x + b * d.y) / d.z;
+        // on a curved image the two are not at one height
+        let place = |p: rayweave_math::Vec3, d| a * p.x + b * p.y - p.z * slope(d);
+        let apart = place(one.position, one.direction) - place(other.position, other.direction);
+        Ok(-apart / (slope(one.direction) - slope(other.direction)))
+    }
+}

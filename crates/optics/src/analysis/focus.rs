@@ -1,0 +1,41 @@
+//! Rays in front of the image and behind it.
+
+use super::{Arrival, Spot};
+
+/// The same rays on a plane moved along its normal; paths are those there.
+pub fn moved(arrivals: &[Arrival], shift: f64) -> Vec<Arrival> {
+    let at = |arrival: &Arrival| {
+        let length = shift / arrival.direction.z;
+        Arrival {
+            position: arrival.position + length * arrival.direction,
+            path: arrival.path + arrival.index * length,
+            ..*arrival
+        }
+    };
+    arrivals.iter().map(at).collect()
+}
+
+/// The spots on planes moved along the normal; where there is no light the list is empty.
+pub fn through_focus(arrivals: &[Arrival], shifts: &[f64]) -> Vec<Spot> {
+    shifts.iter().filter_map(|&shift| Spot::of(&moved(arrivals, shift))).collect()
+}
+
+/// By how much the plane has to move for the least RMS radius, exactly: places are x + s m with the slopes m, so that the mean
+/// square radius is a parabola in s with its vertex at - cov(x, m) / var(m), summed over both axes. `None` for rays that are
+/// parallel.
+pub fn best_focus(arrivals: &[Arrival]) -> Option<f64> {
+    let power: f64 = arrivals.iter().map(|arrival| arrival.power).sum();
+    let mean = |f: &dyn Fn(&Arrival) -> f64| {
+        arrivals.iter().map(|arrival| arrival.power * f(arrival)).sum::<f64>() / power
+    };
+    let slope = |arrival: &Arrival, axis: usize| arrival.direction[axis] / arrival.direction.z;
+    let (mut covariance, mut variance) = (0.0, 0.0);
+    for axis in 0..2 {
+        let middle = [mean(&|arrival| arrival.position[axis]), mean(&|arrival| slope(arrival, axis))];
+        let off = |arrival: &Arrival| slope(arrival, axis) - middle[1];
+        covariance += mean(&|arrival| (arrival.position[axis] - middle[0]) * off(arrival));
+        variance += mean(&|arrival| off(arrival) * off(arrival));
+    }
+    let shift = -covariance / variance;
+    (variance > 0.0 && shift.is_finite()).then_some(shift)
+}

@@ -1,0 +1,78 @@
+//! Wavefronts: optical path differences against a reference sphere.
+
+use super::Arrival;
+use rayweave_math::Vec3;
+
+/// Optical path differences of some rays.
+///
+/// The reference sphere has its centre where the principal ray meets the image and the radius of the exit pupil's distance.
+/// The difference of a ray is the path of the principal ray to the sphere less its own, in waves: positive where the
+/// wavefront is ahead (W. T. Welford, *Aberrations of Optical Systems*, 1986, section 7.2).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wavefront {
+    /// The points of the pupil, in units of its semi-diameter.
+    pub pupil: Vec<[f64; 2]>,
+    /// The differences there, in waves.
+    pub waves: Vec<f64>,
+}
+
+impl Wavefront {
+    /// The differences of rays against a principal ray. The number of a ray is that of its point in `pupil`; `radius` is the
+    /// distance from the exit pupil to the image, negative for a pupil behind it, infinite for a plane reference; `unit_nm` the
+    /// unit of lengths.
+    pub fn new(
+        principal: &Arrival,
+        arrivals: &[Arrival],
+        pupil: &[[f64; 2]],
+        radius: f64,
+        unit_nm: f64,
+    ) -> Wavefront {
+        let reference = to_sphere(principal, principal.position, principal.direction, radius);
+        let known = arrivals.iter().filter_map(|arrival| Some((arrival, *pupil.get(arrival.id)?)));
+        let difference = |arrival: &Arrival| {
+            let own = to_sphere(arrival, principal.position, principal.direction, radius);
+            (reference - own) * unit_nm / principal.wavelength_nm
+        };
+        let (pupil, waves) = known.map(|(arrival, point)| (point, difference(arrival))).unzip();
+        Wavefront { pupil, waves }
+    }
+
+    /// The mean difference.
+    pub fn mean(&self) -> f64 {
+        self.waves.iter().sum::<f64>() / self.waves.len() as f64
+    }
+
+    /// The standard deviation of the differences over the points; NaN if there are none.
+    pub fn rms(&self) -> f64 {
+        let mean = self.mean();
+        let squares = self.waves.iter().map(|wave| (wave - mean) * (wave - mean)).sum::<f64>();
+        (squares / self.waves.len() as f64).sqrt()
+    }
+
+    /// The greatest difference less the least.
+    pub fn peak_to_valley(&self) -> f64 {
+        let fold = |start: f64, f: fn(f64, f64) -> f64| self.waves.iter().fold(start, |a, &b| f(a, b));
+        fold(f64::NEG_INFINITY, f64::max) - fold(f64::INFINITY, f64::min)
+    }
+
+    /// The ratio of the intensity in the focus to that without aberrations, exp(-(2 pi rms)^2): good for ratios above 0.1
+    /// (V. N. Mahajan, J. Opt. Soc. Am. 73, 860, 1983).
+    pub fn strehl(&self) -> f64 {
+        let phase = std::f64::consts::TAU * self.rms();
+        libm::exp(-phase * phase)
+    }
+}
+
+/// The optical path of a ray, taken back from the image to the sphere or plane of reference.
+fn to_sphere(ray: &Arrival, centre: Vec3, axis: Vec3, radius: f64) -> f64 {
+    let from_centre = ray.position - centre;
+    let along = from_centre.dot(ray.direction);
+    let back = if radius.is_infinite() {
+        from_centre.dot(axis) / ray.direction.dot(axis)
+    } else {
+        // |from_centre - back * direction| = |radius|; written so that nothing large is subtracted from its like
+        let root = (along * along - from_centre.length_squared() + radius * radius).sqrt();
+        along + root.copysign(radius)
+    };
+    ray.path - ray.index * back
+}

@@ -1,0 +1,118 @@
+//! Zernike polynomials and fits of them.
+
+use super::AnalysisError;
+use nalgebra::{DMatrix, DVector};
+
+/// A Zernike polynomial by its radial order n and its azimuthal frequency m, negative for sines; n - |m| is even.
+///
+/// It is normalised so that its mean square over the unit disk is 1: sqrt(n + 1) R(r) for m = 0, else
+/// sqrt(2 (n + 1)) R(r) cos(m a) or sin(|m| a), with the angle a from x to y. A coefficient of a fit is then the RMS that it
+/// adds (R. J. Noll, J. Opt. Soc. Am. 66, 207, 1976; ANSI Z80.28).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Zernike {
+    /// The radial order.
+    pub n: u32,
+    /// The azimuthal frequency.
+    pub m: i32,
+}
+
+impl Zernike {
+    /// By Noll's index: 1 piston, 2 and 3 tilts along x and y, 4 defocus, 5 and 6 astigmatism, 7 and 8 coma along y and x,
+    /// 11 spherical aberration. Even numbers are cosines. There is none for 0, which is taken for 1.
+    pub fn noll(j: u32) -> Zernike {
+        let j = j.max(1);
+        let mut n = 0;
+        // as many as (n + 1) (n + 2) / 2 up to order n
+        while (n + 1) * (n + 2) / 2 < j {
+            n += 1;
+        }
+        let place = j - n * (n + 1) / 2;
+        // frequencies come in pairs, but for 0
+        let m = if n.is_multiple_of(2) { place / 2 * 2 } else { (place - 1) / 2 * 2 + 1 } as i32;
+        Zernike { n, m: if j.is_multiple_of(2) { m } else { -m } }
+    }
+
+    /// By the OSA/ANSI index (n (n + 2) + m) / 2: 0 piston, 1 and 2 tilts along y and x, 4 defocus, 12 spherical aberration.
+    pub fn osa(j: u32) -> Zernike {
+        let mut n = 0;
+        while (n + 1) * (n + 2) / 2 <= j {
+            n += 1;
+        }
+        Zernike { n, m: (2 * j) as i32 - (n * (n + 2)) as i32 }
+    }
+
+    /// The value at a point of the unit disk.
+    pub fn at(&self, [x, y]: [f64; 2]) -> f64 {
+        let (r, angle) = (libm::hypot(x, y), libm::atan2(y, x));
+        let order = f64::from(self.n + 1);
+        let (sin, cos) = libm::sincos(f64::from(self.m.unsigned_abs()) * angle);
+        let radial = radial(self.n as usize, self.m.unsigned_abs() as usize, r);
+        match self.m {
+            0 => order.sqrt() * radial,
+            m if m > 0 => (2.0 * order).sqrt() * radial * cos,
+            _ => (2.0 * order).sqrt() * radial * sin,
+        }
+    }
+}
+
+/// The radial polynomial, by R(n, m) = r (R(n-1, |m-1|) + R(n-1, m+1)) - R(n-2, m), which loses no digits at high orders
+/// (B. Honarvar Shakibaei and R. Paramesran, Opt. Lett. 38, 2487, 2013).
+fn radial(n: usize, m: usize, r: f64) -> f64 {
+    let mut rows = [vec![0.0; n + 2], vec![0.0; n + 2], vec![0.0; n + 2]];
+    // the rows of the orders before last, last and next
+    rows[1][0] = 1.0;
+    for order in 1..=n {
+        let [before, last, next] = &mut rows;
+        for frequency in 0..=n {
+            let has_term = frequency <= order && (order - frequency).is_multiple_of(2);
+            let lower = last[frequency.abs_diff(1)] + last[frequency + 1];
+            next[frequency] = if has_term { r * lower - before[frequency] } else { 0.0 };
+        }
+        rows.rotate_left(1);
+    }
+    rows[1][m]
+}
+
+/// A sum of Zernike polynomials.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The polynomials with their coefficients, in the unit of the values.
+    pub terms: Vec<(Zernike, f64)>,
+    /// The root of the mean square of what is left.
+    pub residual_rms: f64,
+}
+
+impl Fit {
+    /// The coefficient of a polynomial; 0 if it is none of the terms.
+    pub fn coefficient(&self, of: Zernike) -> f64 {
+        self.terms.iter().find(|(zernike, _)| *zernike == of).map_or(0.0, |term| term.1)
+    }
+
+    /// The value of the sum at a point of the unit disk.
+    pub fn at(&self, point: [f64; 2]) -> f64 {
+        self.terms.iter().map(|(zernike, coefficient)| coefficient * zernike.at(point)).sum()
+    }
+}
+
+/// The sum of Zernike polynomials with the least mean square distance from values at points of the unit disk, by singular
+/// values, so that terms that the points cannot tell apart get the smallest coefficients.
+///
+/// # Errors
+/// [`AnalysisError::TooFew`] if there are fewer points than terms.
+pub fn fit(points: &[[f64; 2]], values: &[f64], terms: &[Zernike]) -> Result<Fit, AnalysisError> {
+    let count = points.len().min(values.len());
+    let too_few = || AnalysisError::TooFew { points: count, terms: terms.len() };
+    if count < terms.len() || terms.is_empty() {
+        return Err(too_few());
+    }
+    let matrix = DMatrix::from_fn(count, terms.len(), |row, column| terms[column].at(points[row]));
+    let wanted = DVector::from_column_slice(&values[..count]);
+    let singular = matrix.clone().svd(true, true);
+    let least = 1e-12 * singular.singular_values.max();
+    let solution = singular.solve(&wanted, least).map_err(|_| too_few())?;
+    let left = wanted - matrix * &solution;
+    Ok(Fit {
+        terms: terms.iter().copied().zip(solution.iter().copied()).collect(),
+        residual_rms: left.norm() / (count as f64).sqrt(),
+    })
+}
