@@ -56,6 +56,15 @@ pub fn optical_component(
         ("spherical_mirror", &[r, t]) => one(component::spherical_mirror(r, &blank(t))),
         ("conic_mirror", &[r, k, t]) => one(component::conic_mirror(r, k, &blank(t))),
         ("parabolic_mirror", &[f, t]) => one(component::parabolic_mirror(f, &blank(t))),
+        ("elliptic_mirror", &[near, far, t]) => one(component::elliptic_mirror(near, far, &blank(t))),
+        ("hyperbolic_mirror", &[behind, in_front, t]) => {
+            one(component::hyperbolic_mirror(behind, in_front, &blank(t)))
+        }
+        ("toric_lens", &[x1, y1, x2, y2, t]) => one(component::toric_lens([x1, y1], [x2, y2], t, aperture)),
+        ("fresnel_lens", &[r, k, pitch, t, d]) => one(component::fresnel_lens(r, k, pitch, t, d)),
+        ("lenslet_array", &[r, t, pitch, columns, rows]) => {
+            one(component::lenslet_array(r, t, pitch, columns as u32, rows as u32))
+        }
         ("equilateral_prism", &[side, width]) => one(component::equilateral_prism(side, width)),
         ("dispersing_prism", &[apex, side, width]) => one(component::dispersing_prism(apex, side, width)),
         ("right_angle_prism", &[leg, width]) => one(component::right_angle_prism(leg, width)),

@@ -258,6 +258,75 @@ def parabolic_mirror(
     return _faced("parabolic_mirror", (focal_length, thickness), name, aperture, off_axis)
 
 
+def elliptic_mirror(
+    near: float,
+    far: float,
+    thickness: float,
+    *,
+    aperture: Aperture,
+    off_axis: tuple[float, float] = (0.0, 0.0),
+    name: str = "mirror",
+) -> Element:
+    """A concave mirror with its vertex at the origin that faces -z; light from one focus, at z = -near, meets in the other, at
+    z = -far. The rim and the back absorb."""
+    return _faced("elliptic_mirror", (near, far, thickness), name, aperture, off_axis)
+
+
+def hyperbolic_mirror(
+    behind: float,
+    in_front: float,
+    thickness: float,
+    *,
+    aperture: Aperture,
+    off_axis: tuple[float, float] = (0.0, 0.0),
+    name: str = "mirror",
+) -> Element:
+    """A convex mirror with its vertex at the origin that faces -z, the secondary of a Cassegrain: light on its way to the focus at
+    z = behind meets at z = -in_front. The rim and the back absorb."""
+    return _faced("hyperbolic_mirror", (behind, in_front, thickness), name, aperture, off_axis)
+
+
+def toric_lens(
+    front: tuple[float, float],
+    back: tuple[float, float],
+    thickness: float,
+    *,
+    aperture: Aperture,
+    material: Material = "N-BK7",
+    name: str = "lens",
+) -> Element:
+    """A lens whose faces have one radius of curvature along x and another along y."""
+    return _component("toric_lens", (*front, *back, thickness), name, material, aperture)
+
+
+def fresnel_lens(
+    r: float,
+    pitch: float,
+    thickness: float,
+    diameter: float,
+    *,
+    conic: float = 0.0,
+    material: Material = "PMMA",
+    name: str = "lens",
+) -> Element:
+    """A plane front, and behind it the rings of a convex surface of radius r, each `pitch` wide."""
+    return _component("fresnel_lens", (r, conic, pitch, thickness, diameter), name, material)
+
+
+def lenslet_array(
+    r: float,
+    thickness: float,
+    pitch: float,
+    columns: int,
+    rows: int,
+    *,
+    material: Material = "N-BK7",
+    name: str = "array",
+) -> Element:
+    """A plate of plano-convex lenses, columns along x and rows along y, each `pitch` wide and high."""
+    return _component("lenslet_array", (r, thickness, pitch, columns, rows), name, material)
+
+
 def _faced(
     kind: str, numbers: _Numbers, name: str, aperture: Aperture, off_axis: tuple[float, float]
 ) -> Element:
