@@ -54,3 +54,8 @@ pub use segments::{Balance, Event, Segment, Segments};
 pub use settings::{Branches, Settings};
 pub use system::{Assembly, System};
 pub use trace::{Trace, Tracer};
+
+/// The code of the guide runs with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guides/lens-design.md")]
+mod guide {}

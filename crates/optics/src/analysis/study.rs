@@ -134,7 +134,8 @@ impl<'a, E: Evaluator> Study<'a, E> {
         let first_order = self.lens.first_order(wavelength_nm)?;
         let image = self.lens.surfaces.iter().map(|surface| surface.thickness).sum::<f64>();
         let exit = first_order.exit_pupil.position - image;
-        let radius = (principal.position - exit * rayweave_math::Vec3::Z).length();
+        let [x, y, z] = principal.position.to_array();
+        let radius = libm::hypot(libm::hypot(x, y), z - exit);
         // behind the image if light gets there later
         let is_behind = exit * principal.direction.z > 0.0;
         let radius = if is_behind { -radius } else { radius };

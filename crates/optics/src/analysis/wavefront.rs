@@ -18,8 +18,8 @@ pub struct Wavefront {
 
 impl Wavefront {
     /// The differences of rays against a principal ray. The number of a ray is that of its point in `pupil`; `radius` is the
-    /// distance from the exit pupil to the image, negative for a pupil behind it, infinite for a plane reference; `unit_nm` the
-    /// unit of lengths.
+    /// distance from the exit pupil to the image, negative for a pupil behind it, infinite for a telecentric system; `unit_nm`
+    /// the unit of lengths.
     pub fn new(
         principal: &Arrival,
         arrivals: &[Arrival],
@@ -27,10 +27,10 @@ impl Wavefront {
         radius: f64,
         unit_nm: f64,
     ) -> Wavefront {
-        let reference = to_sphere(principal, principal.position, principal.direction, radius);
+        let reference = to_sphere(principal, principal.position, radius);
         let known = arrivals.iter().filter_map(|arrival| Some((arrival, *pupil.get(arrival.id)?)));
         let difference = |arrival: &Arrival| {
-            let own = to_sphere(arrival, principal.position, principal.direction, radius);
+            let own = to_sphere(arrival, principal.position, radius);
             (reference - own) * unit_nm / principal.wavelength_nm
         };
         let (pupil, waves) = known.map(|(arrival, point)| (point, difference(arrival))).unzip();
@@ -63,16 +63,14 @@ impl Wavefront {
     }
 }
 
-/// The optical path of a ray, taken back from the image to the sphere or plane of reference.
-fn to_sphere(ray: &Arrival, centre: Vec3, axis: Vec3, radius: f64) -> f64 {
+/// The optical path of a ray, taken back from the image to the sphere of reference, but for its radius, which is the same for
+/// all: what is subtracted stays small however far the pupil.
+fn to_sphere(ray: &Arrival, centre: Vec3, radius: f64) -> f64 {
     let from_centre = ray.position - centre;
     let along = from_centre.dot(ray.direction);
-    let back = if radius.is_infinite() {
-        from_centre.dot(axis) / ray.direction.dot(axis)
-    } else {
-        // |from_centre - back * direction| = |radius|; written so that nothing large is subtracted from its like
-        let root = (along * along - from_centre.length_squared() + radius * radius).sqrt();
-        along + root.copysign(radius)
-    };
-    ray.path - ray.index * back
+    // |from_centre - back * direction| = |radius|: back = along +- root, and root - |radius| = square / (root + |radius|)
+    let square = along * along - from_centre.length_squared();
+    let root = (square + radius * radius).sqrt();
+    let bend = square / (root + radius.abs());
+    ray.path - ray.index * (along + bend * radius.signum())
 }

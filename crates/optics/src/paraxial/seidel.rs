@@ -123,7 +123,7 @@ impl Prescription {
         let (pupil, height) =
             (first_order.entrance_pupil.position, 0.5 * first_order.entrance_pupil.diameter);
         let direction = self.launch(&resolved, self.fields.len() - 1)?.ray([0.0; 2]).direction;
-        let slope = direction.x.hypot(direction.y).copysign(direction.y) / direction.z;
+        let slope = libm::hypot(direction.x, direction.y).copysign(direction.y) / direction.z;
         let principal = [-slope * pupil, n * slope];
         let rim = match self.object_distance.is_finite() {
             false => [height, 0.0],

@@ -1,6 +1,6 @@
 //! A prescription with its media found, its vertices placed and its numbers checked.
 
-use super::{FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
+use super::{Behind, FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
 use crate::medium::Medium;
 
 /// Vertices and media along the axis.
@@ -33,6 +33,15 @@ impl Prescription {
             resolved.forward.push(forward);
         }
         Ok(resolved)
+    }
+
+    /// The image as the surface that it is, with nothing behind it.
+    pub(super) fn image_as_surface(&self) -> Surface {
+        Surface {
+            conic: self.image.conic,
+            semi_diameter: self.image.semi_diameter,
+            ..Surface::new(self.image.radius, 0.0, Behind::Air)
+        }
     }
 
     fn check(&self) -> Result<(), PrescriptionError> {
@@ -72,7 +81,14 @@ impl Prescription {
         }
         for line in &self.lines {
             positive("a wavelength", line.wavelength_nm)?;
+            if !(line.weight >= 0.0 && line.weight.is_finite()) {
+                return Err(bad("the weight of a wavelength", line.weight, "at least 0, finite"));
+            }
         }
+        if let Some(place) = self.fields.iter().flatten().find(|place| !place.is_finite()) {
+            return Err(bad("a field", *place, "finite"));
+        }
+        self.image_as_surface().check(count + 1)?;
         self.surfaces.iter().enumerate().try_for_each(|(k, surface)| surface.check(k + 1))
     }
 }

@@ -77,7 +77,7 @@ impl Prescription {
                     // a ray that is lost needs no room
                     let passes = self.follow_resolved(resolved, &ray, line.wavelength_nm).unwrap_or_default();
                     let widen = |(room, pass): (&mut f64, &super::Pass)| {
-                        *room = room.max(pass.point.x.hypot(pass.point.y));
+                        *room = room.max(libm::hypot(pass.point.x, pass.point.y));
                     };
                     needed.iter_mut().zip(&passes).for_each(widen);
                 }

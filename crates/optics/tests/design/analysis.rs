@@ -103,6 +103,40 @@ fn wavefronts_of_defocus_and_tilt() {
 }
 
 #[test]
+fn telecentric_lenses_have_wavefronts() {
+    // the same spherical aberration whether the stop is at the lens or in its front focal plane
+    let lens = |stop: f64| {
+        let surfaces = vec![
+            Surface::dummy(stop),
+            Surface::new(60.0, 5.0, index(1.5)),
+            Surface::new(-60.0, 0.0, Behind::Air),
+        ];
+        let mut lens = Prescription::new(surfaces).entrance_pupil_diameter(8.0);
+        lens.surfaces[2].thickness = lens.first_order(D_NM).unwrap().image_distance;
+        lens
+    };
+    let front = -{
+        let bare = Prescription { surfaces: lens(1.0).surfaces[1..].to_vec(), ..lens(1.0) };
+        bare.first_order(D_NM).unwrap().front_focal_distance
+    };
+    let telecentric = lens(front);
+    assert!(telecentric.first_order(D_NM).unwrap().exit_pupil.position.abs() > 1e10);
+    let waves =
+        |lens: &Prescription| study(lens, |study| study.wavefront(0, D_NM, &fan_y(11)).unwrap().waves);
+    let near_by = lens(1.0);
+    let errors = study(&near_by, |study| study.fan(0, D_NM, &fan_y(11)).unwrap().errors);
+    let image: f64 = near_by.surfaces.iter().map(|surface| surface.thickness).sum();
+    let radius = image - near_by.first_order(D_NM).unwrap().exit_pupil.position;
+    let (far, near_by) = (waves(&telecentric), waves(&near_by));
+    assert!(far[0].abs() > 0.5);
+    for ((a, b), [_, error]) in far.iter().zip(&near_by).zip(errors) {
+        // spheres of other radii about one point differ by the square of the transverse aberration over twice the radius
+        let expected = error * error / (2.0 * radius) * 1e6 / D_NM;
+        near(a - b, expected, 2e-2 * expected + 1e-9);
+    }
+}
+
+#[test]
 fn nolls_table() {
     // R. J. Noll, J. Opt. Soc. Am. 66, 207 (1976), table I
     let points = [[0.3, 0.4], [-0.7, 0.1], [0.0, 0.9], [0.5, -0.5]];

@@ -243,7 +243,7 @@ impl Reader {
 
     fn fields(&self) -> Vec<[f64; 2]> {
         let given = self.fields[0].len().max(self.fields[1].len());
-        let count = self.counts.map_or(given, |counts| counts[0]).max(1);
+        let count = self.counts.map_or(given, |counts| counts[0].min(given)).max(1);
         let at = |axis: usize, k: usize| self.fields[axis].get(k).copied().unwrap_or(0.0);
         (0..count).map(|k| [at(0, k), at(1, k)]).collect()
     }

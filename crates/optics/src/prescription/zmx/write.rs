@@ -31,13 +31,8 @@ pub fn write_zmx(lens: &Prescription) -> Result<String, PrescriptionError> {
         };
         file.extend(surface_lines(&Surface { semi_diameter, ..surface.clone() }, glass));
     }
-    let image = Surface {
-        conic: lens.image.conic,
-        semi_diameter: lens.image.semi_diameter,
-        ..Surface::new(lens.image.radius, 0.0, Behind::Air)
-    };
     file.push(format!("SURF {}", lens.surfaces.len() + 1));
-    file.extend(surface_lines(&image, None));
+    file.extend(surface_lines(&lens.image_as_surface(), None));
     Ok(file.join("\n") + "\n")
 }
 
