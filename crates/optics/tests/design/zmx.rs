@@ -87,8 +87,23 @@ fn what_is_written_is_read_again() {
 }
 
 #[test]
+fn unknown_glasses_are_taken_from_their_indices() {
+    let file = SINGLET.replace("N-BK7 0 0 1.5168 64.17", "BK7 0 0 1.5168 64.17").replace("FTYP 0", "FTYP 3");
+    let read = read_zmx(file.as_bytes()).unwrap();
+    assert_eq!(read.prescription.surfaces[0].behind, Behind::Abbe { n_d: 1.5168, v_d: 64.17 });
+    assert_eq!(read.prescription.field_kind, FieldKind::ImageHeight);
+    let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
+    assert_eq!(notes[0], "line 8: real image heights of fields are taken for paraxial ones");
+    assert!(notes[2].starts_with("line 31: no glass is named \"BK7\""), "{notes:?}");
+    assert!(notes[2].ends_with("; a model glass of its index 1.5168 and Abbe number 64.17 is taken"));
+    // what programs write for want of data is none
+    let dummy = SINGLET.replace("N-BK7 0 0 1.5168 64.17", "BK7 0 0 1.5 40");
+    assert!(read_zmx(dummy.as_bytes()).unwrap_err().to_string().starts_with("line 31: no glass"));
+}
+
+#[test]
 fn all_problems_are_told_with_their_lines() {
-    let file = "MODE NSC\nUNIT FURLONG\nENPD x\nFTYP 3\nSURF 0\n DISZ INFINITY\nSURF 1\n TYPE TOROIDAL\n GLAS BK8\n CURV\nSURF 2\n \
+    let file = "MODE NSC\nUNIT FURLONG\nENPD x\nFTYP 4\nSURF 0\n DISZ INFINITY\nSURF 1\n TYPE TOROIDAL\n GLAS BK8\n CURV\nSURF 2\n \
                 TYPE EVENASPH\n PARM 2 1e-5\n DISZ INFINITY\nSURF 3\n";
     let problems: Vec<String> =
         read_zmx(file.as_bytes()).unwrap_err().problems.iter().map(ToString::to_string).collect();
@@ -96,7 +111,7 @@ fn all_problems_are_told_with_their_lines() {
         "line 1: the mode is NSC (only sequential systems, SEQ, are read)",
         "line 2: the unit \"FURLONG\" is not known (MM, CM, IN and METER are)",
         "line 3: \"x\" is no number",
-        "line 4: fields are of type 3 (0, 1 and 2 are read: angle, object height, paraxial image height)",
+        "line 4: fields are of type 4 (0 to 3 are read: angle, object height, paraxial and real image height)",
         "line 8: the surface is of type TOROIDAL (only STANDARD surfaces are read)",
         "line 9: no glass is named \"BK8\"",
         "line 10: number 1 of the line is missing",

@@ -7,13 +7,13 @@
 //! | `NAME`, `NOTE 0` | the name, a line of notes |
 //! | `UNIT` | the unit of lengths: MM, CM, IN, METER |
 //! | `ENPD`, `FNUM`, `OBNA`, `FLOA` | diameter of the entrance pupil, F-number, object aperture, or "as the stop is" |
-//! | `FTYP` | kind of field (0 angle, 1 object height, 2 paraxial image height), then the numbers of fields and of wavelengths |
+//! | `FTYP` | kind of field (0 angle, 1 object height, 2 paraxial image height, for which 3, real image height, is taken), then the numbers of fields and of wavelengths |
 //! | `XFLN`, `YFLN` (`XFLD`, `YFLD`) | fields |
 //! | `WAVM n` (`WAVL`, `WWGT`), `PWAV` | wavelengths in µm with weights, the primary one |
 //! | `SURF n` | begins a surface: 0 is the object, the last one the image |
 //! | `TYPE` | STANDARD, or EVENASPH without coefficients |
 //! | `CURV`, `CONI`, `DISZ` | curvature, conic constant, distance to the next surface |
-//! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number |
+//! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number, which are also taken for unknown glasses |
 //! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is computed again) |
 //! | `STOP` | the stop |
 //!

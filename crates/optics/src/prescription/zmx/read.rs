@@ -13,7 +13,8 @@ pub(super) const UNITS: [(&str, f64); 4] = [("MM", 1e6), ("CM", 1e7), ("IN", 2.5
 pub struct Read {
     /// The prescription.
     pub prescription: Prescription,
-    /// The keywords that were passed over, each once, with the line where it came first.
+    /// The keywords that were passed over, each once, with the line where it came first, and what was taken for something
+    /// else.
     pub notes: Vec<Problem>,
 }
 
@@ -106,8 +107,7 @@ impl Reader {
             _ if self.of_surface(keyword, &words)? || self.of_system(keyword, rest, &words)? => Ok(()),
             _ => {
                 if !SILENT.contains(&keyword) && self.passed_over.insert(keyword.to_owned()) {
-                    let text = format!("{keyword} is passed over");
-                    self.ignored.push(Problem { line: self.line, text });
+                    self.note(format!("{keyword} is passed over"));
                 }
                 Ok(())
             }
@@ -138,6 +138,9 @@ impl Reader {
             "FLOA" => self.aperture = Some(SystemAperture::StopSemiDiameter(f64::NAN)),
             "FTYP" => {
                 self.kind = Some(field_kind(words)?);
+                if words.first() == Some(&"3") {
+                    self.note("real image heights of fields are taken for paraxial ones".to_owned());
+                }
                 let count = |k: usize| words.get(k).and_then(|word| word.parse::<usize>().ok());
                 self.counts = count(2).zip(count(3)).map(|(fields, lines)| [fields, lines]);
             }
@@ -177,7 +180,11 @@ impl Reader {
             "CONI" => surface.conic = number(words, 0)?,
             "DISZ" if words.first() == Some(&"INFINITY") => surface.thickness = f64::INFINITY,
             "DISZ" => surface.thickness = number(words, 0)?,
-            "GLAS" => surface.behind = Some(behind(words)?),
+            "GLAS" => {
+                let (behind, note) = behind(words)?;
+                surface.behind = Some(behind);
+                note.into_iter().for_each(|note| self.note(note));
+            }
             "DIAM" => {
                 let is_fixed = words.get(1).is_some_and(|flag| *flag != "0");
                 let value = number(words, 0)?;
@@ -193,6 +200,10 @@ impl Reader {
             _ => return Ok(false),
         }
         Ok(true)
+    }
+
+    fn note(&mut self, text: String) {
+        self.ignored.push(Problem { line: self.line, text });
     }
 
     fn problem(&mut self, line: usize, text: &str) {
@@ -308,28 +319,40 @@ fn field_kind(words: &[&str]) -> Result<FieldKind, String> {
     match words.first().copied() {
         Some("0") => Ok(FieldKind::Angle),
         Some("1") => Ok(FieldKind::ObjectHeight),
-        Some("2") => Ok(FieldKind::ImageHeight),
+        Some("2" | "3") => Ok(FieldKind::ImageHeight),
         other => Err(format!(
-            "fields are of type {} (0, 1 and 2 are read: angle, object height, paraxial image height)",
+            "fields are of type {} (0 to 3 are read: angle, object height, paraxial and real image height)",
             other.unwrap_or("nothing")
         )),
     }
 }
 
-fn behind(words: &[&str]) -> Result<Behind, String> {
-    match words.first().copied() {
-        None => Err("GLAS has no name".to_owned()),
-        Some("MIRROR") => Ok(Behind::Mirror),
-        Some("___BLANK") => {
-            let (n_d, v_d) = (number(words, 3)?, number(words, 4)?);
-            Ok(if v_d == 0.0 { Behind::Index(n_d) } else { Behind::Abbe { n_d, v_d } })
+/// What programs write where they do not know index and Abbe number.
+const DUMMY: [f64; 2] = [1.5, 40.0];
+
+/// What lies behind the surface, and a note if it is only nearly that.
+fn behind(words: &[&str]) -> Result<(Behind, Option<String>), String> {
+    let data = number(words, 3).and_then(|n_d| Ok([n_d, number(words, 4)?]));
+    let name = match words.first().copied() {
+        None => return Err("GLAS has no name".to_owned()),
+        Some("MIRROR") => return Ok((Behind::Mirror, None)),
+        Some("___BLANK") => return data.map(|data| (model(data), None)),
+        Some(name) => name,
+    };
+    let glass = Behind::Glass(name.to_owned());
+    match (glass.medium(), data) {
+        (Ok(_), _) => Ok((glass, None)),
+        (Err(problem), Ok(data)) if data != DUMMY && model(data).medium().is_ok() => {
+            let [n_d, v_d] = data;
+            let note = format!("{problem}; a model glass of its index {n_d} and Abbe number {v_d} is taken");
+            Ok((model(data), Some(note)))
         }
-        Some(name) => {
-            let behind = Behind::Glass(name.to_owned());
-            behind.medium().map_err(|problem| problem.to_string())?;
-            Ok(behind)
-        }
+        (Err(problem), _) => Err(problem.to_string()),
     }
+}
+
+fn model([n_d, v_d]: [f64; 2]) -> Behind {
+    if v_d == 0.0 { Behind::Index(n_d) } else { Behind::Abbe { n_d, v_d } }
 }
 
 fn number(words: &[&str], place: usize) -> Result<f64, String> {
