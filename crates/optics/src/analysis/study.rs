@@ -1,7 +1,8 @@
 //! A prescription and its system, looked at field by field.
 
 use super::{AnalysisError, Arrival, Wavefront, arrivals};
-use crate::prescription::{IMAGE, Layout, Prescription};
+use crate::beam::Beam;
+use crate::prescription::{IMAGE, Layout, Prescription, PrescriptionError};
 use crate::settings::Settings;
 use crate::trace::Tracer;
 use rayweave_model::Evaluator;
@@ -12,6 +13,7 @@ pub struct Study<'a, E> {
     pub(super) lens: &'a Prescription,
     layout: &'a Layout,
     tracer: &'a Tracer<'a, E>,
+    aims: bool,
 }
 
 /// A ray fan: the transverse aberrations of rays through a line of the pupil.
@@ -26,7 +28,20 @@ pub struct Fan {
 impl<'a, E: Evaluator> Study<'a, E> {
     /// Of a prescription, its layout, and a tracer of the system compiled from that.
     pub fn new(lens: &'a Prescription, layout: &'a Layout, tracer: &'a Tracer<'a, E>) -> Study<'a, E> {
-        Study { lens, layout, tracer }
+        Study { lens, layout, tracer, aims: false }
+    }
+
+    /// The same with rays aimed at the stop: points of the pupil are points of the stop then (see
+    /// [`Prescription::beam_at_stop`]).
+    pub fn aimed(self) -> Study<'a, E> {
+        Study { aims: true, ..self }
+    }
+
+    fn beam(&self, field: usize, wavelength_nm: f64, pupil: &[[f64; 2]]) -> Result<Beam, PrescriptionError> {
+        match self.aims {
+            true => self.lens.beam_at_stop(field, wavelength_nm, pupil),
+            false => self.lens.beam(field, wavelength_nm, pupil),
+        }
     }
 
     /// The rays of a field through points of the pupil that come to the image by the surfaces of the prescription in their
@@ -40,7 +55,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
         wavelength_nm: f64,
         pupil: &[[f64; 2]],
     ) -> Result<Vec<Arrival>, AnalysisError> {
-        let beam = self.lens.beam(field, wavelength_nm, pupil)?;
+        let beam = self.beam(field, wavelength_nm, pupil)?;
         let limit = 4 * self.layout.sequence.len() as u32 + 4;
         let settings = Settings { generation_limit: limit, keep_escaped: false, ..Settings::default() };
         let trace = self.tracer.trace(&beam, &settings)?;
@@ -87,7 +102,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
 
     /// Where the ray would meet the image but for what is in its way, as the secondary mirror of a telescope.
     fn beside(&self, field: usize, wavelength_nm: f64, point: [f64; 2]) -> Option<Arrival> {
-        let beam = self.lens.beam(field, wavelength_nm, &[point]).ok()?;
+        let beam = self.beam(field, wavelength_nm, &[point]).ok()?;
         let passes = self.lens.follow(&beam.get(0).ray, wavelength_nm).ok()?;
         let last = passes.last()?;
         let resolved = self.lens.resolved().ok()?;

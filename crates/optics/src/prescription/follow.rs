@@ -32,10 +32,21 @@ impl Prescription {
         ray: &Ray,
         wavelength_nm: f64,
     ) -> Result<Vec<Pass>, PrescriptionError> {
+        self.follow_part(resolved, ray, wavelength_nm, resolved.vertices.len())
+    }
+
+    /// The same as far as a surface, counted from 1.
+    pub(super) fn follow_part(
+        &self,
+        resolved: &Resolved,
+        ray: &Ray,
+        wavelength_nm: f64,
+        last: usize,
+    ) -> Result<Vec<Pass>, PrescriptionError> {
         let indices = resolved.indices(wavelength_nm)?;
         let mut pass = Pass { point: ray.origin, direction: ray.direction.normalize(), path: 0.0 };
         let mut passes = Vec::with_capacity(indices.len());
-        for (k, &vertex) in resolved.vertices.iter().enumerate() {
+        for (k, &vertex) in resolved.vertices.iter().enumerate().take(last) {
             let lost = |why| PrescriptionError::Lost { surface: k + 1, why };
             let surface = self.surfaces.get(k);
             let (radius, conic) =

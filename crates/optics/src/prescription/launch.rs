@@ -62,6 +62,29 @@ impl Prescription {
         Ok(pupil.iter().map(light).collect())
     }
 
+    /// Rays of a field, by its number, aimed at points of the stop in units of its semi-diameter, the paraxial one at the
+    /// primary wavelength: what a real stop lets through. Wide fields need it, where the entrance pupil is not where it is
+    /// paraxially.
+    ///
+    /// # Errors
+    /// As of [`Prescription::beam`], and [`PrescriptionError::Lost`] where no ray is found that leads there.
+    pub fn beam_at_stop(
+        &self,
+        field: usize,
+        wavelength_nm: f64,
+        stop: &[[f64; 2]],
+    ) -> Result<Beam, PrescriptionError> {
+        let resolved = self.resolved()?;
+        let launch = self.launch(&resolved, field)?;
+        let semi_diameter = self.first_order_resolved(&resolved, self.primary_nm())?.stop_semi_diameter;
+        let aim = Aim { lens: self, resolved: &resolved, launch, wavelength_nm, semi_diameter };
+        let light = |&target: &[f64; 2]| {
+            let ray = launch.ray(aim.pupil_of(target)?);
+            Ok(Light { ray, ..Light::new([0.0; 3], [0.0; 3], wavelength_nm) })
+        };
+        stop.iter().map(light).collect()
+    }
+
     /// How light of a field goes into the system.
     pub(crate) fn launch(&self, resolved: &Resolved, field: usize) -> Result<Launch, PrescriptionError> {
         let count = self.fields.len();
@@ -106,5 +129,55 @@ impl Prescription {
         // far enough for the sags of the outer surfaces and for pupils behind the system
         let before = 2.0 * (high - low) + 4.0 * semi_diameter + (pupil - low).abs();
         Origin::Distant { direction, before }
+    }
+}
+
+/// The search for rays that lead to points of the stop.
+struct Aim<'a> {
+    lens: &'a Prescription,
+    resolved: &'a Resolved,
+    launch: Launch,
+    wavelength_nm: f64,
+    semi_diameter: f64,
+}
+
+/// How near a ray has to come to its point of the stop, in units of the stop, and after how many steps it is given up.
+const AIMED: f64 = 1e-11;
+const STEPS: usize = 40;
+
+impl Aim<'_> {
+    /// The point of the entrance pupil through which light comes to a point of the stop, by Newton's method with differences
+    /// for derivatives.
+    fn pupil_of(&self, target: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {
+        let miss = |[x, y]: [f64; 2]| {
+            let [a, b] = self.stop_of([x, y])?;
+            Ok::<_, PrescriptionError>([a - target[0], b - target[1]])
+        };
+        let mut at = target;
+        let mut off = miss(at)?;
+        for _ in 0..STEPS {
+            if libm::hypot(off[0], off[1]) <= AIMED {
+                return Ok(at);
+            }
+            let h = 1e-5;
+            let (by_x, by_y) = (miss([at[0] + h, at[1]])?, miss([at[0], at[1] + h])?);
+            let [a, c] = [by_x[0] - off[0], by_x[1] - off[1]].map(|change| change / h);
+            let [b, d] = [by_y[0] - off[0], by_y[1] - off[1]].map(|change| change / h);
+            let determinant = a * d - b * c;
+            at[0] -= (d * off[0] - b * off[1]) / determinant;
+            at[1] -= (a * off[1] - c * off[0]) / determinant;
+            off = miss(at)?;
+        }
+        Err(PrescriptionError::Lost { surface: self.lens.stop, why: "no ray leads to the point of the stop" })
+    }
+
+    /// Where light through a point of the entrance pupil crosses the stop.
+    fn stop_of(&self, pupil: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {
+        let ray = self.launch.ray(pupil);
+        let stop = self.lens.stop;
+        let passes = self.lens.follow_part(self.resolved, &ray, self.wavelength_nm, stop)?;
+        // the part has a point for every surface up to the stop
+        let point = passes.last().map_or(ray.origin, |pass| pass.point);
+        Ok([point.x / self.semi_diameter, point.y / self.semi_diameter])
     }
 }

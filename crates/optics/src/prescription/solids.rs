@@ -66,14 +66,16 @@ impl Prescription {
     }
 
     /// The clear semi-diameters: those stated, else what the real rays of all fields and wavelengths through middle and rim
-    /// of the pupil need. That of the image comes last.
+    /// of the entrance pupil, and of the stop, need. That of the image comes last.
     fn semi_diameters(&self, resolved: &Resolved) -> Result<Vec<f64>, PrescriptionError> {
         let mut needed = vec![0.0_f64; resolved.vertices.len()];
         for field in 0..self.fields.len() {
-            let launch = self.launch(resolved, field)?;
             for line in &self.lines {
-                for point in rim() {
-                    let ray = launch.ray(point);
+                let rim: Vec<[f64; 2]> = rim().collect();
+                let mut beams = vec![self.beam(field, line.wavelength_nm, &rim)?];
+                // where no ray is found that leads to the rim of the stop, there is none that needs room
+                beams.extend(self.beam_at_stop(field, line.wavelength_nm, &rim));
+                for ray in beams.iter().flat_map(|beam| (0..beam.len()).map(|k| beam.get(k).ray)) {
                     // a ray that is lost needs no room
                     let passes = self.follow_resolved(resolved, &ray, line.wavelength_nm).unwrap_or_default();
                     let widen = |(room, pass): (&mut f64, &super::Pass)| {

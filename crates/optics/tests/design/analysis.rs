@@ -8,7 +8,7 @@ use rayweave_optics::analysis::{
 };
 use rayweave_optics::paraxial::Seidel;
 use rayweave_optics::prescription::{Behind, Prescription, Surface};
-use rayweave_optics::{Settings, Tracer};
+use rayweave_optics::{Beam, Settings, Tracer};
 use rayweave_trace::Packets;
 
 /// What a study of a prescription tells.
@@ -302,6 +302,32 @@ fn colour_follows_dispersion() {
     let sum = Seidel::sum(&focused.seidel().unwrap()).lateral_colour;
     let slope = -0.5 / focused.first_order(D_NM).unwrap().f_number;
     near(lateral.abs(), (sum / slope).abs(), 2e-2 * (sum / slope).abs());
+}
+
+#[test]
+fn rays_are_aimed_at_the_stop() {
+    // a wide field, at which the paraxial pupil misses the stop's middle by far
+    let lens = triplet().field_angles(&[0.0, 20.0]);
+    let radius = lens.first_order(D_NM).unwrap().stop_semi_diameter;
+    let points = hexapolar(4);
+    let at_stop = |beam: &Beam, k: usize| lens.follow(&beam.get(k).ray, D_NM).unwrap()[4].point / radius;
+    let (plain, aimed) = (lens.beam(1, D_NM, &points).unwrap(), lens.beam_at_stop(1, D_NM, &points).unwrap());
+    assert!(at_stop(&plain, 0).y.abs() > 0.01);
+    for (k, [x, y]) in points.iter().enumerate() {
+        near(at_stop(&aimed, k).x, *x, 2e-11);
+        near(at_stop(&aimed, k).y, *y, 2e-11);
+    }
+    // the solids see the same: a stop of this size takes the rays inside and leaves those outside
+    let mut stopped = lens.clone();
+    stopped.surfaces[4].semi_diameter = Some(radius);
+    let count = |scale: f64| {
+        let points: Vec<[f64; 2]> = points.iter().skip(1).map(|p| p.map(|c| c * scale)).collect();
+        let layout = stopped.assembly().unwrap();
+        let system = layout.assembly.compile().unwrap();
+        let tracer = Tracer::new(&system, Packets::new);
+        Study::new(&stopped, &layout, &tracer).aimed().arrivals(1, D_NM, &points).unwrap().len()
+    };
+    assert_eq!((count(0.9999), count(1.0001)), (60, 36));
 }
 
 #[test]
