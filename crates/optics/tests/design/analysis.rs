@@ -1,14 +1,15 @@
 //! Images of real rays, against closed forms.
 
 use crate::lenses::{D_NM, cassegrain, doublet, index, near, triplet};
-use rayweave_math::Vec3;
+use rayweave_math::{Affine, Vec3};
 use rayweave_optics::analysis::{
     AnalysisError, Arrival, Spot, Study, Wavefront, Zernike, arrivals, best_focus, encircled_energy, fan_x,
     fan_y, fit, geometric_mtf, hexapolar, radius_of_energy, square, through_focus,
 };
+use rayweave_optics::component::{Aperture, Sheet};
 use rayweave_optics::paraxial::Seidel;
 use rayweave_optics::prescription::{Behind, Prescription, Surface};
-use rayweave_optics::{Beam, Settings, Tracer};
+use rayweave_optics::{Action, Assembly, Beam, Element, Light, Settings, Tracer};
 use rayweave_trace::Packets;
 
 /// What a study of a prescription tells.
@@ -328,6 +329,37 @@ fn rays_are_aimed_at_the_stop() {
         Study::new(&stopped, &layout, &tracer).aimed().arrivals(1, D_NM, &points).unwrap().len()
     };
     assert_eq!((count(0.9999), count(1.0001)), (60, 36));
+}
+
+/// No prescription: a grating, an ideal lens and a detector.
+#[test]
+fn a_spectrometer() {
+    let sheet = |z: f64| {
+        let map = Affine::translate(Vec3::Z * z);
+        Sheet::plane(Aperture::circle(200.0)).unwrap().apply(&map).unwrap()
+    };
+    let (lines_per_mm, focal_length) = (600.0, 100.0);
+    let grating = Action::Grating { lines: lines_per_mm * Vec3::X, order: 1, reflects: false };
+    let system = Assembly::new()
+        .add(Element::sheet("grating", sheet(0.0), grating))
+        .add(Element::sheet("lens", sheet(50.0), Action::ThinLens { focal_length }))
+        .add(Element::sheet("detector", sheet(50.0 + focal_length), Action::Absorb))
+        .compile()
+        .unwrap();
+    let tracer = Tracer::new(&system, Packets::new);
+    for wavelength_nm in [400.0, 550.0, 633.0] {
+        let light = |p: &[f64; 2]| Light::new([5.0 * p[0], 5.0 * p[1], -20.0], Vec3::Z, wavelength_nm);
+        let beam: Beam = hexapolar(5).iter().map(light).collect();
+        let trace = tracer.trace(&beam, &Settings::default()).unwrap();
+        let rays = arrivals(&system, &trace.segments, "detector", Some(&[0, 1, 2])).unwrap();
+        let spot = Spot::of(&rays).unwrap();
+        assert_eq!(spot.rays, 91);
+        // sin(b) = m wavelength / d, and the lens takes an angle to f tan(b)
+        let sine = lines_per_mm * wavelength_nm * 1e-6;
+        near(spot.centroid[0], focal_length * sine / (1.0 - sine * sine).sqrt(), 1e-12);
+        near(spot.rms, 0.0, 1e-12);
+        near(best_focus(&rays).unwrap(), 0.0, 1e-11);
+    }
 }
 
 #[test]

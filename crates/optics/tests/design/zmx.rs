@@ -1,6 +1,7 @@
 //! Zemax files, read and written.
 
 use crate::lenses::{cassegrain, doublet, near, triplet};
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_optics::prescription::{
     Behind, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture, read_zmx, write_zmx,
 };
@@ -126,4 +127,41 @@ fn all_problems_are_told_with_their_lines() {
         assert!(found.starts_with(expected), "{found}");
     }
     assert!(read_zmx(b"").unwrap_err().to_string().starts_with("line 0: the file has no surface"));
+}
+
+/// Words put out of place, doubled, dropped and replaced: an answer or problems, never a panic, and what is read can be looked at.
+#[test]
+fn damaged_files_do_no_harm() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let words = [
+        "SURF 9",
+        "STOP",
+        "1e300",
+        "-1e-300",
+        "0",
+        "INFINITY",
+        "NaN",
+        "GLAS MIRROR",
+        "\u{fffd}",
+        "CURV",
+        "FTYP 2 0 999999999 0",
+    ];
+    let (mut read, mut made) = (0, 0);
+    for _ in 0..3000 {
+        let mut parts: Vec<&str> = SINGLET.split_inclusive(' ').collect();
+        for _ in 0..random.random_range(1..4) {
+            let at = random.random_range(0..parts.len());
+            match random.random_range(0..3) {
+                0 => drop(parts.remove(at)),
+                1 => parts.insert(at, words[random.random_range(0..words.len())]),
+                _ => parts[at] = words[random.random_range(0..words.len())],
+            }
+        }
+        let Ok(found) = read_zmx(parts.concat().as_bytes()) else { continue };
+        read += 1;
+        let lens = found.prescription;
+        let _ = (lens.first_order(lens.primary_nm()), lens.seidel(), write_zmx(&lens));
+        made += usize::from(lens.assembly().is_ok_and(|layout| layout.assembly.compile().is_ok()));
+    }
+    assert!(read > 300 && made > 100, "{read} {made}");
 }
