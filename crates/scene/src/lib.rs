@@ -4,6 +4,7 @@
 //!   and a [`Scene`] (what it means: solids, regions, media, camera, lights, with all numbers known).
 //! - [`Diagnostics`] are all problems of a file at once.
 //! - [`arithmetic`] and [`Expression`] are the two languages inside texts: numbers and boolean expressions.
+//! - [`foreign`] reads the tables that belong to others.
 //! - [`schema()`] describes the format for editors.
 //!
 //! ```
@@ -38,6 +39,7 @@ mod document;
 mod expression;
 mod fault;
 mod file;
+pub mod foreign;
 mod formats;
 mod number;
 mod resolve;

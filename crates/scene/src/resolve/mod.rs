@@ -11,7 +11,8 @@ use crate::document::Document;
 use crate::scene::Scene;
 use crate::source::Span;
 pub(crate) use files::reason;
-use numbers::Numbers;
+pub(crate) use numbers::Numbers;
+pub(crate) use solids::product;
 use std::collections::HashSet;
 
 /// Computes everything; every problem that does not follow from another one is reported.
@@ -49,10 +50,11 @@ pub(crate) fn resolve(
 }
 
 /// The document, and where problems are collected.
-struct Context<'d> {
-    document: &'d Document,
-    problems: Vec<Diagnostic>,
-    unreadable: &'d HashSet<String>,
+pub(crate) struct Context<'d> {
+    pub document: &'d Document,
+    pub problems: Vec<Diagnostic>,
+    /// Names that stand in the file but could not be read.
+    pub unreadable: &'d HashSet<String>,
 }
 
 impl Context<'_> {

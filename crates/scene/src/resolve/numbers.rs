@@ -14,7 +14,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// The values of all parameters.
-pub(super) struct Numbers {
+pub(crate) struct Numbers {
     /// `None` where there was a problem, which has been reported.
     values: HashMap<String, Option<f64>>,
     used: RefCell<HashSet<String>>,
@@ -29,6 +29,12 @@ struct Given {
 }
 
 impl Numbers {
+    /// Parameters that have been computed already.
+    pub fn known(parameters: &[(String, f64)]) -> Numbers {
+        let values = parameters.iter().map(|(name, value)| (name.clone(), Some(*value)));
+        Numbers { values: values.collect(), used: RefCell::default() }
+    }
+
     /// Computes the parameters, with other values for some of them.
     pub fn new(context: &mut Context, overrides: &[(String, String)]) -> Numbers {
         let mut numbers = Numbers { values: HashMap::new(), used: RefCell::new(HashSet::new()) };

@@ -332,6 +332,12 @@ fn steps(context: &mut Context, numbers: &Numbers, steps: &[Spanned<Step>]) -> O
     complete.then_some(maps)
 }
 
+/// The product of maps, the first applied first.
+pub(crate) fn product(context: &mut Context, numbers: &Numbers, list: &[Spanned<Step>]) -> Option<Affine> {
+    let maps = steps(context, numbers, list)?;
+    Some(maps.iter().fold(Affine::IDENTITY, |product, map| product.then(map)))
+}
+
 fn invertible(context: &mut Context, map: Affine, span: Span) -> Option<Affine> {
     match map.inverse() {
         Ok(_) => Some(map),

@@ -1,16 +1,17 @@
 //! Taking a table apart, key by key, so that what nobody asked for is noticed.
 
 use crate::colour::Colour;
-use crate::datum::{Datum, Table};
+use crate::datum::Datum;
 use crate::diagnostic::Diagnostic;
 use crate::document::{Matrix, Vector};
+use crate::foreign::Keys;
 use crate::number::Number;
 use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
 use std::sync::Arc;
 
 /// Where problems are collected.
-pub(super) struct Problems {
+pub(crate) struct Problems {
     pub source: Arc<Source>,
     pub list: Vec<Diagnostic>,
 }
@@ -126,25 +127,17 @@ impl Problems {
     }
 }
 
-/// A table that is being taken apart.
+/// A table that is being taken apart, with where problems are collected.
 pub(super) struct Fields<'p> {
     pub problems: &'p mut Problems,
-    /// The table's name, for messages.
-    name: String,
-    /// Where the table stands.
-    pub span: Span,
-    /// What has not been taken.
-    pub rest: Table,
-    asked: Vec<&'static str>,
+    pub keys: Keys,
 }
 
 impl<'p> Fields<'p> {
     /// Nothing, and a problem, if the value is not a table.
     pub fn new(problems: &'p mut Problems, name: &str, datum: Spanned<Datum>) -> Option<Fields<'p>> {
         match datum.value {
-            Datum::Table(rest) => {
-                Some(Fields { problems, name: name.to_owned(), span: datum.span, rest, asked: Vec::new() })
-            }
+            Datum::Table(rest) => Some(Fields { problems, keys: Keys::new(name, datum.span, rest) }),
             _ => {
                 problems.wrong_type(name, &datum, "a table");
                 None
@@ -154,14 +147,12 @@ impl<'p> Fields<'p> {
 
     /// Takes a value out.
     pub fn take(&mut self, key: &'static str) -> Option<Spanned<Datum>> {
-        self.take_entry(key).map(|(_, datum)| datum)
+        self.keys.take(key)
     }
 
     /// Takes a value out, with its key.
     pub fn take_entry(&mut self, key: &'static str) -> Option<(Spanned<String>, Spanned<Datum>)> {
-        self.asked.push(key);
-        let at = self.rest.iter().position(|(name, _)| name.value == key)?;
-        Some(self.rest.remove(at))
+        self.keys.take_entry(key)
     }
 
     /// Takes a value out that must be there.
@@ -175,8 +166,7 @@ impl<'p> Fields<'p> {
 
     /// Says that a value is missing.
     pub fn missing(&mut self, what: &str) {
-        let problem = Diagnostic::error(format!("`{}` has no `{what}`", self.name)).why("it is needed");
-        self.problems.push(problem, self.span);
+        self.problems.push(self.keys.missing(what), self.keys.span);
     }
 
     pub fn number(&mut self, key: &'static str) -> Option<Spanned<Number>> {
@@ -206,16 +196,13 @@ impl<'p> Fields<'p> {
 
     /// True if everything has been taken.
     pub fn is_exhausted(&self) -> bool {
-        self.rest.is_empty()
+        self.keys.rest.is_empty()
     }
 
     /// Reports everything that nobody asked for.
     pub fn finish(self) {
-        for (key, _) in self.rest {
-            let problem = Diagnostic::error(format!("unknown key `{}` in `{}`", key.value, self.name));
-            let reason = format!("the keys are {}", self.asked.join(", "));
-            let suggestion = did_you_mean(&key.value, self.asked.iter().copied());
-            self.problems.push(problem.why(reason).suggest(suggestion), key.span);
+        for (problem, span) in self.keys.unknown() {
+            self.problems.push(problem, span);
         }
     }
 }

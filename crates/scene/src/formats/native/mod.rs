@@ -5,7 +5,8 @@ mod foreign;
 mod read;
 mod write;
 
-pub(crate) use read::read;
+pub(crate) use fields::Problems;
+pub(crate) use read::{read, transform};
 pub(crate) use write::write;
 
 /// The version of the format that this crate reads and writes.

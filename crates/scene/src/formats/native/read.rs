@@ -162,7 +162,7 @@ impl Reader {
         let Some(fields) = Fields::new(&mut self.problems, "parameters", value) else {
             return;
         };
-        for (name, value) in fields.rest {
+        for (name, value) in fields.keys.rest {
             match self.problems.number(&name.value, value) {
                 Some(value) => self.document.parameters.push(Parameter { name, value }),
                 None => drop(self.unreadable.insert(name.value)),
@@ -226,7 +226,7 @@ impl Reader {
             return;
         };
         let (index, colour) = (fields.number("index"), fields.colour("colour"));
-        let others = fields.rest;
+        let others = fields.keys.rest;
         for (key, _) in &others {
             if let Some(other) = nearest(&key.value, ["index", "colour"]) {
                 let problem = Diagnostic::warning(format!("`{}` is not used", key.value))
@@ -366,12 +366,12 @@ fn body(mut fields: Fields) -> Option<Body> {
 fn nothing_known(fields: Fields) -> Option<Body> {
     if fields.is_exhausted() {
         let problem = Diagnostic::error("the solid has no shape").why("it needs a shape, `expr` or `place`");
-        fields.problems.push(problem, fields.span);
+        fields.problems.push(problem, fields.keys.span);
         return None;
     }
     let shapes: Vec<&str> = MANUALS.iter().map(|manual| manual.name).collect();
     let names = ["expr", "place", "transform", "name"].into_iter().chain(shapes.iter().copied());
-    for (key, _) in &fields.rest {
+    for (key, _) in &fields.keys.rest {
         let problem = Diagnostic::error(format!("unknown shape `{}`", key.value))
             .why(format!("the shapes are {}; others are `expr` and `place`", shapes.join(", ")))
             .suggest(did_you_mean(&key.value, names.clone()));
@@ -395,7 +395,7 @@ fn arguments(problems: &mut Problems, keyword: &Spanned<String>, datum: Spanned<
 }
 
 /// The steps that can be read.
-fn transform(problems: &mut Problems, datum: Spanned<Datum>) -> Vec<Spanned<Step>> {
+pub(crate) fn transform(problems: &mut Problems, datum: Spanned<Datum>) -> Vec<Spanned<Step>> {
     match datum.value {
         Datum::List(list) => list.into_iter().filter_map(|item| step(problems, item)).collect(),
         // one step needs no brackets

@@ -1,0 +1,278 @@
+//! Reading the tables that belong to others, with the means by which a model file itself is read.
+//!
+//! The owner of a table finds it by [`Document::foreign`] and takes it apart with a [`Reader`]: numbers may be arithmetic over
+//! the parameters, maps are written as those of solids, every problem has its place, and all are reported at once.
+//!
+//! ```
+//! use rayweave_scene::foreign::Reader;
+//!
+//! let text = "rayweave = 1\n[parameters]\nR = 4\n[lamp]\nheight = '2 * R'\ncolor = 'red'\n";
+//! let (document, scene) = rayweave_scene::parse(text)?;
+//! let lamp = document.foreign("lamp").ok_or("no lamp")?;
+//!
+//! let mut reader = Reader::new(&document, &scene);
+//! let mut keys = reader.keys("lamp", lamp.value.clone()).ok_or("no table")?;
+//! let height = keys.take("height").and_then(|datum| reader.number("height", datum));
+//! keys.take("colour");
+//! reader.refuse_the_rest(keys);
+//!
+//! assert_eq!(height, Some(8.0));
+//! let problems = reader.finish(height).unwrap_err();
+//! let problem = problems.iter().next().ok_or("no problem")?;
+//! assert_eq!(problem.line_column(), Some((6, 1)));
+//! let message = "unknown key `color` in `lamp` (the keys are height, colour) did you mean `colour`?";
+//! assert_eq!(problem.message(), message);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use crate::arithmetic::Arithmetic;
+use crate::datum::{Datum, Table};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::document::Document;
+use crate::formats::native::{Problems, transform};
+use crate::number::{Number, written};
+use crate::resolve::{Context, Numbers, product};
+use crate::scene::Scene;
+use crate::source::{Span, Spanned};
+use crate::suggestion::did_you_mean;
+use rayweave_math::Affine;
+use std::collections::HashSet;
+use std::fmt::Display;
+
+/// A table that is being taken apart, so that what nobody asked for is noticed.
+#[derive(Clone, Debug)]
+pub struct Keys {
+    /// The table's name, for messages.
+    name: String,
+    /// Where the table stands.
+    pub(crate) span: Span,
+    /// What has not been taken.
+    pub(crate) rest: Table,
+    asked: Vec<&'static str>,
+}
+
+impl Keys {
+    pub(crate) fn new(name: &str, span: Span, rest: Table) -> Keys {
+        Keys { name: name.to_owned(), span, rest, asked: Vec::new() }
+    }
+
+    /// Where the table stands.
+    pub fn span(&self) -> Span {
+        self.span
+    }
+
+    /// Takes a value out.
+    pub fn take(&mut self, key: &'static str) -> Option<Spanned<Datum>> {
+        self.take_entry(key).map(|(_, datum)| datum)
+    }
+
+    /// Takes a value out, with its key.
+    pub fn take_entry(&mut self, key: &'static str) -> Option<(Spanned<String>, Spanned<Datum>)> {
+        self.asked.push(key);
+        let at = self.rest.iter().position(|(name, _)| name.value == key)?;
+        Some(self.rest.remove(at))
+    }
+
+    /// That a value is missing.
+    pub(crate) fn missing(&self, what: &str) -> Diagnostic {
+        Diagnostic::error(format!("`{}` has no `{what}`", self.name)).why("it is needed")
+    }
+
+    /// Everything that nobody asked for.
+    pub(crate) fn unknown(self) -> Vec<(Diagnostic, Span)> {
+        let reason = format!("the keys are {}", self.asked.join(", "));
+        let problem = |key: Spanned<String>| {
+            let problem = Diagnostic::error(format!("unknown key `{}` in `{}`", key.value, self.name));
+            let suggestion = did_you_mean(&key.value, self.asked.iter().copied());
+            (problem.why(&reason).suggest(suggestion), key.span)
+        };
+        self.rest.into_iter().map(|(key, _)| problem(key)).collect()
+    }
+}
+
+/// Reads tables of a document and collects the problems.
+///
+/// What it cannot read is `None`, and then the problem has been reported; [`Reader::finish`] gives all of them.
+pub struct Reader<'d> {
+    document: &'d Document,
+    numbers: Numbers,
+    problems: Problems,
+    unreadable: HashSet<String>,
+}
+
+impl<'d> Reader<'d> {
+    /// For the tables of a document; the scene tells the values of its parameters.
+    pub fn new(document: &'d Document, scene: &Scene) -> Reader<'d> {
+        let problems = Problems { source: document.source.clone(), list: Vec::new() };
+        Reader { document, numbers: Numbers::known(&scene.parameters), problems, unreadable: HashSet::new() }
+    }
+
+    /// Reports a problem.
+    pub fn report(&mut self, problem: Diagnostic, span: Span) {
+        self.problems.push(problem, span);
+    }
+
+    /// Reports a name that nothing has: `what`, as in "unknown medium", and the names that there are.
+    pub fn unknown(&mut self, what: &str, name: &Spanned<String>, known: &[&str]) {
+        let problem = Diagnostic::error(format!("unknown {what} `{}`", name.value));
+        let suggestion = did_you_mean(&name.value, known.iter().copied());
+        let reason = format!("it may be {}", known.join(", "));
+        self.report(problem.why(reason).suggest(suggestion), name.span);
+    }
+
+    /// Reports a value that is not what is wanted, as in "a list of 2 numbers".
+    pub fn wrong_type(&mut self, what: &str, datum: &Spanned<Datum>, wanted: &str) {
+        self.problems.wrong_type(what, datum, wanted);
+    }
+
+    /// What was made, or its error as a problem at a place.
+    pub fn accept<T, E: Display>(&mut self, made: Result<T, E>, span: Span) -> Option<T> {
+        made.map_err(|error| self.report(Diagnostic::error(error.to_string()), span)).ok()
+    }
+
+    /// The keys of a table.
+    pub fn keys(&mut self, name: &str, datum: Spanned<Datum>) -> Option<Keys> {
+        match datum.value {
+            Datum::Table(table) => Some(Keys::new(name, datum.span, table)),
+            _ => {
+                self.wrong_type(name, &datum, "a table");
+                None
+            }
+        }
+    }
+
+    /// The tables of a list, as `[[name]]` writes it.
+    pub fn tables(&mut self, name: &str, datum: Spanned<Datum>) -> Vec<Keys> {
+        match datum.value {
+            Datum::List(list) => list.into_iter().filter_map(|item| self.keys(name, item)).collect(),
+            _ => {
+                self.wrong_type(name, &datum, &format!("a list of tables, as [[{name}]]"));
+                Vec::new()
+            }
+        }
+    }
+
+    /// A value that must be there.
+    pub fn need(&mut self, keys: &mut Keys, key: &'static str) -> Option<Spanned<Datum>> {
+        let datum = keys.take(key);
+        if datum.is_none() {
+            self.report(keys.missing(key), keys.span);
+        }
+        datum
+    }
+
+    /// The one of several values that is there, with its key.
+    pub fn one_of(
+        &mut self,
+        keys: &mut Keys,
+        names: &[&'static str],
+    ) -> Option<(Spanned<String>, Spanned<Datum>)> {
+        let mut found: Vec<_> = names.iter().filter_map(|name| keys.take_entry(name)).collect();
+        let names = names.join(", ");
+        if let [_, (second, _), ..] = found.as_slice() {
+            let problem = Diagnostic::error(format!("`{}` is one too many", second.value));
+            let reason = format!("`{}` has one of {names}", keys.name);
+            self.report(problem.why(reason), second.span);
+            return None;
+        }
+        // a slip in the key is told when the rest is refused
+        if found.is_empty() && keys.rest.is_empty() {
+            self.report(keys.missing(&names.replace(", ", "` or `")), keys.span);
+        }
+        found.pop()
+    }
+
+    /// Reports every key that nobody asked for.
+    pub fn refuse_the_rest(&mut self, keys: Keys) {
+        keys.unknown().into_iter().for_each(|(problem, span)| self.report(problem, span));
+    }
+
+    /// A number, or arithmetic text over the parameters.
+    pub fn number(&mut self, what: &str, datum: Spanned<Datum>) -> Option<f64> {
+        let number = self.problems.number(what, datum)?;
+        self.within(|context, numbers| numbers.number(context, &number))
+    }
+
+    /// A number that meets a condition, as "finite and greater than 0".
+    pub fn checked(
+        &mut self,
+        what: &str,
+        datum: Spanned<Datum>,
+        condition: &str,
+        holds: impl Fn(f64) -> bool,
+    ) -> Option<f64> {
+        let span = datum.span;
+        let value = self.number(what, datum)?;
+        if !holds(value) {
+            let problem = Diagnostic::error(format!("`{what}` is {}", written(value)));
+            self.report(problem.why(format!("it must be {condition}")), span);
+            return None;
+        }
+        Some(value)
+    }
+
+    /// A whole number from `least` to `most`, at most 2^53.
+    pub fn whole(&mut self, what: &str, datum: Spanned<Datum>, least: u64, most: u64) -> Option<u64> {
+        let condition = format!("a whole number from {least} to {most}");
+        let holds = |value: f64| value.fract() == 0.0 && (least as f64..=most as f64).contains(&value);
+        self.checked(what, datum, &condition, holds).map(|value| value as u64)
+    }
+
+    /// So many numbers.
+    pub fn numbers<const N: usize>(&mut self, what: &str, datum: Spanned<Datum>) -> Option<[f64; N]> {
+        let list: [Spanned<Number>; N] = self.problems.numbers(what, datum)?;
+        let values = list.map(|number| self.within(|context, numbers| numbers.number(context, &number)));
+        let known: Option<Vec<f64>> = values.into_iter().collect();
+        known?.try_into().ok()
+    }
+
+    /// A text.
+    pub fn text(&mut self, what: &str, datum: Spanned<Datum>) -> Option<Spanned<String>> {
+        self.problems.text(what, datum)
+    }
+
+    /// True or false.
+    pub fn truth(&mut self, what: &str, datum: Spanned<Datum>) -> Option<bool> {
+        self.problems.truth(what, datum).map(|truth| truth.value)
+    }
+
+    /// One of a few words.
+    pub fn choice<T: Copy>(&mut self, what: &str, datum: Spanned<Datum>, choices: &[(T, &str)]) -> Option<T> {
+        self.problems.choice(what, datum, choices).map(|choice| choice.value)
+    }
+
+    /// The product of a list of maps, written as the `transform` of a solid.
+    pub fn transform(&mut self, datum: Spanned<Datum>) -> Option<Affine> {
+        let before = self.problems.list.len();
+        let steps = transform(&mut self.problems, datum);
+        let maps = self.within(|context, numbers| product(context, numbers, &steps));
+        maps.filter(|_| self.problems.list.len() == before)
+    }
+
+    /// True if a text is arithmetic over the parameters of the document.
+    pub fn is_arithmetic(&self, text: &str) -> bool {
+        let is_known =
+            |name: &str| self.document.parameters.iter().any(|parameter| parameter.name.value == name);
+        Arithmetic::parse(text).is_ok_and(|arithmetic| arithmetic.names().all(|(name, _)| is_known(name)))
+    }
+
+    /// What was read, unless there were problems.
+    ///
+    /// # Errors
+    ///
+    /// All problems that were reported, in the order of the file.
+    pub fn finish<T>(self, read: Option<T>) -> Result<T, Diagnostics> {
+        match read {
+            Some(read) if self.problems.list.is_empty() => Ok(read),
+            _ => Err(Diagnostics::new(self.problems.list)),
+        }
+    }
+
+    fn within<T>(&mut self, ask: impl FnOnce(&mut Context, &Numbers) -> T) -> T {
+        let problems = std::mem::take(&mut self.problems.list);
+        let mut context = Context { document: self.document, problems, unreadable: &self.unreadable };
+        let answer = ask(&mut context, &self.numbers);
+        self.problems.list = context.problems;
+        answer
+    }
+}
