@@ -4,7 +4,8 @@
 //! light through it, a [`Beam`] or any other [`Emitter`], and answers with the [`Segments`] of all rays and a [`Balance`] of
 //! power. Light is refracted and reflected where media meet, whatever the shapes that bound them: cemented, immersed and
 //! nested parts need no gaps. [`interface`] holds the physics of one such event, [`glass`] the indices of refraction,
-//! [`component`] lenses, mirrors and prisms, [`source`] what shines.
+//! [`component`] lenses, mirrors and prisms, [`source`] what shines, [`file`](mod@file) reads the `[optics]`
+//! tables of model files.
 //!
 //! [`prescription`] makes solids of lenses as designers write them, surface by surface, [`paraxial`] tells their focal lengths,
 //! pupils and aberration sums, and [`analysis`] makes spots, wavefronts and aberrations of real rays, in these and any other
@@ -33,6 +34,7 @@ mod beam;
 pub mod component;
 mod element;
 mod error;
+pub mod file;
 pub mod glass;
 mod interact;
 pub mod interface;

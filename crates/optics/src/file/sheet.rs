@@ -1,0 +1,139 @@
+//! Sheets.
+
+use super::{Said, finite, fraction, said};
+use crate::component::{Aperture, Sheet};
+use crate::element::{Action, Element};
+use rayweave_math::{Affine, Vec3, sin_cos_degrees};
+use rayweave_scene::foreign::{Keys, Reader};
+use rayweave_scene::{Datum, Diagnostic, Spanned};
+
+pub(super) fn read(reader: &mut Reader, keys: &mut Keys, mut taken: Vec<String>) -> Vec<Element> {
+    let Some(datum) = keys.take("sheet") else { return Vec::new() };
+    let tables = reader.tables("optics.sheet", datum);
+    tables.into_iter().filter_map(|keys| element(reader, keys, &mut taken)).collect()
+}
+
+fn element(reader: &mut Reader, mut keys: Keys, taken: &mut Vec<String>) -> Option<Element> {
+    let name = reader.need(&mut keys, "name").and_then(|datum| reader.text("name", datum));
+    if let Some(name) = &name {
+        refuse_twin(reader, name, taken);
+    }
+    let sheet = sheet(reader, &mut keys);
+    let action = reader.need(&mut keys, "action").and_then(|datum| action(reader, datum));
+    let span = keys.span();
+    let map = place(reader, &mut keys);
+    reader.refuse_the_rest(keys);
+    let sheet = reader.accept(sheet?.apply(&map?), span)?;
+    Some(Element::sheet(&name?.value, sheet, action?))
+}
+
+/// The product of the maps; nothing is done if none are given.
+pub(super) fn place(reader: &mut Reader, keys: &mut Keys) -> Option<Affine> {
+    match keys.take("transform") {
+        Some(datum) => reader.transform(datum),
+        None => Some(Affine::IDENTITY),
+    }
+}
+
+fn refuse_twin(reader: &mut Reader, name: &Spanned<String>, taken: &mut Vec<String>) {
+    if taken.contains(&name.value) {
+        let problem = Diagnostic::error(format!("two elements are called `{}`", name.value));
+        let reason = "in results they are told apart by their names";
+        reader.report(problem.why(reason).suggest(Some("give one of them another".to_owned())), name.span);
+    }
+    taken.push(name.value.clone());
+}
+
+fn sheet(reader: &mut Reader, keys: &mut Keys) -> Option<Sheet> {
+    let span = keys.span();
+    let outline = aperture(reader, keys);
+    let sheet = match keys.take("opening") {
+        None => Sheet::plane(outline?),
+        Some(datum) => {
+            let mut keys = reader.keys("opening", datum)?;
+            let opening = aperture(reader, &mut keys);
+            reader.refuse_the_rest(keys);
+            Sheet::stop(outline?, opening?)
+        }
+    };
+    reader.accept(sheet, span)
+}
+
+/// `circle = diameter`, `rectangle = [width, height]` or `ellipse = [width, height]`, with its own place for what is wrong.
+pub(super) fn aperture(reader: &mut Reader, keys: &mut Keys) -> Option<Aperture> {
+    let (kind, datum) = reader.one_of(keys, &["circle", "rectangle", "ellipse"])?;
+    let span = datum.span;
+    let aperture = match kind.value.as_str() {
+        "circle" => Aperture::circle(reader.number("circle", datum)?),
+        kind => {
+            let [width, height] = reader.numbers(kind, datum)?;
+            let is_rectangle = kind == "rectangle";
+            if is_rectangle { Aperture::rectangle(width, height) } else { Aperture::ellipse(width, height) }
+        }
+    };
+    reader.accept(aperture.checked(), span)
+}
+
+fn action(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Action> {
+    let keys = ["mirror", "splitter", "thin_lens", "grating", "polariser", "retarder"];
+    let (key, datum) = match said(reader, "action", datum, &["absorb", "record"], &keys)? {
+        Said::Word(word) if word.value == "absorb" => return Some(Action::Absorb),
+        Said::Word(_) => return Some(Action::Record),
+        Said::Of(key, datum) => (key.value, datum),
+    };
+    Some(match key.as_str() {
+        "mirror" => Action::Mirror { reflectance: fraction(reader, "mirror", datum)? },
+        "splitter" => Action::Splitter { reflectance: fraction(reader, "splitter", datum)? },
+        "thin_lens" => {
+            let holds = |length: f64| length.is_finite() && length != 0.0;
+            Action::ThinLens { focal_length: reader.checked("thin_lens", datum, "finite and not 0", holds)? }
+        }
+        "polariser" => Action::Polariser { axis: axis(finite(reader, "polariser", datum)?) },
+        "retarder" => retarder(reader, datum)?,
+        _ => grating(reader, datum)?,
+    })
+}
+
+/// The direction at an angle in degrees from x towards y.
+fn axis(degrees: f64) -> Vec3 {
+    let (sin, cos) = sin_cos_degrees(degrees);
+    Vec3::new(cos, sin, 0.0)
+}
+
+fn retarder(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Action> {
+    let span = datum.span;
+    let [retardance_degrees, degrees] = reader.numbers("retarder", datum)?;
+    let is_finite = retardance_degrees.is_finite() && degrees.is_finite();
+    if !is_finite {
+        let problem = Diagnostic::error("an angle of the retarder is infinite");
+        reader.report(problem.why("they are its retardance and that of its fast axis, in degrees"), span);
+    }
+    is_finite.then(|| Action::Retarder { axis: axis(degrees), retardance_degrees })
+}
+
+fn grating(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Action> {
+    let mut keys = reader.keys("grating", datum)?;
+    let lines = reader.need(&mut keys, "lines").and_then(|datum| lines(reader, datum));
+    let is_order = |order: f64| order.fract() == 0.0 && order.abs() <= f64::from(i32::MAX);
+    let order = reader.need(&mut keys, "order");
+    let order = order.and_then(|datum| reader.checked("order", datum, "a whole number", is_order));
+    let reflects = match keys.take("reflects") {
+        Some(datum) => reader.truth("reflects", datum),
+        None => Some(false),
+    };
+    reader.refuse_the_rest(keys);
+    Some(Action::Grating { lines: lines?, order: order? as i32, reflects: reflects? })
+}
+
+/// Lines per unit of length along x and y of the sheet.
+fn lines(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Vec3> {
+    let span = datum.span;
+    let [x, y] = reader.numbers("lines", datum)?;
+    let lines = Vec3::new(x, y, 0.0);
+    let is_grating = lines.is_finite() && lines != Vec3::ZERO;
+    if !is_grating {
+        let problem = Diagnostic::error(format!("the grating has [{x}, {y}] lines"));
+        reader.report(problem.why("they are finite, and not both 0"), span);
+    }
+    is_grating.then_some(lines)
+}
