@@ -123,13 +123,19 @@ fn every_model_fits() {
 fn what_is_right_fits() {
     for text in [
         "",
-        "rayweave = 1\nunit = 'in'\n[optics]\nx = 1\n[[detector]]\n",
+        "rayweave = 1\nunit = 'in'\n[wiring]\nx = 1\n[[detector]]\n",
         "[parameters]\na = 1\nb = 'a + 1'\n",
         "[solid.s]\nsphere = { radius = 'R' }\ntransform = { scale = [1, 2, 3] }\nname = 't'\n",
         "[solid.s]\nplace = { solid = 't', ring = 3, radius = 1 }\n",
         "[solid.s]\ncylinder = { radius = 1 }\n",
         "[medium.m]\nindex = 1.5\nanything = [1]\n",
         "[[light]]\nposition = [0, 0, 0]\n",
+        "[optics]\nbranches = 'both'\n[optics.medium]\na = 'N-BK7'\nb = 1.5\nc = { n = 1, k = '2' }\n",
+        "[optics.face]\na = 'polished'\n'a.b' = { mirror = 0.5 }\nc = { coated = [[1.38, 0, 'd']] }\n",
+        "[[optics.sheet]]\nname = 's'\ncircle = 4\nopening = { ellipse = [1, 2] }\naction = 'absorb'\n",
+        "[[optics.sheet]]\nname = 's'\nrectangle = [4, 3]\naction = { retarder = [90, 45] }\ntransform = { scale = 2 }\n",
+        "[[optics.source]]\nbeam = { circle = 4, rays = 9, waist = 2 }\nwavelength_nm = [[486.1, 1]]\n",
+        "[[optics.source]]\nlamp = { width = 4, height = 9, angle = 2, rays = 'N' }\nwavelength_nm = { band = [4, 7] }\n",
     ] {
         assert_eq!(check(text), None, "{text}");
     }
@@ -161,5 +167,26 @@ fn what_is_wrong_does_not_fit() {
     ] {
         assert!(check(text).is_some(), "{text}");
         assert!(rayweave_scene::parse(text).is_err(), "{text}");
+    }
+}
+
+/// What is wrong in these tables is said by those who read them, not here.
+#[test]
+fn what_is_wrong_with_light_does_not_fit() {
+    for text in [
+        "[optics]\nbranch = 'both'\n",
+        "[optics]\nbranches = 'none'\n",
+        "[optics.medium]\na = { n = 1, m = 2 }\n",
+        "[optics.face]\na = 'polish'\n",
+        "[optics.face]\na = { mirror = 1, rough = 1 }\n",
+        "[[optics.sheet]]\nname = 's'\naction = 'absorb'\n",
+        "[[optics.sheet]]\nname = 's'\ncircle = 4\naction = 'absorbs'\n",
+        "[[optics.sheet]]\nname = 's'\ncircle = 4\nellipse = [1, 2]\naction = 'absorb'\n",
+        "[[optics.source]]\nwavelength_nm = 500\n",
+        "[[optics.source]]\nbeam = { rays = 5 }\n",
+        "[[optics.source]]\ncone = { rays = 5 }\n",
+        "[[optics.source]]\nline = { length = 1, rays = 5 }\nwavelength_nm = { bland = [1, 2] }\n",
+    ] {
+        assert!(check(text).is_some(), "{text}");
     }
 }

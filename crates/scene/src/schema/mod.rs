@@ -1,5 +1,7 @@
 //! The JSON schema of the model file, so that editors complete and check it.
 
+mod optics;
+
 use crate::document::Shading;
 use crate::formats::native::VERSION;
 use crate::unit::Unit;
@@ -38,6 +40,7 @@ pub fn schema() -> Value {
             "camera": camera(),
             "light": { "description": "Lights.", "type": "array", "items": light() },
             "render": render(),
+            "optics": optics::optics(),
         },
         // tables of other names are kept for others
         "additionalProperties": { "type": ["object", "array"] },
@@ -83,6 +86,10 @@ fn definitions() -> Value {
             "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})$",
         },
         "step": step(),
+        "transform": {
+            "description": "Maps, applied in this order.",
+            "anyOf": [{ "type": "array", "items": reference("step") }, reference("step")],
+        },
     })
 }
 
@@ -94,11 +101,7 @@ fn solid() -> Value {
     let shapes = MANUALS.iter().map(|manual| (manual.name.to_owned(), shape(manual)));
     properties.extend(shapes);
     let bodies: Vec<Value> = properties.keys().map(|key| json!({ "required": [key] })).collect();
-    let transform = json!({
-        "description": "Maps, applied in this order.",
-        "anyOf": [{ "type": "array", "items": reference("step") }, reference("step")],
-    });
-    properties.insert("transform".into(), transform);
+    properties.insert("transform".into(), reference("transform"));
     properties.insert("name".into(), text("What its faces are called by, if not by its own name."));
     json!({
         "type": "object",

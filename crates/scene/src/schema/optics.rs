@@ -1,0 +1,150 @@
+//! The `[optics]` tables, which `rayweave-optics` reads.
+
+use super::{list, reference, table, text};
+use serde_json::{Value, json};
+
+pub(super) fn optics() -> Value {
+    table(
+        "Light: what media are made of, finishes of faces, sheets, sources, settings.",
+        json!({
+            "branches": { "enum": ["ideal", "both", "random"] },
+            "polarised": { "type": "boolean" },
+            "generation_limit": reference("number"),
+            "threshold": reference("number"),
+            "seed": reference("number"),
+            "medium": {
+                "description": "What the media of the model are made of, by their names.",
+                "type": "object",
+                "additionalProperties": material(),
+            },
+            "face": {
+                "description": "Finishes by region, or by region and face.",
+                "type": "object",
+                "additionalProperties": finish(),
+            },
+            "sheet": { "description": "Surfaces without thickness.", "type": "array", "items": sheet() },
+            "source": { "description": "What shines.", "type": "array", "items": source() },
+        }),
+        &[],
+    )
+}
+
+/// One of some words, or a table of one of some keys.
+fn word_or_table(words: &[&str], keys: Value) -> Value {
+    let mut one = table("One of these.", keys, &[]);
+    one["minProperties"] = 1.into();
+    one["maxProperties"] = 1.into();
+    json!({ "anyOf": [{ "enum": words }, one] })
+}
+
+fn material() -> Value {
+    let index = json!({ "n": reference("number"), "k": reference("number") });
+    json!({
+        "description": "A material of the catalogue, an index, `mirror` or `absorber`.",
+        "anyOf": [reference("number"), table("A complex index.", index, &["n"])],
+    })
+}
+
+fn finish() -> Value {
+    let keys = json!({
+        "mirror": reference("number"),
+        "splitter": reference("number"),
+        "diffuse": reference("number"),
+        "rough": reference("number"),
+        "coated": { "type": "array", "items": reference("vector") },
+    });
+    word_or_table(&["polished", "absorber"], keys)
+}
+
+fn action() -> Value {
+    let grating = table(
+        "Lines per unit of length along x and y.",
+        json!({ "lines": list("number", 2), "order": reference("number"), "reflects": { "type": "boolean" } }),
+        &["lines", "order"],
+    );
+    let keys = json!({
+        "mirror": reference("number"),
+        "splitter": reference("number"),
+        "thin_lens": reference("number"),
+        "polariser": reference("number"),
+        "retarder": list("number", 2),
+        "grating": grating,
+    });
+    word_or_table(&["absorb", "record"], keys)
+}
+
+fn outline() -> Value {
+    json!({
+        "circle": reference("number"),
+        "rectangle": list("number", 2),
+        "ellipse": list("number", 2),
+    })
+}
+
+/// A table with keys of its own, and exactly one of others.
+fn with_one_of(description: &str, mut own: Value, others: &Value, required: &[&str]) -> Value {
+    let others: Vec<_> = others.as_object().into_iter().flatten().collect();
+    for (key, rule) in &others {
+        own[key.as_str()] = (*rule).clone();
+    }
+    let mut all = table(description, own, required);
+    all["oneOf"] = others.iter().map(|(key, _)| json!({ "required": [key] })).collect();
+    all
+}
+
+fn sheet() -> Value {
+    let own = json!({
+        "name": text("What it is called."),
+        "opening": with_one_of("A hole in the middle.", json!({}), &outline(), &[]),
+        "action": action(),
+        "transform": reference("transform"),
+    });
+    with_one_of("A piece of the plane z = 0.", own, &outline(), &["name", "action"])
+}
+
+fn source() -> Value {
+    let own = json!({
+        "wavelength_nm": wavelength(),
+        "power": reference("number"),
+        "seed": reference("number"),
+        "transform": reference("transform"),
+    });
+    with_one_of("Light from about the origin, along z.", own, &patterns(), &[])
+}
+
+fn patterns() -> Value {
+    let rays = |description: &str, sizes: &[&'static str]| {
+        let mut keys = json!({ "rays": reference("number") });
+        sizes.iter().for_each(|size| keys[*size] = reference("number"));
+        table(description, keys, &[sizes, &["rays"]].concat())
+    };
+    let mut point = rays("Rays into a cone.", &["angle"]);
+    point["properties"]["random"] = json!({ "type": "boolean" });
+    let beam = json!({
+        "rays": reference("number"),
+        "waist": reference("number"),
+        "random": { "type": "boolean" },
+    });
+    json!({
+        "beam": with_one_of("Parallel rays over an outline.", beam, &outline(), &["rays"]),
+        "line": rays("Parallel rays in a row.", &["length"]),
+        "circle": rays("Parallel rays around a circle.", &["diameter"]),
+        "cone": rays("Rays along the surface of a cone.", &["angle"]),
+        "wedge": rays("Rays in a plane.", &["angle"]),
+        "lamp": rays("A Lambertian rectangle.", &["width", "height", "angle"]),
+        "point": point,
+    })
+}
+
+fn wavelength() -> Value {
+    let pairs = json!({ "type": "array", "items": list("number", 2), "minItems": 1 });
+    let spread = json!({
+        "band": list("number", 2),
+        "black_body": list("number", 3),
+        "table": pairs,
+    });
+    json!({
+        "description": "A wavelength in nm, pairs of wavelengths and weights, or a distribution.",
+        "anyOf": [reference("number"), pairs, with_one_of("A distribution.", json!({}), &spread, &[])],
+    })
+}
