@@ -1,9 +1,11 @@
 //! The command line: its sub-commands and what they share.
 
-use crate::command::{Bench, Completions, Export, Infill, Info, Man, Probe, Render, Schema, Shapes, Trace};
+use crate::command::{
+    Bench, Completions, Export, Infill, Info, Man, Optics, Probe, Render, Schema, Shapes, Trace,
+};
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
-use rayweave::scene::{Scene, load};
+use rayweave::scene::{Document, Scene, load};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -22,7 +24,8 @@ Environment:
 Examples:
   rayweave render lens.toml
   rayweave probe lens.toml --from -100,0,0 --to 100,0,0
-  rayweave trace lens.toml --rays rays.csv -o hits.csv";
+  rayweave trace lens.toml --rays rays.csv -o hits.csv
+  rayweave optics doublet.toml";
 
 /// Exact ray tracing through constructive solid geometry
 ///
@@ -48,6 +51,7 @@ pub enum Command {
     Render(Render),
     Probe(Probe),
     Trace(Trace),
+    Optics(Optics),
     Export(Export),
     Infill(Infill),
     Info(Info),
@@ -72,9 +76,14 @@ pub struct ModelArguments {
 impl ModelArguments {
     /// Reads the model file. Warnings go to standard error.
     pub fn load(&self) -> Result<Scene, Failure> {
-        let (_, scene) = load(&self.model, &self.definitions).map_err(rayweave::Error::from)?;
+        self.load_document().map(|(_, scene)| scene)
+    }
+
+    /// Reads the model file and keeps what it says, for those who read tables of their own in it.
+    pub fn load_document(&self) -> Result<(Document, Scene), Failure> {
+        let (document, scene) = load(&self.model, &self.definitions).map_err(rayweave::Error::from)?;
         crate::terminal::warn(&scene.warnings);
-        Ok(scene)
+        Ok((document, scene))
     }
 
     /// The name of the file, for headings.

@@ -42,6 +42,7 @@ impl Failure {
                 | ErrorKind::Compile
                 | ErrorKind::Shape
                 | ErrorKind::Solid
+                | ErrorKind::Optics
                 | ErrorKind::Input => 3,
                 ErrorKind::Name | ErrorKind::Value | ErrorKind::Format => 2,
                 ErrorKind::Cancelled => 130,

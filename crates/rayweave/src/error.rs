@@ -3,6 +3,7 @@
 use crate::files::ContourProblems;
 use rayweave_analysis::infill::InfillError;
 use rayweave_model::{BadRay, CompileError, WindowError};
+use rayweave_optics::OpticsError;
 use rayweave_render::{CameraError, RenderError, TimelineError};
 use rayweave_rootray::RootRayError;
 use rayweave_scene::Diagnostics;
@@ -39,6 +40,8 @@ pub enum ErrorKind {
     Value,
     /// A solid cannot be asked this, because it is empty or unbounded.
     Solid,
+    /// An optical system that does not fit together, or light that cannot be traced through it.
+    Optics,
     /// A name that nothing has.
     Name,
     /// Somebody asked the run to stop.
@@ -63,6 +66,7 @@ enum Cause {
     Polygon(PolygonError),
     Line(LineError),
     Contours(ContourProblems),
+    Optics(OpticsError),
     Name(String),
     Cancelled,
 }
@@ -81,6 +85,7 @@ impl Error {
             Cause::Output(_) => ErrorKind::Output,
             Cause::Render(RenderError::Cancelled)
             | Cause::Infill(InfillError::Cancelled)
+            | Cause::Optics(OpticsError::Cancelled)
             | Cause::Cancelled => ErrorKind::Cancelled,
             Cause::Infill(
                 InfillError::Empty { .. } | InfillError::Unbounded { .. } | InfillError::TooFar { .. },
@@ -95,6 +100,7 @@ impl Error {
             | Cause::Infill(_)
             | Cause::Polygon(_)
             | Cause::Line(_) => ErrorKind::Value,
+            Cause::Optics(_) => ErrorKind::Optics,
             Cause::Name(_) => ErrorKind::Name,
         }
     }
@@ -137,6 +143,11 @@ impl Error {
     /// True if a solid cannot be asked this, because it is empty or unbounded.
     pub fn is_solid(&self) -> bool {
         self.kind() == ErrorKind::Solid
+    }
+
+    /// True if an optical system does not fit together, or light cannot be traced through it.
+    pub fn is_optics(&self) -> bool {
+        self.kind() == ErrorKind::Optics
     }
 
     /// True if a name is unknown.
@@ -227,6 +238,7 @@ impl fmt::Display for Error {
             Cause::Polygon(error) => error.fmt(f),
             Cause::Line(error) => error.fmt(f),
             Cause::Contours(problems) => problems.fmt(f),
+            Cause::Optics(error) => error.fmt(f),
             Cause::Name(text) => f.write_str(text),
             Cause::Cancelled => f.write_str("cancelled"),
         }
@@ -275,6 +287,7 @@ from! {
     InfillError => Infill,
     PolygonError => Polygon,
     LineError => Line,
+    OpticsError => Optics,
 }
 
 /// Problems with files of rays are those of an input, all others those of an output.

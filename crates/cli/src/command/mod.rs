@@ -6,6 +6,7 @@ mod export;
 mod infill;
 mod info;
 mod man;
+mod optics;
 mod probe;
 mod render;
 mod schema;
@@ -19,6 +20,7 @@ pub use export::Export;
 pub use infill::Infill;
 pub use info::Info;
 pub use man::Man;
+pub use optics::Optics;
 pub use probe::Probe;
 pub use render::Render;
 pub use schema::Schema;
@@ -34,6 +36,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Render(render) => render.run(cli),
         Command::Probe(probe) => probe.run(),
         Command::Trace(trace) => trace.run(cli),
+        Command::Optics(optics) => optics.run(cli),
         Command::Export(export) => export.run(),
         Command::Infill(infill) => infill.run(cli),
         Command::Info(info) => info.run(),

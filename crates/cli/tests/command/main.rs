@@ -7,6 +7,7 @@ mod infill;
 mod info;
 mod interrupt;
 mod memory;
+mod optics;
 mod pages;
 mod probe;
 mod render;

@@ -2,11 +2,12 @@
 
 use crate::bench::Bench;
 
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "bench",
     "render",
     "probe",
     "trace",
+    "optics",
     "export",
     "infill",
     "info",

@@ -2,9 +2,11 @@
 
 mod contours;
 mod hits;
+mod segments;
 
 pub use contours::{ContourProblems, read_region};
 pub use hits::HitTable;
+pub use segments::{LightSummary, SegmentTable, trace_light};
 
 use crate::{Compiled, Error};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};

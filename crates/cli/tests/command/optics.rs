@@ -1,0 +1,208 @@
+//! `optics`: light through the solids of a model.
+
+use crate::bench::{Bench, number, rows};
+
+const HEADER: &str = "id,parent,generation,source,wavelength_nm,intensity,index,x0,y0,z0,x1,y1,z1,x_tilt,y_tilt,z_tilt,path,\
+                      element,surface,event";
+
+/// A plate of glass about the origin between an ideal lens, whose focus is on the screen, and the light.
+const PLATE: &str = r#"
+rayweave = 1
+unit = "mm"
+
+[parameters]
+n = 1.5
+
+[solid.plate]
+box = { size = [60, 60, 2] }
+
+[medium.plate]
+index = "n"
+
+[optics]
+branches = "ideal"
+
+[[optics.sheet]]
+name = "lens"
+circle = 30
+action = { thin_lens = 40 }
+transform = [{ translate = [0, 0, 5] }]
+
+[[optics.sheet]]
+name = "screen"
+rectangle = [30, 30]
+action = "absorb"
+transform = [{ rotate_z = 90 }, { translate = [3, 4, 45] }]
+
+[[optics.source]]
+beam = { circle = 20, rays = 5000 }
+wavelength_nm = 550
+power = 2
+transform = [{ translate = [0, 0, -10] }]
+"#;
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("plate.toml", PLATE);
+    bench
+}
+
+#[test]
+fn a_summary_for_people() {
+    let said = bench().says(&["optics", "plate.toml", "--seed", "7"]);
+    let lines: Vec<&str> = said.lines().collect();
+    // through two faces of the plate, the lens, and to the screen
+    assert_eq!(lines[0], "plate.toml: 5000 rays, 20000 segments");
+    let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    let found = |begin: &str| words(lines.iter().find(|line| line.starts_with(begin)).unwrap());
+    assert_eq!(found("emitted"), ["emitted", "2"]);
+    assert_eq!(found("absorbed by screen").last().unwrap(), "2");
+    assert_eq!(found("absorbed by plate").last().unwrap(), "0");
+    assert!(number(found("unaccounted for").last().unwrap()).abs() < 1e-12);
+    assert!(said.contains("centroid / mm") && said.contains("RMS radius / mm"), "{said}");
+}
+
+/// The focus in the coordinates of the screen, which is turned; and a disc, whose RMS radius is R / sqrt(2).
+#[test]
+fn spots_by_closed_forms() {
+    let found = bench().json(&["optics", "plate.toml", "--json"]);
+    let sheet = |k: usize| &found["sheets"][k];
+    assert_eq!(
+        (&found["unit"], &found["rays"], &sheet(1)["hits"]),
+        (&"mm".into(), &5000.into(), &5000.into())
+    );
+    let close = |value: &serde_json::Value, expected: f64, error: f64| {
+        assert!((value.as_f64().unwrap() - expected).abs() < error, "{value} is not {expected}");
+    };
+    // x of the screen is y of the world, y of it -x
+    close(&sheet(1)["centroid"][0], -4.0, 1e-12);
+    close(&sheet(1)["centroid"][1], 3.0, 1e-12);
+    close(&sheet(1)["rms_radius"], 0.0, 1e-12);
+    close(&sheet(1)["power"], 2.0, 1e-12);
+    close(&sheet(0)["rms_radius"], 10.0 / 2.0_f64.sqrt(), 1e-2);
+    close(&found["error"], 0.0, 1e-12);
+}
+
+/// Two faces of reflectance r let (1 - r) / (1 + r) through.
+#[test]
+fn options_win_over_the_file() {
+    let bench = bench();
+    let through = |options: &[&str]| {
+        let found = bench.json(&[&["optics", "plate.toml", "--json"], options].concat());
+        assert_eq!(found["absorbed"][2]["element"], "screen");
+        found["absorbed"][2]["power"].as_f64().unwrap()
+    };
+    let expected = |n: f64| {
+        let r = ((n - 1.0) / (n + 1.0)).powi(2);
+        2.0 * (1.0 - r) / (1.0 + r)
+    };
+    assert!((through(&["--branches", "both"]) - expected(1.5)).abs() < 1e-9);
+    assert!((through(&["--branches", "both", "--polarised"]) - expected(1.5)).abs() < 1e-9);
+    assert!((through(&["--branches", "both", "-D", "n=2"]) - expected(2.0)).abs() < 1e-9);
+    let random = ["1", "2"].map(|seed| through(&["--branches", "random", "--seed", seed]));
+    // 5000 rays that pass with p = 0.92: four standard deviations are 0.031 of 2
+    random.iter().for_each(|power| assert!((power - expected(1.5)).abs() < 0.031, "{power}"));
+    assert_ne!(random[0], random[1]);
+}
+
+#[test]
+fn the_table_of_segments() {
+    let bench = bench();
+    let said = bench.says(&["optics", "plate.toml", "--out", "segments.csv", "--branches", "both"]);
+    let table = bench.read("segments.csv");
+    assert_eq!(table.lines().next(), Some(HEADER));
+    let rows = rows(&table);
+    assert!(said.contains(&format!(", {} segments", rows.len())), "{said}");
+    assert!(rows.len() > 30_000, "{}", rows.len());
+    let whole = |text: &str| text.parse::<i64>().unwrap();
+    let mut seen = [0; 3];
+    for row in &rows {
+        let parent = whole(row[1]);
+        if parent < 0 {
+            assert_eq!((row[2], row[9]), ("0", "-10.0"));
+            seen[0] += 1;
+            continue;
+        }
+        let before = &rows[usize::try_from(parent).unwrap()];
+        // of the same ray, one event later, from where that one ended
+        assert_eq!((row[0], whole(row[2])), (before[0], whole(before[2]) + 1));
+        assert_eq!(row[7..10], before[10..13]);
+        let inside = number(row[9]).abs() <= 1.0 && number(row[12]).abs() <= 1.0;
+        assert_eq!(number(row[6]), if inside { 1.5 } else { 1.0 });
+        let (element, event) = (row[17], row[19]);
+        match element {
+            "screen" => assert_eq!((row[18], event), ("screen", "absorbed")),
+            "lens" => assert_eq!(event, "bent"),
+            "plate" => assert_eq!(&row[18][..12], "plate.plate."),
+            other => assert_eq!((other, event, row[12]), ("", "escaped", "nan")),
+        }
+        seen[1] += usize::from(element == "screen");
+        seen[2] += usize::from(element.is_empty());
+    }
+    assert_eq!(seen[0], 5000);
+    assert!(seen[1] >= 5000 && seen[2] >= 5000, "{seen:?}");
+}
+
+#[test]
+fn any_number_of_threads_writes_the_same_bytes() {
+    let bench = bench();
+    let with = |threads: &str| {
+        let said =
+            bench.says(&["optics", "plate.toml", "--branches", "random", "-o", "-", "--threads", threads]);
+        assert!(said.starts_with(HEADER) && said.lines().count() > 15_000);
+        said
+    };
+    assert!(with("1") == with("3"));
+    assert_eq!(bench.says(&["optics", "plate.toml", "--quiet"]), "");
+}
+
+#[test]
+fn what_can_be_wrong() {
+    let bench = bench();
+    let message = bench.fails(3, &["optics", "ball.toml"]);
+    assert!(message.contains("the model has no [optics] table"), "{message}");
+    let fails = |text: &str, problem: &str, place: &str| {
+        bench.write("bad.toml", text);
+        let message = bench.fails(3, &["optics", "bad.toml", "-o", "table.csv"]);
+        assert!(message.contains(problem) && message.contains(place), "{message}");
+        assert!(!bench.path("table.csv").exists());
+    };
+    let unknown = "unknown key `wavelenth_nm` in `optics.source`";
+    fails(&PLATE.replace("wavelength_nm", "wavelenth_nm"), unknown, "bad.toml:31:1");
+    let dark = &PLATE[..PLATE.find("[[optics.source]]").unwrap()];
+    fails(dark, "the model has no [[optics.source]] (without one there is no light)", "bad.toml");
+    let glass = PLATE.replace("[[optics.source]]", "[optics.medium]\nplate = \"N-BK7\"\n[[optics.source]]");
+    fails(
+        &glass.replace("550", "5500"),
+        "the source shines at 5500 nm (the index of `N-BK7` is known from",
+        ":33:17",
+    );
+    let usage = bench.fails(2, &["optics", "plate.toml", "--json", "--out", "-"]);
+    assert!(usage.contains("give the table a file?"), "{usage}");
+    assert!(bench.fails(2, &["optics", "plate.toml", "--branches", "none"]).contains("ideal"));
+    assert!(bench.fails(2, &["optics", "plate.toml", "-o", "table.txt"]).contains("unknown table format"));
+}
+
+/// The model of the guide runs, says what the page says, and its quarter-wave films do what the closed form promises.
+#[test]
+fn the_guide() {
+    let page = include_str!("../../../../docs/guides/optics-files.md");
+    let block = |kind: &str| {
+        let (_, rest) = page.split_once(&format!("```{kind}\n")).unwrap();
+        rest.split_once("```\n").unwrap().0
+    };
+    let bench = Bench::new();
+    bench.write("lens.toml", block("toml"));
+    let arguments: Vec<&str> = block("sh").split_whitespace().skip(1).collect();
+    assert_eq!(bench.says(&arguments), block("text"));
+    assert_eq!(bench.read("segments.csv").lines().next(), Some(HEADER));
+
+    // light of 550 nm near the axis of a thin lens: each face reflects ((1.38^2 - n) / (1.38^2 + n))^2
+    let near = block("toml").replace("circle = 10, rays", "circle = 0.1, rays");
+    let near = near.replace("[[486.1, 1], [587.6, 1], [656.3, 1]]", "550").replace("\"N-BK7\"", "1.5185");
+    bench.write("near.toml", near);
+    let found = bench.json(&["optics", "near.toml", "--json"]);
+    let r = ((1.38_f64.powi(2) - 1.5185) / (1.38_f64.powi(2) + 1.5185)).powi(2);
+    let power = found["absorbed"][1]["power"].as_f64().unwrap();
+    assert!((power - (1.0 - r) / (1.0 + r)).abs() < 1e-4, "{power}");
+}

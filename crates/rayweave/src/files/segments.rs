@@ -1,0 +1,141 @@
+//! The table of segments: one row for each piece of a ray of light between two events.
+
+use crate::Error;
+use rayweave_model::Evaluator;
+use rayweave_optics::{Balance, Emitter, Event, Segments, Settings, System, Tracer};
+use rayweave_table::{Chunk, Column, DType, NO_NAME, Schema, TableWriter, Values};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The table of the segments of many rays.
+///
+/// The columns, in this order:
+///
+/// - `id`: the number of the ray, from 0; `parent`: the row of the segment before, -1 for the first; `generation`: the number
+///   of events before; `source`: the number of the source;
+/// - `wavelength_nm`; `intensity`: the power at the beginning; `index` of the medium;
+/// - `x0`, `y0`, `z0`: the beginning; `x1`, `y1`, `z1`: the end, NaN if there is none; `x_tilt`, `y_tilt`, `z_tilt`: the
+///   direction, of unit length;
+/// - `path`: the optical path from the source to the end;
+/// - `element`, `surface`: what is met at the end, by name, empty for nothing; `event`: what happens there.
+///
+/// Lengths are in the unit of the document.
+#[derive(Clone, Debug)]
+pub struct SegmentTable {
+    schema: Schema,
+}
+
+impl SegmentTable {
+    /// The table for a system in a unit, whose names of elements and surfaces it holds.
+    ///
+    /// # Errors
+    ///
+    /// None that a system can bring about: the names of the columns are fixed.
+    pub fn new(system: &System, unit: &str) -> Result<SegmentTable, Error> {
+        let surfaces: Arc<[String]> =
+            system.surfaces().map(|surface| system.surface_name(surface).to_owned()).collect();
+        let events: Arc<[String]> = Event::ALL.iter().map(|event| event.name().to_owned()).collect();
+        let mut columns = vec![Column::new("id", DType::I64), Column::new("parent", DType::I64)];
+        columns.extend(["generation", "source"].map(|name| Column::new(name, DType::I64)));
+        columns.push(Column::new("wavelength_nm", DType::F64).unit("nm"));
+        columns.extend(["intensity", "index"].map(|name| Column::new(name, DType::F64)));
+        let lengths = ["x0", "y0", "z0", "x1", "y1", "z1"];
+        columns.extend(lengths.map(|name| Column::new(name, DType::F64).unit(unit)));
+        columns.extend(["x_tilt", "y_tilt", "z_tilt"].map(|name| Column::new(name, DType::F64)));
+        columns.push(Column::new("path", DType::F64).unit(unit));
+        columns.push(Column::names("element", system.element_names().into()));
+        columns.push(Column::names("surface", surfaces));
+        columns.push(Column::names("event", events));
+        Ok(SegmentTable { schema: Schema::new(columns).map_err(Error::output)? })
+    }
+
+    /// The columns.
+    pub fn schema(&self) -> &Schema {
+        &self.schema
+    }
+
+    /// Segments as rows; their parents, which count from 0, are moved by the number of rows before.
+    ///
+    /// # Errors
+    ///
+    /// None: the columns of segments are of equal length.
+    pub fn rows(&self, segments: Segments, before: u64) -> Result<Chunk, Error> {
+        let moved = |row: i64| if row < 0 { row } else { row + before as i64 };
+        let whole = |column: Vec<u32>| column.into_iter().map(i64::from).collect::<Vec<i64>>();
+        let mut columns: Vec<Values> = vec![
+            segments.id.into(),
+            segments.parent.into_iter().map(moved).collect::<Vec<i64>>().into(),
+            whole(segments.generation).into(),
+            whole(segments.source).into(),
+            segments.wavelength_nm.into(),
+            segments.intensity.into(),
+            segments.index.into(),
+        ];
+        let vectors = [segments.start, segments.end, segments.direction];
+        columns.extend(vectors.into_iter().flatten().map(Values::from));
+        columns.push(segments.path.into());
+        columns.extend([segments.element, segments.surface].map(names));
+        columns.push(segments.event.into_iter().map(u32::from).collect::<Vec<u32>>().into());
+        Chunk::new(columns).map_err(Error::output)
+    }
+}
+
+/// Numbers of names; negative ones are none.
+fn names(numbers: Vec<i32>) -> Values {
+    let name = |number: i32| u32::try_from(number).unwrap_or(NO_NAME);
+    numbers.into_iter().map(name).collect::<Vec<u32>>().into()
+}
+
+/// What a run did with light.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LightSummary {
+    /// The number of rays.
+    pub rays: u64,
+    /// The number of segments.
+    pub segments: u64,
+    /// Where the power went.
+    pub balance: Balance,
+}
+
+/// Traces light and writes the table of its segments, if a file is given.
+///
+/// The columns are those of [`SegmentTable`]; the extension of `out` says the format, `.csv`, `.npy` or (with the feature
+/// `parquet`) `.parquet`, and `-` is CSV on standard output. The file appears when it is complete; after an error, or when the
+/// run is cancelled, there is none. Memory does not grow with the number of rays, every run gives the same bytes, whatever the
+/// number of threads. `look` is shown the segments chunk by chunk, in the order of the rays.
+///
+/// # Errors
+///
+/// [`crate::ErrorKind::Optics`] for light that cannot be traced, [`crate::ErrorKind::Output`] for a table that cannot be
+/// written, [`crate::ErrorKind::Cancelled`].
+pub fn trace_light<E: Evaluator>(
+    tracer: &Tracer<'_, E>,
+    system: &System,
+    light: &impl Emitter,
+    settings: &Settings,
+    out: Option<(&Path, &str)>,
+    mut look: impl FnMut(&Segments),
+) -> Result<LightSummary, Error> {
+    let mut table = match out {
+        Some((path, unit)) => {
+            let table = SegmentTable::new(system, unit)?;
+            let writer = TableWriter::create(path, table.schema()).map_err(Error::output)?;
+            Some((table, writer))
+        }
+        None => None,
+    };
+    let mut segments = 0;
+    let balance = tracer.run(light, settings, |rows: Segments| {
+        look(&rows);
+        let before = segments;
+        segments += rows.len() as u64;
+        match &mut table {
+            Some((table, writer)) => writer.write(&table.rows(rows, before)?).map_err(Error::output),
+            None => Ok(()),
+        }
+    })?;
+    if let Some((_, writer)) = table {
+        writer.finish().map_err(Error::output)?;
+    }
+    Ok(LightSummary { rays: light.count() as u64, segments, balance })
+}
