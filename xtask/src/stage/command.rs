@@ -37,6 +37,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     take(user.succeeds(&["--help"]));
     take(user.succeeds(&["--version"]));
     take(user.complains(&["info", "no-such-model.toml"], "no-such-model.toml"));
+    take(user.succeeds(&["optics", "models/doublet.toml"]));
     for model in &models {
         take(user.succeeds(&["info", model]));
         take(user.renders(model, &scratch));
