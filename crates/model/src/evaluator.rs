@@ -157,6 +157,11 @@ impl Crossing {
     pub fn enters(&self) -> bool {
         self.after != RegionId(0)
     }
+
+    /// True if the face of what is left or that of what is entered is another one than `face`.
+    pub fn is_between(&self) -> bool {
+        self.left != self.face || self.entered != self.face
+    }
 }
 
 /// All that is found on one ray.
@@ -276,9 +281,28 @@ pub trait Evaluator: Sync {
 
     /// What every ray of a batch meets first in the window.
     fn nearest(&self, rays: Rays<'_>, window: Window, scratch: &mut Self::Scratch, hits: &mut FirstHits<'_>) {
-        let program = self.program();
         let query = Query { window, limit: Limit::First, starts: None };
-        self.crossings(rays, &query, scratch, &mut |answer: RayAnswer<'_>| hits.put(program, &rays, &answer));
+        self.nearest_from(rays, &query, scratch, hits, &mut Vec::new());
+    }
+
+    /// What every ray of a batch meets first: [`Evaluator::nearest`] for rays that may start on surfaces, whatever the
+    /// limit of the query. Crossings that belong to other faces on their two sides than `hits` names
+    /// ([`Crossing::is_between`]) are appended to `between` as well, each with the number of its ray, in any order.
+    fn nearest_from(
+        &self,
+        rays: Rays<'_>,
+        query: &Query<'_>,
+        scratch: &mut Self::Scratch,
+        hits: &mut FirstHits<'_>,
+        between: &mut Vec<(usize, Crossing)>,
+    ) {
+        let program = self.program();
+        let query = Query { limit: Limit::First, ..*query };
+        self.crossings(rays, &query, scratch, &mut |answer: RayAnswer<'_>| {
+            hits.put(program, &rays, &answer);
+            let found = answer.crossings.first().filter(|crossing| crossing.is_between());
+            between.extend(found.map(|crossing| (answer.ray, *crossing)));
+        });
     }
 
     /// The answers for a whole batch in arrays.

@@ -1,7 +1,7 @@
 //! An evaluator that is chosen by its name while the program runs.
 
 use crate::Error;
-use rayweave_model::{Evaluator, FirstHits, HitRows, Program, Query, Rays, RegionId, Sink, Window};
+use rayweave_model::{Crossing, Evaluator, FirstHits, HitRows, Program, Query, Rays, RegionId, Sink, Window};
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
@@ -144,5 +144,16 @@ impl Evaluator for AnyEvaluator {
 
     fn nearest(&self, rays: Rays<'_>, window: Window, scratch: &mut AnyScratch, hits: &mut FirstHits<'_>) {
         each_with!(self, scratch, evaluator => evaluator.nearest(rays, window, scratch, hits))
+    }
+
+    fn nearest_from(
+        &self,
+        rays: Rays<'_>,
+        query: &Query<'_>,
+        scratch: &mut AnyScratch,
+        hits: &mut FirstHits<'_>,
+        between: &mut Vec<(usize, Crossing)>,
+    ) {
+        each_with!(self, scratch, evaluator => evaluator.nearest_from(rays, query, scratch, hits, between))
     }
 }

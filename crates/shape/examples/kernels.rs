@@ -81,7 +81,14 @@ fn main() {
     let rounds = arguments.get(2).and_then(|n| n.parse().ok()).unwrap_or(1);
     let rows = rays(1024);
     let kernel = surface(name).and_then(|surface| Kernel::of(&surface));
-    let facet = kernel.map(|kernel| Facet { kernel, inside: true, face: 0.0, gap: 0, is_one_piece: false });
+    let facet = kernel.map(|kernel| Facet {
+        kernel,
+        inside: true,
+        face: 0.0,
+        surfaces: [0.0; 2],
+        gap: 0,
+        is_one_piece: false,
+    });
     let (doubts, sum) = dispatch!(Level::new(), simd => run(simd, facet.as_ref(), &rows, rounds));
     println!("{name}: {} rays, {doubts} in doubt, {sum}", rounds * rows.len() * LANES);
 }

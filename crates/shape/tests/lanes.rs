@@ -254,7 +254,7 @@ fn ask<S: Simd>(
 
 fn facet(surface: &Surface, inside: bool) -> Option<Facet> {
     let kernel = Kernel::of(surface)?;
-    let facet = Facet { kernel, inside, face: 0.0, gap: 0, is_one_piece: false };
+    let facet = Facet { kernel, inside, face: 0.0, surfaces: [0.0; 2], gap: 0, is_one_piece: false };
     facet.has_one_gap().then_some(facet)
 }
 

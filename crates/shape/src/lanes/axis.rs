@@ -54,6 +54,15 @@ impl AxisCylinder {
         })
     }
 
+    /// The same as a cylinder along any axis.
+    #[inline(always)]
+    pub(super) fn general(&self) -> Cylinder {
+        let mut point = Vec3::ZERO;
+        let [first, second] = ACROSS[usize::from(self.axis)];
+        (point[first], point[second]) = (self.point[0], self.point[1]);
+        Cylinder { point, axis: Vec3::AXES[usize::from(self.axis)], radius: self.radius }
+    }
+
     /// The parts of origin (from the axis) and direction across the axis.
     #[inline(always)]
     pub(super) fn across<S: Simd>(&self, ray: &LaneRay<S>) -> ([Lanes<S>; 2], [Lanes<S>; 2]) {

@@ -2,7 +2,7 @@
 
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{Doubt, LaneRay};
-use super::vector::{Lanes, Vec3Lanes};
+use super::vector::{Lanes, Vec3Lanes, splat};
 use crate::surface::Cone;
 use fearless_simd::Simd;
 
@@ -35,6 +35,27 @@ pub(super) fn roots<S: Simd>(simd: S, cone: &Cone, ray: &LaneRay<S>, doubt: &mut
 fn split<S: Simd>(cone: &Cone, v: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
     let height = v.dot_all(cone.axis);
     (height * cone.slope, v.without(height, cone.axis))
+}
+
+/// `[a, b]` of f along rays from the cone, `a t^2 + 2 b t`.
+#[inline(always)]
+pub(super) fn departure<S: Simd>(cone: &Cone, ray: &LaneRay<S>) -> [Lanes<S>; 2] {
+    let (height, from) = split(cone, ray.origin.minus_all(cone.apex));
+    let (rise, along) = split(cone, ray.direction);
+    [along.length_squared() - rise * rise, from.dot(along) - height * rise]
+}
+
+/// As [`Cone::value_and_gradient`].
+#[inline(always)]
+pub(super) fn value_and_gradient<S: Simd>(
+    simd: S,
+    cone: &Cone,
+    point: Vec3Lanes<S>,
+) -> (Lanes<S>, Vec3Lanes<S>) {
+    let from = point.minus_all(cone.apex);
+    let (radius, offset) = (from.dot_all(cone.axis) * cone.slope, from.perpendicular(cone.axis));
+    let gradient = offset.without(radius * cone.slope, cone.axis).times(splat(simd, 2.0));
+    (offset.length_squared() - radius * radius, gradient)
 }
 
 impl<S: Simd> Form<S> for Line<S> {

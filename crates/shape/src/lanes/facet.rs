@@ -53,6 +53,8 @@ pub struct Slab {
     pub low: (f64, f64),
     /// The offset of the plane with the normal, and the number of its face.
     pub high: (f64, f64),
+    /// True for those, low and high, that the leaf has as the outside of a plane with the other sign.
+    pub turned: [bool; 2],
 }
 
 impl Kernel {
@@ -99,6 +101,8 @@ pub struct Facet {
     pub inside: bool,
     /// The number of the face.
     pub face: f64,
+    /// The number of the surface, twice; of two faces of a box, those of the lower and the higher one.
+    pub surfaces: [f64; 2],
     /// The greatest gap that the facet may cut out of a stretch of its leaf: see [`Facet::can_gap`].
     pub gap: u32,
     /// True if the other facets leave but one piece of what this one would leave of a ray, whatever gap it cuts out. Rays
@@ -124,14 +128,15 @@ impl Facet {
 
     /// This facet and the next one of the same leaf as one, if they are opposite faces of a box.
     pub fn joined(&self, next: &Facet) -> Option<Facet> {
-        let kernel = match (&self.kernel, &next.kernel) {
+        let (here, there) = (self.surfaces[0], next.surfaces[0]);
+        let (kernel, surfaces) = match (&self.kernel, &next.kernel) {
             (
                 &Kernel::AxisPlane { axis, sign, offset },
                 &Kernel::AxisPlane { axis: other, sign: turned, offset: next_offset },
             ) if axis == other && sign == -turned && self.inside && next.inside => {
-                let ends = [(offset, self.face), (next_offset, next.face)];
-                let [low, high] = if sign < 0.0 { ends } else { [ends[1], ends[0]] };
-                Kernel::AxisSlab(AxisSlab { axis, low, high })
+                let (here, there) = (((offset, self.face), here), ((next_offset, next.face), there));
+                let [(low, below), (high, above)] = if sign < 0.0 { [here, there] } else { [there, here] };
+                (Kernel::AxisSlab(AxisSlab { axis, low, high }), [below, above])
             }
             (Kernel::Plane(plane), Kernel::Plane(other)) => {
                 let (high, low) = (self.outward(plane), next.outward(other));
@@ -139,11 +144,12 @@ impl Facet {
                     return None;
                 }
                 let (low, normal) = ((low.offset, next.face), high.normal);
-                Kernel::Slab(Slab { normal, low, high: (high.offset, self.face) })
+                let (high, turned) = ((high.offset, self.face), [!next.inside, !self.inside]);
+                (Kernel::Slab(Slab { normal, low, high, turned }), [there, here])
             }
             _ => return None,
         };
-        Some(Facet { kernel, inside: true, ..self.clone() })
+        Some(Facet { kernel, surfaces, inside: true, ..self.clone() })
     }
 
     /// The plane with the sign with which this facet is its inside. Nothing is rounded by that, here or along a ray.
@@ -274,7 +280,7 @@ impl Facet {
                 let axis = (*axis).into();
                 (ray.origin.component(axis), ray.direction.component(axis), *low, *high)
             }
-            Kernel::Slab(Slab { normal, low, high }) => {
+            Kernel::Slab(Slab { normal, low, high, .. }) => {
                 (ray.origin.dot_all(*normal), ray.direction.dot_all(*normal), *low, *high)
             }
             _ => return,

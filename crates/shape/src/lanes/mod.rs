@@ -9,6 +9,7 @@
 
 mod axis;
 mod cone;
+mod departure;
 mod facet;
 mod gradient;
 mod quadratic;
@@ -20,6 +21,7 @@ mod torus_line;
 mod vector;
 
 pub use axis::{AxisCylinder, AxisSlab};
+pub use departure::LaneStarts;
 pub use facet::{Facet, Kernel, Slab};
 pub use gradient::Gradient;
 pub use quadric::LaneQuadric;

@@ -2,7 +2,7 @@
 
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{Doubt, LaneRay};
-use super::vector::{Lanes, Vec3Lanes};
+use super::vector::{Lanes, Vec3Lanes, splat};
 use crate::surface::Quadric;
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
@@ -52,6 +52,35 @@ impl LaneQuadric {
         let size = Size { place, bend: 1.0, linear: self.linear, constant };
         let line = Line { shift, weights, x, v, level, rise };
         line.roots(simd, ray, self.is_ruled.then_some(size), doubt)
+    }
+
+    /// `[a, b]` of f along rays from the surface, `a t^2 + 2 b t`.
+    #[inline(always)]
+    pub(super) fn departure<S: Simd>(&self, ray: &LaneRay<S>) -> [Lanes<S>; 2] {
+        let Quadric { centre, weights, linear, .. } = self.quadric;
+        let (x, v) = (self.coordinates(ray.origin.minus_all(centre)), self.coordinates(ray.direction));
+        let (wx, wv) = (x.times_all(weights), v.times_all(weights));
+        [wv.dot(v), wx.dot(v) + ray.direction.dot_all(linear) * 0.5]
+    }
+
+    /// As [`Quadric::value_and_gradient`].
+    #[inline(always)]
+    pub(super) fn value_and_gradient<S: Simd>(
+        &self,
+        simd: S,
+        point: Vec3Lanes<S>,
+    ) -> (Lanes<S>, Vec3Lanes<S>) {
+        let Quadric { centre, axes, weights, linear, constant } = self.quadric;
+        let from = point.minus_all(centre);
+        let x = self.coordinates(from);
+        let wx = x.times_all(weights);
+        let value = wx.dot(x) + (from.dot_all(linear) + constant);
+        let [i, j, k] = axes;
+        let along = Vec3Lanes::splat(simd, i)
+            .times(wx.x)
+            .plus(Vec3Lanes::splat(simd, j).times(wx.y))
+            .plus(Vec3Lanes::splat(simd, k).times(wx.z));
+        (value, along.times(splat(simd, 2.0)).plus(Vec3Lanes::splat(simd, linear)))
     }
 
     /// Coordinates along the principal axes.

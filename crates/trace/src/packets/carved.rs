@@ -238,7 +238,7 @@ impl<S: Simd> Group<'_, S> {
             if near.end > MOST {
                 return None;
             }
-            is_met |= self.leaf(&carved.facets[leaf.facets.clone()], count, ray, doubt);
+            is_met |= self.leaf(&carved.facets[leaf.facets.clone()], count, ray, None, doubt);
             count = near.end;
         }
         Some(is_met)

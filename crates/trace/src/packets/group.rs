@@ -3,10 +3,11 @@
 use super::logic::{Step, Tape};
 use super::network::sort;
 use super::plan::{Difference, MOST, NONE, Plan, STEPS};
+use super::starts::Begin;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_model::{Rays, Window};
-use rayweave_shape::lanes::{Doubt, Facet, LANES, LaneRay, Lanes, Mask, Span, Vec3Lanes, splat};
+use rayweave_shape::lanes::{Doubt, Facet, LANES, LaneRay, LaneStarts, Lanes, Mask, Span, Vec3Lanes, splat};
 
 /// A number of each ray, in memory.
 #[derive(Clone, Copy, Debug)]
@@ -84,12 +85,13 @@ impl<'m, S: Simd> Group<'m, S> {
     fn enter_here(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Doubt<S>, Mask<S>) {
         let never = Mask::splat(self.simd, false);
         let mut doubt = Doubt { always: never, grazes: never };
-        if !self.stretches(plan, ray, &mut doubt) {
+        if !self.stretches(plan, ray, None, &mut doubt) {
             self.no_changes();
             return (doubt, never);
         }
-        self.changes(plan, window, true, &mut doubt);
-        let starts = Lanes::load_array(self.simd, self.starts(plan, window));
+        let from = splat(self.simd, window.t_min());
+        self.changes(plan, from, window.t_max(), true, &mut doubt);
+        let starts = Lanes::load_array(self.simd, self.starts_after(plan, window));
         (doubt, starts.simd_gt(splat(self.simd, 0.0)))
     }
 
@@ -101,25 +103,69 @@ impl<'m, S: Simd> Group<'m, S> {
         let limits = &plan.model.limits;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
         let (ray, mut doubt) = LaneRay::new(simd, origin, direction, limits);
-        if !self.stretches(plan, &ray, &mut doubt) {
+        if !self.stretches(plan, &ray, None, &mut doubt) {
             self.no_changes();
             return Found { doubt: doubt.always.to_bitmask(), most: 0, starts: [0.0; LANES] };
         }
-        let most = self.changes(plan, window, first, &mut doubt);
+        let from = splat(simd, window.t_min());
+        let most = self.changes(plan, from, window.t_max(), first, &mut doubt);
+        let unsure = self.unsure(plan, &ray, most, &doubt);
+        Found { doubt: unsure, most, starts: self.starts_after(plan, window) }
+    }
+
+    /// The lanes about whose changes anything is in doubt.
+    #[inline(always)]
+    fn unsure(&self, plan: &Plan, ray: &LaneRay<S>, most: usize, doubt: &Doubt<S>) -> u64 {
         let mut unsure = doubt.always;
         for k in 1..most {
             let (a, b) = (self.key(k - 1), self.key(k));
-            let near = ray.may_hug(a, b, limits) | doubt.grazes;
+            let near = ray.may_hug(a, b, &plan.model.limits) | doubt.grazes;
             unsure |= near & b.simd_lt(f64::INFINITY);
         }
-        Found { doubt: unsure.to_bitmask(), most, starts: self.starts(plan, window) }
+        unsure.to_bitmask()
+    }
+
+    /// [`Group::run`] for rays that start on surfaces.
+    pub fn run_from(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, begin: &Begin, first: bool) -> Found {
+        let simd = self.simd;
+        simd.vectorize(
+            #[inline(always)]
+            || self.run_from_here(plan, rays, at, begin, first),
+        )
+    }
+
+    #[inline(always)]
+    fn run_from_here(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, begin: &Begin, first: bool) -> Found {
+        let simd = self.simd;
+        let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
+        let (ray, mut doubt) = LaneRay::new(simd, origin, direction, &plan.model.limits);
+        let starts = LaneStarts {
+            surface: Lanes::load_array_ref(simd, &begin.surface.0),
+            inside: Mask::from_bitmask(simd, begin.inside),
+        };
+        if !self.stretches(plan, &ray, Some(&starts), &mut doubt) {
+            self.no_changes();
+            let doubt = doubt.always.to_bitmask() | begin.doubt;
+            return Found { doubt, most: 0, starts: [0.0; LANES] };
+        }
+        let from = Lanes::load_array_ref(simd, &begin.from.0);
+        let most = self.changes(plan, from, begin.t_max, first, &mut doubt);
+        let doubt = self.unsure(plan, &ray, most, &doubt) | begin.doubt;
+        Found { doubt, most, starts: self.starts(plan, from) }
     }
 
     /// The stretches of all leaves; false if no ray is ever inside, as soon as that is clear.
     #[inline(always)]
-    fn stretches(&mut self, plan: &Plan, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> bool {
+    fn stretches(
+        &mut self,
+        plan: &Plan,
+        ray: &LaneRay<S>,
+        starts: Option<&LaneStarts<S>>,
+        doubt: &mut Doubt<S>,
+    ) -> bool {
         for leaf in &plan.leaves {
-            let is_met = self.leaf(&plan.facets[leaf.facets.clone()], leaf.span, ray, doubt);
+            let facets = &plan.facets[leaf.facets.clone()];
+            let is_met = self.leaf(facets, leaf.span, ray, starts, doubt);
             if leaf.is_needed && !is_met {
                 return false;
             }
@@ -138,11 +184,22 @@ impl<'m, S: Simd> Group<'m, S> {
     /// The stretch of a leaf, number `first`, and those that are cut out of it. False if there is none on any ray: then
     /// what is cut out of it does not matter.
     #[inline(always)]
-    pub fn leaf(&mut self, facets: &[Facet], first: usize, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> bool {
+    pub fn leaf(
+        &mut self,
+        facets: &[Facet],
+        first: usize,
+        ray: &LaneRay<S>,
+        starts: Option<&LaneStarts<S>>,
+        doubt: &mut Doubt<S>,
+    ) -> bool {
         let simd = self.simd;
         let (mut span, mut is_met) = (Span::line(simd), true);
         for facet in facets {
-            if let Some(gap) = facet.narrow(simd, ray, &mut span, doubt)
+            let gap = match starts {
+                Some(starts) => facet.narrow_from(simd, ray, starts, &mut span, doubt),
+                None => facet.narrow(simd, ray, &mut span, doubt),
+            };
+            if let Some(gap) = gap
                 && facet.gap != NONE
             {
                 let face = splat(simd, facet.face);
@@ -181,14 +238,21 @@ impl<'m, S: Simd> Group<'m, S> {
     /// replaced by the number of the end. Times that differ by no more are taken for doubtful later. The greatest
     /// number of them on a ray, or 2 if only the first two are asked for.
     #[inline(always)]
-    fn changes(&mut self, plan: &Plan, window: Window, first: bool, doubt: &mut Doubt<S>) -> usize {
+    fn changes(
+        &mut self,
+        plan: &Plan,
+        from: Lanes<S>,
+        t_max: f64,
+        first: bool,
+        doubt: &mut Doubt<S>,
+    ) -> usize {
         let simd = self.simd;
         let never = splat(simd, f64::INFINITY);
         let (mut earliest, mut second, mut tied, mut count) = (never, never, never, 0);
         for (stretch, difference) in plan.differences.iter().enumerate() {
             for code in [2 * stretch, 2 * stretch + 1] {
                 let t = self.end(code);
-                let asked = t.simd_gt(window.t_min()) & t.simd_lt(window.t_max());
+                let asked = t.simd_gt(from) & t.simd_lt(t_max);
                 if !asked.any_true() {
                     // most rays miss most leaves
                     continue;
@@ -286,11 +350,16 @@ impl<'m, S: Simd> Group<'m, S> {
 
     /// The winner of each ray just after the window begins.
     #[inline(always)]
-    fn starts(&mut self, plan: &Plan, window: Window) -> [f64; LANES] {
-        if let (Some(start), f64::NEG_INFINITY) = (plan.start, window.t_min()) {
-            return [f64::from(start); LANES];
+    fn starts_after(&mut self, plan: &Plan, window: Window) -> [f64; LANES] {
+        match (plan.start, window.t_min()) {
+            (Some(start), f64::NEG_INFINITY) => [f64::from(start); LANES],
+            (_, t_min) => self.starts(plan, splat(self.simd, t_min)),
         }
-        let t = splat(self.simd, window.t_min());
+    }
+
+    /// The winner of each ray just after a time.
+    #[inline(always)]
+    fn starts(&mut self, plan: &Plan, t: Lanes<S>) -> [f64; LANES] {
         for (at, step) in plan.regions.steps.iter().enumerate() {
             self.values[at % STEPS] = match *step {
                 Step::Input(k) => {

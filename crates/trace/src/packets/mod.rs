@@ -16,6 +16,7 @@ mod normal;
 mod objects;
 mod places;
 mod plan;
+mod starts;
 
 use crate::Weave;
 use crate::weave::WeaveScratch;
@@ -28,9 +29,10 @@ use objects::{First, Objects};
 use plan::{APART, Common, Plan, SMALL};
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, HitRows, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink,
-    Window, dress,
+    StartLists, Window, dress,
 };
 use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, splat};
+use starts::Begin;
 use std::sync::Arc;
 
 /// Up to so many comparisons of stretches a model is asked as a whole for lists; beyond that the weave is faster.
@@ -101,14 +103,18 @@ fn run<S: Simd, T: Take>(
     plan: &Plan,
     memory: &mut Memory,
     rays: Rays<'_>,
-    window: Window,
+    query: &Query<'_>,
     first: bool,
     take: &mut T,
 ) {
     let mut group = Group::new(simd, memory);
     for at in (0..rays.len()).step_by(LANES) {
-        let found = group.run(plan, rays, at, window, first);
-        take.take(plan, &group, &found, at, LANES.min(rays.len() - at));
+        let count = LANES.min(rays.len() - at);
+        let found = match query.starts {
+            None => group.run(plan, rays, at, query.window, first),
+            Some(_) => group.run_from(plan, rays, at, &Begin::new(query, at, count), first),
+        };
+        take.take(plan, &group, &found, at, count);
     }
 }
 
@@ -124,7 +130,11 @@ fn one_by_one(
     let [ox, oy, oz] = rays.origins.map(|column| &column[ray..=ray]);
     let [dx, dy, dz] = rays.directions.map(|column| &column[ray..=ray]);
     let one = Rays { origins: [ox, oy, oz], directions: [dx, dy, dz] };
-    weave.crossings(one, query, scratch, &mut |found: RayAnswer<'_>| answer(RayAnswer { ray, ..found }));
+    let entries = query.starts.map_or(&[][..], |lists| lists.of(ray));
+    let first = [0, entries.len() as u32];
+    let starts = (!entries.is_empty()).then_some(StartLists { first: &first, entries });
+    let query = Query { starts, ..*query };
+    weave.crossings(one, &query, scratch, &mut |found: RayAnswer<'_>| answer(RayAnswer { ray, ..found }));
 }
 
 /// Lists of crossings.
@@ -186,7 +196,7 @@ fn list<S: Simd>(
 }
 
 fn winner_after<S: Simd>(plan: &Plan, group: &Group<'_, S>, lane: usize, t: f64) -> RegionId {
-    RegionId(plan.regions.winner(group.holds_after(plan, lane, t)))
+    RegionId(plan.winner(group.holds_after(plan, lane, t)))
 }
 
 /// Hit arrays.
@@ -259,24 +269,30 @@ struct Firsts<'a, 'c> {
     query: Query<'a>,
     scratch: &'a mut PacketsScratch,
     hits: &'a mut FirstHits<'c>,
+    /// Crossings that belong to other faces on their two sides.
+    between: &'a mut Vec<(usize, Crossing)>,
 }
 
 impl Take for Firsts<'_, '_> {
     #[inline(always)]
     fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
-        if plan.is_plain && found.doubt == 0 && count == LANES {
-            return self.columns(plan, group, found, at);
-        }
         let program = self.weave.program();
+        if count == LANES {
+            let firsts = match plan.is_plain {
+                true => plain_firsts(group, found),
+                false => other_firsts(program, plan, group, found),
+            };
+            self.columns(plan, group, &firsts, at);
+        }
         for lane in 0..count {
             let ray = at + lane;
             if found.doubt >> lane & 1 == 1 {
                 self.put_one(ray);
-                continue;
+            } else if count < LANES {
+                let crossings = &mut self.scratch.crossings;
+                let start = list(program, plan, group, found, lane, Limit::First, crossings);
+                self.hits.put(program, &self.rays, &RayAnswer { ray, start, crossings });
             }
-            let crossings = &mut self.scratch.crossings;
-            let start = list(program, plan, group, found, lane, Limit::First, crossings);
-            self.hits.put(program, &self.rays, &RayAnswer { ray, start, crossings });
         }
     }
 }
@@ -290,22 +306,55 @@ struct Eight {
     placement: Row,
 }
 
-impl Firsts<'_, '_> {
-    /// Eight rays, all of them sure.
+impl Eight {
+    /// Nothing is met.
     #[inline(always)]
-    fn columns<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize) {
-        let (mut t, mut face) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]));
-        let mut after = Row(found.starts);
-        for lane in 0..LANES {
-            if let Some(code) = group.code(0, lane) {
-                t.0[lane] = group.memory.ends[code].0[lane];
-                face.0[lane] = group.memory.faces[code].0[lane];
-                after.0[lane] = 1.0 - after.0[lane];
-            }
+    fn nothing(starts: [f64; LANES]) -> Eight {
+        let (t, face) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]));
+        Eight { t, face, before: Row(starts), after: Row(starts), placement: Row([0.0; LANES]) }
+    }
+}
+
+/// In a model of one region; lanes in doubt meet nothing.
+#[inline(always)]
+fn plain_firsts<S: Simd>(group: &Group<'_, S>, found: &Found) -> Eight {
+    let mut eight = Eight::nothing(found.starts);
+    for lane in 0..LANES {
+        if let (Some(code), 0) = (group.code(0, lane), found.doubt >> lane & 1) {
+            eight.t.0[lane] = group.memory.ends[code].0[lane];
+            eight.face.0[lane] = group.memory.faces[code].0[lane];
+            eight.after.0[lane] = 1.0 - eight.after.0[lane];
         }
-        let eight = Eight { t, face, before: Row(found.starts), after, placement: Row([0.0; LANES]) };
-        self.write(&eight, at, LANES);
-        if let Some(hits) = self.hits(group.simd, &eight, at) {
+    }
+    eight
+}
+
+/// In a model of several regions.
+fn other_firsts<S: Simd>(program: &Program, plan: &Plan, group: &Group<'_, S>, found: &Found) -> Eight {
+    let mut eight = Eight::nothing(found.starts);
+    for lane in (0..LANES).filter(|lane| found.doubt >> lane & 1 == 0) {
+        let mut before = RegionId(found.starts[lane] as u32);
+        for k in 0..found.most {
+            let Some(code) = group.code(k, lane) else { break };
+            let t = group.memory.ends[code].0[lane];
+            let after = winner_after(plan, group, lane, t);
+            if program.medium_of(before) != program.medium_of(after) {
+                (eight.t.0[lane], eight.face.0[lane]) = (t, group.memory.faces[code].0[lane]);
+                (eight.before.0[lane], eight.after.0[lane]) = (f64::from(before.0), f64::from(after.0));
+                break;
+            }
+            before = after;
+        }
+    }
+    eight
+}
+
+impl Firsts<'_, '_> {
+    /// Eight rays; those in doubt are to be overwritten.
+    #[inline(always)]
+    fn columns<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, eight: &Eight, at: usize) {
+        self.write(eight, at, LANES);
+        if let Some(hits) = self.hits(group.simd, eight, at) {
             let (normals, others) = hits.normals(group.simd, &plan.model.slopes);
             self.write_normals(normals, at, LANES);
             self.dress(others, at, |lane| plan.model.faces[eight.face.0[lane] as usize]);
@@ -395,8 +444,10 @@ impl Firsts<'_, '_> {
     /// Asks the weave about a ray.
     fn put_one(&mut self, ray: usize) {
         let (rays, hits, program) = (&self.rays, &mut *self.hits, self.weave.program());
+        let between = &mut *self.between;
         one_by_one(self.weave, self.rays, ray, &self.query, &mut self.scratch.weave, |answer| {
             hits.put(program, rays, &answer);
+            between.extend(answer.crossings.first().filter(|found| found.is_between()).map(|c| (ray, *c)));
         });
     }
 }
@@ -423,14 +474,14 @@ impl Evaluator for Packets {
         scratch: &mut PacketsScratch,
         sink: &mut dyn Sink,
     ) {
-        let Some(plan) = self.plan.as_ref().filter(|_| query.starts.is_none()) else {
+        let Some(plan) = &self.plan else {
             return self.weave.crossings(rays, query, &mut scratch.weave, sink);
         };
         // the first change of region need not be one of medium
         let first = query.limit == Limit::First && plan.is_plain;
         let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Lists { weave: &self.weave, rays, query, scratch, sink };
-        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, query.window, first, &mut take));
+        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, query, first, &mut take));
         scratch.memory = Some(memory);
     }
 
@@ -447,34 +498,35 @@ impl Evaluator for Packets {
         let query = Query { window, ..Query::default() };
         let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Arrays { weave: &self.weave, rays, query, scratch, rows, most: 0 };
-        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, window, false, &mut take));
+        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, &query, false, &mut take));
         let most = take.most;
         scratch.memory = Some(memory);
         most
     }
 
-    fn nearest(
+    fn nearest_from(
         &self,
         rays: Rays<'_>,
-        window: Window,
+        query: &Query<'_>,
         scratch: &mut PacketsScratch,
         hits: &mut FirstHits<'_>,
+        between: &mut Vec<(usize, Crossing)>,
     ) {
-        let query = Query { window, limit: Limit::First, starts: None };
-        if let Some(objects) = &self.objects {
+        let query = Query { limit: Limit::First, ..*query };
+        if let (Some(objects), None) = (&self.objects, query.starts) {
             let mut memory = scratch.memory.take().unwrap_or_default();
             let mut ahead = std::mem::take(&mut scratch.ahead);
-            let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits };
+            let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
             dispatch!(self.level, simd => firsts.among(simd, objects, &mut memory, &mut ahead));
             (scratch.memory, scratch.ahead) = (Some(memory), ahead);
             return;
         }
         let Some(plan) = &self.plan else {
-            return self.weave.nearest(rays, window, &mut scratch.weave, hits);
+            return self.weave.nearest_from(rays, &query, &mut scratch.weave, hits, between);
         };
         let mut memory = scratch.memory.take().unwrap_or_default();
-        let mut take = Firsts { weave: &self.weave, rays, query, scratch, hits };
-        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, window, plan.is_plain, &mut take));
+        let mut take = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
+        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, &query, plan.is_plain, &mut take));
         scratch.memory = Some(memory);
     }
 

@@ -3,7 +3,9 @@
 use super::logic::{Logic, Tape, Wire};
 use super::normal::Slope;
 use rayweave_math::Vec3;
-use rayweave_model::{Edge, Face, LeafFacet, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId};
+use rayweave_model::{
+    Edge, Face, LeafFacet, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId, SurfaceId,
+};
 use rayweave_shape::lanes::{Facet, Kernel, LaneLimits};
 use rayweave_shape::surface::{Surface, delta_of};
 use std::sync::Arc;
@@ -26,6 +28,9 @@ pub(super) const APART: usize = 16;
 /// Beyond so many comparisons it is better to leave out the leaves that no ray comes near.
 pub(super) const SMALL: usize = 64;
 
+/// Winners are tabled for so many stretches.
+const TABLED: usize = 8;
+
 /// No stretch.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -43,6 +48,8 @@ pub(super) struct Plan {
     pub differences: Vec<Difference>,
     /// What is inside, for each region.
     pub regions: Tape,
+    /// The winner for every set of stretches, if there are few: a table is read faster than the tape.
+    winners: Vec<u32>,
     /// The winner as t -> -inf, if it is the same for all rays.
     pub start: Option<u32>,
     /// True if inside is one region, and not of the medium of the world.
@@ -151,6 +158,7 @@ impl Plan {
             facets: Vec::new(),
             differences: Vec::new(),
             regions: Tape::default(),
+            winners: Vec::new(),
             start: None,
             is_plain,
         };
@@ -168,6 +176,9 @@ impl Plan {
         let steps = plan.differences.iter().map(Difference::steps).chain([plan.regions.steps.len()]);
         if steps.max() > Some(STEPS) {
             return None;
+        }
+        if stretches <= TABLED {
+            plan.winners = (0..1 << stretches).map(|holds| plan.regions.winner(holds)).collect();
         }
         plan.start = winner_far_out(&mut logic, &outputs, &bounded);
         for leaf in &mut plan.leaves {
@@ -203,6 +214,11 @@ impl Plan {
         self.differences.iter().map(Difference::steps).sum()
     }
 
+    /// The winner where some stretches hold, a bit each.
+    pub fn winner(&self, holds: u64) -> u32 {
+        self.winners.get(holds as usize).copied().unwrap_or_else(|| self.regions.winner(holds))
+    }
+
     /// The number of stretches.
     pub fn stretches(&self) -> usize {
         self.differences.len()
@@ -221,8 +237,15 @@ pub(super) fn leaf_facets(
     for (number, facet) in range.zip(all) {
         let kernel = Kernel::of(&program.surface(facet.surface()).surface)?;
         let is_one_piece = facet.inside() && is_one_piece(program, all, &kernel);
-        let mut facet =
-            Facet { kernel, inside: facet.inside(), face: f64::from(number), gap: NONE, is_one_piece };
+        let SurfaceId(surface) = facet.surface();
+        let mut facet = Facet {
+            kernel,
+            inside: facet.inside(),
+            face: f64::from(number),
+            surfaces: [f64::from(surface); 2],
+            gap: NONE,
+            is_one_piece,
+        };
         if !facet.has_one_gap() {
             return None;
         }

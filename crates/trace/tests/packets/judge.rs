@@ -28,7 +28,7 @@ pub fn levels() -> Vec<Level> {
 pub struct Setting {
     program: Arc<Program>,
     regions: Vec<Region>,
-    rays: Vec<Ray>,
+    pub rays: Vec<Ray>,
     name: String,
 }
 
@@ -40,7 +40,11 @@ impl Setting {
         for_lanes.then_some(Setting { program, regions, rays, name })
     }
 
-    fn told(&self, i: usize) -> String {
+    pub fn program(&self) -> &Program {
+        &self.program
+    }
+
+    pub fn told(&self, i: usize) -> String {
         let solid = |r: &Region| format!("\n  medium {}: {}", r.medium, r.solid);
         let regions: String = self.regions.iter().map(solid).collect();
         format!("{}, ray {i}: {:?}{regions}", self.name, self.rays[i])
@@ -142,15 +146,15 @@ impl Judge {
     }
 }
 
-fn evaluators(setting: &Setting, level: Level) -> (Reference, Packets) {
+pub fn evaluators(setting: &Setting, level: Level) -> (Reference, Packets) {
     (Reference::new(setting.program.clone()), Packets::with_level(setting.program.clone(), level))
 }
 
-fn bits(crossings: &[Crossing]) -> Vec<(u64, Crossing)> {
+pub fn bits(crossings: &[Crossing]) -> Vec<(u64, Crossing)> {
     crossings.iter().map(|crossing| (crossing.t.to_bits(), *crossing)).collect()
 }
 
-fn lists<E: Evaluator>(evaluator: &E, rays: &[Ray], query: &Query<'_>) -> Collected {
+pub fn lists<E: Evaluator>(evaluator: &E, rays: &[Ray], query: &Query<'_>) -> Collected {
     let mut found = Collected::default();
     evaluator.crossings(batch(rays).rays(), query, &mut evaluator.scratch(), &mut found);
     found

@@ -10,6 +10,7 @@ mod combine;
 mod crowd;
 mod judge;
 mod placed;
+mod starts;
 
 use aim::aimed;
 use arrange::Arrangement;
@@ -17,7 +18,7 @@ use combine::regions;
 use crowd::{bundles, carved, crowd};
 use judge::{Judge, Setting, levels};
 use rayweave_conformance::rays::rays;
-use rayweave_conformance::{Model, Random, Style};
+use rayweave_conformance::{Model, Random, Style, Tally};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Region;
 use rayweave_shape::Ray;
@@ -170,6 +171,35 @@ fn random_models() {
 #[ignore = "long"]
 fn long_random_models() {
     sweep(3000..50_000, 1000, 10_000_000);
+}
+
+/// Rays that start on surfaces of all arrangements, and of random models.
+fn check_starts(seeds: std::ops::Range<u64>, least: u64) {
+    let mut tally = Tally::new("rays that start on surfaces");
+    for seed in seeds {
+        let rng = &mut Random::new(8 << 40 | seed);
+        let (regions, rays) = match arrange::ALL.get(seed as usize % (arrange::ALL.len() + 8)) {
+            Some(&arrangement) => arranged(seed, arrangement, 40),
+            None => {
+                let model = Model::small(rng, Style::Generic);
+                (model.regions, rays(rng, Style::Generic, &model.frame, 40))
+            }
+        };
+        let Some(setting) = Setting::new(regions, rays, format!("starts, seed {seed}")) else { continue };
+        starts::follow(&setting, rng.pick(&levels()), rng, &mut tally);
+    }
+    tally.finish(least);
+}
+
+#[test]
+fn starts_on_surfaces() {
+    check_starts(0..1500, 100_000);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_starts_on_surfaces() {
+    check_starts(1500..200_000, 10_000_000);
 }
 
 #[test]

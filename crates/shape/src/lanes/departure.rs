@@ -1,0 +1,263 @@
+//! Rays that start on surfaces, as [`Surface::crossings_from`](crate::surface::Surface::crossings_from): one root at the
+//! start is divided out, so that a plane is not met again, and a surface of degree 2 once at most.
+
+use super::cone;
+use super::facet::{Facet, Kernel};
+use super::ray::{Doubt, LaneRay, infinite};
+use super::span::{Gap, Span};
+use super::vector::{Lanes, Mask, Vec3Lanes, splat};
+use crate::surface::{Cylinder, Plane, Sphere};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use rayweave_math::Vec3;
+
+/// The surface that each of eight rays starts on.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneStarts<S: Simd> {
+    /// Its number; -1 for none.
+    pub surface: Lanes<S>,
+    /// Where f < 0 just after the start.
+    pub inside: Mask<S>,
+}
+
+/// Where a surface of degree 2 is met again.
+#[derive(Clone, Copy, Debug)]
+struct Again<S: Simd> {
+    /// When; +inf for never.
+    t: Lanes<S>,
+    /// What is in doubt: the ray leaves the surface to the other side than is said, or it is tangent, or it is not known
+    /// here when it comes back.
+    unsure: Mask<S>,
+    /// The square term is small: the ray may keep to the surface for long.
+    slow: Mask<S>,
+}
+
+impl Facet {
+    /// [`Facet::narrow`] for rays of which some may start on the facet's surface.
+    #[inline(always)]
+    pub fn narrow_from<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        starts: &LaneStarts<S>,
+        span: &mut Span<S>,
+        doubt: &mut Doubt<S>,
+    ) -> Option<Gap<S>> {
+        let [low, high] = self.surfaces;
+        let is_listed = starts.surface.simd_eq(low) | starts.surface.simd_eq(high);
+        if !is_listed.any_true() {
+            return self.narrow(simd, ray, span, doubt);
+        }
+        let Some(planes) = self.planes() else {
+            return self.depart(simd, ray, starts, span, doubt);
+        };
+        for plane in planes {
+            plane.depart(simd, ray, starts, span, doubt);
+        }
+        None
+    }
+
+    /// The two faces of a slab as they were.
+    fn planes(&self) -> Option<[Facet; 2]> {
+        let [low, high] = self.surfaces;
+        let plane = |kernel: Kernel, inside: bool, face: f64, surface: f64| Facet {
+            kernel,
+            inside,
+            face,
+            gap: self.gap,
+            is_one_piece: false,
+            surfaces: [surface; 2],
+        };
+        match &self.kernel {
+            Kernel::AxisSlab(slab) => {
+                let kernel = |sign: f64, offset: f64| Kernel::AxisPlane { axis: slab.axis, sign, offset };
+                let below = plane(kernel(-1.0, slab.low.0), true, slab.low.1, low);
+                Some([below, plane(kernel(1.0, slab.high.0), true, slab.high.1, high)])
+            }
+            Kernel::Slab(slab) => {
+                let [below, above] = slab.turned;
+                let kernel = |normal: Vec3, offset: f64, turned: bool| {
+                    let sign = if turned { -1.0 } else { 1.0 };
+                    Kernel::Plane(Plane { normal: sign * normal, offset: sign * offset })
+                };
+                let lower = plane(kernel(-slab.normal, slab.low.0, below), !below, slab.low.1, low);
+                Some([lower, plane(kernel(slab.normal, slab.high.0, above), !above, slab.high.1, high)])
+            }
+            _ => None,
+        }
+    }
+
+    /// A function of its own, on copies: the facets that no ray starts on stay in registers.
+    #[inline(always)]
+    fn depart<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        starts: &LaneStarts<S>,
+        span: &mut Span<S>,
+        doubt: &mut Doubt<S>,
+    ) -> Option<Gap<S>> {
+        let (ray, starts, mut copies) = (*ray, *starts, (*span, *doubt));
+        let gap = simd.vectorize(
+            #[inline(always)]
+            || self.depart_here(simd, &ray, &starts, &mut copies.0, &mut copies.1),
+        );
+        (*span, *doubt) = copies;
+        gap
+    }
+
+    #[inline(always)]
+    fn depart_here<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        starts: &LaneStarts<S>,
+        span: &mut Span<S>,
+        doubt: &mut Doubt<S>,
+    ) -> Option<Gap<S>> {
+        let is_listed = starts.surface.simd_eq(self.surfaces[0]);
+        let (mut listed_span, mut listed_doubt) = (*span, *doubt);
+        self.narrow_listed(simd, ray, starts.inside, &mut listed_span, &mut listed_doubt);
+        let [plus, minus] = infinite(simd);
+        if is_listed.all_true() {
+            (*span, *doubt) = (listed_span, listed_doubt);
+            return Some(Gap { from: plus, to: minus });
+        }
+        let gap = self.narrow(simd, ray, span, doubt);
+        span.from = is_listed.select(listed_span.from, span.from);
+        span.to = is_listed.select(listed_span.to, span.to);
+        span.from_face = is_listed.select(listed_span.from_face, span.from_face);
+        span.to_face = is_listed.select(listed_span.to_face, span.to_face);
+        doubt.always = (is_listed & listed_doubt.always) | (!is_listed & doubt.always);
+        doubt.grazes = (is_listed & listed_doubt.grazes) | (!is_listed & doubt.grazes);
+        match gap {
+            Some(gap) => {
+                Some(Gap { from: is_listed.select(plus, gap.from), to: is_listed.select(minus, gap.to) })
+            }
+            None => None,
+        }
+    }
+
+    /// All rays as if they started on the surface: what is met once is like a plane.
+    #[inline(always)]
+    fn narrow_listed<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        inside: Mask<S>,
+        span: &mut Span<S>,
+        doubt: &mut Doubt<S>,
+    ) {
+        let Again { t, unsure, slow } = self.kernel.again(simd, ray, inside);
+        let [plus, minus] = infinite(simd);
+        let holds = if self.inside { inside } else { !inside };
+        let is_met = t.simd_lt(plus);
+        doubt.always |= unsure;
+        if self.is_one_piece {
+            // at equal times the first face is to be named, but comes before this one
+            doubt.always |= is_met & (t.simd_eq(span.from) | t.simd_eq(span.to));
+        }
+        let face = splat(simd, self.face);
+        let begins = span.begin_after(holds.select(minus, t), face);
+        let ends = span.end_before(holds.select(t, plus), face);
+        doubt.grazes |= slow & is_met & (begins | ends);
+    }
+}
+
+impl Kernel {
+    /// When rays that start on the surface meet it again.
+    #[inline(always)]
+    fn again<S: Simd>(&self, simd: S, ray: &LaneRay<S>, inside: Mask<S>) -> Again<S> {
+        let zero = splat(simd, 0.0);
+        let [a, b] = self.departure(simd, ray);
+        let first = b * -2.0 / a;
+        let comes_back = first.simd_gt(0.0) & first.simd_lt(f64::INFINITY);
+        let mut t = comes_back.select(first, splat(simd, f64::INFINITY));
+        if comes_back.any_true() {
+            let step = self.newton(simd, ray.origin.plus(ray.direction.times(t)), ray.direction);
+            let is_small = comes_back & step.abs().simd_le(t * 1e-6);
+            t = is_small.select(t - step, t);
+        }
+        let is_tangent = b.simd_eq(zero) | !(b.abs().simd_lt(f64::INFINITY));
+        let disagrees = b.simd_lt(zero) ^ inside;
+        Again { t, unsure: is_tangent | disagrees, slow: a.abs().simd_lt(ray.slow_square) }
+    }
+
+    /// `[a, b]` of f along rays from the surface, `a t^2 + 2 b t`; zeros for what is to be asked one by one.
+    #[inline(always)]
+    fn departure<S: Simd>(&self, simd: S, ray: &LaneRay<S>) -> [Lanes<S>; 2] {
+        let zero = splat(simd, 0.0);
+        match self {
+            &Kernel::AxisPlane { axis, sign, .. } => [zero, ray.direction.component(axis.into()) * sign],
+            Kernel::Plane(plane) => [zero, ray.direction.dot_all(plane.normal)],
+            Kernel::Sphere(sphere) => [ray.square, ray.origin.minus_all(sphere.centre).dot(ray.direction)],
+            Kernel::Cylinder(cylinder) => from_cylinder(cylinder, ray),
+            Kernel::AxisCylinder(cylinder) => from_cylinder(&cylinder.general(), ray),
+            Kernel::Cone(cone) => cone::departure(cone, ray),
+            Kernel::Quadric(quadric) => quadric.departure(ray),
+            _ => [zero, zero],
+        }
+    }
+
+    /// By how much rays at some points are late on their way through the surface, by one step of Newton.
+    #[inline(always)]
+    fn newton<S: Simd>(&self, simd: S, point: Vec3Lanes<S>, direction: Vec3Lanes<S>) -> Lanes<S> {
+        let (value, gradient) = self.value_and_gradient(simd, point);
+        value / gradient.dot(direction)
+    }
+
+    /// True if [`Kernel::value_and_gradient`] knows the surface: not for tori and two faces as one.
+    pub fn has_value(&self) -> bool {
+        !matches!(self, Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Torus(_))
+    }
+
+    /// f and its gradient at some points, as [`Surface::value_and_gradient`](crate::surface::Surface::value_and_gradient);
+    /// zeros if [`Kernel::has_value`] is false.
+    #[inline(always)]
+    pub fn value_and_gradient<S: Simd>(&self, simd: S, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
+        match self {
+            &Kernel::AxisPlane { axis, sign, offset } => {
+                let mut normal = Vec3::ZERO;
+                normal[usize::from(axis)] = sign;
+                at_plane(simd, &Plane { normal, offset }, point)
+            }
+            Kernel::Plane(plane) => at_plane(simd, plane, point),
+            Kernel::Sphere(sphere) => at_sphere(simd, sphere, point),
+            Kernel::Cylinder(cylinder) => at_cylinder(simd, cylinder, point),
+            Kernel::AxisCylinder(cylinder) => at_cylinder(simd, &cylinder.general(), point),
+            Kernel::Cone(cone) => cone::value_and_gradient(simd, cone, point),
+            Kernel::Quadric(quadric) => quadric.value_and_gradient(simd, point),
+            Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Torus(_) => {
+                (splat(simd, 0.0), Vec3Lanes::splat(simd, Vec3::ZERO))
+            }
+        }
+    }
+}
+
+/// As [`Plane::value_and_gradient`].
+#[inline(always)]
+fn at_plane<S: Simd>(simd: S, plane: &Plane, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
+    (point.dot_all(plane.normal) - plane.offset, Vec3Lanes::splat(simd, plane.normal))
+}
+
+/// As [`Cylinder`] does it.
+#[inline(always)]
+fn from_cylinder<S: Simd>(cylinder: &Cylinder, ray: &LaneRay<S>) -> [Lanes<S>; 2] {
+    let from = ray.origin.minus_all(cylinder.point).perpendicular(cylinder.axis);
+    let along = ray.direction.perpendicular(cylinder.axis);
+    [along.length_squared(), from.dot(along)]
+}
+
+/// As [`Sphere::value_and_gradient`].
+#[inline(always)]
+fn at_sphere<S: Simd>(simd: S, sphere: &Sphere, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
+    let offset = point.minus_all(sphere.centre);
+    (offset.length_squared() - sphere.radius * sphere.radius, offset.times(splat(simd, 2.0)))
+}
+
+/// As [`Cylinder::value_and_gradient`].
+#[inline(always)]
+fn at_cylinder<S: Simd>(simd: S, cylinder: &Cylinder, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
+    let offset = point.minus_all(cylinder.point).perpendicular(cylinder.axis);
+    (offset.length_squared() - cylinder.radius * cylinder.radius, offset.times(splat(simd, 2.0)))
+}
