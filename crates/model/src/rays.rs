@@ -2,6 +2,7 @@
 
 use rayweave_math::Vec3;
 use rayweave_shape::{Ray, RayError};
+use std::ops::Range;
 
 /// A ray of a batch that cannot be traced.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -62,6 +63,14 @@ impl RayBatch {
         for k in 0..3 {
             self.origins[k].push(ray.origin[k]);
             self.directions[k].push(ray.direction[k]);
+        }
+    }
+
+    /// Appends the rays of a range of a batch.
+    pub fn extend(&mut self, rays: Rays<'_>, range: Range<usize>) {
+        for k in 0..3 {
+            self.origins[k].extend_from_slice(&rays.origins[k][range.clone()]);
+            self.directions[k].extend_from_slice(&rays.directions[k][range.clone()]);
         }
     }
 

@@ -48,6 +48,21 @@ impl Beam {
         self.rays.rays()
     }
 
+    /// Their vacuum wavelengths in nanometres.
+    pub fn wavelengths_nm(&self) -> &[f64] {
+        &self.wavelength_nm
+    }
+
+    /// Their powers.
+    pub fn powers(&self) -> &[f64] {
+        &self.power
+    }
+
+    /// The numbers of their sources.
+    pub fn sources(&self) -> &[u32] {
+        &self.source
+    }
+
     /// The number of rays.
     pub fn len(&self) -> usize {
         self.power.len()
@@ -128,7 +143,11 @@ impl Emitter for Beam {
     }
 
     fn emit(&self, range: Range<usize>, beam: &mut Beam) {
-        range.for_each(|i| beam.push(self.get(i)));
+        beam.rays.extend(self.rays(), range.clone());
+        beam.wavelength_nm.extend_from_slice(&self.wavelength_nm[range.clone()]);
+        beam.power.extend_from_slice(&self.power[range.clone()]);
+        beam.source.extend_from_slice(&self.source[range.clone()]);
+        beam.stokes.extend_from_slice(&self.stokes[range]);
     }
 }
 

@@ -96,6 +96,15 @@ pub enum Action {
 }
 
 impl Action {
+    /// True if what it does depends on the side from which the light comes.
+    pub(crate) fn has_sides(&self) -> bool {
+        match self {
+            Action::Mirror { .. } | Action::Splitter { .. } | Action::Grating { .. } => true,
+            Action::Absorb | Action::Record | Action::ThinLens { .. } => false,
+            Action::Polariser { .. } | Action::Retarder { .. } => false,
+        }
+    }
+
     /// The amplitudes along the axis and across it of a polarising sheet, and the axis.
     pub(crate) fn polarises(&self) -> Option<(Vec3, [Complex64; 2])> {
         match self {

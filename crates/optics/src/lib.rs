@@ -29,13 +29,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod abreast;
 pub mod analysis;
 mod beam;
 pub mod component;
 mod element;
 mod error;
 pub mod file;
+mod generation;
 pub mod glass;
+mod indices;
 mod interact;
 pub mod interface;
 mod medium;
@@ -53,7 +56,7 @@ pub use element::{Action, Element, Finish, Material};
 pub use error::OpticsError;
 pub use medium::{Index, Medium};
 pub use segments::{Balance, Event, Segment, Segments};
-pub use settings::{Branches, Settings};
+pub use settings::{Branches, Keep, Settings};
 pub use system::{Assembly, System};
 pub use trace::{Trace, Tracer};
 

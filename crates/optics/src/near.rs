@@ -8,7 +8,7 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{Crossing, LeafId, PlacementId, Program, Start, SurfaceId, dress};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::delta;
+use rayweave_shape::surface::{delta, delta_of};
 
 /// All surfaces of a program with the boxes in which they matter.
 #[derive(Clone, Debug, Default)]
@@ -48,6 +48,12 @@ impl Near {
         Near { entries }
     }
 
+    /// The surfaces with their boxes; `None` if some belong to placed solids.
+    pub fn own(&self) -> Option<impl Iterator<Item = (Bounds, SurfaceId)> + '_> {
+        let is_own = self.entries.iter().all(|entry| entry.placement == PlacementId(0));
+        is_own.then(|| self.entries.iter().map(|entry| (entry.bounds, entry.surface)))
+    }
+
     /// Adds the surfaces at a time of a ray to a start list, that of a crossing, if there is one there, in any case.
     pub fn list(
         &self,
@@ -63,11 +69,28 @@ impl Near {
             let inside = is_inside(gradient.dot(ray.direction), 0.0, leaves);
             starts.push(Start { surface: face.surface, placement: face.placement, inside });
         }
+        self.others(program, (ray, t), first, leaves, starts);
+    }
+
+    /// Adds the surfaces at a time of a ray to a start list that begins at `first`, but for those that it holds.
+    pub fn others(
+        &self,
+        program: &Program,
+        (ray, t): (&Ray, f64),
+        first: usize,
+        leaves: Leaves,
+        starts: &mut Vec<Start>,
+    ) {
         let point = ray.at(t);
+        // sums of components are lengths at least, and need no root
+        let lengths = ray.origin.abs().element_sum() + t.abs() * ray.direction.abs().element_sum();
         // boxes are grown by more than any tolerance: only those matter within which the point may lie
-        let margin = 1e3 * delta(0.0, ray, t);
+        let margin = 1e3 * delta_of(lengths);
         for entry in self.entries.iter().filter(|entry| entry.bounds.grown(margin).contains(point)) {
             let listed = |s: &Start| (s.surface, s.placement) == (entry.surface, entry.placement);
+            if entry.is_far(program, point, lengths) {
+                continue;
+            }
             if starts[first..].iter().any(listed) {
                 continue;
             }
@@ -87,6 +110,14 @@ fn add(entries: &mut Vec<Entry>, first: usize, new: Entry) {
 }
 
 impl Entry {
+    /// True if the surface is sure to be out of reach: a rough form of the test in [`Entry::side`].
+    fn is_far(&self, program: &Program, point: Vec3, lengths: f64) -> bool {
+        let entry = program.surface(self.surface);
+        let (value, gradient) = entry.surface.value_and_gradient(point);
+        let near = 2.0 * delta_of(lengths + entry.reach) * gradient.abs().element_sum();
+        self.placement == PlacementId(0) && value.abs() > near
+    }
+
     /// If the surface is within the tolerance of the point: the side on which the ray goes on.
     fn side(&self, program: &Program, ray: &Ray, t: f64, leaves: Leaves) -> Option<bool> {
         let (local, reach) = local_ray(program, ray, self.placement);
@@ -98,7 +129,7 @@ impl Entry {
 }
 
 /// The side after the event: along the ray f falls where it goes in.
-fn is_inside(slope: f64, value: f64, leaves: Leaves) -> bool {
+pub(crate) fn is_inside(slope: f64, value: f64, leaves: Leaves) -> bool {
     match leaves {
         Leaves::Here => slope > 0.0 || (slope == 0.0 && value < 0.0),
         Leaves::Beyond => slope < 0.0 || (slope == 0.0 && value < 0.0),

@@ -1,6 +1,9 @@
 //! The trace as columns: one row for each piece of a ray between two events.
 
+use crate::abreast::Gone;
+use crate::generation::Generation;
 use rayweave_math::Vec3;
+use rayweave_shape::lanes::LANES;
 
 /// What happens to light at the end of a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -118,6 +121,70 @@ impl Segments {
     /// True if there is none.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
+    }
+
+    /// Makes room for so many more rows.
+    pub fn reserve(&mut self, rows: usize) {
+        self.id.reserve(rows);
+        self.parent.reserve(rows);
+        self.generation.reserve(rows);
+        self.source.reserve(rows);
+        self.wavelength_nm.reserve(rows);
+        self.intensity.reserve(rows);
+        self.index.reserve(rows);
+        for columns in [&mut self.start, &mut self.end, &mut self.direction] {
+            columns.iter_mut().for_each(|column| column.reserve(rows));
+        }
+        self.path.reserve(rows);
+        self.element.reserve(rows);
+        self.surface.reserve(rows);
+        self.event.reserve(rows);
+    }
+
+    /// Appends a row for each ray `at..` of a generation that goes through the same face.
+    pub(crate) fn transmitted(
+        &mut self,
+        now: &Generation,
+        at: usize,
+        gone: &Gone,
+        index: &[f64; LANES],
+        [element, surface]: [usize; 2],
+    ) {
+        let (here, packets, rays) = (at..at + LANES, &now.packets, now.rays.rays());
+        self.id.extend_from_slice(&packets.id[here.clone()]);
+        self.parent.extend_from_slice(&packets.parent[here.clone()]);
+        self.generation.extend_from_slice(&packets.generation[here.clone()]);
+        self.source.extend_from_slice(&packets.source[here.clone()]);
+        self.wavelength_nm.extend_from_slice(&packets.wavelength_nm[here.clone()]);
+        self.intensity.extend_from_slice(&packets.power[here.clone()]);
+        self.index.extend_from_slice(index);
+        for k in 0..3 {
+            self.start[k].extend_from_slice(&rays.origins[k][here.clone()]);
+            self.end[k].extend_from_slice(&gone.end[k]);
+            self.direction[k].extend_from_slice(&rays.directions[k][here.clone()]);
+        }
+        self.path.extend_from_slice(&gone.path);
+        self.element.extend_from_slice(&[element as i32; LANES]);
+        self.surface.extend_from_slice(&[surface as i32; LANES]);
+        self.event.extend_from_slice(&[Event::Transmitted as u8; LANES]);
+    }
+
+    /// Takes the last row away.
+    pub(crate) fn pop(&mut self) {
+        self.id.pop();
+        self.parent.pop();
+        self.generation.pop();
+        self.source.pop();
+        self.wavelength_nm.pop();
+        self.intensity.pop();
+        self.index.pop();
+        for columns in [&mut self.start, &mut self.end, &mut self.direction] {
+            columns.iter_mut().for_each(|column| _ = column.pop());
+        }
+        self.path.pop();
+        self.element.pop();
+        self.surface.pop();
+        self.event.pop();
     }
 
     /// Appends a row.

@@ -16,6 +16,16 @@ pub enum Branches {
     Random,
 }
 
+/// Which segments are rows of the table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Keep {
+    /// All of them.
+    #[default]
+    All,
+    /// Those after which nothing goes on: where light ends, whatever its way. They have no parents.
+    Ends,
+}
+
 /// How light is followed.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -27,6 +37,8 @@ pub struct Settings {
     pub generation_limit: u32,
     /// Below this power a ray is not followed any more.
     pub threshold: f64,
+    /// Which segments are rows of the table.
+    pub keep: Keep,
     /// Whether segments that meet nothing are rows of the table.
     pub keep_escaped: bool,
     /// The seed of all random choices.
@@ -44,6 +56,7 @@ impl Default for Settings {
             polarised: false,
             generation_limit: 1000,
             threshold: 0.0,
+            keep: Keep::All,
             keep_escaped: true,
             seed: 0,
             threads: None,

@@ -1,12 +1,13 @@
 //! Optical systems, compiled: solids with their media, and sheets.
 
+use crate::abreast::Abreast;
 use crate::component::{Sheet, with_prefix};
 use crate::element::{Action, Body, Element, Finish, Material};
 use crate::error::OpticsError;
 use crate::medium::Medium;
 use crate::near::Near;
-use rayweave_math::Affine;
-use rayweave_model::{Crossing, Face, Program, Region, RegionId};
+use rayweave_math::{Affine, Bounds};
+use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, Region, RegionId};
 use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
@@ -178,6 +179,8 @@ pub(crate) struct Plate {
     pub element: usize,
     pub program: Arc<Program>,
     pub near: Near,
+    /// A box around all of it.
+    pub bounds: Bounds,
     pub frame: Affine,
     pub action: Action,
 }
@@ -192,8 +195,8 @@ impl Plate {
         let program = Program::compile_regions(&regions)
             .map_err(|problem| OpticsError::Geometry { element: element.name.clone(), problem })?;
         let near = Near::new(&program);
-        let program = Arc::new(program);
-        Ok(Plate { element: number, program, near, frame: sheet.frame, action: action.clone() })
+        let (bounds, program) = (program.bounds(), Arc::new(program));
+        Ok(Plate { element: number, program, near, bounds, frame: sheet.frame, action: action.clone() })
     }
 }
 
@@ -257,8 +260,11 @@ impl Solids {
             let own = |name: &String| faces.iter().rposition(|(face, _)| is_called(name, face));
             dress.by_face = names.iter().map(|name| own(name).map_or(NONE, |k| k as u16)).collect();
         }
+        let near = Near::new(&program);
         Ok(System {
-            near: Near::new(&program),
+            abreast: Abreast::new(&program, &near),
+            near,
+            faces: faces(&program),
             program: Arc::new(program),
             media: self.media,
             dresses: self.dresses,
@@ -268,6 +274,20 @@ impl Solids {
             unit_nm: assembly.unit_nm,
         })
     }
+}
+
+fn faces(program: &Program) -> Vec<Face> {
+    let mut faces = Vec::with_capacity(program.facets().len());
+    for leaf in program.leaves() {
+        let face = |(facet, side): (u32, &LeafFacet)| Face {
+            leaf: leaf.id(),
+            facet,
+            surface: side.surface(),
+            placement: PlacementId(0),
+        };
+        faces.extend((0..).zip(leaf.facets()).map(face));
+    }
+    faces
 }
 
 /// True if a name, or a part of it between dots, is the one asked for.
@@ -281,11 +301,17 @@ fn list(names: Vec<String>) -> String {
     names.join(", ")
 }
 
+/// A face has a finish.
+pub(crate) struct NotPolished;
+
 /// An optical system, ready to be traced.
 #[derive(Clone, Debug)]
 pub struct System {
     pub(crate) program: Arc<Program>,
     pub(crate) near: Near,
+    pub(crate) abreast: Option<Abreast>,
+    /// The faces by their numbers.
+    pub(crate) faces: Vec<Face>,
     pub(crate) media: Vec<Substance>,
     dresses: Vec<Dress>,
     pub(crate) plates: Vec<Plate>,
@@ -341,6 +367,17 @@ impl System {
 
     pub(crate) fn substance(&self, region: RegionId) -> &Substance {
         &self.media[self.program.medium_of(region) as usize]
+    }
+
+    /// The element of a region, if its face of this number is polished; nothing for the world, which has no faces.
+    pub(crate) fn polished(&self, region: RegionId, face: usize) -> Result<Option<usize>, NotPolished> {
+        let Some(dress) = region.index().checked_sub(1).and_then(|k| self.dresses.get(k)) else {
+            return Ok(None);
+        };
+        match dress.of(face) {
+            Finish::Polished => Ok(Some(dress.element)),
+            _ => Err(NotPolished),
+        }
     }
 
     /// What is met at a crossing: the finish of what is entered or, if that is polished, of what is left.

@@ -3,20 +3,22 @@
 //! Rays are followed in chunks, all rays of a chunk a generation at a time. A ray that leaves an interface starts on its
 //! surface, without any offset (see [`rayweave_model::Start`]); one that goes straight on through a sheet stays the same ray.
 
-use crate::beam::{Beam, Emitter, Light};
+use crate::abreast::Arrived;
+use crate::beam::{Beam, Emitter};
 use crate::error::OpticsError;
+use crate::generation::{Generation, Met, OnSheet, Part, SheetMet, Traveller};
+use crate::indices::{Indices, Optics};
 use crate::interact::{Arriving, Going, Outcome};
-use crate::interface::Stokes;
-use crate::near::{Leaves, foot};
+use crate::interface::refract;
+use crate::near::{Leaves, foot, is_inside};
 use crate::segments::{Balance, Event, Segment, Segments};
-use crate::settings::Settings;
+use crate::settings::{Branches, Keep, Settings};
 use crate::system::{Plate, Substance, System};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::drive::{Stopped, drive, thread_count};
-use rayweave_model::{
-    Crossing, Evaluator, Limit, Program, Query, RayAnswer, RayBatch, RegionId, Start, StartLists, dress,
-};
+use rayweave_model::{Crossing, Evaluator, Face, Limit, Program, Query, RayAnswer, RegionId, Start, dress};
 use rayweave_shape::Ray;
+use rayweave_shape::lanes::LANES;
 use rayweave_shape::surface::delta;
 use std::ops::Range;
 use std::sync::Arc;
@@ -69,6 +71,10 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     pub fn trace(&self, light: &impl Emitter, settings: &Settings) -> Result<Trace, OpticsError> {
         let mut trace = Trace::default();
         trace.balance = self.run(light, settings, |segments| {
+            if trace.segments.is_empty() {
+                // all chunks come to about as many rows
+                trace.segments.reserve(segments.len() * light.count().div_ceil(CHUNK));
+            }
             trace.segments.append(&segments);
             Ok::<(), OpticsError>(())
         })?;
@@ -107,32 +113,6 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     }
 }
 
-/// A ray on its way.
-#[derive(Clone, Debug)]
-struct Packet {
-    ray: Ray,
-    light: Light,
-    stokes: Option<Stokes>,
-    path: f64,
-    id: i64,
-    parent: i64,
-    generation: u32,
-    /// The key of its random numbers.
-    stream: u64,
-    /// The surfaces of solids that it starts on.
-    starts: Range<usize>,
-    /// The sheet that it starts on.
-    on_sheet: Option<(usize, Start)>,
-}
-
-/// What a ray meets.
-#[derive(Clone, Debug, Default)]
-struct Met {
-    region: u32,
-    crossing: Option<Crossing>,
-    sheets: Vec<(usize, Crossing)>,
-}
-
 /// A thread with its memory.
 struct Worker<'t, E: Evaluator> {
     tracer: &'t Tracer<'t, E>,
@@ -140,11 +120,11 @@ struct Worker<'t, E: Evaluator> {
     scratch: E::Scratch,
     sheet_scratch: Vec<E::Scratch>,
     beam: Beam,
-    packets: Vec<Packet>,
-    next: Vec<Packet>,
-    starts: Vec<Start>,
-    next_starts: Vec<Start>,
-    met: Vec<Met>,
+    now: Generation,
+    next: Generation,
+    met: Met,
+    part: Part,
+    indices: Indices,
     rows: Segments,
     balance: Balance,
 }
@@ -157,11 +137,11 @@ impl<'t, E: Evaluator> Worker<'t, E> {
             scratch: tracer.solids.scratch(),
             sheet_scratch: tracer.sheets.iter().map(Evaluator::scratch).collect(),
             beam: Beam::default(),
-            packets: Vec::new(),
-            next: Vec::new(),
-            starts: Vec::new(),
-            next_starts: Vec::new(),
-            met: Vec::new(),
+            now: Generation::default(),
+            next: Generation::default(),
+            met: Met::default(),
+            part: Part::default(),
+            indices: Indices::default(),
             rows: Segments::default(),
             balance: Balance::default(),
         }
@@ -178,220 +158,342 @@ impl<'t, E: Evaluator> Worker<'t, E> {
         self.beam.clear();
         light.emit(range.clone(), &mut self.beam);
         self.beam.check(self.tracer.system).map_err(|error| moved(error, range.start))?;
-        self.packets.clear();
-        self.starts.clear();
-        for i in 0..self.beam.len() {
-            let packet = Packet::new(self.beam.get(i), (range.start + i) as u64, self.settings.polarised);
-            self.balance.emitted += packet.light.power;
-            self.packets.push(packet);
-        }
-        while !self.packets.is_empty() {
+        self.now.clear();
+        self.now.set_out(&self.beam, range.start as u64, self.settings.polarised);
+        self.balance.emitted = self.now.packets.power.iter().sum();
+        while self.now.len() > 0 {
             self.generation();
         }
-        Ok((std::mem::take(&mut self.rows), std::mem::take(&mut self.balance)))
+        let rows = std::mem::take(&mut self.rows);
+        // the next chunk will need about as many
+        self.rows.reserve(rows.len());
+        Ok((rows, std::mem::take(&mut self.balance)))
     }
 
     /// One event for every ray, or several where it passes sheets.
     fn generation(&mut self) {
         self.ask();
-        let packets = std::mem::take(&mut self.packets);
-        let met = std::mem::take(&mut self.met);
-        for (packet, met) in packets.iter().zip(&met) {
-            self.advance(packet.clone(), met);
+        let (now, met) = (std::mem::take(&mut self.now), std::mem::take(&mut self.met));
+        let is_simple = self.settings.branches == Branches::Ideal && !self.settings.polarised;
+        let mut sheets = &met.sheets[..];
+        let mut i = 0;
+        while i < now.len() {
+            let is_clear = sheets.first().is_none_or(|met| met.ray >= i + LANES);
+            if is_simple && is_clear && self.transmit_eight(&now, &met, i).is_some() {
+                i += LANES;
+                continue;
+            }
+            let count = sheets.iter().take_while(|met| met.ray == i).count();
+            let (here, rest) = sheets.split_at(count);
+            sheets = rest;
+            if !(here.is_empty() && is_simple && self.transmit(&now, &met, i)) {
+                self.advance(now.get(i), &met, i, here);
+            }
+            i += 1;
         }
-        (self.packets, self.met) = (packets, met);
-        std::mem::swap(&mut self.packets, &mut self.next);
-        std::mem::swap(&mut self.starts, &mut self.next_starts);
+        (self.now, self.met) = (std::mem::replace(&mut self.next, now), met);
         self.next.clear();
-        self.next_starts.clear();
     }
 
     /// Finds what all rays meet.
     fn ask(&mut self) {
-        let mut batch = RayBatch::default();
-        let mut first = vec![0];
-        let mut entries = Vec::with_capacity(self.starts.len());
-        for packet in &self.packets {
-            batch.push(packet.ray);
-            entries.extend_from_slice(&self.starts[packet.starts.clone()]);
-            first.push(entries.len() as u32);
+        self.met.reset(self.now.len());
+        let query = Query { starts: self.now.lists(), ..Query::nearest() };
+        let (mut hits, between) = self.met.columns();
+        self.tracer.solids.nearest_from(self.now.rays.rays(), &query, &mut self.scratch, &mut hits, between);
+        for sheet in 0..self.tracer.sheets.len() {
+            self.ask_sheet(sheet);
         }
-        self.met.iter_mut().for_each(|met| met.sheets.clear());
-        self.met.resize_with(self.packets.len(), Met::default);
-        let met = &mut self.met;
-        let starts = (!entries.is_empty()).then_some(StartLists { first: &first, entries: &entries });
-        let query = Query { limit: Limit::First, starts, ..Query::nearest() };
+        self.met.sort();
+    }
+
+    fn ask_sheet(&mut self, sheet: usize) {
+        let bounds = &self.tracer.system.plates[sheet].bounds;
+        self.part.gather(&self.now, &self.met, sheet, bounds);
+        let query = Query { limit: Limit::All, starts: self.part.lists(), ..Query::nearest() };
+        let (numbers, found) = (&self.part.numbers, &mut self.met.sheets);
         let mut take = |answer: RayAnswer<'_>| {
-            met[answer.ray].region = answer.start.0;
-            met[answer.ray].crossing = answer.crossings.first().copied();
+            let through = answer.crossings.iter().filter(|c| c.before.0 != 0 && c.after.0 != 0);
+            found.extend(through.map(|&crossing| SheetMet { ray: numbers[answer.ray], sheet, crossing }));
         };
-        self.tracer.solids.crossings(batch.rays(), &query, &mut self.scratch, &mut take);
-        for (number, sheet) in self.tracer.sheets.iter().enumerate() {
-            let (mut first, mut entries) = (vec![0], Vec::new());
-            for packet in &self.packets {
-                entries.extend(packet.on_sheet.filter(|on| on.0 == number).map(|on| on.1));
-                first.push(entries.len() as u32);
+        let scratch = &mut self.sheet_scratch[sheet];
+        self.tracer.sheets[sheet].crossings(self.part.rays.rays(), &query, scratch, &mut take);
+    }
+
+    /// [`Worker::transmit`] for eight rays that all meet the same face; `None`, with nothing done, if that is not what
+    /// happens.
+    fn transmit_eight(&mut self, now: &Generation, met: &Met, at: usize) -> Option<()> {
+        let system = self.tracer.system;
+        let abreast = system.abreast.as_ref()?;
+        let common = met.common(at)?;
+        let (left, entered) = (
+            system.polished(common.before, common.face).ok()?,
+            system.polished(common.after, common.face).ok()?,
+        );
+        let indices = self.indices_of_eight(now, at, [common.before, common.after])?;
+        let packets = &now.packets;
+        let (limit, threshold) = (self.settings.generation_limit, self.settings.threshold);
+        for i in at..at + LANES {
+            let (generation, power) = (packets.generation[i], packets.power[i]);
+            if generation + 1 >= limit || power < threshold || power <= 0.0 {
+                return None;
             }
-            let starts = (!entries.is_empty()).then_some(StartLists { first: &first, entries: &entries });
-            let query = Query { limit: Limit::All, starts, ..Query::nearest() };
-            let mut take = |answer: RayAnswer<'_>| {
-                let through = |c: &&Crossing| c.before.0 != 0 && c.after.0 != 0;
-                met[answer.ray].sheets.extend(answer.crossings.iter().filter(through).map(|c| (number, *c)));
+        }
+        let face = system.faces[common.face];
+        let [x, y, z] = &met.normal;
+        let arrived = Arrived {
+            rays: now.rays.rays(),
+            at,
+            t: &met.t,
+            normal: [x, y, z],
+            path: &packets.path,
+            indices,
+            surface: face.surface,
+        };
+        let gone = abreast.refract(&arrived)?;
+        let row = self.rows.len() as i64;
+        let keeps = self.settings.keep == Keep::All;
+        if keeps {
+            let element = entered.or(left).unwrap_or(0);
+            self.rows.transmitted(now, at, &gone, &indices[0], [element, common.face]);
+        }
+        self.next.follow(packets, at, &gone, face, keeps.then_some(row));
+        Some(())
+    }
+
+    /// The indices on the two sides of a face for each of eight rays; `None` if they are equal, or anything is absorbed.
+    fn indices_of_eight(
+        &mut self,
+        now: &Generation,
+        at: usize,
+        [before, after]: [RegionId; 2],
+    ) -> Option<[[f64; LANES]; 2]> {
+        let system = self.tracer.system;
+        let is_clear = |region| matches!(system.substance(region), Substance::Transparent(_));
+        if !is_clear(before) || !is_clear(after) {
+            return None;
+        }
+        let [before, after] = [before, after].map(|region| system.program.medium_of(region));
+        let wavelengths = now.packets.wavelength_nm.get(at..at + LANES)?;
+        let mut indices = [[0.0; LANES]; 2];
+        let mut last: Option<(f64, f64, f64)> = None;
+        for (lane, &wavelength) in wavelengths.iter().enumerate() {
+            let (_, here, behind) = match last {
+                Some(known @ (same, ..)) if same == wavelength => known,
+                _ => {
+                    let (here, behind) = (
+                        self.indices.of(system, before, wavelength),
+                        self.indices.of(system, after, wavelength),
+                    );
+                    if here.absorption != 0.0 || here.index.re == behind.index.re {
+                        return None;
+                    }
+                    (wavelength, here.index.re, behind.index.re)
+                }
             };
-            sheet.crossings(batch.rays(), &query, &mut self.sheet_scratch[number], &mut take);
+            last = Some((wavelength, here, behind));
+            (indices[0][lane], indices[1][lane]) = (here, behind);
         }
-        let sort = |met: &mut Met| met.sheets.sort_by(|a, b| a.1.t.total_cmp(&b.1.t));
-        if self.tracer.sheets.len() > 1 {
-            self.met.iter_mut().for_each(sort);
+        Some(indices)
+    }
+
+    /// What happens to nearly all light: it goes on through a polished face into another clear medium. False, with nothing
+    /// done, if that is not what happens.
+    fn transmit(&mut self, now: &Generation, met: &Met, i: usize) -> bool {
+        let system = self.tracer.system;
+        let (before, after) = (RegionId(met.before[i]), RegionId(met.after[i]));
+        let Ok(number) = usize::try_from(met.face[i]) else { return false };
+        let (Ok(left), Ok(entered)) = (system.polished(before, number), system.polished(after, number))
+        else {
+            return false;
+        };
+        let is_clear = |region| matches!(system.substance(region), Substance::Transparent(_));
+        if met.placement[i] != 0 || !is_clear(before) || !is_clear(after) || met.between(i).is_some() {
+            return false;
         }
+        let mut packet = now.packet(i);
+        let here = self.indices.of(system, system.program.medium_of(before), packet.wavelength_nm);
+        let behind = self.indices.of(system, system.program.medium_of(after), packet.wavelength_nm);
+        if here.absorption != 0.0 || here.index.re == behind.index.re || packet.power <= 0.0 {
+            return false;
+        }
+        let (ray, t) = (now.rays.rays().get(i), met.t[i]);
+        let normal = against(met.normal(i), ray.direction);
+        let Some(direction) = refract(ray.direction, normal, here.index.re / behind.index.re) else {
+            return false;
+        };
+        packet.path += here.index.re * t;
+        let is_over = self.is_over(packet.generation + 1, packet.power);
+        if is_over || self.settings.keep == Keep::All {
+            let segment =
+                Traveller { ray, packet, stokes: None }.segment((0.0, t), packet.power, here.index.re);
+            let element = entered.or(left).unwrap_or(0);
+            packet.parent = self.record(segment, element, number, Event::Transmitted);
+        }
+        packet.generation += 1;
+        if !is_over {
+            let face = system.faces[number];
+            let (point, side) = departure(&system.program, &ray, t, face, normal);
+            let starts = &mut self.next.starts;
+            let first = starts.len();
+            starts.push(Start { surface: face.surface, placement: face.placement, inside: side });
+            system.near.others(&system.program, (&ray, t), first, Leaves::Beyond, starts);
+            self.next.push(Ray::new(point, direction), packet, None);
+        }
+        true
     }
 
     /// Takes a ray to its next event that is no straight passage through a sheet.
-    fn advance(&mut self, mut packet: Packet, met: &Met) {
-        let region = RegionId(met.region);
-        let end = met.crossing.map_or(f64::INFINITY, |crossing| crossing.t);
+    fn advance(&mut self, mut light: Traveller, met: &Met, i: usize, sheets: &[SheetMet]) {
+        let region = RegionId(met.before[i]);
+        let solid = met.crossing(self.tracer.system, i);
+        let end = solid.map_or(f64::INFINITY, |crossing| crossing.t);
         // what lies in a face of a solid comes first
-        let slack = if end.is_finite() { delta(0.0, &packet.ray, end) } else { 0.0 };
+        let slack = if end.is_finite() { delta(0.0, &light.ray, end) } else { 0.0 };
         let mut from = 0.0;
-        for (number, crossing) in met.sheets.iter().filter(|(_, crossing)| crossing.t <= end + slack) {
+        for SheetMet { sheet, crossing, .. } in sheets.iter().filter(|met| met.crossing.t <= end + slack) {
             let t = crossing.t.min(end);
-            let plate = &self.tracer.system.plates[*number];
-            let normal = against(dress::normal(&plate.program, &packet.ray, crossing), packet.ray.direction);
-            let (arriving, row) = self.arrive(&mut packet, region, (from, t), normal);
-            let (frame, local) = &self.tracer.frames[*number];
-            let (point, unit_nm) = (packet.ray.at(t), self.tracer.system.unit_nm);
+            let plate = &self.tracer.system.plates[*sheet];
+            let normal = match plate.action.has_sides() {
+                true => against(dress::normal(&plate.program, &light.ray, crossing), light.ray.direction),
+                false => Vec3::NAN,
+            };
+            let (arriving, row) = self.arrive(&mut light, region, (from, t), normal);
+            let (frame, local) = &self.tracer.frames[*sheet];
+            let (point, unit_nm) = (light.ray.at(t), self.tracer.system.unit_nm);
             let outcome = arriving.at_sheet(&plate.action, (frame, local), point, unit_nm, self.settings);
-            let surface = self.tracer.system.sheets_from() + number;
-            let row = self.record(row, plate.element, surface, &outcome);
+            let surface = self.tracer.system.sheets_from() + sheet;
+            let row = self.record(row, plate.element, surface, outcome.event);
             let straight = outcome.event == Event::Passed;
             if let (true, [Some(going), None]) = (straight, outcome.going) {
-                self.charge(plate.element, packet.light.power - going.power);
-                (packet.light.power, packet.stokes) = (going.power, going.stokes);
-                (packet.parent, packet.generation, from) = (row, packet.generation + 1, t);
-                if self.is_over(&packet) {
+                self.charge(plate.element, light.packet.power - going.power);
+                (light.packet.power, light.stokes) = (going.power, going.stokes);
+                (light.packet.parent, from) = (row, t);
+                light.packet.generation += 1;
+                if self.is_over(light.packet.generation, light.packet.power) {
                     return;
                 }
+                self.forget_way();
                 continue;
             }
-            self.go_on(&packet, row, plate.element, &outcome, |worker, going| {
-                worker.leave_sheet(&packet, (*number, plate), (crossing, t), going)
+            self.go_on(&light, row, plate.element, &outcome, |worker, going| {
+                worker.leave_sheet(&light.ray, (*sheet, plate), (crossing, t), going)
             });
             return;
         }
-        match met.crossing {
-            None => self.escape(packet, region, from),
-            Some(crossing) => self.meet(packet, region, from, &crossing),
+        match solid {
+            None => self.escape(&light, region, from),
+            Some(crossing) => {
+                let normal = against(met.normal(i), light.ray.direction);
+                self.meet(light, region, from, &crossing, normal);
+            }
         }
     }
 
     /// A face of a solid.
-    fn meet(&mut self, mut packet: Packet, region: RegionId, from: f64, crossing: &Crossing) {
+    fn meet(&mut self, mut light: Traveller, region: RegionId, from: f64, crossing: &Crossing, normal: Vec3) {
         let system = self.tracer.system;
-        let normal = against(dress::normal(&system.program, &packet.ray, crossing), packet.ray.direction);
-        let (arriving, row) = self.arrive(&mut packet, region, (from, crossing.t), normal);
+        let (arriving, row) = self.arrive(&mut light, region, (from, crossing.t), normal);
         let face = system.face_at(crossing);
         let outcome = arriving.at_face(system.substance(crossing.after), &face, self.settings);
-        let row = self.record(row, face.element, face.surface, &outcome);
-        let point = foot(&system.program, &packet.ray, crossing, normal);
-        self.go_on(&packet, row, face.element, &outcome, |worker, going| {
-            let first = worker.next_starts.len();
-            let near = (&packet.ray, crossing.t);
-            let starts = &mut worker.next_starts;
+        let row = self.record(row, face.element, face.surface, outcome.event);
+        self.go_on(&light, row, face.element, &outcome, |worker, going| {
+            let point = foot(&system.program, &light.ray, crossing, normal);
+            let near = (&light.ray, crossing.t);
+            let starts = &mut worker.next.starts;
             system.near.list(&system.program, near, Some(crossing), going.leaves, starts);
-            (Ray::new(point, going.direction), first..worker.next_starts.len(), None)
+            (Ray::new(point, going.direction), None)
         });
     }
 
     /// The ray that leaves a sheet in another direction.
     fn leave_sheet(
         &mut self,
-        packet: &Packet,
-        (number, plate): (usize, &Plate),
+        ray: &Ray,
+        (sheet, plate): (usize, &Plate),
         (crossing, t): (&Crossing, f64),
         going: &Going,
-    ) -> (Ray, Range<usize>, Option<(usize, Start)>) {
+    ) -> (Ray, Option<(usize, Start)>) {
         let system = self.tracer.system;
-        let first = self.next_starts.len();
         // faces of solids within the tolerance are still to be met
-        let near = (&packet.ray, t);
-        system.near.list(&system.program, near, None, Leaves::Here, &mut self.next_starts);
+        system.near.list(&system.program, (ray, t), None, Leaves::Here, &mut self.next.starts);
         let mut on = Vec::new();
-        plate.near.list(&plate.program, (&packet.ray, crossing.t), Some(crossing), going.leaves, &mut on);
-        let ray = Ray::new(packet.ray.at(t), going.direction);
-        (ray, first..self.next_starts.len(), on.first().map(|start| (number, *start)))
+        plate.near.list(&plate.program, (ray, crossing.t), Some(crossing), going.leaves, &mut on);
+        (Ray::new(ray.at(t), going.direction), on.first().map(|start| (sheet, *start)))
     }
 
     /// Brings light to the end of a segment; the row for it lacks what is met there.
     fn arrive(
         &mut self,
-        packet: &mut Packet,
+        light: &mut Traveller,
         region: RegionId,
         (from, to): (f64, f64),
         normal: Vec3,
     ) -> (Arriving, Segment) {
-        let (index, absorption) = self.index(region, packet.light.wavelength_nm);
+        let Optics { index, absorption } = self.optics(region, light.packet.wavelength_nm);
         let length = to - from;
-        let intensity = packet.light.power;
-        packet.path += index * length;
+        let intensity = light.packet.power;
+        light.packet.path += index.re * length;
         let lost = if length > 0.0 { -libm::expm1(-absorption * length) * intensity } else { 0.0 };
         self.balance.absorbed_in_media += lost;
-        packet.light.power -= lost;
-        packet.stokes = packet.stokes.map(|stokes| stokes.with_power(packet.light.power));
+        light.packet.power -= lost;
+        light.stokes = light.stokes.map(|stokes| stokes.with_power(light.packet.power));
         let arriving = Arriving {
-            direction: packet.ray.direction,
+            direction: light.ray.direction,
             normal,
-            wavelength_nm: packet.light.wavelength_nm,
-            power: packet.light.power,
-            stokes: packet.stokes,
-            index,
+            wavelength_nm: light.packet.wavelength_nm,
+            power: light.packet.power,
+            stokes: light.stokes,
+            index: index.re,
             // not a sum or the like: ray 3 in generation 5 must not draw what ray 5 draws in generation 3
-            stream: mixed(packet.stream ^ u64::from(packet.generation)),
+            stream: mixed(light.packet.stream ^ u64::from(light.packet.generation)),
         };
-        (arriving, packet.segment((from, to), intensity, index))
+        (arriving, light.segment((from, to), intensity, index.re))
     }
 
-    /// The index of what fills a region, and its absorption per unit of length.
-    fn index(&self, region: RegionId, wavelength_nm: f64) -> (f64, f64) {
-        match self.tracer.system.substance(region) {
-            Substance::Transparent(medium) => {
-                let index = medium.index(wavelength_nm);
-                let per_nm = 4.0 * std::f64::consts::PI * index.im / wavelength_nm;
-                (index.re, per_nm * self.tracer.system.unit_nm)
-            }
-            // light that starts inside of what no light enters ends there
-            Substance::Opaque | Substance::Metal(_) => (1.0, f64::INFINITY),
+    fn optics(&mut self, region: RegionId, wavelength_nm: f64) -> Optics {
+        let system = self.tracer.system;
+        self.indices.of(system, system.program.medium_of(region), wavelength_nm)
+    }
+
+    /// Appends a row and answers with the parent of those that follow.
+    fn record(&mut self, mut row: Segment, element: usize, surface: usize, event: Event) -> i64 {
+        (row.element, row.surface, row.event) = (element as i32, surface as i32, event);
+        self.rows.push(row);
+        match self.settings.keep {
+            Keep::All => self.rows.len() as i64 - 1,
+            Keep::Ends => -1,
         }
     }
 
-    fn record(&mut self, mut row: Segment, element: usize, surface: usize, outcome: &Outcome) -> i64 {
-        (row.element, row.surface, row.event) = (element as i32, surface as i32, outcome.event);
-        self.rows.push(row);
-        self.rows.len() as i64 - 1
+    /// The last row is not the end of its light.
+    fn forget_way(&mut self) {
+        if self.settings.keep == Keep::Ends {
+            self.rows.pop();
+        }
     }
 
     fn charge(&mut self, element: usize, power: f64) {
         self.balance.absorbed[element] += power;
     }
 
-    fn escape(&mut self, packet: Packet, region: RegionId, from: f64) {
-        let (index, absorption) = self.index(region, packet.light.wavelength_nm);
+    fn escape(&mut self, light: &Traveller, region: RegionId, from: f64) {
+        let Optics { index, absorption } = self.optics(region, light.packet.wavelength_nm);
         match absorption > 0.0 {
-            true => self.balance.absorbed_in_media += packet.light.power,
-            false => self.balance.escaped += packet.light.power,
+            true => self.balance.absorbed_in_media += light.packet.power,
+            false => self.balance.escaped += light.packet.power,
         }
         if self.settings.keep_escaped {
-            let row = packet.segment((from, f64::NAN), packet.light.power, index);
-            self.rows.push(row);
+            self.rows.push(light.segment((from, f64::NAN), light.packet.power, index.re));
         }
     }
 
-    /// True, with the power booked, if the ray is not followed any more.
-    fn is_over(&mut self, packet: &Packet) -> bool {
-        let is_over = packet.generation >= self.settings.generation_limit
-            || packet.light.power < self.settings.threshold
-            || packet.light.power == 0.0;
+    /// True, with the power booked, if a ray is not followed any more.
+    fn is_over(&mut self, generation: u32, power: f64) -> bool {
+        let is_over =
+            generation >= self.settings.generation_limit || power < self.settings.threshold || power == 0.0;
         if is_over {
-            self.balance.dropped += packet.light.power;
+            self.balance.dropped += power;
         }
         is_over
     }
@@ -399,70 +501,45 @@ impl<'t, E: Evaluator> Worker<'t, E> {
     /// Sends out what goes on after an event; the rest is absorbed by the element.
     fn go_on(
         &mut self,
-        packet: &Packet,
+        light: &Traveller,
         row: i64,
         element: usize,
         outcome: &Outcome,
-        mut start: impl FnMut(&mut Self, &Going) -> (Ray, Range<usize>, Option<(usize, Start)>),
+        mut start: impl FnMut(&mut Self, &Going) -> (Ray, Option<(usize, Start)>),
     ) {
-        let mut left = packet.light.power;
+        let (mut left, followed) = (light.packet.power, self.next.len());
         for (branch, going) in outcome.going.iter().enumerate() {
             let Some(going) = going else { continue };
             left -= going.power;
-            let mut next = packet.clone();
-            (next.light.power, next.stokes) = (going.power, going.stokes);
-            (next.parent, next.generation) = (row, packet.generation + 1);
+            let mut packet = light.packet;
+            (packet.power, packet.parent) = (going.power, row);
+            packet.generation += 1;
             if branch == 1 {
-                next.stream = mixed(packet.stream.wrapping_add(u64::from(packet.generation)));
+                packet.stream = mixed(packet.stream.wrapping_add(u64::from(light.packet.generation)));
             }
-            if self.is_over(&next) {
+            if self.is_over(packet.generation, packet.power) {
                 continue;
             }
-            (next.ray, next.starts, next.on_sheet) = start(self, going);
-            self.next.push(next);
+            let (ray, on_sheet) = start(self, going);
+            let on = on_sheet.map(|(sheet, start)| OnSheet { ray: self.next.len(), sheet, start });
+            self.next.on_sheets.extend(on);
+            self.next.push(ray, packet, going.stokes);
         }
         self.charge(element, left);
+        if self.next.len() > followed {
+            self.forget_way();
+        }
     }
 }
 
-impl Packet {
-    fn new(light: Light, number: u64, polarised: bool) -> Packet {
-        let direction = light.ray.direction.normalize();
-        let known = light.stokes.map(|stokes| stokes.with_power(light.power));
-        let stokes = || known.unwrap_or(Stokes::unpolarised(light.power, direction));
-        Packet {
-            ray: Ray::new(light.ray.origin, direction),
-            light,
-            stokes: polarised.then(stokes),
-            path: 0.0,
-            id: number as i64,
-            parent: -1,
-            generation: 0,
-            stream: mixed(number),
-            starts: 0..0,
-            on_sheet: None,
-        }
-    }
-
-    /// A piece of the ray; what is met at its end is filled in later.
-    fn segment(&self, (from, to): (f64, f64), intensity: f64, index: f64) -> Segment {
-        Segment {
-            id: self.id,
-            parent: self.parent,
-            generation: self.generation,
-            source: self.light.source,
-            wavelength_nm: self.light.wavelength_nm,
-            intensity,
-            index,
-            start: self.ray.at(from),
-            end: self.ray.at(to),
-            direction: self.ray.direction,
-            path: self.path,
-            element: -1,
-            surface: -1,
-            event: Event::Escaped,
-        }
-    }
+/// Where light leaves a face of the model itself: the point put onto it as [`foot`] does it, and whether that is where
+/// f < 0 behind the face.
+fn departure(program: &Program, ray: &Ray, t: f64, face: Face, normal: Vec3) -> (Vec3, bool) {
+    let point = ray.at(t);
+    let (value, gradient) = program.surface(face.surface).surface.value_and_gradient(point);
+    let step = value / gradient.dot(normal);
+    let point = if step.is_finite() { point - step * normal } else { point };
+    (point, is_inside(gradient.dot(ray.direction), 0.0, Leaves::Beyond))
 }
 
 /// A normal turned against a direction.
@@ -471,7 +548,7 @@ fn against(normal: Vec3, direction: Vec3) -> Vec3 {
 }
 
 /// Scatters the bits of a key (the finaliser of SplitMix64: Steele, Lea, Flood, OOPSLA 2014).
-fn mixed(key: u64) -> u64 {
+pub(crate) fn mixed(key: u64) -> u64 {
     let a = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let b = (a ^ (a >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let c = (b ^ (b >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
