@@ -1,9 +1,12 @@
-"""The die and the lens in PyRayT: whole arrays of rays at a time, every hit with its surface."""
+"""The die and the lens in PyRayT: whole arrays of rays at a time, every hit with its surface; light through a lens."""
 
 import importlib.metadata
 
 import numpy as np
+import pyrayt
 from driver import serve, units
+from pyrayt import materials
+from pyrayt.components import Source, baffle, biconvex_lens
 from tinygfx import g3d as cg
 
 
@@ -36,5 +39,34 @@ def tasks(name, solid):
     return {name + ".full": (prepare, work, answer)}
 
 
+class Given(Source):
+    """Rays as they are given, with the optical axis from z to x, where PyRayT's components have it."""
+
+    def __init__(self, origins, directions):
+        super().__init__()
+        self.given = (origins, directions)
+
+    def _local_ray_generation(self, n_rays):
+        rays = pyrayt.RaySet(n_rays)
+        for part, vectors in zip(rays.rays, self.given):
+            part[:3] = vectors[:, [2, 0, 1]].T
+        return rays
+
+
+def prepare_light(array, count):
+    origins, directions, _ = units(array, count)
+    lens = biconvex_lens(50, 50, 4, aperture=20, material=materials.BasicRefractor(1.5))
+    return pyrayt.RayTracer(Given(origins, directions), [lens, baffle((40, 40)).move_x(50)], rays_per_source=count)
+
+
+def ends(tracer):
+    table = tracer.trace()
+    return table[table.generation == table.generation.max()].sort_values("id")[["y1", "z1", "x1"]].to_numpy().T
+
+
 version = importlib.metadata.version("pyrayt")
-serve("PyRayT", version, {**tasks("die", die()), **tasks("lens", lens())})
+serve("PyRayT", version, {
+    **tasks("die", die()),
+    **tasks("lens", lens()),
+    "optics.trace": (prepare_light, pyrayt.RayTracer.trace, ends),
+})

@@ -3,6 +3,7 @@
 mod array_csg;
 pub mod die;
 mod lens;
+mod optics;
 mod picture;
 mod python;
 mod question;
@@ -71,6 +72,7 @@ pub fn all(large: bool) -> Vec<Box<dyn Exemplar>> {
     let mut all = array_csg::all();
     all.extend(die::all());
     all.extend(lens::all());
+    all.extend(optics::all());
     all.push(Box::new(picture::Picture));
     all.extend(python::all());
     all.extend(scale::all(large));
