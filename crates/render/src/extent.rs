@@ -16,11 +16,11 @@ pub(crate) struct Extent {
 
 /// A piece of a picture whose rays are asked together: they are near each other, and their answers fit into a near cache.
 pub(crate) struct Tile {
-    /// Its rows, as far as something may be seen in them.
+    /// Parts of its rows, as far as something may be seen in them, block by block.
     pub parts: Vec<Part>,
 }
 
-/// A part of a row.
+/// A part of a row, within one block.
 pub(crate) struct Part {
     pub row: usize,
     pub columns: Range<usize>,
@@ -31,6 +31,9 @@ pub(crate) struct Part {
 impl Tile {
     pub const WIDTH: usize = 32;
     pub const HEIGHT: usize = 8;
+    /// Its pixels are asked in blocks of so many columns and rows: evaluators take eight rays or so at a time, and what
+    /// a square touches is less than what a row of as many pixels does.
+    const BLOCK: [usize; 2] = [4, 2];
 
     /// The centres of its pixels.
     pub fn centres(&self, places: &mut Vec<[f64; 2]>) {
@@ -59,15 +62,23 @@ impl Extent {
         let busy = rows.clone().map(|row| self.columns(row)).filter(|columns| !columns.is_empty());
         let all = busy.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0);
         all.clone().step_by(Tile::WIDTH).map(move |left| {
-            let part = |row: usize| {
-                let own = self.columns(row);
-                let start = own.start.max(left);
-                let columns = start..own.end.min(left + Tile::WIDTH).max(start);
-                Part { row, offset: start - own.start, columns }
-            };
-            let parts = rows.clone().map(part).filter(|part| !part.columns.is_empty());
-            Tile { parts: parts.collect() }
+            let [width, height] = Tile::BLOCK;
+            let mut parts = Vec::with_capacity(Tile::WIDTH / width * Tile::HEIGHT);
+            for top in rows.clone().step_by(height) {
+                for left in (left..left + Tile::WIDTH).step_by(width) {
+                    let part = |row| self.part(row, left..left + width);
+                    parts.extend((top..rows.end.min(top + height)).filter_map(part));
+                }
+            }
+            Tile { parts }
         })
+    }
+
+    /// What of some columns of a row may show something.
+    fn part(&self, row: usize, columns: Range<usize>) -> Option<Part> {
+        let own = &self.rows[row];
+        let columns = columns.start.max(own.start)..columns.end.min(own.end);
+        (!columns.is_empty()).then(|| Part { row, offset: columns.start - own.start, columns })
     }
 
     /// The columns of a row in which something may be seen.

@@ -125,12 +125,12 @@ impl<E: Evaluator> Drawing<'_, E> {
         eye.look(&glimpse.places, &mut glimpse.samples, &mut glimpse.colours);
         let mut at = 0;
         for part in &tile.parts {
-            let (row, behind) = (part.row % Tile::HEIGHT, self.behind(part.row));
+            let row = part.row % Tile::HEIGHT;
             let length = part.columns.len();
             let first = row * self.size.width() + part.columns.start;
             for (out, &colour) in pixels[first..first + length].iter_mut().zip(&glimpse.colours[at..]) {
                 if colour[3] > 0.0 {
-                    *out = pixel(if colour[3] < 1.0 { over(colour, behind) } else { colour });
+                    *out = pixel(if colour[3] < 1.0 { over(colour, self.behind(part.row)) } else { colour });
                 }
             }
             if self.is_refined() {
