@@ -8,7 +8,7 @@ use crate::medium::Medium;
 use crate::near::Near;
 use rayweave_math::{Affine, Bounds};
 use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, Region, RegionId};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -255,10 +255,10 @@ impl Solids {
         let program = Program::compile_regions(&self.regions)
             .map_err(|problem| OpticsError::Geometry { element: "the system".to_owned(), problem })?;
         let names: Vec<String> = program.face_names().collect();
-        for (dress, faces) in self.dresses.iter_mut().zip(&self.faces).filter(|(_, faces)| !faces.is_empty())
-        {
-            let own = |name: &String| faces.iter().rposition(|(face, _)| is_called(name, face));
-            dress.by_face = names.iter().map(|name| own(name).map_or(NONE, |k| k as u16)).collect();
+        for ((dress, faces), region) in self.dresses.iter_mut().zip(&self.faces).zip(&self.regions) {
+            if !faces.is_empty() {
+                dress.by_face = by_face(&program, &names, &region.name, faces);
+            }
         }
         let near = Near::new(&program);
         Ok(System {
@@ -290,9 +290,27 @@ fn faces(program: &Program) -> Vec<Face> {
     faces
 }
 
-/// True if a name, or a part of it between dots, is the one asked for.
+/// The finishes of an element for all faces of a program: for its own by their names, and for those of other elements that lie in
+/// the same surface, since a face that two elements share bears the name of one of them.
+fn by_face(program: &Program, names: &[String], element: &str, faces: &[(String, Finish)]) -> Vec<u16> {
+    let is_own = |name: &str| name.strip_prefix(element).is_some_and(|rest| rest.starts_with('.'));
+    let called = |name: &str| faces.iter().rposition(|(face, _)| is_called(name, face));
+    let own = names.iter().map(|name| if is_own(name) { called(name) } else { None });
+    let mut found: Vec<u16> = own.map(|k| k.map_or(NONE, |k| k as u16)).collect();
+    let surfaces = || program.facets().iter().map(|facet| facet.surface());
+    let known: HashMap<_, u16> =
+        surfaces().zip(&found).filter(|(_, k)| **k != NONE).map(|(s, &k)| (s, k)).collect();
+    for ((surface, k), name) in surfaces().zip(&mut found).zip(names) {
+        if !is_own(name) {
+            *k = known.get(&surface).copied().unwrap_or(NONE);
+        }
+    }
+    found
+}
+
+/// True if a name, or some of its parts between dots, is what is asked for.
 fn is_called(name: &str, asked: &str) -> bool {
-    name == asked || name.split('.').any(|part| part == asked)
+    format!(".{name}.").contains(&format!(".{asked}."))
 }
 
 fn list(names: Vec<String>) -> String {

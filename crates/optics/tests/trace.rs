@@ -419,6 +419,30 @@ fn corner_cubes_send_light_back() {
 }
 
 #[test]
+fn a_face_that_two_elements_share_has_the_finish_of_the_one_that_is_met() {
+    // the silvered spot of a lens: the mirror begins in the very face in which the lens would end
+    let centre = Vec3::Z * -25.0;
+    let round = (
+        ball(30.0).translate(centre) - below(-5.0),
+        (ball(40.0).translate(centre) & rod(4.0, 60.0)) - ball(30.0).translate(centre),
+    );
+    let flat = (block(20.0, 20.0, 10.0), (rod(4.0, 60.0) & below(8.0)) - below(5.0));
+    for (lens, spot) in [round, flat].map(|(lens, spot)| (lens, spot.named("back"))) {
+        let silver = Element::absorber("spot", spot).face("back", Finish::Mirror { reflectance: 1.0 });
+        let system = Assembly::new()
+            .add(Element::transparent("lens", lens.named("back"), &glass(1.5)))
+            .add(silver)
+            .compile()
+            .unwrap();
+        let rows = one(&system, along_z(1.0, 0.5), &Settings::default());
+        assert_eq!(rows[1].event, Event::Reflected, "{rows:?}");
+        // beside the spot light goes on, whatever the leaves are called
+        let beside = one(&system, along_z(5.0, 0.5), &Settings::default());
+        assert_eq!(beside[1].event, Event::Transmitted, "{beside:?}");
+    }
+}
+
+#[test]
 fn results_do_not_depend_on_threads() {
     let (crown, flint) = doublet();
     let rough = Element::transparent("flint", flint, &glass(1.62)).finish(Finish::Rough { slope: 0.05 });
