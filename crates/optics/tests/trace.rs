@@ -6,8 +6,8 @@ use rayweave_model::Solid;
 use rayweave_optics::component::Sheet;
 use rayweave_optics::interface::{Film, Stokes, response};
 use rayweave_optics::{
-    Action, Assembly, Beam, Branches, Element, Event, Finish, Light, Material, Medium, OpticsError, Segment,
-    Settings, System, Trace, Tracer,
+    Action, Assembly, Beam, Branches, Element, Event, Finish, Keep, Light, Material, Medium, OpticsError,
+    Segment, Settings, System, Trace, Tracer,
 };
 use rayweave_shape::primitive::{
     CentredBox, Cylinder, Ellipsoid, HalfSpace, Paraboloid, Primitive, Prism, Sphere,
@@ -465,6 +465,34 @@ fn results_do_not_depend_on_threads() {
     assert!(is_same(&single, &with(2)));
     assert!(is_same(&single, &with(3)));
     assert!(single.segments.len() > 3 * 9000);
+}
+
+#[test]
+fn ends_alone_are_the_last_rows_of_all() {
+    let (crown, flint) = doublet();
+    let system = Assembly::new()
+        .add(Element::transparent("crown", crown, &glass(1.5168)))
+        .add(Element::transparent("flint", flint, &glass(1.62)))
+        .add(Element::sheet("screen", plane(60.0, 60.0), Action::Absorb))
+        .compile()
+        .unwrap();
+    let beam: Beam = disk(5000, 14.0).map(|[x, y]| along_z(x, y)).collect();
+    for branches in [Branches::Ideal, Branches::Both] {
+        let settings = Settings { branches, threshold: 1e-3, ..Settings::default() };
+        let all = trace(&system, &beam, &settings);
+        let ends = trace(&system, &beam, &Settings { keep: Keep::Ends, ..settings });
+        let mut goes_on = vec![false; all.segments.len()];
+        all.segments.parent.iter().filter(|&&row| row >= 0).for_each(|&row| goes_on[row as usize] = true);
+        let is_last = |row: &Segment| [Event::Absorbed, Event::Escaped].contains(&row.event);
+        let last = all.segments.iter().zip(&goes_on).filter(|(row, goes_on)| is_last(row) && !**goes_on);
+        let bare = |row: Segment| format!("{:?}", Segment { parent: -1, ..row });
+        let mut expected: Vec<String> = last.map(|(row, _)| bare(row)).collect();
+        let found = ends.segments.iter().filter(is_last);
+        let mut found: Vec<String> = found.map(bare).collect();
+        (expected.sort(), found.sort());
+        assert!(expected.len() >= 5000 && expected == found, "{} {}", expected.len(), found.len());
+        assert_eq!(all.balance, ends.balance);
+    }
 }
 
 #[test]
