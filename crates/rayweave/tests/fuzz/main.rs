@@ -13,6 +13,7 @@ use std::path::Path;
 fn replay(folder: &str, run: fn(&[u8])) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
     let mut files: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.is_file());
     files.sort();
     assert!(files.len() > 10, "{}: {} files", folder.display(), files.len());
     for file in files {
