@@ -16,7 +16,8 @@ const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 const PANICKED: i32 = 101;
 
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
-    process::run(cargo(workshop).args(["build", "--release"]))?;
+    // as the README says it: cargo has to know which program is meant
+    process::run(cargo(workshop).args(["run", "--release", "--", "--version"]))?;
     let scratch = workshop.repository.target().join("command");
     fs::create_dir_all(&scratch)
         .map_err(|error| format!("{}: cannot be made ({error})", scratch.display()))?;
