@@ -489,7 +489,8 @@ fn ends_alone_are_the_last_rows_of_all() {
         let mut expected: Vec<String> = last.map(|(row, _)| bare(row)).collect();
         let found = ends.segments.iter().filter(is_last);
         let mut found: Vec<String> = found.map(bare).collect();
-        (expected.sort(), found.sort());
+        expected.sort();
+        found.sort();
         assert!(expected.len() >= 5000 && expected == found, "{} {}", expected.len(), found.len());
         assert_eq!(all.balance, ends.balance);
     }
