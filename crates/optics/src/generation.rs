@@ -287,14 +287,18 @@ impl Met {
             && self.before[here.clone()].iter().all(|&other| other == before)
             && self.after[here.clone()].iter().all(|&other| other == after)
             && self.placement[here].iter().all(|&other| other == 0);
-        let between = || self.between.iter().any(|(ray, _)| (at..at + LANES).contains(ray));
+        let between = || self.between_from(at).is_some_and(|(ray, _)| *ray < at + LANES);
         let face = usize::try_from(face).ok().filter(|_| is_same && !between())?;
         Some(Common { face, before: RegionId(before), after: RegionId(after) })
     }
 
     pub fn between(&self, i: usize) -> Option<&(usize, Crossing)> {
-        let at = self.between.partition_point(|(ray, _)| *ray < i);
-        self.between.get(at).filter(|(ray, _)| *ray == i)
+        self.between_from(i).filter(|(ray, _)| *ray == i)
+    }
+
+    /// The first of them on the rays `i..`, once they are sorted.
+    fn between_from(&self, i: usize) -> Option<&(usize, Crossing)> {
+        self.between.get(self.between.partition_point(|(ray, _)| *ray < i))
     }
 
     pub fn normal(&self, i: usize) -> Vec3 {

@@ -1,5 +1,6 @@
 //! The indices of the media, kept: light comes in few wavelengths most of the time.
 
+use crate::medium::absorption_per_nm;
 use crate::system::{Substance, System};
 use num_complex::Complex64;
 
@@ -55,8 +56,7 @@ fn optics(system: &System, medium: u32, wavelength_nm: f64) -> Optics {
     match &system.media[medium as usize] {
         Substance::Transparent(medium) => {
             let index = medium.index(wavelength_nm);
-            let per_nm = 4.0 * std::f64::consts::PI * index.im / wavelength_nm;
-            Optics { index, absorption: per_nm * system.unit_nm }
+            Optics { index, absorption: absorption_per_nm(index, wavelength_nm) * system.unit_nm }
         }
         // light that starts inside of what no light enters ends there
         Substance::Opaque | Substance::Metal(_) => {

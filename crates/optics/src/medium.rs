@@ -102,8 +102,13 @@ impl Medium {
     /// The coefficient of absorption per nanometre, `4 pi k / wavelength` (Born & Wolf, *Principles of Optics*, 7th edition,
     /// section 14.1, equation 18): power falls as `exp(-coefficient * length)` (Beer-Lambert).
     pub fn absorption_per_nm(&self, wavelength_nm: f64) -> f64 {
-        4.0 * std::f64::consts::PI * self.index(wavelength_nm).im / wavelength_nm
+        absorption_per_nm(self.index(wavelength_nm), wavelength_nm)
     }
+}
+
+/// [`Medium::absorption_per_nm`] where the index is known already.
+pub(crate) fn absorption_per_nm(index: Complex64, wavelength_nm: f64) -> f64 {
+    4.0 * std::f64::consts::PI * index.im / wavelength_nm
 }
 
 impl From<Glass> for Medium {

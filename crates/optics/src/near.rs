@@ -143,7 +143,10 @@ pub(crate) fn foot(program: &Program, ray: &Ray, crossing: &Crossing, normal: Ve
     let (value, gradient) = surface.value_and_gradient(local.at(crossing.t));
     let steps = program.descend(crossing.face.placement);
     let along = steps.fold(normal, |n, place| place.local_from_world.vector(n));
-    let step = value / gradient.dot(along);
-    let point = ray.at(crossing.t);
+    stepped(ray.at(crossing.t), normal, value / gradient.dot(along))
+}
+
+/// A point after a step against a direction; one that is not finite is none.
+pub(crate) fn stepped(point: Vec3, normal: Vec3, step: f64) -> Vec3 {
     if step.is_finite() { point - step * normal } else { point }
 }

@@ -10,7 +10,7 @@ use crate::generation::{Generation, Met, OnSheet, Part, SheetMet, Traveller};
 use crate::indices::{Indices, Optics};
 use crate::interact::{Arriving, Going, Outcome};
 use crate::interface::refract;
-use crate::near::{Leaves, foot, is_inside};
+use crate::near::{Leaves, foot, is_inside, stepped};
 use crate::segments::{Balance, Event, Segment, Segments};
 use crate::settings::{Branches, Keep, Settings};
 use crate::system::{Plate, Substance, System};
@@ -537,8 +537,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
 fn departure(program: &Program, ray: &Ray, t: f64, face: Face, normal: Vec3) -> (Vec3, bool) {
     let point = ray.at(t);
     let (value, gradient) = program.surface(face.surface).surface.value_and_gradient(point);
-    let step = value / gradient.dot(normal);
-    let point = if step.is_finite() { point - step * normal } else { point };
+    let point = stepped(point, normal, value / gradient.dot(normal));
     (point, is_inside(gradient.dot(ray.direction), 0.0, Leaves::Beyond))
 }
 
