@@ -468,6 +468,21 @@ fn results_do_not_depend_on_threads() {
 }
 
 #[test]
+fn rays_abreast_get_the_bits_of_rays_alone() {
+    let lens = ball(50.0).translate(Vec3::Z * 46.0) & ball(60.0).translate(Vec3::Z * -56.0) & rod(15.0, 20.0);
+    let turned = lens.rotate(Vec3::new(0.3, -0.5, 0.8), 11.0).translate(Vec3::new(0.3, -0.7, 1.1));
+    let system = Assembly::new().add(Element::transparent("lens", turned, &glass(1.5168))).compile().unwrap();
+    let lights: Vec<Light> = disk(512, 10.0).map(|[x, y]| along_z(x, y)).collect();
+    let together = trace(&system, &lights.iter().copied().collect(), &Settings::default());
+    for (id, light) in lights.into_iter().enumerate() {
+        let alone = one(&system, light, &Settings::default());
+        let own = together.segments.iter().filter(|row| row.id == id as i64);
+        let told = |row: Segment| format!("{:?}", Segment { id: 0, parent: 0, ..row });
+        assert_eq!(alone.into_iter().map(told).collect::<Vec<_>>(), own.map(told).collect::<Vec<_>>());
+    }
+}
+
+#[test]
 fn ends_alone_are_the_last_rows_of_all() {
     let (crown, flint) = doublet();
     let system = Assembly::new()
