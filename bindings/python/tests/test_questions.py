@@ -347,8 +347,11 @@ def test_other_threads_run_meanwhile(rng):
     assert all((result == expected).all() for result in results)
 
 
+# a shell without job control starts what it runs in the background with the signal ignored, and children inherit that
 LONG_QUESTION = """
+import signal
 import numpy as np, rayweave
+signal.signal(signal.SIGINT, signal.default_int_handler)
 solid = rayweave.union([rayweave.sphere(1).translate([k % 7, k % 11, k % 13]) for k in range(300)])
 origins = np.random.default_rng(1).normal(size=(400_000, 3))
 print("ready", flush=True)

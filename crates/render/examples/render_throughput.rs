@@ -1,6 +1,6 @@
 //! How fast pictures are drawn: a die and the biconvex lens at 1280 x 720, in pixels per second.
 //!
-//! `cargo run --release -p rayweave-render --example throughput [THREADS]`
+//! `cargo run --release -p rayweave-render --example render_throughput [THREADS]`
 
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Program, Solid};
