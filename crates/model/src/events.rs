@@ -2,6 +2,7 @@
 
 use crate::{Face, LeafFacet, Place, PlacementId, Program, Prototype, PrototypeId, Start, chord};
 use rayweave_math::Vec3;
+use rayweave_math::roots::Crossings;
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Aside, Chord, SurfaceCrossings};
 
@@ -93,19 +94,37 @@ impl<'a> GroupRay<'a> {
         GroupRay { ray, chord, reach, placement, starts: self.starts }
     }
 
-    /// Where the ray crosses a facet, as "inside the facet" before and after.
-    fn crossings(&self, program: &Program, facet: LeafFacet) -> SurfaceCrossings {
+    /// Where the ray crosses a facet, as "inside the facet" before and after; `None` if more often than four times.
+    fn crossings(&self, program: &Program, facet: LeafFacet) -> Option<SurfaceCrossings> {
         let entry = program.surface(facet.surface());
-        let start =
-            self.starts.iter().find(|s| s.surface == facet.surface() && s.placement == self.placement);
-        let crossings = match start {
-            Some(start) => entry.surface.crossings_from_in(&self.ray, start.inside, &self.chord.aside),
+        let crossings = match self.start(facet) {
+            Some(start) => entry.surface.few_crossings_from(&self.ray, start.inside, &self.chord.aside),
             None => match self.chord.lies_in(&entry.surface, entry.reach + self.reach, &self.ray) {
-                Some(inside) => SurfaceCrossings::constant(inside),
-                None => entry.surface.crossings(&self.ray),
+                Some(inside) => Some(SurfaceCrossings::constant(inside)),
+                None => entry.surface.few_crossings(&self.ray),
             },
         };
-        if facet.inside() { crossings } else { crossings.negated() }
+        if facet.inside() { crossings } else { crossings.map(Crossings::negated) }
+    }
+
+    fn start(&self, facet: LeafFacet) -> Option<&Start> {
+        self.starts.iter().find(|s| s.surface == facet.surface() && s.placement == self.placement)
+    }
+
+    /// The same, any number of times, passed to `flip`; true if the ray is inside the facet at the start.
+    fn all_crossings(&self, program: &Program, facet: LeafFacet, flip: &mut dyn FnMut(f64)) -> bool {
+        let entry = program.surface(facet.surface());
+        let inside = match self.start(facet) {
+            Some(start) => {
+                entry.surface.all_crossings_from(&self.ray, start.inside, &self.chord.aside, flip);
+                start.inside
+            }
+            None => match self.chord.lies_in(&entry.surface, entry.reach + self.reach, &self.ray) {
+                Some(inside) => inside,
+                None => entry.surface.all_crossings(&self.ray, flip),
+            },
+        };
+        inside == facet.inside()
     }
 }
 
@@ -118,7 +137,9 @@ pub fn leaf_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, even
     events.starts_inside = false;
     let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0u32), (f64::INFINITY, 0u32));
     for (k, &facet) in facets.iter().enumerate() {
-        let crossings = ray.crossings(program, facet);
+        let Some(crossings) = ray.crossings(program, facet) else {
+            return general_events(program, facets, ray, events);
+        };
         match (crossings.starts_negative(), crossings.times()) {
             (true, []) => {}
             (false, []) => return,
@@ -149,11 +170,7 @@ fn earlier(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
 
 /// The same where some facet is inside in more than one piece.
 fn general_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, events: &mut LeafEvents) {
-    events.conjunction(facets.len(), |k, flip| {
-        let crossings = ray.crossings(program, facets[k]);
-        crossings.times().iter().for_each(|&t| flip(t));
-        crossings.starts_negative()
-    });
+    events.conjunction(facets.len(), |k, flip| ray.all_crossings(program, facets[k], flip));
 }
 
 impl LeafEvents {

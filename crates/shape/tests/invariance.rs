@@ -47,6 +47,7 @@ fn scaled(surface: &Surface, by: f64) -> Surface {
             (s.centre, s.torus.major, s.torus.minor) =
                 (by * s.centre, by * s.torus.major, by * s.torus.minor);
         }
+        Surface::Object(_) => unreachable!("none is drawn"),
     }
     scaled
 }

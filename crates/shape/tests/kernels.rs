@@ -161,6 +161,7 @@ fn clear_count(surface: &Surface, ray: &Ray) -> Option<usize> {
             let clear = distance(surface, ray, t) > 64.0 * rounding(surface, ray, t);
             clear.then_some(middle)
         }
+        Surface::Object(_) => None,
     }
 }
 

@@ -428,7 +428,7 @@ fn gradients_have_the_bits_of_the_scalar_ones() {
                 3 => case.at + scale * dice.vector(),
                 _ => case.point(&mut dice).unwrap_or(case.at),
             });
-            let gradient = Gradient::of(&case.surface);
+            let gradient = Gradient::of(&case.surface).unwrap();
             for &level in &levels {
                 let [x, y, z] = dispatch!(level, simd => gradients(simd, &gradient, &points));
                 for (k, &point) in points.iter().enumerate() {

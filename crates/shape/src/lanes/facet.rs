@@ -73,6 +73,7 @@ impl Kernel {
             Surface::AffineTorus(torus) => {
                 LaneTorus::image(torus).map(|torus| Kernel::Torus(Box::new(torus)))
             }
+            Surface::Object(_) => None,
         }
     }
 

@@ -26,9 +26,9 @@ pub enum Gradient {
 }
 
 impl Gradient {
-    /// For a surface.
-    pub fn of(surface: &Surface) -> Gradient {
-        match surface {
+    /// For a surface; `None` for an object.
+    pub fn of(surface: &Surface) -> Option<Gradient> {
+        Some(match surface {
             Surface::Plane(plane) => Gradient::Plane(*plane),
             Surface::Sphere(sphere) => Gradient::Sphere(*sphere),
             Surface::Cylinder(cylinder) => Gradient::Cylinder(*cylinder),
@@ -36,7 +36,8 @@ impl Gradient {
             Surface::Quadric(quadric) => Gradient::Quadric(quadric.clone()),
             Surface::Torus(torus) => Gradient::Torus(Box::new(*torus)),
             Surface::AffineTorus(torus) => Gradient::AffineTorus(torus.clone()),
-        }
+            Surface::Object(_) => return None,
+        })
     }
 
     /// The gradients at some points.

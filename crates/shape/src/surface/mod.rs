@@ -16,6 +16,7 @@ mod affine_torus;
 mod along;
 mod cone;
 mod cylinder;
+pub mod object;
 mod plane;
 mod quadric;
 mod ranges;
@@ -29,6 +30,7 @@ pub use affine_torus::AffineTorus;
 pub use along::quadratic_crossings;
 pub use cone::Cone;
 pub use cylinder::Cylinder;
+pub use object::{Form, Object};
 pub use plane::Plane;
 pub use quadric::Quadric;
 pub use share::{Shared, WideClass, share};
@@ -48,7 +50,7 @@ pub type SurfaceCrossings = Crossings<4>;
 
 /// One surface, in canonical form.
 ///
-/// The two kinds with many numbers are boxed, so that a million planes do not pay for them.
+/// The kinds with many numbers are boxed, so that a million planes do not pay for them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// A plane.
@@ -65,6 +67,8 @@ pub enum Surface {
     Torus(Torus),
     /// A torus under an affine map that is no similarity.
     AffineTorus(Box<AffineTorus>),
+    /// A surface that may be crossed any number of times.
+    Object(Box<Object>),
 }
 
 /// Constructors. Lengths are finite, directions not zero, radii > 0; nothing is checked.
@@ -109,7 +113,8 @@ impl Surface {
 }
 
 impl Surface {
-    /// Where the ray crosses the surface: a pure function of (surface, origin, direction).
+    /// Where the ray crosses the surface: a pure function of (surface, origin, direction). Of an [`Object`] the first four
+    /// times; there may be more ([`Surface::few_crossings`], [`Surface::all_crossings`]).
     pub fn crossings(&self, ray: &Ray) -> SurfaceCrossings {
         if let Surface::Plane(s) = self {
             return s.crossings(ray).widen();
@@ -129,7 +134,26 @@ impl Surface {
             Surface::Quadric(s) => s.crossings(ray).widen(),
             Surface::Torus(s) => s.crossings(ray),
             Surface::AffineTorus(s) => s.crossings(ray),
+            Surface::Object(s) => object::first_four(|flip| s.crossings(ray, flip)).0,
         }
+    }
+
+    /// Where the ray crosses the surface, or `None` if it does so more than four times.
+    #[inline]
+    pub fn few_crossings(&self, ray: &Ray) -> Option<SurfaceCrossings> {
+        let Surface::Object(object) = self else { return Some(self.crossings(ray)) };
+        let (crossings, is_all) = object::first_four(|flip| object.crossings(ray, flip));
+        is_all.then_some(crossings)
+    }
+
+    /// Passes all times at which the ray crosses the surface to `flip`, in order; true if it is inside at -inf.
+    pub fn all_crossings(&self, ray: &Ray, mut flip: impl FnMut(f64)) -> bool {
+        if let Surface::Object(object) = self {
+            return object.crossings(ray, flip);
+        }
+        let crossings = self.crossings(ray);
+        crossings.times().iter().for_each(|&t| flip(t));
+        crossings.starts_negative()
     }
 
     /// Where a ray that starts *on* the surface crosses it, for t >= 0: the answer for a surface on the start
@@ -146,6 +170,49 @@ impl Surface {
 
     /// [`Surface::crossings_from`] in a frame that is not the world's.
     pub fn crossings_from_in(&self, ray: &Ray, inside_after: bool, aside: &Aside) -> SurfaceCrossings {
+        self.first_crossings_from(ray, inside_after, aside).0
+    }
+
+    /// The same, or `None` if there are more than four.
+    pub fn few_crossings_from(
+        &self,
+        ray: &Ray,
+        inside_after: bool,
+        aside: &Aside,
+    ) -> Option<SurfaceCrossings> {
+        let (crossings, is_all) = self.first_crossings_from(ray, inside_after, aside);
+        is_all.then_some(crossings)
+    }
+
+    /// The same, all times passed to `flip`.
+    pub fn all_crossings_from(
+        &self,
+        ray: &Ray,
+        inside_after: bool,
+        aside: &Aside,
+        mut flip: impl FnMut(f64),
+    ) {
+        match self {
+            Surface::Object(object) => object.crossings_from(ray, inside_after, aside, flip),
+            _ => {
+                let crossings = self.crossings_from_in(ray, inside_after, aside);
+                crossings.times().iter().for_each(|&t| flip(t));
+            }
+        }
+    }
+
+    /// The first four crossings of a ray from the surface, and whether these are all.
+    fn first_crossings_from(&self, ray: &Ray, inside_after: bool, aside: &Aside) -> (SurfaceCrossings, bool) {
+        if let Surface::Object(object) = self {
+            return object::first_four(|flip| {
+                object.crossings_from(ray, inside_after, aside, flip);
+                inside_after
+            });
+        }
+        (self.departing(ray, inside_after, aside), true)
+    }
+
+    fn departing(&self, ray: &Ray, inside_after: bool, aside: &Aside) -> SurfaceCrossings {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
         let along_w = || aside.leads_inside(self.value_and_gradient(ray.origin).1);
         let newton = |t: f64| {
@@ -168,6 +235,8 @@ impl Surface {
             Surface::Quadric(s) => s.departure(ray),
             Surface::Torus(s) => s.departure(ray),
             Surface::AffineTorus(s) => s.departure(ray),
+            // asked through `Object::crossings_from`
+            Surface::Object(_) => Departure { negative_after: None, times: Crossings::constant(false) },
         }
     }
 
@@ -181,15 +250,18 @@ impl Surface {
             Surface::Quadric(s) => s.value_and_gradient(point),
             Surface::Torus(s) => s.value_and_gradient(point),
             Surface::AffineTorus(s) => s.value_and_gradient(point),
+            Surface::Object(s) => s.value_and_gradient(point),
         }
     }
 
-    /// The degree of `f` along a straight line: at most so many crossings.
+    /// The degree of `f` along a straight line: at most so many crossings, except of an [`Object`], where it says at how
+    /// many places [`hugs`] looks.
     pub fn degree(&self) -> u8 {
         match self {
             Surface::Plane(_) => 1,
             Surface::Sphere(_) | Surface::Cylinder(_) | Surface::Cone(_) | Surface::Quadric(_) => 2,
             Surface::Torus(_) | Surface::AffineTorus(_) => 4,
+            Surface::Object(s) => s.form.degree().max(5),
         }
     }
 
@@ -199,6 +271,7 @@ impl Surface {
             Surface::Plane(_) | Surface::Cylinder(_) | Surface::Cone(_) => true,
             Surface::Quadric(s) => s.is_ruled(),
             Surface::Sphere(_) | Surface::Torus(_) | Surface::AffineTorus(_) => false,
+            Surface::Object(s) => s.form.is_ruled(),
         }
     }
 
@@ -212,6 +285,7 @@ impl Surface {
             Surface::Quadric(s) => s.reach(),
             Surface::Torus(s) => s.reach(),
             Surface::AffineTorus(s) => s.reach(),
+            Surface::Object(s) => s.reach(),
         }
     }
 
@@ -225,6 +299,7 @@ impl Surface {
             Surface::Quadric(s) => s.centre,
             Surface::Torus(s) => s.centre,
             Surface::AffineTorus(s) => s.centre,
+            Surface::Object(s) => s.centre,
         }
     }
 
@@ -239,6 +314,7 @@ impl Surface {
             Surface::Quadric(s) => s.inside_bounds(),
             Surface::Torus(s) => s.inside_bounds(),
             Surface::AffineTorus(s) => s.inside_bounds(),
+            Surface::Object(s) => s.inside_bounds(),
         }
     }
 
@@ -255,6 +331,7 @@ impl Surface {
             Surface::Quadric(s) => Surface::Quadric(Box::new(s.transformed(to))),
             Surface::Torus(s) => s.transformed(to),
             Surface::AffineTorus(s) => s.transformed(to),
+            Surface::Object(s) => Surface::Object(Box::new(s.transformed(to))),
         }
     }
 
@@ -268,6 +345,7 @@ impl Surface {
             Surface::Quadric(s) => s.is_finite(),
             Surface::Torus(s) => s.is_finite(),
             Surface::AffineTorus(s) => s.is_finite(),
+            Surface::Object(s) => s.is_finite(),
         }
     }
 }

@@ -7,7 +7,7 @@
 //! defined, on its axis, the range holds the gradients of all points nearby and their convex hull, so that
 //! the mean value theorem holds across it (G. Lebourg, C. R. Acad. Sci. Paris 281 (1975)).
 
-use super::{AffineTorus, Cone, Cylinder, Plane, Quadric, Sphere, Surface, Torus};
+use super::{AffineTorus, Cone, Cylinder, Object, Plane, Quadric, Sphere, Surface, Torus};
 use rayweave_math::{Interval, Mat3, Vec3};
 
 /// A box, or a range of vectors.
@@ -24,6 +24,7 @@ impl Surface {
             Surface::Quadric(s) => quadric(s, cell),
             Surface::Torus(s) => torus(s, &about(cell, s.centre)),
             Surface::AffineTorus(s) => affine_torus(s, cell),
+            Surface::Object(s) => object(s, cell),
         }
     }
 }
@@ -110,10 +111,18 @@ fn torus(s: &Torus, q: &Cell) -> (Interval, Cell) {
 
 /// g in the torus's own frame, its gradient carried out of it.
 fn affine_torus(s: &AffineTorus, cell: &Cell) -> (Interval, Cell) {
-    let turn = |m: Mat3, v: &Cell| [form(m.row(0), v), form(m.row(1), v), form(m.row(2), v)];
-    let local = turn(s.local_from_world, &about(cell, s.centre));
-    let (value, gradient) = torus(&s.torus, &local);
-    (value, turn(s.local_from_world.transpose(), &gradient))
+    let (value, gradient) = torus(&s.torus, &turned(s.local_from_world, &about(cell, s.centre)));
+    (value, turned(s.local_from_world.transpose(), &gradient))
+}
+
+/// f of the form in its own frame, its gradient carried out of it.
+fn object(s: &Object, cell: &Cell) -> (Interval, Cell) {
+    let (value, gradient) = s.form.ranges(&turned(s.local_from_world, &about(cell, s.centre)));
+    (value, turned(s.local_from_world.transpose(), &gradient))
+}
+
+fn turned(m: Mat3, v: &Cell) -> Cell {
+    [form(m.row(0), v), form(m.row(1), v), form(m.row(2), v)]
 }
 
 #[cfg(test)]

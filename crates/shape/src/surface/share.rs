@@ -7,7 +7,7 @@
 //!
 //! Two surfaces of one kind are equal if all their numbers are: components of unit vectors within 64 u,
 //! lengths within 64 u times the larger reach of the two, factors within 64 u relative; axes and planes of
-//! either sense.
+//! either sense. Objects are equal if they are of one form to the bit, in places that are equal like this.
 //!
 //! *Method*: a sorted sweep. The surfaces of one kind are sorted by one of their numbers and cut wherever
 //! neighbours differ by more than the tolerance; each part is treated the same by the next number, until no
@@ -66,9 +66,23 @@ pub fn share<S: Borrow<Surface>>(surfaces: &[(S, f64)]) -> Result<Shared, WideCl
     for kind in Kind::ALL {
         let of_kind = entries.iter().filter(|e| Kind::of(surfaces[e.index()].0) == kind);
         let part: Vec<Entry> = of_kind.copied().collect();
-        sweep(surfaces, kind, part, &mut classes);
+        for part in by_form(surfaces, part) {
+            sweep(surfaces, kind, part, &mut classes);
+        }
     }
     classes.into_shared(surfaces)
+}
+
+/// Entries of one kind apart by what no tolerance joins: the forms of objects.
+fn by_form(surfaces: &[(&Surface, f64)], mut entries: Vec<Entry>) -> Vec<Vec<Entry>> {
+    let object = |entry: &Entry| match surfaces[entry.index()].0 {
+        Surface::Object(object) => Some(object),
+        _ => None,
+    };
+    let Some(true) = entries.first().map(|entry| object(entry).is_some()) else { return vec![entries] };
+    entries.sort_by_cached_key(|entry| object(entry).map(|object| object.form.fingerprint()));
+    let is_same = |a: &Entry, b: &Entry| object(a).zip(object(b)).is_some_and(|(a, b)| a.has_form_of(b));
+    entries.chunk_by(is_same).map(<[Entry]>::to_vec).collect()
 }
 
 /// A surface, perhaps with all its unit vectors reversed.
@@ -110,7 +124,7 @@ fn sense(surface: &Surface) -> Option<Vec3> {
         Surface::Cylinder(s) => Some(s.axis),
         Surface::Cone(s) => Some(s.axis),
         Surface::Torus(s) => Some(s.axis),
-        Surface::Sphere(_) | Surface::Quadric(_) | Surface::AffineTorus(_) => None,
+        Surface::Sphere(_) | Surface::Quadric(_) | Surface::AffineTorus(_) | Surface::Object(_) => None,
     }
 }
 
@@ -124,10 +138,11 @@ enum Kind {
     Quadric,
     Torus,
     AffineTorus,
+    Object,
 }
 
 impl Kind {
-    const ALL: [Kind; 7] = [
+    const ALL: [Kind; 8] = [
         Kind::Plane,
         Kind::Sphere,
         Kind::Cylinder,
@@ -135,6 +150,7 @@ impl Kind {
         Kind::Quadric,
         Kind::Torus,
         Kind::AffineTorus,
+        Kind::Object,
     ];
 
     fn of(surface: &Surface) -> Kind {
@@ -146,6 +162,7 @@ impl Kind {
             Surface::Quadric(_) => Kind::Quadric,
             Surface::Torus(_) => Kind::Torus,
             Surface::AffineTorus(_) => Kind::AffineTorus,
+            Surface::Object(_) => Kind::Object,
         }
     }
 
@@ -157,6 +174,7 @@ impl Kind {
             Kind::Torus => 8,
             Kind::Quadric => 19,
             Kind::AffineTorus => 17,
+            Kind::Object => 12,
         }
     }
 }
@@ -202,6 +220,14 @@ fn number(surface: &Surface, reach: f64, reversed: bool, k: usize) -> (f64, f64)
             12..15 => (s.torus.axis[k - 12], 0.0),
             15 => (s.torus.major, 0.0),
             _ => (s.torus.minor, 0.0),
+        },
+        Surface::Object(s) => match k {
+            0..3 => length(s.centre[k]),
+            _ => {
+                let linear = s.local_from_world.to_cols_array();
+                let largest = linear.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+                (linear[k - 3], TOLERANCE * largest)
+            }
         },
     }
 }

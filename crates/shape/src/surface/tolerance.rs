@@ -63,8 +63,9 @@ pub fn is_near(value: f64, gradient_length: f64, delta: f64, bend: f64) -> bool 
 }
 
 /// True if a piece of a straight line lies in a surface, by what [`is_near`] says of single times, in a space of
-/// any dimension: at both ends, the middle and, for degree 4, the quarter points. (The middle alone would weld
-/// the two crossings of a ray through two tangent spheres.)
+/// any dimension: at both ends, the middle and, for degree 4, the quarter points; for a higher degree n, at n + 1
+/// places that divide it evenly, too. (The middle alone would weld the two crossings of a ray through two tangent
+/// spheres.)
 ///
 /// `delta` grows with |t|, so a piece much longer than the lengths at the ray's start, `start` in units of time,
 /// is also looked at where it is smallest: at the time `c` closest to 0, and one such length before and after it.
@@ -81,6 +82,7 @@ pub fn hugs_along(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: f64, b:
         && near(b)
         && near_the_start()
         && (degree < 4 || (near(0.5 * (a + middle)) && near(0.5 * (middle + b))))
+        && (degree < 5 || (1..degree).all(|k| near(a + (b - a) * (f64::from(k) / f64::from(degree)))))
 }
 
 /// True only if no piece of the ray from `a` to a time between `from` and `to` lies within `delta` of the surface
@@ -106,7 +108,7 @@ pub fn clears(surface: &Surface, reach: f64, ray: &Ray, a: f64, (from, to): (f64
 /// The most by which the gradient of a surface changes over a unit of length, halved.
 fn bend(surface: &Surface) -> f64 {
     match surface {
-        Surface::Plane(_) | Surface::Torus(_) | Surface::AffineTorus(_) => 0.0,
+        Surface::Plane(_) | Surface::Torus(_) | Surface::AffineTorus(_) | Surface::Object(_) => 0.0,
         Surface::Sphere(_) | Surface::Cylinder(_) | Surface::Quadric(_) => 1.0,
         Surface::Cone(s) => 1.0 + s.slope * s.slope,
     }

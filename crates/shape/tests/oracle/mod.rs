@@ -95,6 +95,7 @@ pub fn polynomial(surface: &Surface, grow: f64, p: &Point) -> RBig {
                 std::array::from_fn(|row| (0..3).fold(RBig::ZERO, |sum, k| sum + exact(m[k][row]) * &q[k]));
             torus(&local, &point(s.torus.axis), s.torus.major, exact(s.torus.minor) + grow)
         }
+        Surface::Object(_) => unreachable!("objects have oracles of their own"),
     }
 }
 

@@ -30,7 +30,7 @@ impl Slope {
             Surface::Plane(plane) => unit(plane.normal),
             Surface::Sphere(sphere) => Slope::Centre(sphere.centre),
             Surface::Cylinder(cylinder) => Slope::Axis(*cylinder),
-            curved => Slope::Curved(Gradient::of(curved)),
+            curved => Gradient::of(curved).map_or(Slope::Other, Slope::Curved),
         };
         program.facets().iter().map(of_face).collect()
     }

@@ -312,7 +312,7 @@ pub(super) fn limits(
             Surface::Cylinder(s) => limits.largest_radius = limits.largest_radius.max(s.radius),
             Surface::Cone(s) => limits.bend = limits.bend.max(1.0 + s.slope * s.slope),
             Surface::Quadric(_) => limits.bend = limits.bend.max(1.0),
-            Surface::Torus(_) | Surface::AffineTorus(_) => {}
+            Surface::Torus(_) | Surface::AffineTorus(_) | Surface::Object(_) => {}
         }
     }
     limits

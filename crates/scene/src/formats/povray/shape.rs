@@ -141,6 +141,7 @@ fn surface(surface: &Surface) -> Option<String> {
             let place = Affine { linear: own.world_from_local, translation: own.centre };
             placed(torus(&own.torus), &place)
         }
+        Surface::Object(_) => return None,
     })
 }
 
