@@ -176,6 +176,7 @@ pub mod picture;
 pub mod shapes;
 
 pub use rayweave_math as math;
+pub use rayweave_mesh as mesh;
 pub use rayweave_model as model;
 pub use rayweave_optics as optics;
 pub use rayweave_render as render;

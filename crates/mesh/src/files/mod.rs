@@ -1,0 +1,274 @@
+//! Meshes in files.
+//!
+//! Readers take any length of input at its word only as far as the input goes: a count in a header is compared with what can
+//! follow it before anything is allocated, lines have a longest length, and numbers that are not finite are refused with
+//! their place. Faces with more than three corners are cut into triangles.
+//!
+//! | format | read | written | unit |
+//! | --- | --- | --- | --- |
+//! | STL | text and binary | binary (coordinates as `f32`) or text | none |
+//! | OBJ | vertices and faces of all groups | vertices and triangles | none |
+//! | PLY | text, binary of both byte orders | binary, `f64`, or text | none |
+//! | OFF | `OFF`, `COFF`, `NOFF`, `STOFF` and their mixtures | text | none |
+
+mod error;
+mod obj;
+mod off;
+mod ply;
+mod stl;
+mod words;
+
+pub use error::{FileError, Place};
+
+use crate::mesh::Welder;
+use crate::{Mesh, MeshError};
+use rayweave_math::Vec3;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, BufWriter, Write};
+use std::path::Path;
+
+/// A format of files of meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MeshFormat {
+    /// STL, text or binary.
+    Stl,
+    /// Wavefront OBJ.
+    Obj,
+    /// The Stanford polygon format.
+    Ply,
+    /// Geomview's object file format.
+    Off,
+}
+
+impl MeshFormat {
+    /// All of them.
+    pub const ALL: [MeshFormat; 4] = [MeshFormat::Stl, MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off];
+
+    /// The name, which is also the usual ending of a file's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            MeshFormat::Stl => "stl",
+            MeshFormat::Obj => "obj",
+            MeshFormat::Ply => "ply",
+            MeshFormat::Off => "off",
+        }
+    }
+
+    /// The format of this name or ending, in letters of either case.
+    pub fn from_name(name: &str) -> Option<MeshFormat> {
+        MeshFormat::ALL.into_iter().find(|format| format.name().eq_ignore_ascii_case(name))
+    }
+
+    /// The format that the ending of a file's name tells.
+    pub fn from_path(path: &Path) -> Option<MeshFormat> {
+        MeshFormat::from_name(path.extension()?.to_str()?)
+    }
+}
+
+/// What to refuse.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// The most triangles, and the most vertices.
+    pub most: u64,
+}
+
+impl Default for ReadOptions {
+    /// Twenty million: a solid of so many holds about a gigabyte.
+    fn default() -> ReadOptions {
+        ReadOptions { most: 20_000_000 }
+    }
+}
+
+/// What a file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Loaded {
+    /// Points and triangles, in the file's order.
+    pub mesh: Mesh,
+    /// What was left out or read with some licence, in words.
+    pub warnings: Vec<String>,
+    /// The unit of length, if the format has one: "mm", "m", "inch" and so on.
+    pub unit: Option<String>,
+}
+
+/// Reads the file at a path; without a format, by the ending of its name.
+///
+/// # Errors
+/// [`FileError`], with line or byte.
+pub fn read(path: &Path, format: Option<MeshFormat>, options: &ReadOptions) -> Result<Loaded, FileError> {
+    let format = format.or_else(|| MeshFormat::from_path(path)).ok_or_else(|| unknown(path))?;
+    let file = File::open(path)?;
+    let length = file.metadata()?.len();
+    read_from(BufReader::with_capacity(1 << 16, file), length, format, options)
+}
+
+fn unknown(path: &Path) -> FileError {
+    FileError::UnknownFormat { name: path.display().to_string() }
+}
+
+/// Reads a file from memory.
+///
+/// # Errors
+/// [`FileError`], with line or byte.
+pub fn read_bytes(bytes: &[u8], format: MeshFormat, options: &ReadOptions) -> Result<Loaded, FileError> {
+    read_from(bytes, bytes.len() as u64, format, options)
+}
+
+/// Reads so many bytes.
+fn read_from(
+    from: impl BufRead,
+    length: u64,
+    format: MeshFormat,
+    options: &ReadOptions,
+) -> Result<Loaded, FileError> {
+    match format {
+        MeshFormat::Stl => stl::read(from, length, options),
+        MeshFormat::Obj => obj::read(from, options),
+        MeshFormat::Ply => ply::read(from, length, options),
+        MeshFormat::Off => off::read(from, length, options),
+    }
+}
+
+/// How to write.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// Text, where a format may be text or binary. Numbers in text are the shortest that read back to the same bits.
+    pub text: bool,
+}
+
+/// Writes a mesh in a format.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write(
+    mesh: &Mesh,
+    format: MeshFormat,
+    options: WriteOptions,
+    mut to: impl Write,
+) -> Result<(), FileError> {
+    match format {
+        MeshFormat::Stl if options.text => stl::write_text(mesh, &mut to)?,
+        MeshFormat::Stl => stl::write_binary(mesh, &mut to)?,
+        MeshFormat::Obj => obj::write(mesh, &mut to)?,
+        MeshFormat::Ply => ply::write(mesh, options, &mut to)?,
+        MeshFormat::Off => off::write(mesh, &mut to)?,
+    }
+    Ok(to.flush()?)
+}
+
+/// Writes a mesh to a file, by the ending of its name if no format is given: beside it first, renamed when complete.
+///
+/// # Errors
+/// [`FileError::UnknownFormat`], or that the file cannot be written.
+pub fn save(
+    mesh: &Mesh,
+    path: &Path,
+    format: Option<MeshFormat>,
+    options: WriteOptions,
+) -> Result<(), FileError> {
+    let format = format.or_else(|| MeshFormat::from_path(path)).ok_or_else(|| unknown(path))?;
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.part", std::process::id()));
+    let beside = path.with_file_name(name);
+    let written = File::create(&beside)
+        .map_err(FileError::from)
+        .and_then(|file| write(mesh, format, options, BufWriter::new(file)))
+        .and_then(|()| Ok(std::fs::rename(&beside, path)?));
+    if written.is_err() {
+        // the first error is the one to tell
+        let _ = std::fs::remove_file(&beside);
+    }
+    written
+}
+
+/// Collects what a reader meets.
+struct Builder<'a> {
+    options: &'a ReadOptions,
+    vertices: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    /// Faces with more than three corners that do not lie in a plane.
+    bent: usize,
+    warnings: Vec<String>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(options: &'a ReadOptions) -> Builder<'a> {
+        Builder { options, vertices: Vec::new(), triangles: Vec::new(), bent: 0, warnings: Vec::new() }
+    }
+
+    fn vertex(&mut self, point: Vec3, place: Place) -> Result<(), FileError> {
+        if !point.to_array().iter().all(|x| x.abs() <= Mesh::MOST) {
+            return Err(FileError::Mesh {
+                place,
+                error: MeshError::Coordinate { index: self.vertices.len(), point },
+            });
+        }
+        self.vertices.push(point);
+        within(self.options, "vertices", self.vertices.len() as u64, place)
+    }
+
+    /// A face of three corners or more, each counted from 0.
+    fn face(&mut self, corners: &[u64], place: Place) -> Result<(), FileError> {
+        let (triangle, count) = (self.triangles.len(), self.vertices.len());
+        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex >= count as u64) {
+            return Err(FileError::Mesh { place, error: MeshError::Index { triangle, vertex, count } });
+        }
+        let corner = |k: usize| corners[k] as u32;
+        match corners.len() {
+            0..3 => return Err(FileError::syntax(place, "a face with less than three corners")),
+            3 => self.triangles.push([0, 1, 2].map(corner)),
+            _ => {
+                let corners: Vec<u32> = corners.iter().map(|&vertex| vertex as u32).collect();
+                let (triangles, is_plane) = crate::polygon::triangles(&self.vertices, &corners);
+                self.bent += usize::from(!is_plane);
+                self.triangles.extend(triangles);
+            }
+        }
+        within(self.options, "triangles", self.triangles.len() as u64, place)
+    }
+
+    fn finish(mut self, place: Place) -> Result<Loaded, FileError> {
+        if self.bent > 0 {
+            let bent = self.bent;
+            self.warnings.push(format!(
+                "{bent} faces with more than three corners are not plane (they were cut into triangles in one of several ways)"
+            ));
+        }
+        let mesh =
+            Mesh::new(self.vertices, self.triangles).map_err(|error| FileError::Mesh { place, error })?;
+        Ok(Loaded { mesh, warnings: self.warnings, unit: None })
+    }
+}
+
+/// Refuses more than the options allow.
+fn within(options: &ReadOptions, what: &'static str, count: u64, place: Place) -> Result<(), FileError> {
+    let limit = options.most.min(Mesh::MOST_TRIANGLES as u64);
+    match count > limit {
+        true => Err(FileError::Mesh { place, error: MeshError::TooMany { what, count, limit } }),
+        false => Ok(()),
+    }
+}
+
+/// Joins equal points as they are met, for formats that repeat them.
+#[derive(Default)]
+struct Soup {
+    welder: Welder,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Soup {
+    fn add(&mut self, corners: [Vec3; 3]) {
+        let triangle = corners.map(|point| self.welder.index(point));
+        self.triangles.push(triangle);
+    }
+
+    fn finish(self, warnings: Vec<String>, place: Place) -> Result<Loaded, FileError> {
+        let mesh = Mesh::new(self.welder.vertices, self.triangles)
+            .map_err(|error| FileError::Mesh { place, error })?;
+        Ok(Loaded { mesh, warnings, unit: None })
+    }
+}
+
+/// Three numbers in the shortest text that reads back to the same bits.
+fn write_point(to: &mut impl Write, before: &str, p: Vec3) -> io::Result<()> {
+    writeln!(to, "{before}{:?} {:?} {:?}", p.x, p.y, p.z)
+}

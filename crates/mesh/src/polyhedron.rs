@@ -1,0 +1,271 @@
+//! The solid within a closed mesh.
+
+use crate::hierarchy::Hierarchy;
+use crate::line::{Aside, Crossing, Line, Shear, holds_origin, is_edge_on};
+use crate::topology::{EdgeUse, SignedSets, by_edge, edge_uses};
+use crate::triangle::{self, Triangle};
+use crate::{Mesh, MeshError};
+use rayweave_math::{Bounds, Vec3};
+
+/// The solid within a closed mesh: what a line crosses an odd number of times on the way to infinity.
+///
+/// Nothing can be changed after it was made, and nothing it is asked can fail. What it holds grows with the number of
+/// triangles, by about 45 bytes each ([`Polyhedron::bytes`]).
+#[derive(Clone, Debug)]
+pub struct Polyhedron {
+    vertices: Vec<Vec3>,
+    /// In the order of the hierarchy, as all that follows.
+    triangles: Vec<[u32; 3]>,
+    /// The numbers of the triangles in the mesh that was given.
+    numbers: Vec<u32>,
+    /// The places here of the mesh's triangles.
+    places: Vec<u32>,
+    /// For each triangle the largest of those that lie in its plane and hang together with it: its plane is that of all.
+    faces: Vec<u32>,
+    hierarchy: Hierarchy,
+    bounds: Bounds,
+}
+
+/// The point of a mesh that is nearest to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// The point on the mesh.
+    pub point: Vec3,
+    /// A triangle on which it lies, by the mesh's own numbers.
+    pub triangle: u32,
+}
+
+/// A line with what every triangle is asked of it.
+struct Query {
+    shear: Shear,
+    line: Line,
+    /// The distance at which a triangle cannot be told from one along the line; negative if that has been settled.
+    delta: f64,
+}
+
+impl Polyhedron {
+    /// The solid within a mesh; equal points count as one, triangles with two equal corners do not count.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] if no triangle is left, [`MeshError::Open`] if an edge has an odd number of triangles.
+    pub fn new(mesh: &Mesh) -> Result<Polyhedron, MeshError> {
+        let mesh = mesh.welded();
+        let uses = edge_uses(&mesh);
+        check_closed(&mesh, &uses)?;
+        let face_of = faces(&mesh, &uses);
+        drop(uses);
+        let (hierarchy, numbers) = Hierarchy::new(&mesh);
+        let mut places = vec![0; numbers.len()];
+        for (place, &number) in numbers.iter().enumerate() {
+            places[number as usize] = place as u32;
+        }
+        let faces = numbers.iter().map(|&number| places[face_of[number as usize] as usize]).collect();
+        let triangles = numbers.iter().map(|&number| mesh.triangles()[number as usize]).collect();
+        let bounds = mesh.bounds();
+        let (vertices, _) = mesh.into_parts();
+        Ok(Polyhedron { vertices, triangles, numbers, places, faces, hierarchy, bounds })
+    }
+
+    /// The mesh, in its own order, with equal points as one.
+    pub fn to_mesh(&self) -> Mesh {
+        let mut triangles = vec![[0; 3]; self.triangles.len()];
+        for (&number, &corners) in self.numbers.iter().zip(&self.triangles) {
+            triangles[number as usize] = corners;
+        }
+        Mesh::new(self.vertices.clone(), triangles).unwrap_or_default()
+    }
+
+    /// The number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// The bytes that it holds.
+    pub fn bytes(&self) -> usize {
+        let per_triangle = size_of::<[u32; 3]>() + 3 * size_of::<u32>();
+        self.vertices.len() * size_of::<Vec3>() + self.triangles.len() * per_triangle + self.hierarchy.bytes()
+    }
+
+    /// The smallest box that holds it.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// A bound of the distance of its points from the origin.
+    pub fn reach(&self) -> f64 {
+        self.hierarchy.reach()
+    }
+
+    /// Where a line goes in and out, at all times, in order of time: an even number of crossings.
+    ///
+    /// The time of a crossing is that of the plane of its face, kept between the corners of the triangle. A line that lies
+    /// in faces, within [`Line::delta`] over its way through the ball around the mesh, is answered as if it were moved by a
+    /// few such distances along the first of the directions `aside` that leaves the face: to one side of all of it. Through edges
+    /// and vertices a line goes on one side, the same for all triangles ([`holds_origin`]).
+    ///
+    /// `found` is emptied first.
+    pub fn crossings(&self, line: &Line, aside: &Aside, found: &mut Vec<Crossing>) {
+        found.clear();
+        let Some(chord) = self.hierarchy.chord(line) else {
+            return;
+        };
+        let far = chord.0.abs().max(chord.1.abs());
+        let delta = line.delta(if far.is_finite() { far } else { 0.0 }, self.reach());
+        let shift = self.gather(&Query { shear: Shear::new(line), line: *line, delta }, chord, aside, found);
+        if shift != Vec3::ZERO {
+            found.clear();
+            let moved = Line { origin: line.origin + shift, ..*line };
+            self.gather(&Query { shear: Shear::new(&moved), line: moved, delta: -1.0 }, chord, aside, found);
+        }
+        found.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+    }
+
+    /// Adds the crossings of a line, in no order, and tells how far it has to be moved so that it lies in no face.
+    fn gather(&self, query: &Query, chord: (f64, f64), aside: &Aside, found: &mut Vec<Crossing>) -> Vec3 {
+        let mut shift = Vec3::ZERO;
+        self.hierarchy.along(&query.line, |range| {
+            for place in range {
+                let corners = self.corners(place);
+                let images = corners.map(|corner| query.shear.image(corner));
+                if holds_origin(images) {
+                    let t = self.time(place, &query.line);
+                    found.push(Crossing { t, triangle: self.numbers[place] });
+                }
+                if query.delta >= 0.0 && is_edge_on(images, query.delta) {
+                    shift = longer(shift, self.way_out(place, query, chord, aside));
+                }
+            }
+        });
+        shift
+    }
+
+    /// How far a line has to be moved that lies in the plane of a triangle; 0 if it does not.
+    fn way_out(&self, place: usize, query: &Query, chord: (f64, f64), aside: &Aside) -> Vec3 {
+        let [corner, ..] = self.corners(self.faces[place] as usize);
+        let normal = self.face_normal(place);
+        let lies = |t: f64| normal.dot(query.line.at(t) - corner).abs() <= query.delta;
+        if !(lies(chord.0) && lies(chord.1)) {
+            return Vec3::ZERO;
+        }
+        let leaves = |way: &Vec3| normal.dot(*way).abs() > 1e-3 * way.length();
+        let way = aside.iter().copied().find(leaves).unwrap_or(normal);
+        (4.0 * query.delta / normal.dot(way).abs()) * way
+    }
+
+    /// The time at which a line crosses the plane of a triangle's face, kept within the triangle's own times.
+    fn time(&self, place: usize, line: &Line) -> f64 {
+        let face = self.corners(self.faces[place] as usize);
+        let t = plane_time(face, line);
+        let times = self.corners(place).map(|corner| line.closest_time(corner));
+        let (first, last) = (times[0].min(times[1]).min(times[2]), times[0].max(times[1]).max(times[2]));
+        // NaN, where plane and line are parallel, goes to the first
+        if t >= first { t.min(last) } else { first }
+    }
+
+    /// True if a point is inside: by the crossings of a line through it. On the boundary, as if moved `aside`.
+    pub fn contains(&self, point: Vec3, aside: &Aside) -> bool {
+        if !self.bounds.contains(point) {
+            return false;
+        }
+        let mut found = Vec::new();
+        self.crossings(&Line { origin: point, direction: aside[0] }, aside, &mut found);
+        found.iter().filter(|crossing| crossing.t > 0.0).count() % 2 == 1
+    }
+
+    /// The point of the mesh nearest to another, among those that are nearer than `within`.
+    pub fn nearest(&self, point: Vec3, within: f64) -> Option<Nearest> {
+        let mut best: Option<Nearest> = None;
+        self.hierarchy.around(point, within * within, |range, mut within| {
+            for place in range {
+                let on_triangle = triangle::closest_point(self.corners(place), point);
+                let distance = (on_triangle - point).length_squared();
+                let triangle = self.numbers[place];
+                let ties = distance == within && best.is_some_and(|best| triangle < best.triangle);
+                if distance < within || ties {
+                    within = distance;
+                    best = Some(Nearest { point: on_triangle, triangle });
+                }
+            }
+            within
+        });
+        best
+    }
+
+    /// The unit vector across the plane in which the triangle of this number lies, on the side from which it turns
+    /// counter-clockwise; NaN if the corners lie on a line.
+    pub fn normal(&self, triangle: u32) -> Vec3 {
+        self.face_normal(self.places[triangle as usize] as usize)
+    }
+
+    /// The number of the largest triangle among those that lie in one plane with this one, exactly, and hang together.
+    pub fn face(&self, triangle: u32) -> u32 {
+        self.numbers[self.faces[self.places[triangle as usize] as usize] as usize]
+    }
+
+    /// Calls `visit` with the numbers of triangles that have a point in common with a box, and of some nearby.
+    pub fn triangles_near(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
+        self.hierarchy.within(bounds, |range| self.numbers[range].iter().for_each(|&number| visit(number)));
+    }
+
+    fn corners(&self, place: usize) -> Triangle {
+        self.triangles[place].map(|vertex| self.vertices[vertex as usize])
+    }
+
+    fn face_normal(&self, place: usize) -> Vec3 {
+        triangle::normal(self.corners(self.faces[place] as usize))
+    }
+}
+
+fn longer(a: Vec3, b: Vec3) -> Vec3 {
+    if b.length_squared() > a.length_squared() { b } else { a }
+}
+
+/// When a line crosses the plane of a triangle. A plane across an axis has the same time in whichever of its triangles.
+fn plane_time(triangle: Triangle, line: &Line) -> f64 {
+    let cross = triangle::cross(triangle);
+    let away = triangle[0] - line.origin;
+    if let Some(axis) = (0..3).find(|&k| cross[(k + 1) % 3] == 0.0 && cross[(k + 2) % 3] == 0.0) {
+        return away[axis] / line.direction[axis];
+    }
+    // the product of two areas may be beyond the range
+    let cross = cross / cross.abs().max_element();
+    cross.dot(away) / cross.dot(line.direction)
+}
+
+/// Refuses a mesh that has an edge with an odd number of triangles.
+fn check_closed(mesh: &Mesh, uses: &[EdgeUse]) -> Result<(), MeshError> {
+    let mut open = by_edge(uses).filter(|edge| edge.len() % 2 == 1);
+    let Some(first) = open.next() else {
+        return if uses.is_empty() { Err(MeshError::Empty) } else { Ok(()) };
+    };
+    let [a, b] = first[0].ends.map(|vertex| mesh.vertices()[vertex as usize]);
+    Err(MeshError::Open { edges: 1 + open.count(), at: 0.5 * (a + b) })
+}
+
+/// For each triangle the largest of those that it hangs together with in one plane, exactly.
+fn faces(mesh: &Mesh, uses: &[EdgeUse]) -> Vec<u32> {
+    let mut sets = SignedSets::new(mesh.triangles().len());
+    for edge in by_edge(uses) {
+        for pair in edge.windows(2).filter(|pair| are_coplanar(mesh, pair)) {
+            sets.join(pair[0].triangle, pair[1].triangle, false);
+        }
+    }
+    let area = |triangle: u32| triangle::cross(mesh.corners(triangle as usize)).length_squared();
+    let mut largest: Vec<u32> = (0..mesh.triangles().len() as u32).collect();
+    for triangle in 0..largest.len() as u32 {
+        let (set, _) = sets.find(triangle);
+        if area(triangle) > area(largest[set as usize]) {
+            largest[set as usize] = triangle;
+        }
+    }
+    (0..largest.len() as u32).map(|triangle| largest[sets.find(triangle).0 as usize]).collect()
+}
+
+/// True if two triangles at an edge lie in one plane, and neither on a line.
+fn are_coplanar(mesh: &Mesh, pair: &[EdgeUse]) -> bool {
+    let [a, b] = [0, 1].map(|k| mesh.corners(pair[k].triangle as usize));
+    let is_end = |vertex: &&u32| pair[1].ends.contains(vertex);
+    let other = mesh.triangles()[pair[1].triangle as usize].iter().find(|vertex| !is_end(vertex));
+    let in_plane = |&vertex: &u32| triangle::side_of(a, mesh.vertices()[vertex as usize]) == 0;
+    other.is_some_and(in_plane) && !triangle::is_flat(a) && !triangle::is_flat(b)
+}

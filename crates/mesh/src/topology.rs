@@ -1,0 +1,85 @@
+//! Which triangles meet at which edge.
+
+use crate::Mesh;
+
+/// One of the triangles at an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct EdgeUse {
+    /// The ends of the edge, the smaller number first.
+    pub ends: [u32; 2],
+    pub triangle: u32,
+    /// True if the triangle turns from the first end to the second.
+    pub forward: bool,
+}
+
+/// The edges of all triangles that have three different corners, sorted by edge, then by triangle.
+pub(crate) fn edge_uses(mesh: &Mesh) -> Vec<EdgeUse> {
+    let mut uses = Vec::with_capacity(3 * mesh.triangles().len());
+    for (triangle, &corners) in mesh.triangles().iter().enumerate() {
+        if !is_collapsed(corners) {
+            uses.extend((0..3).map(|k| edge_use(corners[k], corners[(k + 1) % 3], triangle as u32)));
+        }
+    }
+    uses.sort_unstable();
+    uses
+}
+
+fn edge_use(from: u32, to: u32, triangle: u32) -> EdgeUse {
+    EdgeUse { ends: [from.min(to), from.max(to)], triangle, forward: from < to }
+}
+
+/// The triangles of one edge after the other.
+pub(crate) fn by_edge(uses: &[EdgeUse]) -> impl Iterator<Item = &[EdgeUse]> {
+    uses.chunk_by(|a, b| a.ends == b.ends)
+}
+
+/// True if two corners are one point: the triangle has no inside, and dropping it opens nothing.
+pub(crate) fn is_collapsed([a, b, c]: [u32; 3]) -> bool {
+    a == b || b == c || c == a
+}
+
+/// Sets of triangles that belong together, each with a sign relative to the others of its set.
+#[derive(Debug)]
+pub(crate) struct SignedSets {
+    parent: Vec<u32>,
+    flipped: Vec<bool>,
+}
+
+impl SignedSets {
+    /// Each by itself.
+    pub fn new(count: usize) -> SignedSets {
+        SignedSets { parent: (0..count as u32).collect(), flipped: vec![false; count] }
+    }
+
+    /// The first member of the set of `item`, and whether their signs differ.
+    pub fn find(&mut self, item: u32) -> (u32, bool) {
+        let (mut root, mut flipped) = (item, false);
+        while self.parent[root as usize] != root {
+            flipped ^= self.flipped[root as usize];
+            root = self.parent[root as usize];
+        }
+        self.shorten(item, root, flipped);
+        (root, flipped)
+    }
+
+    fn shorten(&mut self, mut item: u32, root: u32, mut flipped: bool) {
+        while item != root {
+            let (next, step) = (self.parent[item as usize], self.flipped[item as usize]);
+            (self.parent[item as usize], self.flipped[item as usize]) = (root, flipped);
+            (item, flipped) = (next, flipped ^ step);
+        }
+    }
+
+    /// Joins the sets of two items whose signs differ or not; false if that contradicts what was said before.
+    pub fn join(&mut self, a: u32, b: u32, differ: bool) -> bool {
+        let ((a, a_flipped), (b, b_flipped)) = (self.find(a), self.find(b));
+        let flipped = a_flipped ^ b_flipped ^ differ;
+        if a == b {
+            return !flipped;
+        }
+        let (first, last) = (a.min(b), a.max(b));
+        self.parent[last as usize] = first;
+        self.flipped[last as usize] = flipped;
+        true
+    }
+}

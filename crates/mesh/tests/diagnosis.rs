@@ -1,0 +1,298 @@
+//! Faults that were planted, found where they are, and mended where that is safe.
+
+mod shapes;
+
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rayweave_math::{Affine, Vec3};
+use rayweave_mesh::{Mesh, MeshError, Polyhedron, Repair, RepairOptions};
+use shapes::{ball, both, cuboid, potato, torus, vector};
+
+fn cube() -> Mesh {
+    cuboid(Vec3::ZERO, Vec3::ONE)
+}
+
+fn with_triangles(mesh: &Mesh, change: impl FnOnce(&mut Vec<[u32; 3]>)) -> Mesh {
+    let mut triangles = mesh.triangles().to_vec();
+    change(&mut triangles);
+    Mesh::new(mesh.vertices().to_vec(), triangles).unwrap()
+}
+
+fn repaired(mesh: &Mesh) -> (Mesh, Repair) {
+    mesh.repaired(&RepairOptions::default()).unwrap()
+}
+
+#[test]
+fn sound_meshes_have_no_faults() {
+    for mesh in [cube(), torus(2.0, 0.5, 20, 10), potato(3)] {
+        let found = mesh.diagnose();
+        assert!(found.is_sound(), "{found}");
+        assert_eq!((found.components.len(), found.holes.count, found.degenerate.count), (1, 0, 0));
+        assert!((found.components[0].volume - mesh.volume()).abs() < 1e-12 * mesh.volume());
+        assert_eq!(repaired(&mesh), (mesh.welded(), Repair::default()));
+    }
+}
+
+#[test]
+fn volume_area_and_centre_have_closed_forms() {
+    let shift = Vec3::new(1e3, 2e3, -3e3);
+    let block = cuboid(shift, shift + Vec3::new(1.0, 2.0, 3.0));
+    assert!((block.volume() - 6.0).abs() < 1e-12 && (block.area() - 22.0).abs() < 1e-12);
+    assert!((block.centroid().unwrap() - shift - Vec3::new(0.5, 1.0, 1.5)).length() < 1e-12);
+    // a torus of n x m cells is a sum of frusta; it tends to 2 pi^2 R r^2 from below by squares of the steps
+    let coarse = 2.0 * std::f64::consts::PI.powi(2) * 2.0 * 0.25 - torus(2.0, 0.5, 100, 50).volume();
+    let fine = 2.0 * std::f64::consts::PI.powi(2) * 2.0 * 0.25 - torus(2.0, 0.5, 200, 100).volume();
+    assert!((coarse / fine - 4.0).abs() < 0.02, "{coarse} {fine}");
+}
+
+#[test]
+fn holes_are_found_with_their_rims_and_plane_ones_are_filled() {
+    let open = with_triangles(&cube(), |triangles| {
+        triangles.drain(..2);
+    });
+    let found = open.diagnose();
+    assert_eq!((found.open_edges, found.holes.count), (4, 1));
+    let hole = &found.holes.first[0];
+    assert_eq!((hole.edges, hole.length, hole.centre), (4, 4.0, Vec3::new(0.5, 0.5, 0.0)));
+    assert!(!found.is_closed() && found.to_string().contains("1 holes (the first: (0.5, 0.5, 0), 4 edges)"));
+    let (closed, done) = repaired(&open);
+    assert_eq!(done, Repair { filled: 1, ..Repair::default() });
+    assert!(closed.diagnose().is_sound());
+    assert_eq!(closed.volume(), 1.0);
+    let (as_it_was, done) = open.repaired(&RepairOptions { fill: false, ..Default::default() }).unwrap();
+    assert_eq!((as_it_was, done), (open.welded(), Repair::default()));
+}
+
+/// A hole around a corner is not plane, and stays open.
+#[test]
+fn holes_that_are_not_plane_stay() {
+    let bent = with_triangles(&potato(2), |triangles| {
+        triangles.retain(|corners| !corners.contains(&0));
+    });
+    let (left, done) = repaired(&bent);
+    assert_eq!((done.filled, left.diagnose().holes.count), (0, 1));
+    assert!(matches!(Polyhedron::new(&left), Err(MeshError::Open { .. })));
+}
+
+#[test]
+fn a_star_shaped_hole_is_filled_ear_by_ear() {
+    // a prism over a star, without its lid
+    let count = 10;
+    let at = |k: u32, z: f64| {
+        let (radius, angle) = (
+            if k.is_multiple_of(2) { 1.0 } else { 0.4 },
+            f64::from(k) * std::f64::consts::TAU / f64::from(count),
+        );
+        Vec3::new(radius * libm::cos(angle), radius * libm::sin(angle), z)
+    };
+    let mut vertices: Vec<Vec3> =
+        (0..count).map(|k| at(k, 0.0)).chain((0..count).map(|k| at(k, 1.0))).collect();
+    vertices.push(Vec3::ZERO);
+    let mut triangles = Vec::new();
+    for k in 0..count {
+        let next = (k + 1) % count;
+        triangles.extend([[k, next, next + count], [k, next + count, k + count], [2 * count, next, k]]);
+    }
+    let open = Mesh::new(vertices, triangles).unwrap();
+    let (closed, done) = repaired(&open);
+    assert_eq!(done.filled, 1);
+    let star = 10.0 * 0.5 * 0.4 * libm::sin(std::f64::consts::TAU / 10.0);
+    assert!(closed.diagnose().is_sound());
+    assert!((closed.volume() - star).abs() < 1e-15 * 10.0, "{} {star}", closed.volume());
+}
+
+#[test]
+fn triangles_and_shells_that_turn_wrongly_are_found_and_turned() {
+    let flipped = with_triangles(&potato(2), |triangles| {
+        for k in [3, 40, 41] {
+            triangles[k].swap(0, 1);
+        }
+    });
+    let found = flipped.diagnose();
+    assert_eq!(found.flipped.first, [3, 40, 41]);
+    assert!(found.is_closed() && !found.is_sound());
+    let (mended, done) = repaired(&flipped);
+    assert_eq!(done.turned, 3);
+    assert!(mended.diagnose().is_sound());
+
+    let inside_out = with_triangles(&cube(), |triangles| triangles.iter_mut().for_each(|t| t.swap(0, 1)));
+    let found = inside_out.diagnose();
+    assert!(found.components[0].is_inside_out() && found.flipped.is_empty());
+    assert!((repaired(&inside_out).0.volume() - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn shells_within_shells_turn_by_turns() {
+    let sizes = [4.0, 3.0, 2.0];
+    let boxes = sizes.map(|size| cuboid(Vec3::splat(-size), Vec3::splat(size)));
+    let nested = both(&both(&boxes[2], &boxes[0]), &boxes[1]);
+    let found = nested.diagnose();
+    assert_eq!(found.components.iter().map(|shell| shell.depth).collect::<Vec<_>>(), [2, 0, 1]);
+    assert!(!found.is_sound());
+    let (mended, done) = repaired(&nested);
+    assert_eq!(done.turned, 12);
+    assert!(mended.diagnose().is_sound());
+    assert_eq!(mended.volume(), 512.0 - 216.0 + 64.0);
+}
+
+#[test]
+fn degenerate_and_repeated_triangles_are_found_and_left_out() {
+    let mut vertices = cube().vertices().to_vec();
+    vertices.push(Vec3::new(0.5, 0.0, 0.0));
+    let mut triangles = cube().triangles().to_vec();
+    triangles.extend([[0, 0, 1], triangles[5], [0, 8, 1]]);
+    let broken = Mesh::new(vertices, triangles).unwrap();
+    let found = broken.diagnose();
+    assert_eq!(found.degenerate.first, [12, 14]);
+    assert_eq!(found.duplicates.first, [[5, 13]]);
+    let (mended, done) = repaired(&broken);
+    assert_eq!((done.collapsed, done.duplicates), (1, 1));
+    // three points of a line are an open edge, which nobody can mend safely
+    assert!(!mended.diagnose().is_closed());
+}
+
+#[test]
+fn near_points_become_one() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mesh = potato(2);
+    // each triangle with corners of its own, all a little off
+    let soup = (0..mesh.triangles().len()).flat_map(|k| mesh.corners(k));
+    let shaken: Vec<Vec3> = soup.map(|p| p + 1e-9 * vector(&mut rng)).collect();
+    let count = shaken.len() as u32;
+    let torn = Mesh::new(shaken, (0..count / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect()).unwrap();
+    assert_eq!(torn.diagnose().open_edges, 3 * mesh.triangles().len());
+    let (mended, done) = torn.repaired(&RepairOptions { weld: 1e-8, fill: true }).unwrap();
+    assert_eq!(done.welded, count as usize - mesh.vertices().len());
+    assert!(mended.diagnose().is_sound());
+    assert!((mended.volume() - mesh.volume()).abs() < 1e-7);
+}
+
+/// Two boxes, one pushed into the other: every pair of triangles that meet in more than an edge is reported, by exact arithmetic.
+#[test]
+fn what_goes_through_itself_is_found() {
+    let turn = Affine::rotation(Vec3::new(1.0, 2.0, 0.5), 25.0);
+    let tilted = cube().mapped(|p| turn.point(p) + Vec3::new(0.4, 0.3, 0.6)).unwrap();
+    let found = both(&cube(), &tilted).diagnose();
+    assert!(found.crossings.count > 4 && found.overlaps.is_empty(), "{found}");
+    let first = found.crossings.first[0];
+    assert!(first.triangles[0] < 12 && first.triangles[1] >= 12 && cube().bounds().contains(first.at));
+
+    // pushed along an axis, side faces lie in each other and no edge goes through the inside of a triangle
+    let along = cube().mapped(|p| p + Vec3::new(0.5, 0.0, 0.0)).unwrap();
+    let found = both(&cube(), &along).diagnose();
+    assert!(found.overlaps.count >= 8 && !found.is_sound(), "{found}");
+
+    // side by side they share a face, and beside each other nothing
+    let beside = cube().mapped(|p| p + Vec3::new(1.0, 0.0, 0.0)).unwrap();
+    let found = both(&cube(), &beside).diagnose();
+    assert_eq!((found.crossings.count, found.crowded_edges.count), (0, 4 + found.duplicates.count / 2));
+    let apart = cube().mapped(|p| p + Vec3::new(1.5, 0.0, 0.0)).unwrap();
+    assert!(both(&cube(), &apart).diagnose().is_sound());
+}
+
+/// Number of crossing pairs against all pairs, by sampling one triangle finely.
+#[test]
+fn crossing_pairs_are_those_that_all_pairs_give() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    for _ in 0..5 {
+        let shift = 0.7 * vector(&mut rng);
+        let other = ball(1, |_| 1.0).mapped(|p| p + shift).unwrap();
+        let pair = both(&ball(1, |_| 1.0), &other);
+        let found = pair.diagnose().crossings;
+        let truth = (0..80).flat_map(|a| (80..160).map(move |b| (a, b)));
+        let truth: Vec<[u32; 2]> = truth
+            .filter(|&(a, b)| meet(pair.corners(a as usize), pair.corners(b as usize)))
+            .map(|(a, b)| [a, b])
+            .collect();
+        assert_eq!(found.first.iter().map(|x| x.triangles).collect::<Vec<_>>(), truth);
+        assert!(!truth.is_empty());
+    }
+}
+
+/// True if an edge of one triangle goes through the other (T. Möller, B. Trumbore, 1997), for triangles in general position.
+fn meet(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
+    let hits = |p: Vec3, q: Vec3, [a, b, c]: [Vec3; 3]| {
+        let (d, e, f) = (q - p, b - a, c - a);
+        let h = d.cross(f);
+        let det = e.dot(h);
+        let (u, s) = ((p - a).dot(h) / det, (p - a).cross(e));
+        let (v, t) = (d.dot(s) / det, f.dot(s) / det);
+        u >= 0.0 && v >= 0.0 && u + v <= 1.0 && (0.0..=1.0).contains(&t)
+    };
+    (0..3).any(|k| hits(a[k], a[(k + 1) % 3], b) || hits(b[k], b[(k + 1) % 3], a))
+}
+
+#[test]
+fn pinched_points_and_crowded_edges_are_found() {
+    // two tetrahedra that share a corner, and two boxes that share an edge
+    let tip = Vec3::ZERO;
+    let corners = [Vec3::X, Vec3::Y, Vec3::Z];
+    let vertices: Vec<Vec3> = [tip].into_iter().chain(corners).chain(corners.map(|p| -p)).collect();
+    let sides = |a: u32, b: u32, c: u32| [[0, b, a], [0, c, b], [0, a, c], [a, b, c]];
+    let triangles = sides(1, 2, 3).into_iter().chain(sides(4, 6, 5)).collect();
+    let found = Mesh::new(vertices, triangles).unwrap().diagnose();
+    assert_eq!(found.pinched_vertices.first, [tip]);
+    assert!(found.is_closed() && found.components.len() == 2);
+    let found = both(&cube(), &cuboid(Vec3::new(1.0, 1.0, 0.0), Vec3::new(2.0, 2.0, 1.0))).diagnose();
+    assert_eq!(found.crowded_edges.first, [Vec3::new(1.0, 1.0, 0.5)]);
+    assert_eq!(found.components.len(), 2);
+    assert!(found.components.iter().all(|shell| shell.is_closed && shell.volume > 0.0));
+}
+
+/// A Klein bottle made of a grid whose seam is glued the other way round.
+#[test]
+fn one_sided_shells_are_told() {
+    let (rows, columns) = (8u32, 6u32);
+    let number = |i: u32, j: u32| {
+        let j = if i == rows { (columns - j % columns) % columns } else { j % columns };
+        (i % rows) * columns + j
+    };
+    let cells = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+    let triangles: Vec<[u32; 3]> = cells
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let vertices = (0..rows * columns).map(|_| vector(&mut rng)).collect();
+    let found = Mesh::new(vertices, triangles).unwrap().diagnose();
+    assert!(found.is_closed() && !found.components[0].is_orientable && !found.is_sound());
+}
+
+#[test]
+fn bad_numbers_and_indices_are_refused_with_their_place() {
+    let bad = |point: Vec3| Mesh::new(vec![Vec3::ZERO, point], vec![]).unwrap_err().to_string();
+    assert!(
+        bad(Vec3::new(0.0, f64::NAN, 0.0))
+            .starts_with("vertex 1 is (0.0, NaN, 0.0) (coordinates must be finite")
+    );
+    assert!(bad(Vec3::new(0.0, 0.0, 1e61)).contains("1e61"));
+    let error = Mesh::new(vec![Vec3::ZERO; 3], vec![[0, 1, 2], [0, 3, 1]]).unwrap_err();
+    assert_eq!(error, MeshError::Index { triangle: 1, vertex: 3, count: 3 });
+}
+
+/// Anything may be looked at: soups of random triangles among few points.
+#[test]
+fn random_soups_are_diagnosed_and_repaired() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    for _ in 0..300 {
+        let points = rng.random_range(3..12u32);
+        let coordinate = |rng: &mut ChaCha8Rng| f64::from(rng.random_range(0..3i32));
+        let vertices = (0..points)
+            .map(|_| Vec3::new(coordinate(&mut rng), coordinate(&mut rng), coordinate(&mut rng)))
+            .collect();
+        let count = rng.random_range(0..20);
+        let triangles = (0..count).map(|_| [0, 1, 2].map(|_| rng.random_range(0..points))).collect();
+        let mesh = Mesh::new(vertices, triangles).unwrap();
+        let found = mesh.diagnose();
+        match Polyhedron::new(&mesh) {
+            Ok(_) => assert!(found.is_closed()),
+            Err(MeshError::Open { edges, .. }) => assert_eq!(edges, found.open_edges),
+            Err(error) => assert_eq!((error, found.open_edges), (MeshError::Empty, 0)),
+        }
+        let (mended, done) = mesh.repaired(&RepairOptions { weld: 0.5, fill: true }).unwrap();
+        assert!(mended.diagnose().duplicates.is_empty() || done.filled > 0);
+        let again = mended.repaired(&RepairOptions::default()).unwrap().1;
+        assert_eq!((again.welded, again.collapsed), (0, 0));
+    }
+}

@@ -1,0 +1,205 @@
+//! Files of meshes: back and forth, by hand, and broken in every way.
+
+mod shapes;
+
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rayweave_math::Vec3;
+use rayweave_mesh::files::{
+    FileError, Loaded, MeshFormat, ReadOptions, WriteOptions, read, read_bytes, save, write,
+};
+use rayweave_mesh::{Mesh, MeshError};
+use shapes::{cuboid, potato};
+
+fn written(mesh: &Mesh, format: MeshFormat, text: bool) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write(mesh, format, WriteOptions { text }, &mut bytes).unwrap();
+    bytes
+}
+
+fn loaded(bytes: &[u8], format: MeshFormat) -> Result<Loaded, FileError> {
+    read_bytes(bytes, format, &ReadOptions::default())
+}
+
+fn refused(text: &str, format: MeshFormat) -> String {
+    loaded(text.as_bytes(), format).unwrap_err().to_string()
+}
+
+/// Corners of all triangles, which is what formats without numbered vertices keep.
+fn corners(mesh: &Mesh) -> Vec<[Vec3; 3]> {
+    (0..mesh.triangles().len()).map(|k| mesh.corners(k)).collect()
+}
+
+#[test]
+fn what_is_written_reads_back_to_the_bit() {
+    let mesh = potato(2);
+    let single = mesh.mapped(|p| p.as_vec3().as_dvec3()).unwrap();
+    for format in MeshFormat::ALL {
+        for text in [false, true] {
+            let is_single = format == MeshFormat::Stl && !text;
+            let mesh = if is_single { &single } else { &mesh };
+            let back = loaded(&written(mesh, format, text), format).unwrap();
+            assert_eq!(corners(&back.mesh), corners(mesh), "{format:?} {text}");
+            assert!(back.warnings.is_empty() && back.mesh.vertices().len() == mesh.vertices().len());
+        }
+    }
+}
+
+#[test]
+fn files_are_told_by_their_names_and_renamed_when_complete() {
+    let folder = std::env::temp_dir().join(format!("rayweave-mesh-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let mesh = cuboid(Vec3::ZERO, Vec3::ONE);
+    for format in MeshFormat::ALL {
+        let path = folder.join(format!("part.{}", format.name().to_uppercase()));
+        save(&mesh, &path, None, WriteOptions::default()).unwrap();
+        assert_eq!(corners(&read(&path, None, &ReadOptions::default()).unwrap().mesh), corners(&mesh));
+    }
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), MeshFormat::ALL.len());
+    let unknown = read(&folder.join("part.xyz"), None, &ReadOptions::default()).unwrap_err();
+    assert!(unknown.to_string().contains("of no known format"), "{unknown}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn faces_with_many_corners_become_triangles() {
+    let text = "# a block with an L as its base\nv 0 0 0\nv 2 0 0\nv 2 1 0 0.5\nv 1 1 0\nv 1 2 0\nv 0 2 0\n\
+                v 0 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\nv 0 2 1\nvn 0 0 1\no body\ng top\nusemtl red\ns off\n\
+                f 6 5 4 3 2 1\nf -6//1 -5//1 -4//1 \\\n -3//1 -2//1 -1//1\n\
+                f 1 2 8 7\nf 2 3 9 8\nf 3/1 4/2 10/3 9/4\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\nl 1 2\n";
+    let Loaded { mesh, warnings, .. } = loaded(text.as_bytes(), MeshFormat::Obj).unwrap();
+    assert!(mesh.diagnose().is_sound(), "{}", mesh.diagnose());
+    assert_eq!((mesh.volume(), mesh.triangles().len()), (3.0, 4 + 4 + 12));
+    assert_eq!(warnings, ["1 points, lines, curves and curved surfaces were left out"]);
+    let bent = "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0.5\n0 1 0\n4 0 1 2 3 255 0 0\n";
+    let bent = loaded(bent.as_bytes(), MeshFormat::Off).unwrap();
+    assert!(bent.warnings[0].starts_with("1 faces with more than three corners are not plane"));
+}
+
+#[test]
+fn ply_has_both_byte_orders_and_more_than_is_read() {
+    let head = "format binary_big_endian 1.0\nobj_info by hand\nelement vertex 4\nproperty uchar red\n\
+                property float x\nproperty short y\nproperty double z\nelement face 4\n\
+                property list uchar ushort vertex_index\nproperty list uint float more\nelement edge 1\nproperty int a\n";
+    let mut bytes = format!("ply\n{head}end_header\n").into_bytes();
+    for [x, y, z] in [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]] {
+        bytes.push(7);
+        bytes.extend((x as f32).to_be_bytes());
+        bytes.extend((y as i16).to_be_bytes());
+        bytes.extend(f64::from(z).to_be_bytes());
+    }
+    for corners in [[0u16, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]] {
+        bytes.push(3);
+        corners.iter().for_each(|vertex| bytes.extend(vertex.to_be_bytes()));
+        bytes.extend(1u32.to_be_bytes());
+        bytes.extend(0.5f32.to_be_bytes());
+    }
+    bytes.extend([0; 4]);
+    let tetrahedron = loaded(&bytes, MeshFormat::Ply).unwrap().mesh;
+    assert!((tetrahedron.volume() - 1.0 / 6.0).abs() < 1e-16 && tetrahedron.diagnose().is_sound());
+    bytes.truncate(bytes.len() - 6);
+    let error = loaded(&bytes, MeshFormat::Ply).unwrap_err().to_string();
+    assert!(error.starts_with("byte ") && error.contains("ends before its last element"), "{error}");
+}
+
+#[test]
+fn errors_name_their_lines() {
+    use MeshFormat::{Obj, Off, Ply, Stl};
+    let cases = [
+        (Obj, "v 0 0 0\nv 1 0 nan\n", "line 2: a coordinate is `nan` (it must be finite)"),
+        (Obj, "v 0 0 1e400\n", "line 1: a coordinate is `1e400` (it must be finite)"),
+        (Obj, "v 0 0\n", "line 1: the file ends before a coordinate (is it complete?)"),
+        (Obj, "v 0 0 1e99\n", "line 1: vertex 0 is"),
+        (Obj, "v 0 0 0\nf 1 1 2\n", "line 2: triangle 0 names vertex 1"),
+        (Obj, "v 0 0 0\nf 1 1\n", "line 2: a face with less than three corners"),
+        (Obj, "v 0 0 0\nf 1 0 1\n", "line 2: `0` is no corner"),
+        (Obj, "{\"asset\": 1}", "line 1: `{\"asset\":` is no statement"),
+        (Off, "OFF\n99999999 3 0\n", "line 2: 99999999 vertices (at most 20000000 are held)"),
+        (Off, "OFF\n9999999 3 0\n", "line 2: 9999999 vertices (the file has 16 bytes)"),
+        (Off, "OFF\n1 1 0\n0 0 0\n4000000000 0 0", "line 4: 4000000000 corners (the file has"),
+        (Off, "4OFF\n", "line 1: `4OFF` where `OFF` should be"),
+        (Off, "OFF BINARY\n", "line 1: binary OFF"),
+        (Off, "OFF\n-1 0 0\n", "line 2: the number of vertices is `-1`"),
+        (Ply, "plx\n", "line 1: the first line is not `ply`"),
+        (Ply, "ply\nformat ascii 1.0\n", "line 2: the file ends before `end_header`"),
+        (Ply, "ply\nproperty float x\n", "line 2: `property float x` is no line of a header"),
+        (
+            Ply,
+            "ply\nformat ascii 1.0\nelement edge 18000000\nproperty float x\nend_header\n",
+            "line 5: 18000000 of element",
+        ),
+        (
+            Ply,
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n",
+            "line 5: element vertex has no property y",
+        ),
+        (Stl, "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 inf\n", "line 4: a coordinate is `inf`"),
+        (
+            Stl,
+            "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n",
+            "line 4: the file ends before vertex",
+        ),
+        (Stl, "solid x\n", "line 1: the file ends before `endsolid`"),
+        (Stl, "", "byte 0: the file ends before the header"),
+    ];
+    for (format, text, wanted) in cases {
+        let found = refused(text, format);
+        assert!(found.starts_with(wanted), "{text:?}: {found}");
+    }
+}
+
+/// A header may promise whatever it likes: nothing is allocated for it.
+#[test]
+fn counts_are_compared_with_the_length_of_the_file() {
+    let mut bytes = written(&cuboid(Vec3::ZERO, Vec3::ONE), MeshFormat::Stl, false);
+    let more = [bytes.clone(), vec![1, 2, 3]].concat();
+    assert_eq!(loaded(&more, MeshFormat::Stl).unwrap().warnings, ["3 bytes after the last triangle"]);
+    bytes[80..84].copy_from_slice(&13u32.to_le_bytes());
+    let error = loaded(&bytes, MeshFormat::Stl).unwrap_err().to_string();
+    assert!(error.starts_with("byte 80: 13 triangles take 734 bytes (the file has 684)"), "{error}");
+    bytes[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
+    let error = loaded(&bytes, MeshFormat::Stl).unwrap_err();
+    assert!(matches!(error, FileError::Mesh { error: MeshError::TooMany { count: 4_294_967_295, .. }, .. }));
+    // some write `solid` at the start of binary files
+    let mut solid = written(&cuboid(Vec3::ZERO, Vec3::ONE), MeshFormat::Stl, false);
+    solid[..5].copy_from_slice(b"solid");
+    assert_eq!(loaded(&solid, MeshFormat::Stl).unwrap().mesh.triangles().len(), 12);
+    let few = ReadOptions { most: 11 };
+    assert!(read_bytes(&solid, MeshFormat::Stl, &few).is_err());
+}
+
+/// Cut off anywhere and with bytes changed, a file is read or refused, soon and without a panic.
+#[test]
+fn damaged_files_are_read_or_refused() {
+    let mesh = cuboid(-Vec3::ONE, Vec3::splat(1.5));
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for format in MeshFormat::ALL {
+        for text in [false, true] {
+            let bytes = written(&mesh, format, text);
+            let (mut read, mut refused) = (0, 0);
+            let mut check = |bytes: &[u8]| match loaded(bytes, format) {
+                Ok(found) => {
+                    assert!(found.mesh.vertices().iter().all(|p| p.is_finite()));
+                    read += 1;
+                }
+                Err(error) => {
+                    assert!(!error.to_string().is_empty());
+                    refused += 1;
+                }
+            };
+            (0..bytes.len()).for_each(|end| check(&bytes[..end]));
+            for _ in 0..1500 {
+                let mut damaged = bytes.clone();
+                for _ in 0..rng.random_range(1..4) {
+                    let at = rng.random_range(0..damaged.len());
+                    damaged[at] = match rng.random_range(0..3) {
+                        0 => rng.random(),
+                        1 => damaged[at] ^ 1 << rng.random_range(0..8),
+                        _ => b"0 -9enf\n"[rng.random_range(0..8)],
+                    };
+                }
+                check(&damaged);
+            }
+            assert!(read > 20 && refused > 300, "{format:?} {text}: {read} {refused}");
+        }
+    }
+}
