@@ -9,8 +9,9 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 use rayweave::Compiled;
+use rayweave::formats::{self, Format, Options};
 use rayweave::model::simplify::Preparation;
-use rayweave::scene::{Diagnostics, Document, Scene, load, parse_with};
+use rayweave::scene::{Diagnostics, Document, Scene, parse_with};
 
 use crate::engine::{Engine, How};
 use crate::error::{bad_type, bad_value};
@@ -70,16 +71,32 @@ impl PyModel {
     }
 }
 
-/// Reads a model file (.toml). `parameters` gives other values to some of its parameters: numbers, or arithmetic text.
+/// Reads a model file: a native one (.toml), or one of another program (OpenSCAD's .csg). The ending tells the format, unless `format`
+/// names it: "native" or "openscad". `parameters` gives other values to some of the parameters of a native file: numbers, or arithmetic
+/// text. With `facets` round shapes are the facets that their own program makes of them, else they are truly round. What was
+/// approximated, dropped or refused is told by `warnings` of the model. `fonts` are files of fonts, and folders of them, in which those
+/// of texts are looked for before the system's.
 #[pyfunction]
-#[pyo3(name = "load", signature = (path, parameters = None))]
+#[pyo3(name = "load", signature = (path, parameters = None, *, format = None, facets = false, fonts = Vec::new()))]
 pub fn load_model(
     py: Python<'_>,
     path: PathBuf,
     parameters: Option<&Bound<'_, PyDict>>,
+    format: Option<&str>,
+    facets: bool,
+    fonts: Vec<PathBuf>,
 ) -> PyResult<PyModel> {
     let overrides = overrides(parameters)?;
-    PyModel::new(py.detach(|| load(&path, &overrides)), !overrides.is_empty())
+    let format = format.map(format_of).transpose()?;
+    let options = Options { facets, fonts };
+    let read = py.detach(|| formats::load(&path, format, &overrides, &options));
+    PyModel::new(read.map(|imported| (imported.document, imported.scene)), !overrides.is_empty())
+}
+
+fn format_of(name: &str) -> PyResult<Format> {
+    let reason =
+        || bad_value(format!("no format is called '{name}' (there is {})", Format::NAMES.join(", ")));
+    Format::from_name(name).ok_or_else(reason)
 }
 
 /// Reads a model from the text of a model file. Files that it names are looked for in the current folder.

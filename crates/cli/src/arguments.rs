@@ -5,7 +5,8 @@ use crate::command::{
 };
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
-use rayweave::scene::{Document, Scene, load};
+use rayweave::formats::{self, Format, Options};
+use rayweave::scene::{Document, Scene};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -65,8 +66,20 @@ pub enum Command {
 /// A model file and the values of its parameters.
 #[derive(Args)]
 pub struct ModelArguments {
-    /// The model file (TOML)
+    /// The model file: a native one (.toml), or one of OpenSCAD (.csg)
     pub model: PathBuf,
+
+    /// Read the model file as one of this format [default: what its name says, or native]
+    #[arg(long, value_name = "NAME", value_parser = Format::NAMES)]
+    pub format: Option<String>,
+
+    /// Take round shapes of OpenSCAD as the facets that it makes of them, instead of truly round
+    #[arg(long)]
+    pub facets: bool,
+
+    /// Look for the fonts of texts in this file or folder before those of the system. May be repeated
+    #[arg(long = "font", value_name = "PATH")]
+    pub fonts: Vec<PathBuf>,
 
     /// Set a parameter of the model; the value may be arithmetic over others. May be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
@@ -81,9 +94,12 @@ impl ModelArguments {
 
     /// Reads the model file and keeps what it says, for those who read tables of their own in it.
     pub fn load_document(&self) -> Result<(Document, Scene), Failure> {
-        let (document, scene) = load(&self.model, &self.definitions).map_err(rayweave::Error::from)?;
-        crate::terminal::warn(&scene.warnings);
-        Ok((document, scene))
+        let format = self.format.as_deref().and_then(Format::from_name);
+        let options = Options { facets: self.facets, fonts: self.fonts.clone() };
+        let imported = formats::load(&self.model, format, &self.definitions, &options);
+        let imported = imported.map_err(rayweave::Error::from)?;
+        crate::terminal::warn(&imported.scene.warnings);
+        Ok((imported.document, imported.scene))
     }
 
     /// The name of the file, for headings.

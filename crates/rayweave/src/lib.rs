@@ -116,6 +116,8 @@
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
+//! Models of other programs are read by [`formats::load`], which tells what was lost on the way.
+//!
 //! # Pictures
 //!
 //! [`render`](mod@render) draws what an evaluator sees; [`picture`] arranges camera, colours and lights from a scene.
@@ -175,6 +177,7 @@ pub mod infill;
 pub mod picture;
 pub mod shapes;
 
+pub use rayweave_formats as formats;
 pub use rayweave_math as math;
 pub use rayweave_mesh as mesh;
 pub use rayweave_model as model;

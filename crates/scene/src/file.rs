@@ -23,7 +23,7 @@ pub fn load(
     path: impl AsRef<Path>,
     overrides: &[(String, String)],
 ) -> Result<(Document, Scene), Diagnostics> {
-    understand(Arc::new(read_source(path.as_ref())?), overrides)
+    understand(Arc::new(Source::read(path.as_ref())?), overrides)
 }
 
 /// Reads a model from text. Files that it names are looked for in the current folder.
@@ -53,27 +53,34 @@ fn understand(source: Arc<Source>, overrides: &[(String, String)]) -> Result<(Do
     Ok((reading.document, scene))
 }
 
-fn read_source(path: &Path) -> Result<Source, Diagnostics> {
-    let source = |text: String| Source::new(Some(path.to_owned()), text);
-    let problem = |reason: &str| {
-        let problem = Diagnostic::error("the model file cannot be read").why(reason);
-        Diagnostics::from(problem.in_file(&Arc::new(source(String::new()))))
-    };
-    let bytes = read_bytes(path).map_err(|reason| problem(&reason))?;
-    match String::from_utf8(bytes) {
-        Ok(text) => Ok(source(text)),
-        Err(error) => {
-            // the text before it is kept as it is, so that the place is the same in the text that is shown
-            let at = error.utf8_error().valid_up_to();
-            let source = Arc::new(source(String::from_utf8_lossy(error.as_bytes()).into_owned()));
-            let problem = Diagnostic::error("the file is not a text in UTF-8");
-            let reason = format!("byte {at} is part of no character");
-            let suggestion = Some("was it saved in another encoding?".to_owned());
-            Err(problem
-                .why(reason)
-                .suggest(suggestion)
-                .at(&source, Span::new(at, at + char::REPLACEMENT_CHARACTER.len_utf8()))
-                .into())
+impl Source {
+    /// Reads the text of a model file, in UTF-8 and of at most 256 MiB.
+    ///
+    /// # Errors
+    ///
+    /// One problem: the file cannot be read, is too large, or is no text.
+    pub fn read(path: &Path) -> Result<Source, Diagnostics> {
+        let source = |text: String| Source::new(Some(path.to_owned()), text);
+        let problem = |reason: &str| {
+            let problem = Diagnostic::error("the model file cannot be read").why(reason);
+            Diagnostics::from(problem.in_file(&Arc::new(source(String::new()))))
+        };
+        let bytes = read_bytes(path).map_err(|reason| problem(&reason))?;
+        match String::from_utf8(bytes) {
+            Ok(text) => Ok(source(text)),
+            Err(error) => {
+                // the text before it is kept as it is, so that the place is the same in the text that is shown
+                let at = error.utf8_error().valid_up_to();
+                let source = Arc::new(source(String::from_utf8_lossy(error.as_bytes()).into_owned()));
+                let problem = Diagnostic::error("the file is not a text in UTF-8");
+                let reason = format!("byte {at} is part of no character");
+                let suggestion = Some("was it saved in another encoding?".to_owned());
+                Err(problem
+                    .why(reason)
+                    .suggest(suggestion)
+                    .at(&source, Span::new(at, at + char::REPLACEMENT_CHARACTER.len_utf8()))
+                    .into())
+            }
         }
     }
 }

@@ -441,7 +441,12 @@ class Explanation:
     def story(self, lines: int | None = ...) -> str: ...
 
 def load(
-    path: str | PathLike[str], parameters: dict[str, float | str] | None = None
+    path: str | PathLike[str],
+    parameters: dict[str, float | str] | None = None,
+    *,
+    format: str | None = None,
+    facets: bool = False,
+    fonts: Sequence[str | PathLike[str]] = ...,
 ) -> Model: ...
 def loads(text: str, parameters: dict[str, float | str] | None = None) -> Model: ...
 def render(

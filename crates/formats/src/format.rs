@@ -1,0 +1,73 @@
+//! The formats of models.
+
+use std::fmt;
+use std::path::Path;
+
+/// A format of models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// Rayweave's own model file, `.toml`.
+    Native,
+    /// OpenSCAD's flattened dump, `.csg`.
+    OpenScad,
+}
+
+/// All formats with their names and the endings of their files.
+const TABLE: [(Format, &str, &[&str]); 2] =
+    [(Format::Native, "native", &["toml"]), (Format::OpenScad, "openscad", &["csg"])];
+
+impl Format {
+    /// The names of all formats.
+    pub const NAMES: [&'static str; TABLE.len()] = {
+        let mut names = [""; TABLE.len()];
+        let mut k = 0;
+        while k < names.len() {
+            names[k] = TABLE[k].1;
+            k += 1;
+        }
+        names
+    };
+
+    /// The name on the command line and in Python.
+    pub fn name(self) -> &'static str {
+        TABLE.iter().find(|row| row.0 == self).map_or("", |row| row.1)
+    }
+
+    /// The format of a name.
+    pub fn from_name(name: &str) -> Option<Format> {
+        TABLE.iter().find(|row| row.1 == name).map(|row| row.0)
+    }
+
+    /// The format that a file's ending tells, in small or capital letters.
+    pub fn from_path(path: &Path) -> Option<Format> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        TABLE.iter().find(|row| row.2.contains(&ending.as_str())).map(|row| row.0)
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_format_has_a_name_and_endings_of_its_own() {
+        for (k, (format, name, endings)) in TABLE.iter().enumerate() {
+            assert_eq!(Format::from_name(name), Some(*format));
+            assert_eq!(Format::NAMES[k], format.name());
+            for ending in *endings {
+                assert_eq!(Format::from_path(Path::new(&format!("a.b.{ending}"))), Some(*format));
+            }
+        }
+        assert_eq!(Format::from_path(Path::new("PART.CSG")), Some(Format::OpenScad));
+        for unknown in ["part", "part.scad", ".csg", ""] {
+            assert_eq!(Format::from_path(Path::new(unknown)), None, "{unknown}");
+        }
+    }
+}

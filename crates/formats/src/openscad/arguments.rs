@@ -1,0 +1,110 @@
+//! Arguments by their names, with their types checked.
+
+use super::syntax::Node;
+use super::value::{Argument, Value};
+use rayweave_scene::{Diagnostic, Source};
+use std::sync::Arc;
+
+/// Why an item is refused.
+pub(super) type Refusal = Box<Diagnostic>;
+
+/// The arguments of an item. One that is missing, or `undef`, has its default.
+#[derive(Clone, Copy)]
+pub(super) struct Arguments<'a> {
+    source: &'a Arc<Source>,
+    node: &'a Node,
+}
+
+impl<'a> Arguments<'a> {
+    pub fn new(source: &'a Arc<Source>, node: &'a Node) -> Arguments<'a> {
+        Arguments { source, node }
+    }
+
+    /// A warning about the item as a whole: what is wrong, and why.
+    pub fn refusal(&self, reason: &str) -> Refusal {
+        let problem = Diagnostic::warning(format!("{}() is left out", self.node.name));
+        Box::new(problem.why(reason).at(self.source, self.node.span))
+    }
+
+    /// A warning that something else stands in the item's place.
+    pub fn approximation(&self, message: &str) -> Diagnostic {
+        Diagnostic::warning(format!("{}() {message}", self.node.name)).at(self.source, self.node.span)
+    }
+
+    /// The argument of a name, or the one that stands without a name in its place.
+    fn find(&self, name: &str) -> Option<&'a Argument> {
+        let all = &self.node.arguments;
+        let found = all.iter().find(|argument| argument.name == name).or_else(|| {
+            let place = order(&self.node.name).iter().position(|other| *other == name)?;
+            all.iter().filter(|argument| argument.name.is_empty()).nth(place)
+        })?;
+        (found.value != Value::Undefined).then_some(found)
+    }
+
+    fn wrong(&self, argument: &Argument, wanted: &str) -> Refusal {
+        let problem = Diagnostic::warning(format!("{}() is left out", self.node.name));
+        let name = if argument.name.is_empty() { "this argument" } else { &argument.name };
+        let reason = format!("{name} must be {wanted}");
+        Box::new(problem.why(reason).at(self.source, argument.span))
+    }
+
+    /// A value of some type.
+    pub fn get<T>(
+        &self,
+        name: &str,
+        wanted: &str,
+        read: impl FnOnce(&'a Value) -> Option<T>,
+    ) -> Result<Option<T>, Refusal> {
+        match self.find(name) {
+            None => Ok(None),
+            Some(argument) => read(&argument.value).map(Some).ok_or_else(|| self.wrong(argument, wanted)),
+        }
+    }
+
+    /// A finite number.
+    pub fn number(&self, name: &str, default: f64) -> Result<f64, Refusal> {
+        let finite = |value: &Value| value.number().filter(|number| number.is_finite());
+        Ok(self.get(name, "a finite number", finite)?.unwrap_or(default))
+    }
+
+    /// `true` or `false`; a number is true unless it is 0.
+    pub fn truth(&self, name: &str, default: bool) -> Result<bool, Refusal> {
+        let truth = |value: &Value| match value {
+            Value::Truth(truth) => Some(*truth),
+            Value::Number(number) => Some(*number != 0.0),
+            _ => None,
+        };
+        Ok(self.get(name, "true or false", truth)?.unwrap_or(default))
+    }
+
+    /// N finite numbers, or one for all of them.
+    pub fn point<const N: usize>(&self, name: &str, default: f64) -> Result<[f64; N], Refusal> {
+        let point = |value: &Value| match value {
+            Value::Number(number) => number.is_finite().then_some([*number; N]),
+            other => finite(other),
+        };
+        let wanted = format!("a finite number, or {N} of them");
+        Ok(self.get(name, &wanted, point)?.unwrap_or([default; N]))
+    }
+}
+
+/// A list of N finite numbers.
+pub(super) fn finite<const N: usize>(value: &Value) -> Option<[f64; N]> {
+    let numbers = value.numbers()?;
+    let all = <[f64; N]>::try_from(numbers).ok()?;
+    all.iter().all(|number| number.is_finite()).then_some(all)
+}
+
+/// The names of arguments that may stand without them. OpenSCAD itself leaves out those of two items only.
+fn order(item: &str) -> &'static [&'static str] {
+    match item {
+        "multmatrix" => &["m"],
+        "color" => &["c"],
+        "cube" | "square" => &["size", "center"],
+        "sphere" | "circle" => &["r"],
+        "cylinder" => &["h", "r1", "r2", "center"],
+        "polygon" => &["points", "paths"],
+        "polyhedron" => &["points", "faces"],
+        _ => &[],
+    }
+}

@@ -1,0 +1,91 @@
+//! Cubes, spheres and cylinders.
+
+use super::arguments::{Arguments, Refusal};
+use super::facets::{Fineness, ring_planes, sphere_rings};
+use super::part::Part;
+use rayweave_math::Vec3;
+use rayweave_model::Solid;
+use rayweave_shape::primitive::{BoxFromCorners, Cone, Convex, Cylinder, Primitive, ShapeError, Sphere};
+
+/// A shape as a solid; what a shape says against its numbers is a refusal.
+pub(super) fn solid<S: Into<Primitive>>(
+    arguments: &Arguments,
+    shape: Result<S, ShapeError>,
+) -> Result<Solid, Refusal> {
+    match shape {
+        Ok(shape) => Ok(Solid::from(shape.into())),
+        Err(error) => Err(arguments.refusal(&error.to_string())),
+    }
+}
+
+/// `cube(size, center)`: nothing if a size is not positive.
+pub(super) fn cube(arguments: &Arguments) -> Result<Part, Refusal> {
+    let size = Vec3::from_array(arguments.point("size", 1.0)?);
+    if size.min_element() <= 0.0 {
+        return Ok(Part::Empty);
+    }
+    let lo = if arguments.truth("center", false)? { -0.5 * size } else { Vec3::ZERO };
+    Ok(solid(arguments, BoxFromCorners::new(lo, lo + size))?.into())
+}
+
+/// `sphere(r)`: nothing if the radius is not positive.
+pub(super) fn sphere(arguments: &Arguments, facets: bool) -> Result<Part, Refusal> {
+    let radius = arguments.number("r", 1.0)?;
+    if radius <= 0.0 {
+        return Ok(Part::Empty);
+    }
+    if !facets {
+        return Ok(solid(arguments, Sphere::new(radius))?.into());
+    }
+    let fragments = Fineness::of(arguments)?.fragments(radius);
+    let planes = ring_planes(&sphere_rings(radius, fragments), fragments);
+    Ok(solid(arguments, Convex::new(planes))?.into())
+}
+
+/// The numbers of `cylinder(h, r1, r2, center)`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CylinderSizes {
+    pub bottom: f64,
+    pub radius1: f64,
+    pub radius2: f64,
+    pub height: f64,
+}
+
+impl CylinderSizes {
+    /// `None` for one of no volume.
+    pub fn of(arguments: &Arguments) -> Result<Option<CylinderSizes>, Refusal> {
+        let height = arguments.number("h", 1.0)?;
+        let radius1 = arguments.number("r1", 1.0)?;
+        let radius2 = arguments.number("r2", 1.0)?;
+        let bottom = if arguments.truth("center", false)? { -0.5 * height } else { 0.0 };
+        let has_volume = height > 0.0 && radius1 >= 0.0 && radius2 >= 0.0 && radius1.max(radius2) > 0.0;
+        Ok(has_volume.then_some(CylinderSizes { bottom, radius1, radius2, height }))
+    }
+
+    /// The rings (radius, z) from the top down.
+    pub fn rings(&self) -> [[f64; 2]; 2] {
+        [[self.radius2, self.bottom + self.height], [self.radius1, self.bottom]]
+    }
+
+    pub fn largest(&self) -> f64 {
+        self.radius1.max(self.radius2)
+    }
+}
+
+/// `cylinder(h, r1, r2, center)`: nothing if it has no volume.
+pub(super) fn cylinder(arguments: &Arguments, facets: bool) -> Result<Part, Refusal> {
+    let Some(sizes) = CylinderSizes::of(arguments)? else {
+        return Ok(Part::Empty);
+    };
+    if facets {
+        let fragments = Fineness::of(arguments)?.fragments(sizes.largest());
+        return Ok(solid(arguments, Convex::new(ring_planes(&sizes.rings(), fragments)))?.into());
+    }
+    let CylinderSizes { bottom, radius1, radius2, height } = sizes;
+    let centred = match radius1 == radius2 {
+        true => solid(arguments, Cylinder::new(radius1, height))?,
+        false => solid(arguments, Cone::new(radius1, radius2, height))?,
+    };
+    let middle = bottom + 0.5 * height;
+    Ok(if middle == 0.0 { centred } else { centred.translate([0.0, 0.0, middle]) }.into())
+}

@@ -1,0 +1,318 @@
+//! From words to a tree, without using the call stack for depth.
+
+use super::token::{Token, Tokens};
+use super::value::{Argument, Value};
+use rayweave_scene::{Diagnostic, Diagnostics, Source, Span};
+use std::sync::Arc;
+
+/// How deep lists may lie in lists: a matrix is a list of lists.
+const DEEPEST_LIST: usize = 16;
+
+/// The most nodes and the most values: a file with more says that it is no dump, or asks for all memory.
+const MOST_NODES: usize = 4_000_000;
+const MOST_VALUES: usize = 32_000_000;
+
+/// What stands before a name: `%` not there, `#` there, `*` not at all, `!` nothing else.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Modifiers {
+    pub background: bool,
+    pub disabled: bool,
+    pub root: bool,
+}
+
+/// An item `name(arguments) { children }`.
+#[derive(Debug)]
+pub(super) struct Node {
+    pub name: String,
+    /// Where the name stands.
+    pub span: Span,
+    pub modifiers: Modifiers,
+    pub arguments: Vec<Argument>,
+    /// The numbers of the children, which are greater than that of the node.
+    pub children: Vec<u32>,
+}
+
+/// All items of a file, each before its children: node 0 is a group of everything.
+#[derive(Debug)]
+pub(super) struct Tree {
+    pub nodes: Vec<Node>,
+}
+
+/// An item whose children are being read.
+struct Open {
+    node: u32,
+    /// The brace that opened it; `None` if it takes the one item that follows.
+    brace: Option<Span>,
+}
+
+struct Parser<'a> {
+    source: &'a Arc<Source>,
+    tokens: Tokens<'a>,
+    nodes: Vec<Node>,
+    open: Vec<Open>,
+    values: usize,
+    /// Numbers that are too large, which do not keep from reading on.
+    problems: Vec<Diagnostic>,
+}
+
+/// Reads the text of a dump.
+///
+/// # Errors
+///
+/// All numbers that are too large, or the first word that is out of place.
+pub(super) fn parse(source: &Arc<Source>) -> Result<Tree, Diagnostics> {
+    let root = Node {
+        name: "group".to_owned(),
+        span: Span::default(),
+        modifiers: Modifiers::default(),
+        arguments: Vec::new(),
+        children: Vec::new(),
+    };
+    let mut parser = Parser {
+        source,
+        tokens: Tokens::new(source.text()),
+        nodes: vec![root],
+        open: vec![Open { node: 0, brace: Some(Span::default()) }],
+        values: 0,
+        problems: Vec::new(),
+    };
+    if let Err(problem) = parser.items() {
+        parser.problems.push(*problem);
+    }
+    match parser.problems.is_empty() {
+        true => Ok(Tree { nodes: parser.nodes }),
+        false => Err(Diagnostics::new(parser.problems)),
+    }
+}
+
+/// The problem is boxed, since the way without one is the common one.
+type Step<T> = Result<T, Box<Diagnostic>>;
+
+impl Parser<'_> {
+    fn problem(&self, message: impl Into<String>, reason: &str, span: Span) -> Box<Diagnostic> {
+        Box::new(Diagnostic::error(message).why(reason).at(self.source, span))
+    }
+
+    /// The next word, which must be there.
+    fn need(&mut self, wanted: &str) -> Step<(Token, Span)> {
+        match self.tokens.next() {
+            Some((Token::Bad(reason), span)) => {
+                Err(self.problem(format!("{wanted} is missing"), reason, span))
+            }
+            Some(word) => Ok(word),
+            None => {
+                let reason = "the text ends here";
+                let problem = *self.problem(format!("{wanted} is missing"), reason, self.tokens.place());
+                let open = self.open.last().and_then(|open| open.brace).filter(|_| self.open.len() > 1);
+                Err(Box::new(match open {
+                    Some(brace) => problem.note(brace, "this one is still open"),
+                    None => problem,
+                }))
+            }
+        }
+    }
+
+    fn unexpected(&self, wanted: &str, span: Span) -> Box<Diagnostic> {
+        let found = self.source.slice(span);
+        self.problem(format!("unexpected `{found}`"), &format!("{wanted} was expected"), span)
+    }
+
+    fn mark(&mut self, mark: char) -> Step<Span> {
+        match self.need(&format!("`{mark}`"))? {
+            (Token::Mark(found), span) if found == mark => Ok(span),
+            (_, span) => Err(self.unexpected(&format!("`{mark}`"), span)),
+        }
+    }
+
+    /// The whole text.
+    fn items(&mut self) -> Step<()> {
+        loop {
+            let (token, span) = if self.open.len() > 1 {
+                self.need("`}`")?
+            } else {
+                match self.tokens.next() {
+                    None => return Ok(()),
+                    Some((Token::Bad(reason), span)) => {
+                        return Err(self.problem("this is no dump of OpenSCAD", reason, span));
+                    }
+                    Some(word) => word,
+                }
+            };
+            self.item(token, span)?;
+        }
+    }
+
+    /// One item up to its children, or the end of a list of children.
+    fn item(&mut self, mut token: Token, mut span: Span) -> Step<()> {
+        match token {
+            Token::Mark('}') => return self.close(span),
+            Token::Mark(';') => return Ok(()),
+            _ => {}
+        }
+        let mut modifiers = Modifiers::default();
+        while let Token::Mark(mark @ ('%' | '#' | '*' | '!')) = token {
+            modifiers.background |= mark == '%';
+            modifiers.disabled |= mark == '*';
+            modifiers.root |= mark == '!';
+            (token, span) = self.need("a name")?;
+        }
+        let Token::Name(name) = token else {
+            return Err(self.unexpected("the name of an item", span));
+        };
+        self.mark('(')?;
+        let arguments = self.arguments()?;
+        let node = self.add(Node { name, span, modifiers, arguments, children: Vec::new() })?;
+        match self.need("`;` or `{`")? {
+            (Token::Mark(';'), _) => self.finish(),
+            (Token::Mark('{'), brace) => self.open.push(Open { node, brace: Some(brace) }),
+            (Token::Mark('}'), span) => return Err(self.unexpected("`;`, `{` or an item", span)),
+            (_, span) => {
+                // the one child of an item without braces: its first word is read once more, by the loop
+                self.open.push(Open { node, brace: None });
+                self.tokens = Tokens::after(self.source.text(), span.start);
+            }
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, node: Node) -> Step<u32> {
+        if self.nodes.len() >= MOST_NODES {
+            let reason = format!("at most {MOST_NODES} can be read");
+            return Err(self.problem("there are too many items", &reason, node.span));
+        }
+        let number = self.nodes.len() as u32;
+        let parent = self.open.last().map_or(0, |open| open.node);
+        self.nodes.push(node);
+        self.nodes[parent as usize].children.push(number);
+        Ok(number)
+    }
+
+    /// An item is complete; so are those that wait for this one.
+    fn finish(&mut self) {
+        while self.open.last().is_some_and(|open| open.brace.is_none()) {
+            self.open.pop();
+        }
+    }
+
+    fn close(&mut self, span: Span) -> Step<()> {
+        if self.open.len() == 1 || self.open.last().is_some_and(|open| open.brace.is_none()) {
+            return Err(self.problem("this `}` closes nothing", "no `{` is open here", span));
+        }
+        self.open.pop();
+        self.finish();
+        Ok(())
+    }
+
+    /// The arguments up to the closing parenthesis.
+    fn arguments(&mut self) -> Step<Vec<Argument>> {
+        let mut arguments = Vec::new();
+        let (mut token, mut span) = self.need("`)`")?;
+        while token != Token::Mark(')') {
+            arguments.push(self.argument(token, span)?);
+            match self.need("`)`")? {
+                (Token::Mark(')'), _) => break,
+                (Token::Mark(','), _) => (token, span) = self.need("an argument")?,
+                (_, span) => return Err(self.unexpected("`,` or `)`", span)),
+            }
+        }
+        Ok(arguments)
+    }
+
+    /// `name = value`, or a value alone, which gets the name "".
+    fn argument(&mut self, token: Token, span: Span) -> Step<Argument> {
+        let (name, first) = match token {
+            Token::Name(name) if !is_word(&name) => {
+                self.mark('=')?;
+                (name, self.need("a value")?)
+            }
+            token => (String::new(), (token, span)),
+        };
+        let (value, end) = self.value(first)?;
+        Ok(Argument { name, value, span: span.to(end) })
+    }
+
+    /// A value, of which the first word has been read. Lists in lists are kept on a stack of their own.
+    fn value(&mut self, (mut token, mut span): (Token, Span)) -> Step<(Value, Span)> {
+        let mut lists: Vec<Vec<Value>> = Vec::new();
+        loop {
+            let mut value = match token {
+                Token::Mark('[') => {
+                    if lists.len() == DEEPEST_LIST {
+                        let reason = format!("at most {DEEPEST_LIST} lists may lie in each other");
+                        return Err(self.problem("this list is too deep", &reason, span));
+                    }
+                    lists.push(Vec::new());
+                    (token, span) = self.need("`]`")?;
+                    if token != Token::Mark(']') {
+                        continue;
+                    }
+                    Value::List(lists.pop().unwrap_or_default())
+                }
+                token => self.scalar(token, span)?,
+            };
+            // the value is complete: so may be the lists that it ends
+            loop {
+                let Some(list) = lists.last_mut() else {
+                    return Ok((value, span));
+                };
+                list.push(value);
+                match self.need("`]`")? {
+                    (Token::Mark(','), _) => break,
+                    (Token::Mark(']'), end) => {
+                        span = end;
+                        value = Value::List(lists.pop().unwrap_or_default());
+                    }
+                    (_, span) => return Err(self.unexpected("`,` or `]`", span)),
+                }
+            }
+            (token, span) = self.need("a value")?;
+        }
+    }
+
+    /// A value that is no list.
+    fn scalar(&mut self, token: Token, span: Span) -> Step<Value> {
+        self.values += 1;
+        if self.values > MOST_VALUES {
+            let reason = format!("at most {MOST_VALUES} can be read");
+            return Err(self.problem("there are too many values", &reason, span));
+        }
+        match token {
+            Token::Text(text) => Ok(Value::Text(text)),
+            Token::Name(name) => match name.as_str() {
+                "true" | "false" => Ok(Value::Truth(name == "true")),
+                "undef" => Ok(Value::Undefined),
+                "inf" => Ok(Value::Number(f64::INFINITY)),
+                "nan" => Ok(Value::Number(f64::NAN)),
+                _ => Err(self.unexpected("a value", span)),
+            },
+            Token::Mark(sign @ ('-' | '+')) => self.signed(sign),
+            Token::Number(number) => Ok(Value::Number(self.in_range(number, span))),
+            _ => Err(self.unexpected("a value", span)),
+        }
+    }
+
+    fn signed(&mut self, sign: char) -> Step<Value> {
+        let factor = if sign == '-' { -1.0 } else { 1.0 };
+        match self.need("a number")? {
+            (Token::Number(number), span) => Ok(Value::Number(factor * self.in_range(number, span))),
+            (Token::Name(name), _) if name == "inf" => Ok(Value::Number(factor * f64::INFINITY)),
+            (Token::Name(name), _) if name == "nan" => Ok(Value::Number(f64::NAN)),
+            (_, span) => Err(self.unexpected("a number", span)),
+        }
+    }
+
+    /// The number; a problem is noted if it is too large.
+    fn in_range(&mut self, number: f64, span: Span) -> f64 {
+        if !number.is_finite() {
+            let found = self.source.slice(span).to_owned();
+            let reason = "numbers are less than 1.8e308 in magnitude";
+            self.problems.push(*self.problem(format!("`{found}` is too large"), reason, span));
+        }
+        number
+    }
+}
+
+/// True for the names that are values.
+fn is_word(name: &str) -> bool {
+    ["true", "false", "undef", "inf", "nan"].contains(&name)
+}

@@ -1,0 +1,66 @@
+//! Maps and colours.
+
+use super::arguments::{Arguments, Refusal, finite};
+use super::part::{Part, Piece, whole};
+use super::value::Value;
+use rayweave_math::Affine;
+use rayweave_scene::Colour;
+
+/// The matrix of `multmatrix(m)`; the identity, if there is none.
+pub(super) fn matrix(arguments: &Arguments) -> Result<Affine, Refusal> {
+    let wanted = "4 rows of 4 finite numbers";
+    let given = arguments.get("m", wanted, rows)?;
+    let rows = given.unwrap_or(Affine::IDENTITY.to_rows());
+    // OpenSCAD divides by the last number
+    let divided = rows.map(|row| row.map(|number| number / rows[3][3]));
+    Affine::from_rows(&divided)
+        .filter(Affine::is_finite)
+        .ok_or_else(|| arguments.refusal("its last row is not 0, 0, 0, 1: this map is not affine"))
+}
+
+/// The rows of a matrix; those that are not there are those of the identity.
+fn rows(value: &Value) -> Option<[[f64; 4]; 4]> {
+    let mut rows = Affine::IDENTITY.to_rows();
+    let given = value.list()?;
+    if given.len() > 4 {
+        return None;
+    }
+    for (row, given) in rows.iter_mut().zip(given) {
+        *row = finite(given)?;
+    }
+    Some(rows)
+}
+
+/// The colour of `color(c)`, `None` if it gives none (as it does when its own argument was no colour).
+pub(super) fn colour(arguments: &Arguments) -> Result<Option<Colour>, Refusal> {
+    let wanted = "4 numbers from 0 to 1";
+    let channels: Option<[f64; 4]> = arguments.get("c", wanted, finite)?;
+    let byte = |channel: f64| (255.0 * channel.clamp(0.0, 1.0)).round() as u8;
+    let colour = |[red, green, blue, alpha]: [f64; 4]| Colour {
+        alpha: byte(alpha),
+        ..Colour::new(byte(red), byte(green), byte(blue))
+    };
+    Ok(channels.filter(|channels| channels.iter().all(|c| *c >= 0.0)).map(colour))
+}
+
+/// The part under a map.
+pub(super) fn transformed(part: Part, map: &Affine) -> Part {
+    if *map == Affine::IDENTITY {
+        return part;
+    }
+    match part {
+        Part::Solid(mut pieces) => {
+            pieces.iter_mut().for_each(|piece| piece.solid = piece.solid.apply(*map));
+            Part::Solid(pieces)
+        }
+        other => other,
+    }
+}
+
+/// The part in one colour.
+pub(super) fn coloured(part: Part, colour: Colour) -> Part {
+    match part {
+        Part::Solid(pieces) => Part::Solid(vec![Piece { colour: Some(colour), solid: whole(pieces) }]),
+        other => other,
+    }
+}

@@ -1,0 +1,132 @@
+//! What is not in a scene as its file said it.
+
+use crate::Format;
+use rayweave_scene::{Diagnostic, Diagnostics, Source};
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// The sorts of losses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum LossKind {
+    /// The scene holds something near to what was said.
+    Approximated,
+    /// Something that is no part of the geometry is gone.
+    Dropped,
+    /// A part of the geometry is missing.
+    Refused,
+}
+
+impl fmt::Display for LossKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            LossKind::Approximated => "approximated",
+            LossKind::Dropped => "dropped",
+            LossKind::Refused => "refused",
+        })
+    }
+}
+
+/// Something of one sort that was lost, once or several times for the same reason.
+#[derive(Clone, Debug)]
+pub struct Loss {
+    /// What became of it.
+    pub kind: LossKind,
+    /// What it is, in the words of the format: `minkowski()`, `twistedbox`.
+    pub what: String,
+    /// Why, with the first place in the file.
+    pub first: Diagnostic,
+    /// How many there are.
+    pub count: usize,
+}
+
+/// All losses, in the order in which they were met.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    losses: Vec<Loss>,
+    /// Where each kind of each thing is, by the message too: the same thing may be lost for several reasons.
+    known: HashMap<(LossKind, String, String), usize>,
+}
+
+impl Report {
+    /// Adds a loss. `why` is a warning with its place; of several with the same message the first in
+    /// the file is kept.
+    pub fn add(&mut self, kind: LossKind, what: &str, why: Diagnostic) {
+        let key = (kind, what.to_owned(), why.message().to_owned());
+        let next = self.losses.len();
+        let index = *self.known.entry(key).or_insert(next);
+        match self.losses.get_mut(index) {
+            Some(loss) => {
+                loss.count += 1;
+                if why.span() < loss.first.span() {
+                    loss.first = why;
+                }
+            }
+            None => self.losses.push(Loss { kind, what: what.to_owned(), first: why, count: 1 }),
+        }
+    }
+
+    /// All losses.
+    pub fn iter(&self) -> std::slice::Iter<'_, Loss> {
+        self.losses.iter()
+    }
+
+    /// True if nothing was lost.
+    pub fn is_empty(&self) -> bool {
+        self.losses.is_empty()
+    }
+
+    /// How many things of a kind were lost, repetitions counted.
+    pub fn count(&self, kind: LossKind) -> usize {
+        self.iter().filter(|loss| loss.kind == kind).map(|loss| loss.count).sum()
+    }
+
+    /// One warning for each loss, in the order of the file: what, why, where first, how many times.
+    pub fn warnings(&self) -> Diagnostics {
+        let warning = |loss: &Loss| match loss.count {
+            1 => loss.first.clone(),
+            count => loss.first.clone().why(format!("{count} times, here first")),
+        };
+        Diagnostics::new(self.iter().map(warning).collect())
+    }
+}
+
+/// An error for each parameter, in formats that have none.
+pub(crate) fn refuse_overrides(
+    source: &Arc<Source>,
+    format: Format,
+    overrides: &[(String, String)],
+) -> Result<(), Diagnostics> {
+    let problem = |(name, _): &(String, String)| {
+        Diagnostic::error(format!("the parameter `{name}` cannot be set"))
+            .why(format!("files of the format {format} have no parameters"))
+            .in_file(source)
+    };
+    match overrides.is_empty() {
+        true => Ok(()),
+        false => Err(Diagnostics::new(overrides.iter().map(problem).collect())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_losses_are_counted() {
+        let mut report = Report::default();
+        for _ in 0..3 {
+            report.add(LossKind::Refused, "a", Diagnostic::warning("no a"));
+            report.add(LossKind::Approximated, "a", Diagnostic::warning("rough a"));
+        }
+        report.add(LossKind::Refused, "b", Diagnostic::warning("no b"));
+        let rows: Vec<_> = report.iter().map(|loss| (loss.kind, loss.what.as_str(), loss.count)).collect();
+        let expected =
+            [(LossKind::Refused, "a", 3), (LossKind::Approximated, "a", 3), (LossKind::Refused, "b", 1)];
+        assert_eq!(rows, expected);
+        assert_eq!(report.count(LossKind::Refused), 4);
+        let warnings = report.warnings();
+        let messages: Vec<&str> = warnings.iter().map(|warning| warning.message()).collect();
+        assert_eq!(messages, ["no a (3 times, here first)", "rough a (3 times, here first)", "no b"]);
+    }
+}

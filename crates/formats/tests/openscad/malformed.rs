@@ -1,0 +1,102 @@
+//! Damaged files: an error that says where, no panic, no hang.
+
+use crate::measure::read;
+use rayweave_formats::{Format, Options, parse};
+use std::time::{Duration, Instant};
+
+const MODEL: &str = "group() {\n\tdifference() {\n\t\tcube(size = [30, 30.5, 3e1], center = true);\n\t\t#multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -5], [0, 0, 0, 1]]) {\n\t\t\tsphere($fn = 0, r = 20);\n\t\t}\n\t\ttext(text = \"a\\\"b\");\n\t}\n}\n";
+
+/// The message of the first problem, with its place.
+fn problem(text: &str) -> (String, Option<(usize, usize)>) {
+    let problems = parse(text, Format::OpenScad, &[], &Options::default()).expect_err(text);
+    let first = problems.iter().next().expect("there is one");
+    (first.message().to_owned(), first.line_column())
+}
+
+#[test]
+fn cut_off_at_every_byte() {
+    for end in (0..MODEL.len()).filter(|end| MODEL.is_char_boundary(*end)) {
+        let read = parse(&MODEL[..end], Format::OpenScad, &[], &Options::default());
+        // nothing, and everything but the last line end, are whole
+        assert_eq!(read.is_ok(), end == 0 || end == MODEL.len() - 1, "{}", &MODEL[..end]);
+    }
+}
+
+#[test]
+fn problems_have_places() {
+    let cases = [
+        ("cube(1);\n}", "this `}` closes nothing", (2, 1)),
+        ("group() {\ncube(1);", "`}` is missing", (2, 9)),
+        ("cube(1;", "unexpected `;`", (1, 7)),
+        ("cube[1];", "unexpected `[`", (1, 5)),
+        ("group() }", "unexpected `}`", (1, 9)),
+        ("cube(size = [1, 2);", "unexpected `)`", (1, 18)),
+        ("cube(1e400);", "`1e400` is too large", (1, 6)),
+        ("cube(size = -);", "unexpected `)`", (1, 14)),
+        ("\u{e4};", "this is no dump of OpenSCAD", (1, 1)),
+        ("solid part\n facet normal 0 0 1", "`(` is missing", (1, 7)),
+        ("cube(size = cubic);", "unexpected `cubic`", (1, 13)),
+        ("text(text = \"abc", "a value is missing", (1, 13)),
+    ];
+    for (text, message, place) in cases {
+        let (found, at) = problem(text);
+        assert!(found.starts_with(message) || found.starts_with("unexpected `part`"), "{text}: {found}");
+        assert_eq!(at, Some(place), "{text}: {found}");
+    }
+}
+
+#[test]
+fn all_numbers_that_are_too_large_are_told_at_once() {
+    let text = "cube(1e400);\nsphere(r = -1e999);\ncube(";
+    let problems = parse(text, Format::OpenScad, &[], &Options::default()).expect_err(text);
+    assert_eq!(problems.len(), 3, "{problems}");
+}
+
+#[test]
+fn deep_nesting_uses_no_call_stack() {
+    let deep = 100_000;
+    let matrix = "multmatrix([[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])";
+    let texts = [
+        format!("{}cube(1);{}", "group() {".repeat(deep), "}".repeat(deep)),
+        format!("{}cube(1);", "union() ".repeat(deep)),
+        format!("{}cube(1);", "color([1, 0, 0, 1]) difference() ".repeat(deep)),
+        format!("{}cube(1);{}", format!("{matrix} {{").repeat(deep), "}".repeat(deep)),
+    ];
+    let worker = std::thread::Builder::new().stack_size(256 << 10).spawn(move || {
+        for text in &texts {
+            assert_eq!(read(text, false).scene.regions.len(), 1);
+        }
+        let lists = format!("cube({});", "[".repeat(deep));
+        assert!(problem(&lists).0.starts_with("this list is too deep"));
+        let open = "group() {".repeat(deep);
+        assert!(problem(&open).0.starts_with("`}` is missing"));
+    });
+    worker.expect("a thread").join().expect("no overflow");
+}
+
+#[test]
+fn damaged_bytes_never_panic() {
+    use rand::{Rng, RngExt, SeedableRng};
+    let mut rng = rand::rngs::ChaCha8Rng::seed_from_u64(8);
+    let alphabet: Vec<char> = "(){}[];,=\"-.$%#*!e09 azx\u{e4}\n".chars().collect();
+    let start = Instant::now();
+    for _ in 0..2000 {
+        let mut characters: Vec<char> = MODEL.chars().collect();
+        for _ in 0..1 + rng.next_u32() % 3 {
+            let at = rng.random_range(0..characters.len());
+            characters[at] = alphabet[rng.random_range(0..alphabet.len())];
+        }
+        let text: String = characters.into_iter().collect();
+        // either way is fine: it must come back
+        let _ = parse(&text, Format::OpenScad, &[], &Options::default());
+    }
+    assert!(start.elapsed() < Duration::from_secs(60));
+}
+
+#[test]
+fn parameters_are_refused() {
+    let overrides = [("R".to_owned(), "1".to_owned())];
+    let problems =
+        parse("cube(1);", Format::OpenScad, &overrides, &Options::default()).expect_err("no parameters");
+    assert!(problems.to_string().contains("have no parameters"), "{problems}");
+}

@@ -1,0 +1,68 @@
+//! Volumes of what was read, by rays.
+
+use rayweave_formats::{Format, Imported, LossKind, Options, parse};
+use rayweave_math::Vec3;
+use rayweave_model::{Evaluator, Program, Query, RayBatch};
+use rayweave_scene::Scene;
+use rayweave_shape::Ray;
+use rayweave_trace::Packets;
+use std::sync::Arc;
+
+/// Reads a text, which must be a dump.
+pub fn read(text: &str, facets: bool) -> Imported {
+    let options = Options { facets, ..Options::default() };
+    parse(text, Format::OpenScad, &[], &options).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
+}
+
+/// Reads a text of which nothing is lost.
+pub fn whole(text: &str, facets: bool) -> Scene {
+    let imported = read(text, facets);
+    assert!(imported.report.is_empty(), "{text}\n{}", imported.report.warnings());
+    imported.scene
+}
+
+/// The number of losses of a kind, and all messages.
+pub fn losses(text: &str, kind: LossKind) -> (usize, String) {
+    let report = read(text, false).report;
+    (report.count(kind), report.warnings().to_string())
+}
+
+/// The volume of all regions together, by `side`^2 rays along a skew axis, each in the middle of its square. The rays
+/// are skew so that no face of a model of everyday is parallel to them.
+pub fn volume(scene: &Scene, side: usize) -> f64 {
+    let program = Arc::new(Program::compile_regions(&scene.model_regions()).expect("the solids compile"));
+    let bounds = program.bounds();
+    if bounds.is_empty() {
+        return 0.0;
+    }
+    let (centre, radius) = (0.5 * (bounds.lo + bounds.hi), 0.5 * (bounds.hi - bounds.lo).length());
+    assert!(radius.is_finite(), "{bounds:?}");
+    let w = Vec3::new(0.131, 0.277, 1.0).normalize();
+    let u = w.cross(Vec3::X).normalize();
+    let v = w.cross(u);
+    let at = |k: usize| radius * (2.0 * (k as f64 + 0.5) / side as f64 - 1.0);
+    let evaluator = Packets::new(program);
+    let mut length = 0.0;
+    for i in 0..side {
+        let mut batch = RayBatch::default();
+        (0..side).for_each(|j| batch.push(Ray::new(centre + at(i) * u + at(j) * v, w)));
+        let answers = evaluator.collect(batch.rays(), &Query::default()).expect("the rays are fine");
+        for ray in 0..side {
+            for crossing in answers.of(ray) {
+                if crossing.before.index() == 0 {
+                    length -= crossing.t;
+                }
+                if crossing.after.index() == 0 {
+                    length += crossing.t;
+                }
+            }
+        }
+    }
+    length * (2.0 * radius / side as f64).powi(2)
+}
+
+/// Compares the volume of a dump with what it should be, to a part.
+pub fn check_volume(text: &str, facets: bool, expected: f64, tolerance: f64) {
+    let found = volume(&whole(text, facets), 300);
+    assert!((found - expected).abs() <= tolerance * expected, "{text}: {found} instead of {expected}");
+}

@@ -1,0 +1,123 @@
+//! Solids by closed forms.
+
+use crate::measure::{check_volume, losses, read, volume, whole};
+use rayweave_formats::LossKind;
+use rayweave_scene::Colour;
+use std::f64::consts::PI;
+
+/// One part in a thousand, for the sums over rays.
+const NEAR: f64 = 1e-3;
+
+#[test]
+fn primitives_are_round_or_faceted() {
+    check_volume("cube(size = [2, 3, 4], center = true);", false, 24.0, NEAR);
+    check_volume("cube(size = 2);", false, 8.0, NEAR);
+    check_volume("sphere($fn = 0, $fa = 12, $fs = 2, r = 10);", false, 4000.0 * PI / 3.0, NEAR);
+    check_volume("cylinder($fn = 6, h = 10, r1 = 5, r2 = 5);", false, 250.0 * PI, NEAR);
+    check_volume(
+        "cylinder($fn = 0, $fa = 12, $fs = 2, h = 9, r1 = 5, r2 = 0, center = true);",
+        false,
+        75.0 * PI,
+        NEAR,
+    );
+    // a regular prism and a pyramid over hexagons
+    let hexagon = 1.5 * 3f64.sqrt() * 25.0;
+    check_volume("cylinder($fn = 6, h = 10, r1 = 5, r2 = 5);", true, 10.0 * hexagon, NEAR);
+    check_volume("cylinder($fn = 6, h = 9, r1 = 0, r2 = 5, center = true);", true, 3.0 * hexagon, NEAR);
+    // two frustums and a prism of 4 sides: rings at 30, 90 and 150 degrees of a ball with $fn = 5 are of 5 sides
+    let area = |radius: f64| 2.5 * (0.4 * PI).sin() * radius * radius;
+    let (small, height) = (0.5, 3f64.sqrt() / 2.0);
+    let frustum = height / 3.0 * (area(1.0) + area(small) + (area(1.0) * area(small)).sqrt());
+    check_volume("sphere($fn = 5, r = 1);", true, 2.0 * frustum, NEAR);
+}
+
+#[test]
+fn booleans_and_maps() {
+    check_volume(
+        "difference() { cube(4, center = true); cube([2, 2, 9], center = true); }",
+        false,
+        48.0,
+        NEAR,
+    );
+    check_volume(
+        "intersection() { cube(4); multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) cube(4); }",
+        false,
+        16.0,
+        NEAR,
+    );
+    check_volume(
+        "union() { cube(4); multmatrix([[1, 0, 0, 4], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { cube(4); } }",
+        false,
+        128.0,
+        NEAR,
+    );
+    // sheared and mirrored: the volume is that of the determinant
+    check_volume(
+        "multmatrix([[-2, 1, 0, 5], [0, 3, 1, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) sphere(r = 1);",
+        false,
+        8.0 * PI,
+        NEAR,
+    );
+    check_volume(
+        "multmatrix([[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 2]]) cube(3);",
+        false,
+        27.0,
+        NEAR,
+    );
+}
+
+#[test]
+fn nothing_where_openscad_makes_nothing() {
+    for text in
+        ["", "group();", "cube(0);", "sphere(r = -1);", "cylinder(h = 0, r1 = 1, r2 = 1);", "*cube(1);"]
+    {
+        assert_eq!(volume(&read(text, false).scene, 10), 0.0, "{text}");
+    }
+    check_volume("difference() { cube(2); group(); }", false, 8.0, NEAR);
+    assert_eq!(volume(&read("intersection() { cube(2); group(); }", false).scene, 10), 0.0);
+    assert_eq!(volume(&read("difference() { group(); cube(2); }", false).scene, 10), 0.0);
+    let flat = "multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1]]) cube(1); cube(2);";
+    let (dropped, messages) = losses(flat, LossKind::Dropped);
+    assert!(dropped == 1 && messages.contains("a scale of 0?"), "{messages}");
+}
+
+#[test]
+fn modifiers() {
+    check_volume(
+        "cube(2); *cube(9); #multmatrix([[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) cube(1);",
+        false,
+        9.0,
+        NEAR,
+    );
+    check_volume("cube(2); group() { difference() { cube(8); !cube(3); } }", false, 27.0, NEAR);
+    let (dropped, messages) = losses("cube(2); %cube(9);", LossKind::Dropped);
+    assert!(dropped == 1 && messages.contains("previews"), "{messages}");
+}
+
+#[test]
+fn colours_are_regions_and_the_outer_one_wins() {
+    let text = "color([1, 0, 0, 1]) cube(1); color([0, 0, 1, 0.5]) { cube(2); color([1, 0, 0, 1]) sphere(r = 1); } cube(3); cube(4);";
+    let scene = whole(text, false);
+    let regions: Vec<(&str, Colour)> = scene.regions.iter().map(|r| (r.name.as_str(), r.colour)).collect();
+    let blue = Colour { alpha: 128, ..Colour::new(0, 0, 255) };
+    let expected =
+        [("colour_ff0000", Colour::new(255, 0, 0)), ("colour_0000ff80", blue), ("model", Colour::PALETTE[2])];
+    assert_eq!(regions, expected);
+    // each piece is cut, and keeps its colour
+    let cut = whole(
+        "difference() { group() { color([1, 0, 0, 1]) cube(2); color([0, 1, 0, 1]) multmatrix([[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) cube(2); } cube([9, 9, 1]); }",
+        false,
+    );
+    assert_eq!(cut.regions.len(), 2);
+    assert!((volume(&cut, 300) - 8.0).abs() < 0.01);
+}
+
+#[test]
+fn what_cannot_be_read_counts_as_not_there() {
+    let text = "cube(2);\ndifference() {\n cube(3);\n  riddle(x = 1);\n}\nintersection() { riddle(); cube(1); }\nunion() { difference() { riddle(); cube(1); } }";
+    let (refused, messages) = losses(text, LossKind::Refused);
+    assert!(refused == 3 && messages.contains("<text>:4:3") && messages.contains("3 times"), "{messages}");
+    assert!((volume(&read(text, false).scene, 300) - 27.0).abs() < 0.05);
+    let (refused, messages) = losses("cube(2); cube(size = \"big\"); sphere(r = [1]);", LossKind::Refused);
+    assert!(refused == 2 && messages.contains("size must be a finite number, or 3 of them"), "{messages}");
+}
