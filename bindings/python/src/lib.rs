@@ -49,13 +49,19 @@ mod _core {
     #[pymodule_export]
     use crate::model::{PyModel, load_model, loads};
     #[pymodule_export]
+    use crate::optics::arrivals::PyArrivals;
+    #[pymodule_export]
     use crate::optics::component::{PySheet, lensmaker, optical_component};
     #[pymodule_export]
     use crate::optics::glass::{PyGlass, glass_names};
     #[pymodule_export]
+    use crate::optics::prescription::{PyPrescription, pupil_points};
+    #[pymodule_export]
     use crate::optics::source::PySource;
     #[pymodule_export]
     use crate::optics::system::{PySystem, event_names};
+    #[pymodule_export]
+    use crate::optics::zernike::{zernike_fit, zernike_term, zernike_values};
     #[pymodule_export]
     use crate::polygons::{PyPolygons, region_from_polygons};
     #[pymodule_export]

@@ -128,9 +128,25 @@ pub struct Element {
 
 /// What a part is.
 #[derive(Clone, Debug)]
-pub(crate) enum Body {
-    Solid { solid: Solid, material: Material, finish: Finish, faces: Vec<(String, Finish)> },
-    Sheet { sheet: Sheet, action: Action },
+pub enum Body {
+    /// A solid.
+    Solid {
+        /// Its shape.
+        solid: Solid,
+        /// What it is made of.
+        material: Material,
+        /// The finish of all faces that have none of their own.
+        finish: Finish,
+        /// The finishes of single faces by their names, the last one of a name counts.
+        faces: Vec<(String, Finish)>,
+    },
+    /// A sheet.
+    Sheet {
+        /// Its shape.
+        sheet: Sheet,
+        /// What it does.
+        action: Action,
+    },
 }
 
 impl Element {
@@ -179,5 +195,10 @@ impl Element {
     /// What it is called.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// What it is.
+    pub fn body(&self) -> &Body {
+        &self.body
     }
 }

@@ -52,7 +52,7 @@ mod system;
 mod trace;
 
 pub use beam::{Beam, Emitter, Light};
-pub use element::{Action, Element, Finish, Material};
+pub use element::{Action, Body, Element, Finish, Material};
 pub use error::OpticsError;
 pub use medium::{Index, Medium};
 pub use segments::{Balance, Event, Segment, Segments};

@@ -81,6 +81,22 @@ impl Medium {
         &self.name
     }
 
+    /// The material, if it is made of one.
+    pub fn as_glass(&self) -> Option<&Glass> {
+        match &self.index {
+            Law::Glass(glass) => Some(glass),
+            Law::Constant(_) | Law::Dispersive(_) => None,
+        }
+    }
+
+    /// The complex index, if it is the same at all wavelengths.
+    pub fn as_constant(&self) -> Option<Complex64> {
+        match &self.index {
+            Law::Constant(index) => Some(*index),
+            Law::Glass(_) | Law::Dispersive(_) => None,
+        }
+    }
+
     /// The complex index at a vacuum wavelength in nanometres, with an extinction of 0 where that is not known; of no meaning outside of [`Medium::range_nm`].
     pub fn index(&self, wavelength_nm: f64) -> Complex64 {
         match &self.index {

@@ -54,6 +54,11 @@ impl Assembly {
         self
     }
 
+    /// The parts in their order.
+    pub fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+
     /// Compiles the system.
     ///
     /// # Errors

@@ -1,6 +1,10 @@
-//! Optics: glasses, components, systems and traces.
+//! Optics: glasses, components, systems and traces, prescriptions and what they do.
 
+pub mod arrivals;
 pub mod component;
 pub mod glass;
+pub mod parts;
+pub mod prescription;
 pub mod source;
 pub mod system;
+pub mod zernike;

@@ -109,7 +109,10 @@ pub fn fit(points: &[[f64; 2]], values: &[f64], terms: &[Zernike]) -> Result<Fit
     let wanted = DVector::from_column_slice(&values[..count]);
     let singular = matrix.clone().svd(true, true);
     let least = 1e-12 * singular.singular_values.max();
-    let solution = singular.solve(&wanted, least).map_err(|_| too_few())?;
+    let solve = |right: &DVector<f64>| singular.solve(right, least).map_err(|_| too_few());
+    let first = solve(&wanted)?;
+    // the iteration for singular values stops early where some are nearly equal: what it leaves is solved for once more
+    let solution = &first + solve(&(&wanted - &matrix * &first))?;
     let left = wanted - matrix * &solution;
     Ok(Fit {
         terms: terms.iter().copied().zip(solution.iter().copied()).collect(),

@@ -1,0 +1,483 @@
+"""What images tell of a prescription: columns with units, each with a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rayweave import _core
+from rayweave.optics._columns import Columns
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Numbers = NDArray[np.float64]
+
+_ALONG: tuple[Literal["y", "x"], ...] = ("y", "x")
+
+
+def _axis(axis: Axes | None) -> Axes:
+    import matplotlib.pyplot as plt
+
+    return plt.subplots()[1] if axis is None else axis
+
+
+def _labelled(axis: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
+    axis.set_xlabel(across)
+    axis.set_ylabel(up)
+    if legend:
+        axis.legend(fontsize="small")
+    return axis
+
+
+@dataclass(frozen=True)
+class SpotSize:
+    """A spot: the number of rays, the centroid (x, y), the RMS radius and its parts along x and y, and the greatest distance from
+    the centroid; rays count by their power."""
+
+    rays: int
+    centroid: tuple[float, float]
+    rms: float
+    rms_x: float
+    rms_y: float
+    geometric: float
+
+
+class Rays(Columns):
+    """Rays on the image, in its coordinates: its vertex is the origin, z along the axis.
+
+    `id` is the number of the point of the pupil; `x`, `y`, `z` the place and `x_tilt`, `y_tilt`, `z_tilt` the unit direction;
+    `path` the optical path from the start of the ray; `index` that in front of the image; `wavelength_nm`; `power`, the weight of
+    the ray.
+    """
+
+    def __init__(self, compiled: _core.Arrivals, unit: str) -> None:
+        lengths = dict.fromkeys(("x", "y", "z", "path"), unit)
+        super().__init__(compiled.columns(), {**lengths, "wavelength_nm": "nm"})
+        self._compiled = compiled
+        self._unit = unit
+
+    def moved(self, shift: float) -> Rays:
+        """The same rays on a plane moved along the axis."""
+        return Rays(self._compiled.moved(shift), self._unit)
+
+    def spot(self) -> SpotSize:
+        """The size of the spot."""
+        rays, centroid, radii, geometric = self._compiled.spot()
+        return SpotSize(rays, centroid, *radii, geometric)
+
+    def best_focus(self) -> float:
+        """By how much the image has to move along the axis for the least RMS radius, exactly; NaN for parallel rays."""
+        return self._compiled.best_focus()
+
+    def encircled_energy(self, radii: ArrayLike) -> Numbers:
+        """The fraction of the power within circles about the centroid."""
+        return self._compiled.encircled_energy(_core.number_list(radii, "radii"))
+
+    def radius_of_energy(self, fraction: float) -> float:
+        """The radius of the smallest circle about the centroid with at least a fraction of the power."""
+        return self._compiled.radius_of_energy(fraction)
+
+    def mtf(self, frequencies: ArrayLike, direction: tuple[float, float] = (0.0, 1.0)) -> Numbers:
+        """The modulation of lines across a direction by frequency in cycles per unit of length: the modulus of the Fourier
+        transform of the spot (W. J. Smith, Modern Optical Engineering, section on the modulation transfer function)."""
+        return self._compiled.mtf(direction, _core.number_list(frequencies, "frequencies"))
+
+
+class Spots(Columns):
+    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays`; the centroid `x`, `y`; the RMS radius `rms`
+    with its parts `rms_x` and `rms_y`; the `geometric` radius. `images` has the rays of every field."""
+
+    images: list[Rays]
+
+    @classmethod
+    def of(cls, images: list[Rays], fields: Sequence[tuple[float, float]], unit: str) -> Self:
+        """The spots of some rays."""
+        sizes = [image.spot() for image in images]
+        table = cls(
+            {
+                "field": np.arange(len(images)),
+                "field_x": [x for x, _ in fields],
+                "field_y": [y for _, y in fields],
+                "rays": [size.rays for size in sizes],
+                "x": [size.centroid[0] for size in sizes],
+                "y": [size.centroid[1] for size in sizes],
+                **{name: [getattr(size, name) for size in sizes] for name in ("rms", "rms_x", "rms_y", "geometric")},
+            },
+            dict.fromkeys(("x", "y", "rms", "rms_x", "rms_y", "geometric"), unit),
+        )
+        table.images = images
+        return table
+
+    def show(self, *, axes: Sequence[Axes] | None = None) -> list[Axes]:
+        """Draws the spot diagrams about their centroids, to one scale, coloured by wavelength."""
+        import matplotlib.pyplot as plt
+
+        from rayweave.optics._drawing import wavelength_rgb
+
+        count = len(self.images)
+        if axes is None:
+            axes = list(plt.subplots(1, count, figsize=(3.2 * count, 3.6), squeeze=False)[1][0])
+        reach = 1.1 * float(self["geometric"].max()) or 1.0
+        for k, (axis, image) in enumerate(zip(axes, self.images, strict=False)):
+            x, y = image["x"] - self["x"][k], image["y"] - self["y"][k]
+            axis.scatter(x, y, s=3.0, c=wavelength_rgb(image["wavelength_nm"]))
+            axis.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+            axis.set_title(f"field {k}, RMS {self['rms'][k]:.3g} {self.units['rms']}", fontsize="small")
+            _labelled(axis, f"x, {self.units['x']}", f"y, {self.units['y']}" if k == 0 else "", legend=False)
+            axis.tick_params(labelsize="small", labelleft=k == 0)
+            axis.locator_params(nbins=4)
+        return list(axes)
+
+
+class Fans(Columns):
+    """Ray fans: `field`, `wavelength_nm`, `along` (0: rays in the pupil along x, 1: along y), `pupil`, the place there from -1 to
+    1, and the transverse aberrations `error_x` and `error_y`: from where the principal ray of the same wavelength meets the
+    image."""
+
+    @classmethod
+    def of(cls, found: list[tuple[int, float, int, Numbers, Numbers]], unit: str) -> Self:
+        """Of single fans: field, wavelength, axis, places in the pupil, errors (N, 2)."""
+        heads = np.concatenate([np.tile([fan[:3]], (len(fan[3]), 1)) for fan in found])
+        errors = np.concatenate([fan[4] for fan in found])
+        columns = {
+            "field": heads[:, 0].astype(int),
+            "wavelength_nm": heads[:, 1],
+            "along": heads[:, 2].astype(int),
+            "pupil": np.concatenate([fan[3] for fan in found]),
+            "error_x": errors[:, 0],
+            "error_y": errors[:, 1],
+        }
+        return cls(columns, {"wavelength_nm": "nm", "error_x": unit, "error_y": unit})
+
+    def fan(self, field: int, wavelength_nm: float, along: Literal["x", "y"]) -> tuple[Numbers, Numbers]:
+        """One fan: places in the pupil along an axis, and the errors along the same axis."""
+        number = "xy".index(along)
+        wanted = (self["field"] == field) & (self["along"] == number) & (self["wavelength_nm"] == wavelength_nm)
+        return self["pupil"][wanted], self[f"error_{along}"][wanted]
+
+    def show(self, *, axes: Any = None) -> Any:
+        """Draws the fans, field by field, coloured by wavelength: a row for each, along y and along x. `axes` is an array
+        (fields, 2)."""
+        import matplotlib.pyplot as plt
+
+        from rayweave.optics._drawing import wavelength_rgb
+
+        fields = np.unique(self["field"])
+        if axes is None:
+            size = (8.0, 2.2 * len(fields) + 0.6)
+            axes = plt.subplots(len(fields), 2, sharex=True, sharey=True, figsize=size, squeeze=False)[1]
+        for row, field in zip(axes, fields.tolist(), strict=True):
+            for axis, along in zip(row, _ALONG, strict=True):
+                for line in np.unique(self["wavelength_nm"]).tolist():
+                    shade = wavelength_rgb(np.array([line]))
+                    axis.plot(*self.fan(field, line, along), color=shade[0], label=f"{line:g} nm")
+                axis.axhline(0.0, color="#a0a0a0", linewidth=0.6)
+                axis.set_title(f"field {field}, along {along}", fontsize="small")
+                last = field == fields[-1]
+                up = f"error, {self.units['error_y']}" if along == "y" else ""
+                _labelled(axis, "pupil" if last else "", up, legend=field == fields[0] and along == "y")
+        axes[0][0].get_figure().tight_layout()
+        return axes
+
+
+class Seidel(Columns):
+    """The Seidel sums S_I to S_V and the chromatic sums C_I and C_II by `surface`, counted from 1: wavefront aberrations, twice
+    to eight times their coefficients (W. T. Welford, Aberrations of Optical Systems, 1986, chapters 8 and 10)."""
+
+    @classmethod
+    def of(cls, sums: dict[str, Numbers], unit: str) -> Self:
+        """Of columns without the numbers of surfaces."""
+        count = len(sums["spherical"])
+        return cls({"surface": np.arange(1, count + 1), **sums}, dict.fromkeys(sums, unit))
+
+    @property
+    def sum(self) -> dict[str, float]:
+        """The sums over all surfaces by name."""
+        return {name: float(column.sum()) for name, column in self.items() if name != "surface"}
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the sums of every surface and of all of them as bars."""
+        axis, names = _axis(axis), list(self.sum)
+        labels = [*map(str, self["surface"]), "sum"]
+        width = 0.8 / len(names)
+        for k, name in enumerate(names):
+            places = np.arange(len(labels)) + (k - 0.5 * (len(names) - 1)) * width
+            axis.bar(places, [*self[name], self.sum[name]], width, label=name.replace("_", " "))
+        axis.set_xticks(range(len(labels)), labels)
+        return _labelled(axis, "surface", f"Seidel sum, {self.units['spherical']}")
+
+
+class ZernikeFit(Columns):
+    """A sum of Zernike polynomials: `index`, radial order `n`, azimuthal frequency `m` (negative for sines) and `coefficient` in
+    waves.
+
+    The polynomials have a mean square of 1 over the unit disk, so a coefficient is the RMS that it adds (R. J. Noll, J. Opt. Soc.
+    Am. 66, 207, 1976; ANSI Z80.28). `residual_rms` is what is left.
+    """
+
+    residual_rms: float
+
+    def at(self, pupil: ArrayLike) -> Numbers:
+        """The values of the sum at points (N, 2) of the unit disk."""
+        points = np.asarray(pupil, float)
+        terms = zip(self["n"].tolist(), self["m"].tolist(), self["coefficient"], strict=True)
+        values = [c * _core.zernike_values((n, m), points) for n, m, c in terms]
+        return np.asarray(np.sum(values, axis=0), float)
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the coefficients as bars, without piston and tilts."""
+        axis = _axis(axis)
+        wanted = self["n"] > 1
+        axis.bar(self["index"][wanted], self["coefficient"][wanted])
+        return _labelled(axis, "index", "coefficient, waves", legend=False)
+
+
+class Wavefront(Columns):
+    """Optical path differences: `pupil_x` and `pupil_y` in units of the pupil's semi-diameter, `waves` against a sphere about the
+    place where the principal ray meets the image, through the paraxial exit pupil on the axis; positive where the light is ahead
+    (W. T. Welford, Aberrations of Optical Systems, 1986, section 7.2)."""
+
+    @classmethod
+    def of(cls, pupil: Numbers, waves: Numbers) -> Self:
+        """Of points (N, 2) and differences (N,)."""
+        return cls({"pupil_x": pupil[:, 0], "pupil_y": pupil[:, 1], "waves": waves}, {"waves": "waves"})
+
+    @property
+    def rms(self) -> float:
+        """The standard deviation in waves."""
+        return float(self["waves"].std())
+
+    @property
+    def peak_to_valley(self) -> float:
+        """The greatest difference less the least, in waves."""
+        return float(np.ptp(self["waves"]))
+
+    @property
+    def strehl(self) -> float:
+        """exp(-(2 pi rms)^2): good for ratios above 0.1 (V. N. Mahajan, J. Opt. Soc. Am. 73, 860, 1983)."""
+        return float(np.exp(-((2.0 * np.pi * self.rms) ** 2)))
+
+    def zernike(self, count: int = 15, *, scheme: Literal["noll", "osa"] = "noll") -> ZernikeFit:
+        """The sum of the first polynomials with the least mean square distance, numbered by Noll (from 1) or OSA/ANSI (from 0)."""
+        first = 0 if scheme == "osa" else 1
+        indices = range(first, first + count)
+        terms = [_core.zernike_term(scheme, index) for index in indices]
+        pupil = np.stack([self["pupil_x"], self["pupil_y"]], axis=1)
+        coefficients, residual = _core.zernike_fit(pupil, self["waves"], terms)
+        columns = {"index": list(indices), "n": [n for n, _ in terms], "m": [m for _, m in terms]}
+        fit = ZernikeFit({**columns, "coefficient": coefficients}, {"coefficient": "waves"})
+        fit.residual_rms = residual
+        return fit
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the differences over the pupil."""
+        axis = _axis(axis)
+        reach = float(np.abs(self["waves"]).max()) or 1.0
+        x, y, waves = self["pupil_x"], self["pupil_y"], self["waves"]
+        drawn = axis.scatter(x, y, c=waves, cmap="RdBu_r", vmin=-reach, vmax=reach, s=16.0, marker="s")
+        figure = axis.get_figure(root=True)
+        if figure is not None:
+            figure.colorbar(drawn, ax=axis, label="waves")
+        axis.set_aspect("equal")
+        axis.set_title(f"RMS {self.rms:.3g} waves", fontsize="small")
+        return _labelled(axis, "pupil x", "pupil y", legend=False)
+
+
+class _ByField(Columns):
+    """Rows for every field, one block after the other."""
+
+    def of_field(self, field: int, name: str) -> NDArray[Any]:
+        """A column of one field."""
+        return np.asarray(self[name][self["field"] == field])
+
+    def _show(self, axis: Axes | None, across: str, names: dict[str, str], up: str) -> Axes:
+        axis = _axis(axis)
+        for field in np.unique(self["field"]).tolist():
+            for name, style in names.items():
+                label = f"field {field}" + (f", {name}" if len(names) > 1 else "")
+                at = self.of_field(field, across)
+                axis.plot(at, self.of_field(field, name), style, color=f"C{field}", label=label)
+        unit = self.units[across]
+        return _labelled(axis, f"{across}, {unit}" if unit else across, up)
+
+
+class Energy(_ByField):
+    """The `fraction` of the power of every `field` within a `radius` about its centroid."""
+
+    @classmethod
+    def of(cls, images: list[Rays], radii: Numbers, unit: str) -> Self:
+        """Of the rays of every field."""
+        columns = {
+            "field": np.repeat(np.arange(len(images)), len(radii)),
+            "radius": np.tile(radii, len(images)),
+            "fraction": np.concatenate([image.encircled_energy(radii) for image in images]),
+        }
+        return cls(columns, {"radius": unit})
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the fractions over the radius."""
+        return self._show(axis, "radius", {"fraction": "-"}, "fraction of the power")
+
+
+class Modulation(_ByField):
+    """The modulation of every `field` by `frequency` in cycles per unit of length: `tangential`, `sagittal`, and the `limit` by
+    diffraction on the axis."""
+
+    @classmethod
+    def of(
+        cls,
+        images: list[Rays],
+        fields: Sequence[tuple[float, float]],
+        frequencies: Numbers,
+        cutoff: float,
+        unit: str,
+    ) -> Self:
+        """Of the rays of every field; `cutoff` is the frequency at which diffraction ends it."""
+        along = [field if field != (0.0, 0.0) else (0.0, 1.0) for field in fields]
+        pairs = list(zip(images, along, strict=True))
+        columns = {
+            "field": np.repeat(np.arange(len(images)), len(frequencies)),
+            "frequency": np.tile(frequencies, len(images)),
+            "tangential": np.concatenate([image.mtf(frequencies, (x, y)) for image, (x, y) in pairs]),
+            "sagittal": np.concatenate([image.mtf(frequencies, (y, -x)) for image, (x, y) in pairs]),
+            "limit": np.tile(_diffraction(frequencies / cutoff), len(images)),
+        }
+        return cls(columns, {"frequency": f"1/{unit}"})
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the modulation over the frequency, that of diffraction in grey."""
+        axis = self._show(axis, "frequency", {"tangential": "-", "sagittal": "--"}, "modulation")
+        axis.plot(self.of_field(0, "frequency"), self.of_field(0, "limit"), color="#909090", label="diffraction")
+        axis.set_ylim(0.0, 1.02)
+        axis.legend(fontsize="small")
+        return axis
+
+
+def _diffraction(share: Numbers) -> Numbers:
+    """The transfer function of a circular pupil by frequency over its cutoff (Goodman, equation 6-31 of the second edition)."""
+    inside = np.clip(share, 0.0, 1.0)
+    return np.asarray(2.0 / np.pi * (np.arccos(inside) - inside * np.sqrt(1.0 - inside**2)))
+
+
+class ThroughFocus(_ByField):
+    """The `rms` radius of the spot of every `field` on planes moved along the axis by `shift`."""
+
+    @classmethod
+    def of(cls, images: list[Rays], shifts: Numbers, unit: str) -> Self:
+        """Of the rays of every field."""
+        radii = [image.moved(shift).spot().rms for image in images for shift in shifts.tolist()]
+        field = np.repeat(np.arange(len(images)), len(shifts))
+        columns = {"field": field, "shift": np.tile(shifts, len(images)), "rms": np.array(radii)}
+        return cls(columns, {"shift": unit, "rms": unit})
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the radii over the shift."""
+        return self._show(axis, "shift", {"rms": "-"}, f"RMS radius, {self.units['rms']}")
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Points of the field from the axis to the widest one: their parts `share` of that, and the units of fields and lengths."""
+
+    share: Numbers
+    widest: tuple[float, float]
+    field_unit: str
+    unit: str
+
+
+class _OverField(Columns):
+    """Rows from the axis to the widest point of the field: `field_x` and `field_y`, and their part `share` of that."""
+
+    @classmethod
+    def _over(cls, sweep: Sweep, columns: dict[str, Numbers], units: dict[str, str], repeats: int = 1) -> Self:
+        share = np.tile(sweep.share, repeats)
+        x, y = sweep.widest
+        places = {"share": share, "field_x": share * x, "field_y": share * y}
+        own = dict.fromkeys(("field_x", "field_y"), sweep.field_unit)
+        return cls({**places, **columns}, {**own, **units})
+
+    def _height(self) -> Numbers:
+        return np.asarray(np.hypot(self["field_x"], self["field_y"]))
+
+    def _label(self) -> str:
+        return f"field, {self.units['field_y']}"
+
+
+class Distortion(_OverField):
+    """The height of the `real` principal ray on the image, that of the `paraxial` one, and their relative difference `relative`,
+    NaN on the axis."""
+
+    @classmethod
+    def of(cls, sweep: Sweep, found: Numbers) -> Self:
+        """Of rows with real and paraxial heights first."""
+        real, paraxial = found[:, 0], found[:, 1]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            relative = np.where(paraxial > 0.0, (real - paraxial) / paraxial, np.nan)
+        columns = {"real": real, "paraxial": paraxial, "relative": relative}
+        return cls._over(sweep, columns, dict.fromkeys(("real", "paraxial"), sweep.unit))
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the relative distortion in percent against the field."""
+        axis = _axis(axis)
+        axis.plot(100.0 * self["relative"], self._height())
+        axis.axvline(0.0, color="#a0a0a0", linewidth=0.6)
+        return _labelled(axis, "distortion, %", self._label(), legend=False)
+
+
+class FieldCurvature(_OverField):
+    """The `tangential` and the `sagittal` focus, from the image along the axis."""
+
+    @classmethod
+    def of(cls, sweep: Sweep, found: Numbers) -> Self:
+        """Of rows with tangential and sagittal foci last."""
+        columns = {"tangential": found[:, 2], "sagittal": found[:, 3]}
+        return cls._over(sweep, columns, dict.fromkeys(columns, sweep.unit))
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the foci against the field."""
+        axis = _axis(axis)
+        axis.plot(self["tangential"], self._height(), label="tangential")
+        axis.plot(self["sagittal"], self._height(), "--", label="sagittal")
+        axis.axvline(0.0, color="#a0a0a0", linewidth=0.6)
+        return _labelled(axis, f"focus, {self.units['tangential']}", self._label())
+
+
+class FocalShift(Columns):
+    """Where rays of the axis cross it, `focus`, from the image, by `wavelength_nm`."""
+
+    @classmethod
+    def of(cls, lines: Numbers, foci: list[float], unit: str) -> Self:
+        """Of wavelengths and foci."""
+        return cls({"wavelength_nm": lines, "focus": foci}, {"wavelength_nm": "nm", "focus": unit})
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the focus against the wavelength."""
+        axis = _axis(axis)
+        axis.plot(self["focus"], self["wavelength_nm"])
+        return _labelled(axis, f"focus, {self.units['focus']}", "wavelength, nm", legend=False)
+
+
+class LateralColour(_OverField):
+    """The `shift` of the principal ray on the image against that of the primary wavelength, by `wavelength_nm` and field."""
+
+    @classmethod
+    def of(cls, sweep: Sweep, lines: Sequence[float], found: Numbers) -> Self:
+        """Of shifts (wavelengths, fields)."""
+        columns = {"wavelength_nm": np.repeat(lines, len(sweep.share)), "shift": found.ravel()}
+        return cls._over(sweep, columns, {"wavelength_nm": "nm", "shift": sweep.unit}, len(lines))
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the shifts against the field, coloured by wavelength."""
+        from rayweave.optics._drawing import wavelength_rgb
+
+        axis = _axis(axis)
+        for line in np.unique(self["wavelength_nm"]).tolist():
+            wanted = self["wavelength_nm"] == line
+            shade = wavelength_rgb(np.array([line]))[0]
+            axis.plot(self["shift"][wanted], self._height()[wanted], color=shade, label=f"{line:g} nm")
+        return _labelled(axis, f"lateral colour, {self.units['shift']}", self._label())

@@ -1,0 +1,545 @@
+"""Optical systems as designers write them, surface by surface, and what they do to light."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rayweave import _core
+from rayweave._core import Glass, Sheet, Solid
+from rayweave.optics._elements import Element, Finish
+from rayweave.optics._images import (
+    Distortion,
+    Energy,
+    Fans,
+    FieldCurvature,
+    FocalShift,
+    LateralColour,
+    Modulation,
+    Rays,
+    Seidel,
+    Spots,
+    Sweep,
+    ThroughFocus,
+    Wavefront,
+)
+from rayweave.optics._system import _UNIT_NM, System
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: What lies behind a surface: "air" (an index of 1, as that in which glasses are measured), "mirror", the name of a glass, a
+#: `Glass`, an index, or a pair of index and Abbe number at 587.5618 nm.
+Behind = str | Glass | float | tuple[float, float]
+
+_Unit = Literal["nm", "um", "mm", "cm", "m", "in"]
+_FieldKind = Literal["angle", "object height", "image height"]
+
+#: The d line of helium.
+_D_NM = 587.5618
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A surface of revolution about the axis, and what lies behind it.
+
+    `radius` is positive if the centre lies on the side of +z, inf for a plane; `thickness` is the distance along z to the next
+    surface, negative where light travels back; `conic` the conic constant (0 a sphere, -1 a paraboloid); `semi_diameter` the clear
+    one, by default what the rays of all fields need and 2 % more; `hole` the semi-diameter of a hole in a mirror.
+    """
+
+    radius: float = float("inf")
+    thickness: float = 0.0
+    behind: Behind = "air"
+    conic: float = 0.0
+    semi_diameter: float | None = None
+    hole: float = 0.0
+
+    def _row(self) -> tuple[Any, ...]:
+        return self.radius, self.thickness, self.behind, self.conic, self.semi_diameter, self.hole
+
+
+@dataclass(frozen=True)
+class Pupil:
+    """The image of the stop: its place along z, with the vertex of surface 1 at 0, and its diameter; inf if telecentric."""
+
+    position: float
+    diameter: float
+
+
+@dataclass(frozen=True)
+class FirstOrder:
+    """First-order data at one wavelength, in the unit of the prescription; inf or NaN where there are none.
+
+    Distances along z: back ones from the last vertex, front ones from the first. `matrix` maps height and index times slope from
+    the first surface to the last (E. Hecht, Optics, section 6.2.1). The formulas are those of Born & Wolf, Principles of Optics,
+    7th edition, section 4.4.
+    """
+
+    matrix: NDArray[np.float64]
+    focal_length: float
+    back_focal_distance: float
+    front_focal_distance: float
+    back_principal_plane: float
+    front_principal_plane: float
+    entrance_pupil: Pupil
+    exit_pupil: Pupil
+    stop_semi_diameter: float
+    f_number: float
+    magnification: float
+    angular_magnification: float
+    image_distance: float
+    petzval_sum: float
+
+
+def pupil_grid(
+    kind: Literal["hexapolar", "square", "fan_x", "fan_y"], count: int
+) -> NDArray[np.float64]:
+    """Points (N, 2) of a pupil in units of its semi-diameter: rings of 6, 12, 18, ... about the middle, a square grid with so
+    many points across, or as many points along one axis."""
+    return _core.pupil_points(kind, count)
+
+
+class Prescription:
+    """A sequential lens prescription; it never changes.
+
+    The axis is z, light comes from -z. Surfaces are counted from 1, fields and wavelengths from 0. The vertex of surface 1 is the
+    origin; the thickness of the last surface is the distance to the image. The aperture is one of four: the diameter of the
+    entrance pupil, the F-number, the numerical aperture at the object, or the semi-diameter of the stop.
+
+    `fields` are numbers along y, or pairs along x and y: angles in degrees against the axis, or heights of the object or of the
+    paraxial image. `stop` is the number of the surface at the aperture stop.
+    """
+
+    def __init__(
+        self,
+        surfaces: Iterable[Surface],
+        *,
+        name: str = "",
+        notes: Iterable[str] = (),
+        unit: _Unit = "mm",
+        entrance_pupil_diameter: float | None = None,
+        f_number: float | None = None,
+        object_numerical_aperture: float | None = None,
+        stop_semi_diameter: float | None = None,
+        fields: Iterable[float | tuple[float, float]] = (0.0,),
+        field_kind: _FieldKind = "angle",
+        wavelengths_nm: Iterable[float] = (_D_NM,),
+        weights: Iterable[float] | None = None,
+        primary: int = 0,
+        object_distance: float = float("inf"),
+        stop: int = 1,
+        image_radius: float = float("inf"),
+        image_conic: float = 0.0,
+        image_semi_diameter: float | None = None,
+    ) -> None:
+        wavelengths = [float(wavelength) for wavelength in wavelengths_nm]
+        frame = {
+            "name": name,
+            "notes": list(notes),
+            "unit_nm": _unit_nm(unit),
+            "aperture": _aperture(
+                entrance_pupil_diameter=entrance_pupil_diameter,
+                f_number=f_number,
+                object_numerical_aperture=object_numerical_aperture,
+                stop_semi_diameter=stop_semi_diameter,
+            ),
+            "field_kind": field_kind,
+            "fields": [_field(field) for field in fields],
+            "lines": _lines(wavelengths, weights),
+            "primary": primary,
+            "object_distance": object_distance,
+            "stop": stop,
+            "image": (image_radius, image_conic, image_semi_diameter),
+        }
+        self._compiled = _core.CompiledPrescription([surface._row() for surface in surfaces], frame)
+        self.passed_over: tuple[str, ...] = ()
+
+    @classmethod
+    def _of(cls, compiled: _core.CompiledPrescription, passed_over: Iterable[str] = ()) -> Prescription:
+        made = cls.__new__(cls)
+        made._compiled = compiled
+        made.passed_over = tuple(passed_over)
+        return made
+
+    @classmethod
+    def read_zmx(cls, path: str | Path) -> Prescription:
+        """The prescription in a Zemax file. `passed_over` tells what of the file was not understood or not needed."""
+        return cls._of(*_core.CompiledPrescription.read_zmx(Path(path).read_bytes()))
+
+    @classmethod
+    def from_zmx(cls, text: str | bytes) -> Prescription:
+        """The prescription in the text of a Zemax file, or in its bytes in UTF-8, UTF-16 or Latin-1."""
+        file = text.encode() if isinstance(text, str) else text
+        return cls._of(*_core.CompiledPrescription.read_zmx(file))
+
+    def to_zmx(self) -> str:
+        """The text of a Zemax file; a `Glass` becomes a model glass of its index and Abbe number."""
+        return self._compiled.write_zmx()
+
+    def write_zmx(self, path: str | Path) -> None:
+        """Writes a Zemax file."""
+        Path(path).write_text(self.to_zmx(), encoding="utf-8")
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return f"<Prescription{name}: {len(self.surfaces)} surfaces, {len(self.fields)} fields>"
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return str(self._compiled.frame()["name"])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Where it was published, and other remarks."""
+        return tuple(self._compiled.frame()["notes"])
+
+    @property
+    def unit(self) -> str:
+        """The unit of lengths."""
+        unit_nm = self._compiled.frame()["unit_nm"]
+        return next((name for name, nm in _UNIT_NM.items() if nm == unit_nm), f"{unit_nm} nm")
+
+    @property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """The surfaces; the first is number 1."""
+        return tuple(Surface(*row) for row in self._compiled.rows())
+
+    @property
+    def fields(self) -> tuple[tuple[float, float], ...]:
+        """The points of the field, as pairs along x and y."""
+        return tuple(self._compiled.frame()["fields"])
+
+    @property
+    def wavelengths_nm(self) -> tuple[float, ...]:
+        """The wavelengths in nanometres."""
+        return tuple(line[0] for line in self._compiled.frame()["lines"])
+
+    @property
+    def primary_nm(self) -> float:
+        """The primary wavelength in nanometres."""
+        return float(self._compiled.frame()["primary_nm"])
+
+    def replace(self, surfaces: Iterable[Surface] | None = None, **changes: Any) -> Prescription:
+        """The same with other surfaces, or with other values of the constructor's keywords."""
+        frame = self._compiled.frame()
+        lines = frame["lines"]
+        kind, size = frame["aperture"]
+        image = zip(("image_radius", "image_conic", "image_semi_diameter"), frame["image"], strict=True)
+        keywords = {
+            **{name: frame[name] for name in _KEPT},
+            "unit": self.unit,
+            "wavelengths_nm": [line[0] for line in lines],
+            "weights": None if "wavelengths_nm" in changes else [line[1] for line in lines],
+            **dict(image),
+        }
+        if not set(changes) & _APERTURES:
+            keywords[kind] = size
+        return Prescription(self.surfaces if surfaces is None else surfaces, **{**keywords, **changes})
+
+    def with_surface(self, number: int, **changes: Any) -> Prescription:
+        """The same with changes to one surface, counted from 1: its `radius`, `thickness`, `behind`, ..."""
+        rows = list(self.surfaces)
+        if not 1 <= number <= len(rows):
+            raise _core.RayweaveError(f"there is no surface {number} (there are {len(rows)}, counted from 1)")
+        rows[number - 1] = replace(rows[number - 1], **changes)
+        return self.replace(rows)
+
+    # first order
+
+    def first_order(self, wavelength_nm: float | None = None) -> FirstOrder:
+        """Focal lengths, principal planes, pupils at a wavelength, by default the primary one."""
+        table = self._compiled.first_order(self._wavelength(wavelength_nm))
+        matrix = np.array(table.pop("matrix")).reshape(2, 2)
+        entrance, exit_pupil = (Pupil(*table.pop(name)) for name in ("entrance_pupil", "exit_pupil"))
+        return FirstOrder(matrix=matrix, entrance_pupil=entrance, exit_pupil=exit_pupil, **table)
+
+    def seidel(self) -> Seidel:
+        """The Seidel sums of every surface at the primary wavelength: wavefront aberrations in the unit of lengths."""
+        return Seidel.of(self._compiled.seidel(), self.unit)
+
+    # solids
+
+    def elements(self) -> list[Element]:
+        """Its lenses, mirrors, stop and image as parts of a system, to which others can be added."""
+        return [_element(*part) for part in self._compiled.parts()]
+
+    def system(self) -> System:
+        """The system of its solids: for light that need not go in the order of the surfaces."""
+        return System(self.elements(), unit=cast(_Unit, self.unit))
+
+    def semi_diameters(self) -> NDArray[np.float64]:
+        """The clear semi-diameters of the surfaces; the last is that of the image."""
+        return self._compiled.semi_diameters()
+
+    def rays(
+        self,
+        field: int = 0,
+        *,
+        wavelength_nm: float | None = None,
+        pupil: ArrayLike | None = None,
+        rings: int = 6,
+        aimed: bool = False,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Origins and directions (N, 3) of the rays of a field, for `System.trace_rays`.
+
+        They go through the points `pupil` (N, 2) of the entrance pupil in units of its semi-diameter, by default a hexapolar grid;
+        if `aimed`, through those points of the stop.
+        """
+        return self._compiled.rays(field, self._wavelength(wavelength_nm), _pupil(pupil, rings), aimed)
+
+    # real rays
+
+    def arrivals(
+        self,
+        field: int = 0,
+        *,
+        wavelength_nm: float | None = None,
+        pupil: ArrayLike | None = None,
+        rings: int = 6,
+        aimed: bool = False,
+    ) -> Rays:
+        """The rays of a field on the image, at one wavelength or, by default, at all of them with their weights.
+
+        Only rays that come by the surfaces in their order are there: not those that are vignetted or lost.
+        """
+        return Rays(self._compiled.arrivals(field, wavelength_nm, _pupil(pupil, rings), aimed), self.unit)
+
+    def spots(
+        self,
+        *,
+        wavelength_nm: float | None = None,
+        rings: int = 6,
+        shift: float = 0.0,
+        aimed: bool = False,
+    ) -> Spots:
+        """The spots of all fields, with centroid, RMS and geometric radius; on a plane that is moved along the axis by `shift`."""
+        rays = self._images(wavelength_nm, pupil_grid("hexapolar", rings), aimed)
+        return Spots.of([image.moved(shift) if shift else image for image in rays], self.fields, self.unit)
+
+    def fans(self, *, wavelength_nm: float | None = None, count: int = 41, aimed: bool = False) -> Fans:
+        """Transverse ray aberrations of all fields along both axes of the pupil, at one wavelength or, by default, at all of
+        them."""
+        lines = self.wavelengths_nm if wavelength_nm is None else (wavelength_nm,)
+        found = []
+        for field in range(len(self.fields)):
+            for line in lines:
+                for along, kind in enumerate(("fan_x", "fan_y")):
+                    pupil = _core.pupil_points(kind, count)
+                    at, errors = self._compiled.fan(field, line, pupil, aimed)
+                    found.append((field, line, along, at[:, along], errors))
+        return Fans.of(found, self.unit)
+
+    def wavefront(
+        self,
+        field: int = 0,
+        *,
+        wavelength_nm: float | None = None,
+        pupil: ArrayLike | None = None,
+        across: int = 33,
+        aimed: bool = False,
+    ) -> Wavefront:
+        """Optical path differences in waves, on a square grid of the pupil unless points (N, 2) of it are given."""
+        points = _core.pupil_points("square", across) if pupil is None else np.asarray(pupil, float)
+        line = self._wavelength(wavelength_nm)
+        return Wavefront.of(*self._compiled.wavefront(field, line, points, aimed))
+
+    def encircled_energy(
+        self,
+        radii: ArrayLike | None = None,
+        *,
+        wavelength_nm: float | None = None,
+        across: int = 49,
+        aimed: bool = False,
+    ) -> Energy:
+        """The fraction of the power of every field within circles about its centroid, without diffraction; by a square grid of so
+        many rays across the pupil."""
+        rays = self._images(wavelength_nm, pupil_grid("square", across), aimed)
+        if radii is None:
+            radii = np.linspace(0.0, max(image.spot().geometric for image in rays), 101)
+        return Energy.of(rays, np.asarray(radii, float), self.unit)
+
+    def mtf(
+        self,
+        frequencies: ArrayLike | None = None,
+        *,
+        wavelength_nm: float | None = None,
+        across: int = 49,
+        aimed: bool = False,
+    ) -> Modulation:
+        """The modulation of lines by geometric imaging, by frequency in cycles per unit of length: `tangential` for lines across
+        the direction of the field, `sagittal` for those along it. `limit` is that of diffraction alone at the primary wavelength,
+        for a circular pupil and the paraxial F-number of the image (J. W. Goodman, Introduction to Fourier Optics, section 6.4).
+        The rays are a square grid, `across` of them over the pupil."""
+        rays, cutoff = self._images(wavelength_nm, pupil_grid("square", across), aimed), self._cutoff()
+        if frequencies is None:
+            # where the modulation by the smallest spot has gone
+            least = min(image.spot().rms for image in rays)
+            frequencies = np.linspace(0.0, min(cutoff, 0.3 / least) if least > 0.0 else cutoff, 51)
+        return Modulation.of(rays, self.fields, np.asarray(frequencies, float), cutoff, self.unit)
+
+    def through_focus(
+        self,
+        shifts: ArrayLike | None = None,
+        *,
+        wavelength_nm: float | None = None,
+        rings: int = 6,
+        aimed: bool = False,
+    ) -> ThroughFocus:
+        """The RMS radii of the spots of all fields on planes moved along the axis by `shifts`."""
+        rays = self._images(wavelength_nm, pupil_grid("hexapolar", rings), aimed)
+        if shifts is None:
+            best = np.abs([image.best_focus() for image in rays])
+            reach = 2.0 * float(best[np.isfinite(best)].max(initial=0.0))
+            reach = reach or 1e-3 * abs(self.first_order().focal_length)
+            shifts = np.linspace(-reach, reach, 41)
+        return ThroughFocus.of(rays, np.asarray(shifts, float), self.unit)
+
+    def distortion(self, *, wavelength_nm: float | None = None, count: int = 21) -> Distortion:
+        """Where real and paraxial principal rays meet the image, over the field from the axis to its widest point."""
+        return Distortion.of(*self._principal(wavelength_nm, count))
+
+    def field_curvature(self, *, wavelength_nm: float | None = None, count: int = 21) -> FieldCurvature:
+        """The tangential and the sagittal focus of thin pencils about the principal ray, over the field from the axis to its widest
+        point: distances along the axis from the image (Coddington; W. T. Welford, Aberrations of Optical Systems, section 9.5)."""
+        return FieldCurvature.of(*self._principal(wavelength_nm, count))
+
+    def focal_shift(self, wavelengths_nm: ArrayLike | None = None, *, height: float = 0.001) -> FocalShift:
+        """Longitudinal colour: where rays of the axis through a height in the pupil, in units of its semi-diameter, cross the axis,
+        from the image; by default the paraxial focus between the shortest and the longest wavelength. With height = 1 it is that of
+        the rim."""
+        on_axis = self if self.fields[0] == (0.0, 0.0) else self.replace(fields=[(0.0, 0.0), *self.fields])
+        if wavelengths_nm is None:
+            wavelengths_nm = np.linspace(min(self.wavelengths_nm), max(self.wavelengths_nm), 31)
+        lines = np.asarray(wavelengths_nm, float)
+        return FocalShift.of(lines, [on_axis._compiled.axial_focus(line, height) for line in lines], self.unit)
+
+    def lateral_colour(self, *, count: int = 21) -> LateralColour:
+        """How far the principal rays of all wavelengths meet the image from that of the primary one, away from the axis, over the
+        field from the axis to its widest point."""
+        lens, sweep = self._swept(count)
+        shift = lens._compiled.lateral_colour
+        found = [[shift(k, line) for k in range(count)] for line in self.wavelengths_nm]
+        return LateralColour.of(sweep, self.wavelengths_nm, np.array(found))
+
+    def show(self, *, axis: Axes | None = None, rays: int = 5, **options: Any) -> Axes:
+        """Draws a section of the solids with rays of all fields in the plane x = 0, coloured by field; `options` are those of
+        `Trace.show`."""
+        elements = self.elements()
+        pupil = _core.pupil_points("fan_y", rays)
+        bundles = [self.rays(field, pupil=pupil) for field in range(len(self.fields))]
+        origins, directions = (np.concatenate(parts) for parts in zip(*bundles, strict=True))
+        if np.isinf(self._compiled.frame()["object_distance"]):
+            origins = _drawn_in(elements, origins, directions)
+        trace = self.system().trace_rays(
+            origins,
+            directions,
+            self.primary_nm,
+            source=np.repeat(np.arange(len(bundles)), rays),
+            generation_limit=4 * len(self.surfaces) + 8,
+            keep_escaped=False,
+        )
+        axis = trace.show(axis=axis, **{"color": "source", "rays": len(origins), **options})
+        ends = np.concatenate([trace["y0"], trace["y1"][np.isfinite(trace["y1"])]])
+        reach = 1.1 * max(float(self.semi_diameters()[:-1].max()), float(np.abs(ends).max()))
+        axis.set_ylim(-reach, reach)
+        axis.set_xlabel(f"z, {self.unit}")
+        axis.set_ylabel(f"y, {self.unit}")
+        axis.set_title(self.name)
+        return axis
+
+    def _wavelength(self, wavelength_nm: float | None) -> float:
+        return self.primary_nm if wavelength_nm is None else float(wavelength_nm)
+
+    def _images(self, wavelength_nm: float | None, pupil: ArrayLike, aimed: bool) -> list[Rays]:
+        fields = range(len(self.fields))
+        return [self.arrivals(field, wavelength_nm=wavelength_nm, pupil=pupil, aimed=aimed) for field in fields]
+
+    def _swept(self, count: int) -> tuple[Prescription, Sweep]:
+        """The same with fields from the axis to the widest one."""
+        x, y = max(self.fields, key=lambda field: float(np.hypot(*field)))
+        share = np.linspace(0.0, 1.0, count)
+        is_angle = self._compiled.frame()["field_kind"] == "angle"
+        sweep = Sweep(share, (x, y), "degrees" if is_angle else self.unit, self.unit)
+        return self.replace(fields=[(part * x, part * y) for part in share.tolist()]), sweep
+
+    def _principal(self, wavelength_nm: float | None, count: int) -> tuple[Sweep, NDArray[np.float64]]:
+        """What principal rays and their neighbours tell, over the field."""
+        lens, sweep = self._swept(count)
+        line = self._wavelength(wavelength_nm)
+        return sweep, np.array([lens._compiled.principal(k, line) for k in range(count)])
+
+    def _cutoff(self) -> float:
+        """The frequency, per unit of length, above which a circular pupil passes nothing: 2 NA / wavelength."""
+        first_order = self.first_order()
+        frame = self._compiled.frame()
+        height, slope = 0.5 * first_order.entrance_pupil.diameter, 0.0
+        if np.isfinite(distance := frame["object_distance"]):
+            slope = height / (first_order.entrance_pupil.position + distance)
+            height = slope * distance
+        aperture = abs(float(first_order.matrix[1] @ [height, slope]))
+        return 2.0 * aperture * float(frame["unit_nm"]) / self.primary_nm
+
+
+_KEPT = ("name", "notes", "field_kind", "fields", "primary", "object_distance", "stop")
+_APERTURES = {"entrance_pupil_diameter", "f_number", "object_numerical_aperture", "stop_semi_diameter"}
+
+
+def _aperture(**given: float | None) -> tuple[str, float]:
+    stated = [(kind, float(size)) for kind, size in given.items() if size is not None]
+    if len(stated) != 1:
+        found = ", ".join(kind for kind, _ in stated) or "none"
+        raise _core.RayweaveError(f"the aperture is given by {found} (one of {', '.join(given)} is needed)")
+    return stated[0]
+
+
+def _field(field: float | tuple[float, float]) -> tuple[float, float]:
+    match np.asarray(field, float).tolist():
+        case [x, y]:
+            return x, y
+        case float() as y:
+            return 0.0, y
+        case other:
+            raise _core.RayweaveError(f"a field is {other} (a number along y or a pair along x and y is needed)")
+
+
+def _lines(wavelengths: list[float], weights: Iterable[float] | None) -> list[tuple[float, float]]:
+    shares = [1.0] * len(wavelengths) if weights is None else [float(weight) for weight in weights]
+    if len(shares) != len(wavelengths):
+        counts = f"{len(wavelengths)} wavelengths and {len(shares)} weights"
+        raise _core.RayweaveError(f"{counts} are given (each wavelength needs one)")
+    return list(zip(wavelengths, shares, strict=True))
+
+
+def _unit_nm(unit: str) -> float:
+    if unit not in _UNIT_NM:
+        raise _core.RayweaveError(f"unit is {unit!r} (it can be {', '.join(_UNIT_NM)})")
+    return _UNIT_NM[unit]
+
+
+def _pupil(pupil: ArrayLike | None, rings: int) -> NDArray[np.float64]:
+    return _core.pupil_points("hexapolar", rings) if pupil is None else np.asarray(pupil, float)
+
+
+def _element(name: str, body: Any, material: Any, spec: Any, faces: Any) -> Element:
+    finish = Finish(spec[0], tuple(spec[1]))
+    if isinstance(body, Sheet):
+        return Element(name, body, action=finish)
+    own = tuple((face, Finish(kind, tuple(numbers))) for face, (kind, numbers) in faces)
+    return Element(name, body, material, finish, own)
+
+
+def _drawn_in(
+    elements: list[Element], origins: NDArray[np.float64], directions: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Rays of distant objects from a little in front of everything."""
+    boxes = np.array([part.body.bounds() for part in elements if isinstance(part.body, Solid)])
+    low, high = boxes[:, 0, 2].min(), boxes[:, 1, 2].max()
+    length = (low - 0.2 * (high - low) - origins[:, 2]) / directions[:, 2]
+    return np.asarray(origins + length[:, None] * directions)

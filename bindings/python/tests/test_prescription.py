@@ -1,0 +1,272 @@
+"""Prescriptions, their first-order data and their images: against published data, a peer, and closed forms."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from rayweave import RayweaveError, optics
+from rayweave.optics import Prescription, Surface
+
+ROOT = Path(__file__).resolve().parents[3]
+D_NM = 587.5618
+
+
+def design(name: str) -> Prescription:
+    return Prescription.read_zmx(ROOT / f"models/optics/{name}.zmx")
+
+
+def paraboloid(f: float = 100.0, *, aperture: float = 20.0, shift: float = 0.0) -> Prescription:
+    """A mirror with a perfect focus on the axis, the image out of it by a shift."""
+    mirror = Surface(-2 * f, -f + shift, "mirror", conic=-1)
+    return Prescription([mirror], entrance_pupil_diameter=aperture, wavelengths_nm=[550.0])
+
+
+def hexapolar_square(rings: int) -> float:
+    """The mean square of the radius over a hexapolar grid."""
+    weights = [1, *(6 * k for k in range(1, rings + 1))]
+    return float(np.average([(k / rings) ** 2 for k in range(rings + 1)], weights=weights))
+
+
+def test_published_first_order_data() -> None:
+    # the sources are in the notes of the files
+    assert design("cooke-triplet").first_order().focal_length == pytest.approx(50.0, abs=1e-3)
+    assert design("tessar").first_order().focal_length == pytest.approx(4.0, abs=5e-3)  # inches
+    assert design("achromat").first_order().back_focal_distance == pytest.approx(97.1, abs=0.15)
+    hubble = design("hubble").first_order()
+    assert hubble.focal_length == pytest.approx(57_600, abs=1)
+    assert hubble.f_number == pytest.approx(24.0, abs=1e-3)
+    # the entrance pupil of Hubble is its primary mirror
+    assert hubble.entrance_pupil.position == 0.0
+    assert hubble.entrance_pupil.diameter == pytest.approx(2400.0)
+
+
+def test_cardinal_points_of_a_thick_lens() -> None:
+    r1, r2, t, n = 50.0, -70.0, 12.0, 1.6
+    lens = Prescription([Surface(r1, t, n), Surface(r2, 60.0)], entrance_pupil_diameter=5)
+    found = lens.first_order()
+    f = optics.lensmaker(r1, r2, n, t)
+    assert found.focal_length == pytest.approx(f, rel=1e-13)
+    # E. Hecht, Optics, section 6.1: h1 = -f (n - 1) t / (r2 n), h2 = -f (n - 1) t / (r1 n)
+    assert found.front_principal_plane == pytest.approx(-f * (n - 1) * t / (r2 * n), rel=1e-12)
+    assert found.back_principal_plane == pytest.approx(-f * (n - 1) * t / (r1 * n), rel=1e-12)
+    assert np.linalg.det(found.matrix) == pytest.approx(1.0, abs=1e-14)
+    # Petzval's sum, the power of each surface over its indices
+    assert found.petzval_sum == pytest.approx((1 / n - 1) / r1 + (1 - 1 / n) / r2, rel=1e-12)
+
+
+def test_spots_and_wavefronts_of_a_peer() -> None:
+    with (ROOT / "crates/optics/tests/design/reference/peers.csv").open() as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    compared = 0
+    for name in ("cooke-triplet", "double-gauss"):
+        lens = design(name)
+        grid = optics.pupil_grid("hexapolar", 6)
+        # glass absorbs, but the peer counts rays
+        images = lens.spots(wavelength_nm=lens.primary_nm).images
+        rms = [math.hypot(image["x"].std(), image["y"].std()) for image in images]
+        for row in rows:
+            if row["design"] != name or not row["peer"].startswith("Optiland") or not row["field"]:
+                continue
+            field, value = int(row["field"]), float(row["value"])
+            if row["quantity"] == "rms spot":
+                assert rms[field] == pytest.approx(value, rel=1e-10)
+            else:
+                assert lens.wavefront(field, pupil=grid).rms == pytest.approx(value, abs=2e-9)
+            compared += 1
+    assert compared == 12
+
+
+def test_seidel_sums_of_a_peer() -> None:
+    # Optiland 0.6.3, aberrations.seidels(), which gives them the other sign
+    total = design("cooke-triplet").seidel().sum
+    expected = [-0.00696004149135, 0.00123488647048, 0.00890673846436, -0.0257157169117, 0.00185858910192]
+    np.testing.assert_allclose([-total[name] for name in list(total)[:5]], expected, rtol=1e-10)
+
+
+def test_a_paraboloid_out_of_focus() -> None:
+    f, aperture, shift = 100.0, 20.0, 0.5
+    spots = paraboloid(f).spots()
+    assert spots["rms"][0] < 1e-12 and spots["rays"][0] == 127
+    # a cone about the focus: the ray at the height h meets the plane at h s / (f - h^2 / 4 f)
+    image = paraboloid(f, shift=shift).arrivals(rings=8)
+    h = 0.5 * aperture * np.arange(9) / 8
+    reach = h * shift / (f - h**2 / (4 * f))
+    weights = [1, *(6 * k for k in range(1, 9))]
+    assert image.spot().rms == pytest.approx(math.sqrt(np.average(reach**2, weights=weights)), rel=1e-9)
+    assert image.spot().geometric == pytest.approx(reach[-1], rel=1e-9)
+    # light travels back: the image moves along the axis of the world
+    assert image.best_focus() == pytest.approx(-shift, rel=1e-9)
+    assert image.moved(-shift).spot().rms < 1e-12
+    # 1 + 6 + 12 + 18 + 24 of 217 rays lie within the fourth ring
+    np.testing.assert_allclose(image.encircled_energy([reach[4] + 1e-9, reach[8] + 1e-9]), [61 / 217, 1])
+    assert image.radius_of_energy(61 / 217) == pytest.approx(reach[4], rel=1e-9)
+
+
+def test_through_focus_is_a_hyperbola_about_the_best_focus() -> None:
+    lens = paraboloid(100.0, aperture=4.0)
+    found = lens.through_focus([-0.2, -0.1, 0.0, 0.1])
+    cone = 0.02 * math.sqrt(hexapolar_square(6))
+    np.testing.assert_allclose(found["rms"], [0.2 * cone, 0.1 * cone, 0, 0.1 * cone], rtol=2e-4, atol=1e-12)
+    assert found.units["shift"] == "mm"
+
+
+def bessel_1(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """By its integral; the midpoint rule is exact to rounding for whole periods."""
+    t = (np.arange(64) + 0.5) * np.pi / 64
+    return np.asarray(np.cos(t - np.outer(x, np.sin(t))).mean(axis=1))
+
+
+def test_modulation_of_a_disk_of_light() -> None:
+    f, aperture, shift = 100.0, 2.0, 2.0
+    found = paraboloid(f, aperture=aperture, shift=shift).mtf(np.linspace(1, 40, 14), across=201)
+    radius = shift * aperture / (2 * f)
+    # the transform of a uniform disk, 2 J1(x) / x with x = 2 pi v radius
+    x = 2 * np.pi * found["frequency"] * radius
+    np.testing.assert_allclose(found["tangential"], np.abs(2 * bessel_1(x) / x), atol=2e-3)
+    np.testing.assert_allclose(found["sagittal"], found["tangential"], atol=1e-9)
+    # a circular pupil ends at 1 / (wavelength F-number), and passes 0.391 at half of that
+    cutoff = 1 / (550e-6 * f / aperture)
+    limit = paraboloid(f, aperture=aperture).mtf([0.0, cutoff / 2, cutoff, 2 * cutoff], across=3)["limit"]
+    np.testing.assert_allclose(limit, [1, 0.39100, 0, 0], atol=1e-5)
+
+
+def test_a_spherical_mirror_with_the_stop_at_its_centre() -> None:
+    # every field has its own axis: no astigmatism, and the image lies on a sphere of half the radius about the centre
+    surfaces = [Surface(thickness=200.0), Surface(-200.0, -100.0, "mirror")]
+    mirror = Prescription(surfaces, entrance_pupil_diameter=2, fields=[0, 8])
+    curved = mirror.field_curvature(count=5)
+    expected = 100 * (np.cos(np.radians(curved["field_y"])) - 1)
+    np.testing.assert_allclose(curved["tangential"], expected, atol=1e-6)
+    np.testing.assert_allclose(curved["sagittal"], expected, atol=1e-6)
+    assert curved.units["field_y"] == "degrees"
+    distorted = mirror.distortion(count=5)
+    np.testing.assert_allclose(distorted["real"], 100 * np.tan(np.radians(distorted["field_y"])), atol=1e-11)
+    np.testing.assert_allclose(distorted["relative"][1:], 0, atol=1e-12)
+
+
+def test_colour_of_a_singlet_follows_its_paraxial_focus() -> None:
+    lines = [486.1327, D_NM, 656.2725]
+    surfaces = [Surface(60.0, 4.0, "N-SF11"), Surface(-90.0, 45.0)]
+    singlet = Prescription(
+        surfaces, entrance_pupil_diameter=4, wavelengths_nm=lines, primary=1, fields=[0, 5]
+    )
+    found = singlet.focal_shift(lines)
+    expected = [singlet.first_order(line).back_focal_distance - 45 for line in lines]
+    np.testing.assert_allclose(found["focus"], expected, atol=1e-6)
+    # the stop is in the lens: principal rays of all colours leave it at almost one height, lateral colour is the prism's of the lens
+    lateral = singlet.lateral_colour(count=3)
+    at_primary = lateral["wavelength_nm"] == D_NM
+    np.testing.assert_allclose(lateral["shift"][at_primary], 0, atol=1e-15)
+    blue, red = (lateral["shift"][lateral["wavelength_nm"] == line][-1] for line in (lines[0], lines[2]))
+    real = [singlet.arrivals(1, wavelength_nm=line, pupil=[[0, 0]])["y"][0] for line in lines]
+    assert (blue, red) == pytest.approx((real[0] - real[1], real[2] - real[1]), abs=1e-13)
+
+
+def test_zernike_polynomials_are_found_again() -> None:
+    grid = optics.pupil_grid("square", 15)
+    r2 = (grid**2).sum(axis=1)
+    # Noll 4 and 11: sqrt(3) (2 r^2 - 1) and sqrt(5) (6 r^4 - 6 r^2 + 1)
+    waves = 0.3 * math.sqrt(3) * (2 * r2 - 1) - 0.1 * math.sqrt(5) * (6 * r2**2 - 6 * r2 + 1)
+    fit = optics.Wavefront.of(grid, waves).zernike(15)
+    expected = np.where(fit["index"] == 4, 0.3, np.where(fit["index"] == 11, -0.1, 0.0))
+    np.testing.assert_allclose(fit["coefficient"], expected, atol=1e-13)
+    np.testing.assert_allclose(fit.at(grid), waves, atol=1e-13)
+    assert fit.residual_rms < 1e-13
+    # OSA/ANSI number 12 is spherical aberration
+    osa = optics.Wavefront.of(grid, waves).zernike(15, scheme="osa")
+    assert osa["coefficient"][12] == pytest.approx(-0.1, abs=1e-13)
+
+
+def test_fans_of_a_symmetric_lens() -> None:
+    lens = design("cooke-triplet")
+    fans = lens.fans(count=11)
+    assert fans.rows == 3 * 3 * 2 * 11
+    pupil, error = fans.fan(0, 550.0, "y")
+    np.testing.assert_allclose(error, -error[::-1], atol=1e-12)
+    # the ray of the rim, followed through the solids by itself
+    rim = lens.arrivals(0, wavelength_nm=550.0, pupil=[[0, 1]])
+    assert error[-1] == pytest.approx(rim["y"][0], abs=1e-12) and pupil[-1] == 1.0
+
+
+def test_zemax_files_and_rows() -> None:
+    path = ROOT / "models/optics/cooke-triplet.zmx"
+    lens = Prescription.read_zmx(path)
+    assert lens.to_zmx() == path.read_text() and lens.passed_over == ()
+    again = lens.replace(name="again")
+    assert again.surfaces == lens.surfaces and again.fields == lens.fields and again.name == "again"
+    assert lens.replace(f_number=4).first_order().f_number == pytest.approx(4)
+    assert lens.replace(wavelengths_nm=[500, 600]).wavelengths_nm == (500, 600)
+    glass = lens.with_surface(1, behind=optics.glass("N-BK7"))
+    assert glass.first_order().focal_length == lens.with_surface(1, behind="N-BK7").first_order().focal_length
+
+
+def test_its_solids_are_a_system_like_any_other() -> None:
+    lens = design("cooke-triplet")
+    system = lens.system()
+    assert system.element_names == ["lens 1-2", "lens 3-4", "lens 5-6", "image"]
+    trace = system.trace_rays(*lens.rays(2), lens.primary_nm)
+    arrived = trace.spot("image")
+    assert arrived.rms_radius == pytest.approx(lens.spots(wavelength_nm=lens.primary_nm)["rms"][2], rel=1e-9)
+    mirror = design("cassegrain").system()
+    assert {"mirror 1", "mirror 2"} <= set(mirror.element_names)
+
+
+def test_refusals() -> None:
+    surface = Surface(50.0, 4.0, "N-BK7")
+    with pytest.raises(RayweaveError, match="none .one of entrance_pupil_diameter, f_number"):
+        Prescription([surface])
+    with pytest.raises(RayweaveError, match=r"surface 1: .*did you mean"):
+        Prescription([Surface(50.0, 4.0, "N-BK8")], entrance_pupil_diameter=1)
+    with pytest.raises(RayweaveError, match="no surface"):
+        Prescription([], entrance_pupil_diameter=1)
+    with pytest.raises(RayweaveError, match="the field is number 3"):
+        paraboloid().arrivals(3)
+    with pytest.raises(RayweaveError, match='field_kind is "sine"'):
+        Prescription([surface], entrance_pupil_diameter=1, field_kind="sine")  # type: ignore[arg-type]
+    with pytest.raises(RayweaveError, match="there is no surface 2"):
+        paraboloid().with_surface(2, radius=1.0)
+    with pytest.raises(RayweaveError, match="surfaces 1 and 2 cross"):
+        Prescription(
+            [Surface(20, 1, 1.5), Surface(-20, 19)], entrance_pupil_diameter=15
+        ).spots()
+
+
+def test_columns_go_into_tables() -> None:
+    spots = design("cooke-triplet").spots()
+    pandas, arrow = pytest.importorskip("pandas"), pytest.importorskip("pyarrow")
+    frame = spots.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and frame.attrs["units"]["rms"] == "mm"
+    table = spots.to_arrow()
+    assert isinstance(table, arrow.Table) and table.schema.field("rms").metadata == {b"unit": b"mm"}
+    np.testing.assert_array_equal(table["rms"].to_numpy(), spots["rms"])
+
+
+def test_pictures() -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    plt = pytest.importorskip("matplotlib.pyplot")
+    lens = design("cooke-triplet")
+    layout = lens.show(rays=3)
+    assert layout.get_xlabel() == "z, mm" and layout.get_title() == lens.name
+    diagrams = lens.spots().show()
+    assert [np.shape(axis.collections[0].get_offsets())[0] for axis in diagrams] == [381, 381, 381]
+    fans = lens.fans(count=5).show()
+    assert fans.shape == (3, 2) and len(fans[0][0].lines) == 4
+    # fields times curves, and what stands beside them
+    curves = [
+        (lens.mtf([0, 10], across=5).show(), 7),
+        (lens.through_focus([0, 1], rings=3).show(), 3),
+        (lens.encircled_energy([0, 1], across=5).show(), 3),
+        (lens.distortion(count=3).show(), 2),
+        (lens.field_curvature(count=3).show(), 3),
+        (lens.focal_shift([500, 600]).show(), 1),
+        (lens.lateral_colour(count=3).show(), 3),
+    ]
+    assert [len(axis.lines) for axis, _ in curves] == [count for _, count in curves]
+    assert np.shape(lens.wavefront(across=5).show().collections[0].get_offsets()) == (13, 2)
+    assert len(lens.wavefront(across=9).zernike(11).show().patches) == 8
+    assert len(lens.seidel().show().patches) == 7 * 7
+    plt.close("all")
