@@ -2,6 +2,7 @@
 
 mod arguments;
 mod command;
+mod drawing;
 mod failure;
 mod interrupt;
 mod terminal;

@@ -380,6 +380,21 @@ impl System {
         self.plates.iter().find(of).map(|plate| &plate.frame)
     }
 
+    /// The compiled sheet that an element is: region 1 lies before its surface, region 2 behind it, within its trim; `None`
+    /// for solids and unknown names.
+    pub fn sheet_program(&self, element: &str) -> Option<&Arc<Program>> {
+        let of = |plate: &&Plate| self.elements[plate.element] == element;
+        self.plates.iter().find(of).map(|plate| &plate.program)
+    }
+
+    /// The medium of a region of the solids, or of the world; `None` where no light goes.
+    pub fn medium_of(&self, region: RegionId) -> Option<&Medium> {
+        match self.substance(region) {
+            Substance::Transparent(medium) | Substance::Metal(medium) => Some(medium),
+            Substance::Opaque => None,
+        }
+    }
+
     /// The media in which light can be, each once.
     pub fn media(&self) -> impl Iterator<Item = &Medium> {
         self.media.iter().filter_map(|substance| match substance {

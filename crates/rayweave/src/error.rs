@@ -2,6 +2,7 @@
 
 use crate::files::ContourProblems;
 use rayweave_analysis::infill::InfillError;
+use rayweave_analysis::section::SectionError;
 use rayweave_model::{BadRay, CompileError, WindowError};
 use rayweave_optics::OpticsError;
 use rayweave_render::{CameraError, RenderError, TimelineError};
@@ -63,6 +64,7 @@ enum Cause {
     Render(RenderError),
     Timeline(TimelineError),
     Infill(InfillError),
+    Section(SectionError),
     Polygon(PolygonError),
     Line(LineError),
     Contours(ContourProblems),
@@ -98,6 +100,7 @@ impl Error {
             | Cause::Render(_)
             | Cause::Timeline(_)
             | Cause::Infill(_)
+            | Cause::Section(_)
             | Cause::Polygon(_)
             | Cause::Line(_) => ErrorKind::Value,
             Cause::Optics(_) => ErrorKind::Optics,
@@ -235,6 +238,7 @@ impl fmt::Display for Error {
             Cause::Render(error) => error.fmt(f),
             Cause::Timeline(error) => error.fmt(f),
             Cause::Infill(error) => error.fmt(f),
+            Cause::Section(error) => error.fmt(f),
             Cause::Polygon(error) => error.fmt(f),
             Cause::Line(error) => error.fmt(f),
             Cause::Contours(problems) => problems.fmt(f),
@@ -285,6 +289,7 @@ from! {
     RenderError => Render,
     TimelineError => Timeline,
     InfillError => Infill,
+    SectionError => Section,
     PolygonError => Polygon,
     LineError => Line,
     OpticsError => Optics,

@@ -147,6 +147,10 @@
 //!
 //! [`infill`] fills a region of the plane ([`polygon`]), or the layers of a solid, with parallel traces.
 //!
+//! # Drawings of optical systems
+//!
+//! [`layout`] cuts a system open and draws light in it ([`section`] is the cut alone); [`detector`] draws what arrives.
+//!
 //! # The algebra alone
 //!
 //! [`rootray`] knows no geometry: it combines the times at which a trajectory changes sides, for one ray or for arrays of
@@ -170,13 +174,17 @@ mod compiled;
 mod error;
 mod evaluator;
 mod explain;
+mod legend;
 mod timeline;
 
+pub mod detector;
 pub mod files;
 pub mod infill;
+pub mod layout;
 pub mod picture;
 pub mod shapes;
 
+pub use rayweave_analysis::section;
 pub use rayweave_formats as formats;
 pub use rayweave_math as math;
 pub use rayweave_mesh as mesh;

@@ -10,6 +10,7 @@
 //!
 //! Invariants of absence: this crate knows no files of models and names no evaluator: it takes one by its trait.
 
+pub mod axis;
 mod camera;
 mod closer;
 mod colour;
@@ -36,6 +37,7 @@ pub mod svg;
 mod sweep;
 mod timeline;
 mod view;
+mod wavelength;
 
 pub use camera::{Camera, Projection};
 pub use colour::{Linear, PALETTE, Rgba, region_colour};
@@ -49,3 +51,4 @@ pub use section::{SECTION, section};
 pub use settings::{Background, Lines, Settings, Style};
 pub use timeline::{Timeline, TimelineError};
 pub use view::View;
+pub use wavelength::wavelength_colour;

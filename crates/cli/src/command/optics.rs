@@ -1,14 +1,17 @@
 //! `rayweave optics`: light through the solids of a model.
 
 use crate::arguments::{Cli, ModelArguments};
+use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::terminal::{self, Unit, short};
 use clap::{Args, ValueEnum};
 use rayweave::Packets;
+use rayweave::detector::{IrradianceMap, SpotDiagram};
 use rayweave::files::{LightSummary, trace_light};
+use rayweave::layout::{Layout, RayColour, ViewPlane, Wishes};
 use rayweave::optics::file::{OpticalScene, optics_of};
-use rayweave::optics::{Branches, Segments, System, Tracer};
+use rayweave::optics::{Balance, Branches, Segments, System, Tracer};
 use rayweave::scene::{Diagnostic, Diagnostics, Document};
 use rayweave::{Affine, Vec3};
 use serde_json::{Value, json};
@@ -27,7 +30,10 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 Examples:
   rayweave optics doublet.toml
-  rayweave optics doublet.toml -D R3=120 --branches both --out segments.csv")]
+  rayweave optics doublet.toml -D R3=120 --branches both --out segments.csv
+  rayweave optics doublet.toml --layout doublet.svg
+  rayweave optics doublet.toml --layout doublet.png --plane xz --rays 21 --colour source
+  rayweave optics doublet.toml --spot spot.svg --map map.png --detector screen")]
 pub struct Optics {
     #[command(flatten)]
     model: ModelArguments,
@@ -35,6 +41,38 @@ pub struct Optics {
     /// The table of segments, .csv, .npy (with the names beside it) or .parquet if built so; - is CSV to standard output
     #[arg(short, long, value_name = "TABLE")]
     out: Option<PathBuf>,
+
+    /// A drawing of the system, .svg or .png: a true section of the solids, filled by medium, with rays that are the fainter the less power they have
+    #[arg(long, value_name = "DRAWING")]
+    layout: Option<PathBuf>,
+
+    /// The plane of the section: yz, xz, xy, or a place along an axis, as x=2.5 [default: that which holds most of the light]
+    #[arg(long, value_name = "PLANE", requires = "layout")]
+    plane: Option<ViewPlane>,
+
+    /// About how many rays the drawing has
+    #[arg(long, value_name = "N", requires = "layout", default_value_t = Wishes::default().rays)]
+    rays: usize,
+
+    /// What the colours of the rays say
+    #[arg(long, value_name = "WHAT", requires = "layout", default_value = "wavelength")]
+    colour: Colours,
+
+    /// A spot diagram, .svg or .png: the points at which light meets a sheet
+    #[arg(long, value_name = "DRAWING")]
+    spot: Option<PathBuf>,
+
+    /// A map of irradiance, .svg or .png: power per area on a sheet, with a colour bar
+    #[arg(long, value_name = "DRAWING")]
+    map: Option<PathBuf>,
+
+    /// The sheet that --spot and --map are about [default: the one at which most power ends]
+    #[arg(long, value_name = "SHEET")]
+    detector: Option<String>,
+
+    /// At most so many cells along each side of the map
+    #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u16).range(1..=512))]
+    bins: u16,
 
     /// Where light is both reflected and transmitted, follow the one without losses, both, or one at random [default: what the model says]
     #[arg(long, value_name = "WAY")]
@@ -71,6 +109,24 @@ impl From<Ways> for Branches {
     }
 }
 
+/// The names of [`RayColour`].
+#[derive(Clone, Copy, ValueEnum)]
+enum Colours {
+    /// The colour that eyes see
+    Wavelength,
+    /// A colour for each source
+    Source,
+}
+
+impl From<Colours> for RayColour {
+    fn from(colours: Colours) -> RayColour {
+        match colours {
+            Colours::Wavelength => RayColour::Wavelength,
+            Colours::Source => RayColour::Source,
+        }
+    }
+}
+
 impl Optics {
     pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
         let is_piped = self.out.as_deref() == Some(Path::new("-"));
@@ -78,14 +134,21 @@ impl Optics {
             let problem = "the table and the summary both go to standard output (--out - and --json)";
             return Err(Failure::Usage(format!("{problem} give the table a file?")));
         }
+        let drawings = [&self.layout, &self.spot, &self.map];
+        drawings.into_iter().flatten().try_for_each(|path| drawing::check(path))?;
         let (document, scene) = self.model.load_document()?;
         let optics = self.settled(cli, optics_of(&document, &scene)?)?;
         if optics.sources.count() == 0 {
             return Err(no_source(&document).into());
         }
         let (unit, system) = (scene.unit.symbol(), optics.assembly.compile()?);
-        let mut spots = Spots::new(&system);
+        let mut spots = Spots::new(&system, self.map.is_some());
+        let detector = self.detector(&spots)?;
         let summary = self.trace(cli, &optics, &system, unit, &mut spots)?;
+        if let Some(path) = &self.layout {
+            self.draw_layout(path, &optics, &system, unit)?;
+        }
+        self.draw_detector(&spots, detector, &summary.balance, unit)?;
         let told = Told { name: self.model.name(), unit, system: &system, summary, spots };
         match self.json {
             true => terminal::print(&format!("{:#}\n", told.as_json())),
@@ -103,6 +166,65 @@ impl Optics {
         settings.threads = cli.threads;
         settings.cancel = interrupt::token()?;
         Ok(optics)
+    }
+
+    fn draw_layout(
+        &self,
+        path: &Path,
+        optics: &OpticalScene,
+        system: &System,
+        unit: &str,
+    ) -> Result<(), Failure> {
+        let wishes = Wishes { plane: self.plane, rays: self.rays, colour: self.colour.into() };
+        let layout = Layout::new(system, &optics.sources, &optics.settings, &wishes)?;
+        drawing::save(path, &layout.to_svg(&self.model.name(), unit))
+    }
+
+    /// The number of the sheet that is asked for.
+    fn detector(&self, spots: &Spots) -> Result<Option<usize>, Failure> {
+        let Some(name) = &self.detector else { return Ok(None) };
+        let names: Vec<&str> = spots.list.iter().map(|spot| spot.name.as_str()).collect();
+        match names.iter().position(|own| own == name) {
+            Some(number) => Ok(Some(number)),
+            None if names.is_empty() => {
+                Err(Failure::Usage(format!("no sheet is called `{name}` (there is none)")))
+            }
+            None => {
+                Err(Failure::Usage(format!("no sheet is called `{name}` (there is {})", names.join(", "))))
+            }
+        }
+    }
+
+    /// Draws what arrived at a sheet: the one that is asked for, or that at which most power ended.
+    fn draw_detector(
+        &self,
+        spots: &Spots,
+        detector: Option<usize>,
+        balance: &Balance,
+        unit: &str,
+    ) -> Result<(), Failure> {
+        if self.spot.is_none() && self.map.is_none() {
+            return Ok(());
+        }
+        let ended =
+            |number: &usize| balance.absorbed.get(spots.list[*number].element).copied().unwrap_or(0.0);
+        let dimmest_first = |a: &usize, b: &usize| {
+            ended(a)
+                .total_cmp(&ended(b))
+                .then(spots.list[*a].diagram.power().total_cmp(&spots.list[*b].diagram.power()))
+        };
+        let Some(number) = detector.or_else(|| (0..spots.list.len()).max_by(dimmest_first)) else {
+            let problem = "the model has no [[optics.sheet]] (--spot and --map show what arrives at one)";
+            return Err(Failure::Usage(problem.to_owned()));
+        };
+        let Spot { name, diagram, map, .. } = &spots.list[number];
+        if let Some(path) = &self.spot {
+            drawing::save(path, &diagram.to_svg(name, unit))?;
+        }
+        match &self.map {
+            Some(path) => drawing::save(path, &map.clone().finish(self.bins.into()).to_svg(name, unit)),
+            None => Ok(()),
+        }
     }
 
     fn trace(
@@ -142,15 +264,16 @@ struct Spots {
     list: Vec<Spot>,
     /// For each element the number of its sheet.
     of_element: Vec<Option<usize>>,
+    has_maps: bool,
 }
 
 impl Spots {
-    fn new(system: &System) -> Spots {
-        let mut spots = Spots { list: Vec::new(), of_element: Vec::new() };
-        for name in system.element_names() {
+    fn new(system: &System, has_maps: bool) -> Spots {
+        let mut spots = Spots { list: Vec::new(), of_element: Vec::new(), has_maps };
+        for (number, name) in system.element_names().iter().enumerate() {
             let frame = system.sheet_frame(name);
             spots.of_element.push(frame.map(|_| spots.list.len()));
-            spots.list.extend(frame.map(|frame| Spot::new(name, frame)));
+            spots.list.extend(frame.map(|frame| Spot::new(number, name, frame)));
         }
         spots
     }
@@ -159,60 +282,44 @@ impl Spots {
         let [x, y, z] = &segments.end;
         for (row, &element) in segments.element.iter().enumerate() {
             let element = usize::try_from(element).ok().and_then(|number| self.of_element.get(number));
-            if let Some(sheet) = element.copied().flatten() {
-                self.list[sheet].add(Vec3::new(x[row], y[row], z[row]), segments.intensity[row]);
+            let Some(sheet) = element.copied().flatten() else { continue };
+            let (spot, power) = (&mut self.list[sheet], segments.intensity[row]);
+            let place = spot.place(Vec3::new(x[row], y[row], z[row]));
+            spot.diagram.add(place, segments.wavelength_nm[row], power);
+            if self.has_maps {
+                spot.map.add(place, power);
             }
         }
     }
 }
 
-/// The points at which light meets a sheet, weighted by power.
-///
-/// Mean and sum of squares are updated point by point, without cancellation (D. H. D. West, Communications of the ACM 22,
-/// 532, 1979).
+/// The points at which light meets a sheet.
 struct Spot {
+    /// The number of the sheet among all elements.
+    element: usize,
     name: String,
     middle: Vec3,
     /// Of unit length.
     axes: [Vec3; 2],
-    hits: u64,
-    power: f64,
-    centroid: [f64; 2],
-    squares: f64,
+    diagram: SpotDiagram,
+    map: IrradianceMap,
 }
 
 impl Spot {
-    fn new(name: &str, frame: &Affine) -> Spot {
+    fn new(element: usize, name: &str, frame: &Affine) -> Spot {
         let axis = |axis: Vec3| (frame.linear * axis).normalize_or_zero();
         Spot {
+            element,
             name: name.to_owned(),
             middle: frame.translation,
             axes: [axis(Vec3::X), axis(Vec3::Y)],
-            hits: 0,
-            power: 0.0,
-            centroid: [0.0; 2],
-            squares: 0.0,
+            diagram: SpotDiagram::default(),
+            map: IrradianceMap::default(),
         }
     }
 
-    fn add(&mut self, point: Vec3, power: f64) {
-        self.hits += 1;
-        if power <= 0.0 {
-            return;
-        }
-        let place = self.axes.map(|axis| axis.dot(point - self.middle));
-        let (before, sum) = (self.power, self.power + power);
-        for (mean, coordinate) in self.centroid.iter_mut().zip(place) {
-            let away = coordinate - *mean;
-            *mean += away * (power / sum);
-            self.squares += away * away * (power * (before / sum));
-        }
-        self.power = sum;
-    }
-
-    /// The RMS distance from the centroid.
-    fn radius(&self) -> f64 {
-        (self.squares / self.power).sqrt()
+    fn place(&self, point: Vec3) -> [f64; 2] {
+        self.axes.map(|axis| axis.dot(point - self.middle))
     }
 }
 
@@ -251,9 +358,12 @@ impl Told<'_> {
         let place = format!("centroid / {}", self.unit);
         let radius = format!("RMS radius / {}", self.unit);
         let row = |spot: &Spot| {
-            let mut row = vec![spot.name.clone(), spot.hits.to_string()];
-            row.extend(match spot.power > 0.0 {
-                true => [format!("({})", spot.centroid.map(short).join(", ")), short(spot.radius())],
+            let diagram = &spot.diagram;
+            let mut row = vec![spot.name.clone(), diagram.count().to_string()];
+            row.extend(match diagram.power() > 0.0 {
+                true => {
+                    [format!("({})", diagram.centroid().map(short).join(", ")), short(diagram.rms_radius())]
+                }
                 false => ["-".to_owned(), "-".to_owned()],
             });
             row
@@ -268,13 +378,14 @@ impl Told<'_> {
         let absorbed: Vec<Value> =
             elements.map(|(name, power)| json!({ "element": name, "power": power })).collect();
         let sheet = |spot: &Spot| {
-            let is_lit = spot.power > 0.0;
+            let diagram = &spot.diagram;
+            let is_lit = diagram.power() > 0.0;
             json!({
                 "sheet": spot.name,
-                "hits": spot.hits,
-                "power": spot.power,
-                "centroid": is_lit.then_some(spot.centroid),
-                "rms_radius": is_lit.then(|| spot.radius()),
+                "hits": diagram.count(),
+                "power": diagram.power(),
+                "centroid": is_lit.then_some(diagram.centroid()),
+                "rms_radius": is_lit.then(|| diagram.rms_radius()),
             })
         };
         json!({

@@ -83,6 +83,49 @@ fn spots_by_closed_forms() {
     close(&found["error"], 0.0, 1e-12);
 }
 
+/// A layout, a spot and a map; as SVG and as PNG.
+#[test]
+fn drawings() {
+    let bench = bench();
+    for end in ["svg", "png"] {
+        let names = ["layout", "spot", "map"].map(|name| format!("--{name}={name}.{end}"));
+        let [layout, spot, map] = names.each_ref().map(String::as_str);
+        assert_eq!(bench.says(&["optics", "plate.toml", "--quiet", layout, spot, map]), "");
+    }
+    let layout = bench.read("layout.svg");
+    let count = |class: &str| layout.matches(&format!(r#"class="{class}""#)).count();
+    // the plate, the two sheets; all rays have one colour and all of their power
+    assert_eq!(["glass", "outline", "sheet", "ray"].map(count), [1, 1, 2, 1]);
+    assert!(layout.contains(">550 nm<") && layout.contains(">20 mm<"), "{layout}");
+    let spot = bench.read("spot.svg");
+    assert!(spot.contains("Spot diagram: screen"), "{spot}");
+    assert!(spot.contains("5000 rays, centroid (\u{2212}4, 3) mm"), "{spot}");
+    assert!(bench.read("map.svg").contains("power / mm\u{b2}"));
+    for name in ["layout", "spot", "map"] {
+        let bytes = std::fs::read(bench.path(&format!("{name}.png"))).unwrap();
+        assert!(bytes.starts_with(b"\x89PNG\r\n"), "{name}");
+    }
+}
+
+#[test]
+fn drawings_of_what_is_asked_for() {
+    let bench = bench();
+    bench.says(&["optics", "plate.toml", "--map", "map.svg", "--detector", "lens", "--bins", "10", "-q"]);
+    let map = bench.read("map.svg");
+    assert!(map.contains("Irradiance: lens") && map.contains("power 2 on"), "{map}");
+    let drawn = |plane: &str| bench.says(&["optics", "plate.toml", "-q", "--layout", "-", "--plane", plane]);
+    assert!(drawn("x=3").contains("section x = 3") && drawn("zx").contains("section y = 0"));
+    assert!(bench.fails(2, &["optics", "plate.toml", "--layout", "a.pdf"]).contains(".svg or .png"));
+    let unknown = bench.fails(2, &["optics", "plate.toml", "--spot", "a.svg", "--detector", "scren"]);
+    assert!(unknown.contains("no sheet is called `scren` (there is lens, screen)"), "{unknown}");
+    assert!(bench.fails(2, &["optics", "plate.toml", "--layout", "a.svg", "--plane", "q"]).contains("x=2.5"));
+    let sheets = PLATE.find("[[optics.sheet]]").unwrap()..PLATE.find("[[optics.source]]").unwrap();
+    let bare = PLATE.replace(&PLATE[sheets], "");
+    bench.write("bare.toml", &bare);
+    assert!(bench.fails(2, &["optics", "bare.toml", "--spot", "a.svg"]).contains("no [[optics.sheet]]"));
+    assert!(!bench.path("a.svg").exists());
+}
+
 /// Two faces of reflectance r let (1 - r) / (1 + r) through.
 #[test]
 fn options_win_over_the_file() {

@@ -1,7 +1,7 @@
 //! The layout of time lines.
 
-use super::axis::{Axis, number};
 use super::{Bands, Row, Timeline, Wave};
+use crate::axis::{Axis, number};
 use crate::svg::{Anchor, INK, Pixels, Svg};
 use crate::{PALETTE, Rgba};
 use rayweave_rootray::{Side, SurfaceCount};

@@ -1,6 +1,5 @@
 //! Pictures of what happens along one ray: when it is inside of what.
 
-mod axis;
 mod draw;
 
 use rayweave_rootray::{RootRay, Side, SurfaceCount, surface_count};

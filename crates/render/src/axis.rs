@@ -1,11 +1,15 @@
-//! The way from times to places, and numbers as people read them.
+//! The axes of drawings: the way from values to places, and numbers as people read them.
 
-/// A stretch of time on a stretch of the drawing.
+/// A stretch of values (times, lengths) on a stretch of the drawing.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
+    /// The first value.
     pub t_min: f64,
+    /// The last value, greater than the first.
     pub t_max: f64,
+    /// Where the first one is drawn.
     pub left: f64,
+    /// Where the last one is drawn.
     pub right: f64,
 }
 
@@ -13,7 +17,7 @@ pub struct Axis {
 const PADDING: f64 = 0.06;
 
 impl Axis {
-    /// An axis that shows all of some increasing times with something around them.
+    /// An axis that shows all of some increasing values with something around them.
     pub fn around(times: &[f64], left: f64, right: f64) -> Axis {
         let (lo, hi) = match times {
             [] => (-1.0, 1.0),
@@ -27,18 +31,18 @@ impl Axis {
         Axis { t_min: cut(lo - margin), t_max: cut(hi + margin), left, right }
     }
 
-    /// Where a time is drawn; beyond the ends for times beyond the window.
+    /// Where a value is drawn; beyond the ends for values beyond the window.
     pub fn place(&self, t: f64) -> f64 {
         let part = (0.5 * t - 0.5 * self.t_min) / (0.5 * self.t_max - 0.5 * self.t_min);
         self.left + part * (self.right - self.left)
     }
 
-    /// True for times strictly within the window.
+    /// True for values strictly within the window.
     pub fn shows(&self, t: f64) -> bool {
         self.t_min < t && t < self.t_max
     }
 
-    /// Round times within the window, about `count` of them, with their texts.
+    /// Round values within the window, about `count` of them, with their texts.
     pub fn ticks(&self, count: f64) -> Vec<(f64, String)> {
         let step = round_step((self.t_max / count) - (self.t_min / count));
         let first = (self.t_min / step).ceil();
@@ -58,7 +62,7 @@ impl Axis {
 }
 
 /// The least of 1, 2, 5 times a power of ten that is not below a step.
-fn round_step(step: f64) -> f64 {
+pub fn round_step(step: f64) -> f64 {
     let power = libm::pow(10.0, libm::floor(libm::log10(step)));
     let factors = [1.0, 2.0, 5.0, 10.0];
     let enough = factors.into_iter().find(|factor| factor * power >= step * 0.999);

@@ -1,0 +1,185 @@
+//! The rays that sweep a plane, as many as are needed.
+
+use super::{Cut, Look};
+use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
+use rayweave_shape::Ray;
+
+/// Where a column passes from one region into another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass {
+    /// The coordinate along the column.
+    pub v: f64,
+    pub before: RegionId,
+    pub after: RegionId,
+    /// The leaf and the facet, `None` at the ends of the window.
+    face: Option<(u32, u32)>,
+}
+
+impl Pass {
+    /// True for passages between the same regions through the same face.
+    fn is_like(&self, other: &Pass) -> bool {
+        (self.before, self.after, self.face) == (other.before, other.after, other.face)
+    }
+}
+
+/// A ray through the plane.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Column {
+    pub u: f64,
+    /// From below upwards; the world is on both sides of all of them.
+    pub passes: Vec<Pass>,
+}
+
+impl Column {
+    fn is_like(&self, other: &Column) -> bool {
+        let alike = |(a, b): (&Pass, &Pass)| a.is_like(b);
+        self.passes.len() == other.passes.len() && self.passes.iter().zip(&other.passes).all(alike)
+    }
+}
+
+/// A column and how it follows from the one before.
+pub enum Step {
+    /// All passages go on.
+    Smooth(Column),
+    /// The two columns are next to each other, and may differ in anything.
+    Jump(Column),
+}
+
+/// A column, and whether the gap after it is done with, and smooth.
+struct Placed {
+    column: Column,
+    gap: Gap,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Gap {
+    Unknown,
+    Smooth,
+    Jump,
+}
+
+/// More columns than this there are never in a sweep.
+const MOST: usize = 1 << 20;
+
+/// A sweep.
+pub struct Columns<'a, E: Evaluator> {
+    evaluator: &'a E,
+    scratch: E::Scratch,
+    cut: &'a Cut,
+    look: &'a Look,
+}
+
+impl<'a, E: Evaluator> Columns<'a, E> {
+    pub fn new(evaluator: &'a E, cut: &'a Cut, look: &'a Look) -> Columns<'a, E> {
+        Columns { evaluator, scratch: evaluator.scratch(), cut, look }
+    }
+
+    /// All columns from left to right.
+    pub fn swept(&mut self) -> Vec<Step> {
+        let places = self.first_places();
+        let columns = self.asked(&places);
+        let mut row: Vec<Placed> =
+            columns.into_iter().map(|column| Placed { column, gap: Gap::Unknown }).collect();
+        while row.len() < MOST && self.halve(&mut row) {}
+        let mut gap = Gap::Jump;
+        let mut step = |placed: Placed| {
+            let before = std::mem::replace(&mut gap, placed.gap);
+            if before == Gap::Smooth { Step::Smooth(placed.column) } else { Step::Jump(placed.column) }
+        };
+        row.into_iter().map(&mut step).collect()
+    }
+
+    /// Even distances, and where leaves begin, end and have their middle.
+    fn first_places(&self) -> Vec<f64> {
+        let (lo, hi) = (self.look.lo[0], self.look.hi[0]);
+        let count = self.look.columns.clamp(2, 1 << 16);
+        let at = |k: u32| lo + (hi - lo) * (f64::from(k) + 0.5) / f64::from(count);
+        let mut places: Vec<f64> = (0..count).map(at).collect();
+        let program = self.evaluator.program();
+        let model = &program.prototypes()[0];
+        for leaf in model.leaves.clone().take(MOST / 8) {
+            let bounds = program.leaf_bounds(rayweave_model::LeafId(leaf));
+            let [from, to] = self.cut.range(&bounds, 0);
+            let beyond = 0.5 * self.look.tolerance;
+            places.extend([from - beyond, from + beyond, 0.5 * (from + to), to - beyond, to + beyond]);
+        }
+        places.retain(|&u| lo < u && u < hi);
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        places
+    }
+
+    /// Looks at the middle of every gap of which nothing is known yet; false if there is none.
+    fn halve(&mut self, row: &mut Vec<Placed>) -> bool {
+        let is_open = |pair: &[Placed]| pair[0].gap == Gap::Unknown;
+        let middle = |pair: &[Placed]| 0.5 * (pair[0].column.u + pair[1].column.u);
+        let places: Vec<f64> = row.windows(2).filter(|pair| is_open(pair)).map(middle).collect();
+        if places.is_empty() {
+            return false;
+        }
+        let mut middles = self.asked(&places).into_iter();
+        let old = std::mem::take(row);
+        let mut old = old.into_iter().peekable();
+        while let Some(mut left) = old.next() {
+            let open = left.gap == Gap::Unknown;
+            let Some((right, column)) =
+                old.peek().filter(|_| open).and_then(|right| Some((right, middles.next()?)))
+            else {
+                row.push(left);
+                continue;
+            };
+            let gap = self.judged(&left.column, &column, &right.column);
+            left.gap = gap;
+            row.extend([left, Placed { column, gap }]);
+        }
+        true
+    }
+
+    /// What the gaps are on both sides of a column between two others.
+    fn judged(&self, left: &Column, middle: &Column, right: &Column) -> Gap {
+        let tolerance = self.look.tolerance;
+        let is_straight = |k: usize| {
+            let chord = 0.5 * (left.passes[k].v + right.passes[k].v);
+            (middle.passes[k].v - chord).abs() <= tolerance
+        };
+        let is_smooth = left.is_like(middle) && middle.is_like(right);
+        match () {
+            () if is_smooth && (0..middle.passes.len()).all(is_straight) => Gap::Smooth,
+            () if right.u - left.u <= 2.0 * tolerance => Gap::Jump,
+            // as narrow as numbers can be
+            () if middle.u <= left.u || middle.u >= right.u => Gap::Jump,
+            () => Gap::Unknown,
+        }
+    }
+
+    fn asked(&mut self, places: &[f64]) -> Vec<Column> {
+        let mut batch = RayBatch::default();
+        let direction = self.cut.point([0.0, 1.0]) - self.cut.point([0.0, 0.0]);
+        places.iter().for_each(|&u| batch.push(Ray::new(self.cut.point([u, 0.0]), direction)));
+        let ends = [self.look.lo[1], self.look.hi[1]];
+        // the window has been checked
+        let window = Window::new(ends[0], ends[1]).unwrap_or(Window::ALL);
+        let query = Query { window, ..Query::default() };
+        let mut columns = Vec::with_capacity(places.len());
+        let mut take = |answer: RayAnswer<'_>| columns.push(column(places[answer.ray], ends, &answer));
+        self.evaluator.crossings(batch.rays(), &query, &mut self.scratch, &mut take);
+        columns
+    }
+}
+
+/// The passages of a ray, the world beyond both ends of the window.
+fn column(u: f64, [lo, hi]: [f64; 2], answer: &RayAnswer<'_>) -> Column {
+    let world = RegionId(0);
+    let end = |v: f64, before: RegionId, after: RegionId| Pass { v, before, after, face: None };
+    let mut passes = Vec::new();
+    passes.extend((answer.start != world).then(|| end(lo, world, answer.start)));
+    passes.extend(answer.crossings.iter().map(|crossing| Pass {
+        v: crossing.t,
+        before: crossing.before,
+        after: crossing.after,
+        face: Some((crossing.face.leaf.0, crossing.face.facet)),
+    }));
+    let last = passes.last().map_or(world, |pass: &Pass| pass.after);
+    passes.extend((last != world).then(|| end(hi, last, world)));
+    Column { u, passes }
+}

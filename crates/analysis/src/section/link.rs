@@ -1,0 +1,177 @@
+//! Lines from column to column, and contours of lines.
+
+use super::columns::{Column, Pass};
+use super::{Edge, Look};
+use rayweave_model::RegionId;
+use std::collections::HashMap;
+
+/// The lines that go on at the last column.
+pub struct Lines {
+    last: Column,
+    /// One for each passage of the last column.
+    open: Vec<Vec<[f64; 2]>>,
+    /// Passages of neighbouring columns this near are the same.
+    reach: f64,
+    ends: [f64; 2],
+    is_begun: bool,
+}
+
+impl Lines {
+    pub fn new(look: &Look) -> Lines {
+        let (reach, ends) = (8.0 * look.tolerance, [look.lo[0], look.hi[0]]);
+        Lines { last: Column::default(), open: Vec::new(), reach, ends, is_begun: false }
+    }
+
+    /// To a column with the same passages.
+    pub fn go_on(&mut self, column: &Column, edges: &mut Vec<Edge>) {
+        if column.passes.len() != self.open.len() {
+            return self.jump(column, edges);
+        }
+        let points = self.open.iter_mut().zip(&column.passes);
+        points.for_each(|(line, pass)| line.push([column.u, pass.v]));
+        self.last = column.clone();
+    }
+
+    /// To a column next to the last one: what is not the same ends or begins at a wall.
+    pub fn jump(&mut self, column: &Column, edges: &mut Vec<Edge>) {
+        let u = if self.is_begun { 0.5 * (self.last.u + column.u) } else { self.ends[0] };
+        self.is_begun = true;
+        let (mut left, mut right) = (self.last.passes.clone(), column.passes.clone());
+        let mut next = vec![Vec::new(); right.len()];
+        let pairs = self.paired(&left, &right);
+        for &(k, j) in &pairs {
+            let v = 0.5 * (left[k].v + right[j].v);
+            (left[k].v, right[j].v) = (v, v);
+            next[j] = std::mem::take(&mut self.open[k]);
+            next[j].push([u, v]);
+        }
+        for (line, pass) in std::mem::take(&mut self.open).into_iter().zip(&left) {
+            close(line, pass, u, edges);
+        }
+        for (line, pass) in next.iter_mut().zip(&right).filter(|(line, _)| line.is_empty()) {
+            line.push([u, pass.v]);
+        }
+        walls(u, &left, &right, edges);
+        for (line, pass) in next.iter_mut().zip(&column.passes) {
+            line.push([column.u, pass.v]);
+        }
+        (self.open, self.last) = (next, column.clone());
+    }
+
+    /// Passages of two columns between the same regions, as near to each other as can be, in order.
+    fn paired(&self, left: &[Pass], right: &[Pass]) -> Vec<(usize, usize)> {
+        let (mut pairs, mut from) = (Vec::new(), 0);
+        for (k, pass) in left.iter().enumerate() {
+            let is_same = |other: &Pass| (other.before, other.after) == (pass.before, pass.after);
+            let near = |other: &&Pass| is_same(other) && (other.v - pass.v).abs() <= self.reach;
+            if let Some(j) = (from..right.len()).find(|&j| near(&&right[j])) {
+                pairs.push((k, j));
+                from = j + 1;
+            }
+        }
+        pairs
+    }
+
+    /// To the right side of the window.
+    pub fn end(mut self, edges: &mut Vec<Edge>) {
+        let u = self.ends[1];
+        let passes = std::mem::take(&mut self.last.passes);
+        for (line, pass) in self.open.into_iter().zip(&passes) {
+            close(line, pass, u, edges);
+        }
+        walls(u, &passes, &[], edges);
+    }
+}
+
+/// The end of a line at a wall.
+fn close(mut line: Vec<[f64; 2]>, pass: &Pass, u: f64, edges: &mut Vec<Edge>) {
+    if !line.is_empty() {
+        line.push([u, pass.v]);
+        edges.push(Edge { points: line, left: pass.after, right: pass.before });
+    }
+}
+
+/// The region of a column just above a place.
+fn region_above(passes: &[Pass], v: f64) -> RegionId {
+    let below = passes.partition_point(|pass| pass.v <= v);
+    below.checked_sub(1).map_or(RegionId(0), |last| passes[last].after)
+}
+
+/// Edges along the columns wherever the regions of two differ.
+fn walls(u: f64, left: &[Pass], right: &[Pass], edges: &mut Vec<Edge>) {
+    let mut ends: Vec<f64> = left.iter().chain(right).map(|pass| pass.v).collect();
+    ends.sort_by(f64::total_cmp);
+    ends.dedup();
+    for pair in ends.windows(2) {
+        let [before, after] = [left, right].map(|passes| region_above(passes, pair[0]));
+        if before != after {
+            edges.push(Edge { points: vec![[u, pair[0]], [u, pair[1]]], left: before, right: after });
+        }
+    }
+}
+
+/// A point by its bits: the ends of lines that meet are equal to the last bit.
+fn key([u, v]: [f64; 2]) -> [u64; 2] {
+    // adding 0 makes -0 a 0
+    [(u + 0.0).to_bits(), (v + 0.0).to_bits()]
+}
+
+/// Joins lines, each of which begins where another ends, to longer ones.
+pub fn chains(lines: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
+    let mut begins: HashMap<[u64; 2], Vec<usize>> = HashMap::new();
+    for (number, line) in lines.iter().enumerate().rev() {
+        begins.entry(key(line[0])).or_default().push(number);
+    }
+    let ends: HashMap<[u64; 2], usize> = lines.iter().fold(HashMap::new(), |mut ends, line| {
+        *ends.entry(key(line[line.len() - 1])).or_default() += 1;
+        ends
+    });
+    let mut lines: Vec<Option<Vec<[f64; 2]>>> = lines.into_iter().map(Some).collect();
+    let mut found = Vec::new();
+    // those that begin where none ends come first: the others are closed, or pieces of what has been taken
+    let is_loose =
+        |line: &Option<Vec<[f64; 2]>>| line.as_ref().is_some_and(|line| !ends.contains_key(&key(line[0])));
+    let loose: Vec<usize> = (0..lines.len()).filter(|&number| is_loose(&lines[number])).collect();
+    for number in loose.into_iter().chain(0..lines.len()) {
+        let Some(mut chain) = lines[number].take() else { continue };
+        loop {
+            let last = chain[chain.len() - 1];
+            if key(last) == key(chain[0]) {
+                break;
+            }
+            let Some(next) = next_line(&mut begins, &mut lines, last) else { break };
+            chain.extend_from_slice(&next[1..]);
+        }
+        found.push(chain);
+    }
+    found
+}
+
+/// A line that begins at a point and is not used yet.
+fn next_line(
+    begins: &mut HashMap<[u64; 2], Vec<usize>>,
+    lines: &mut [Option<Vec<[f64; 2]>>],
+    at: [f64; 2],
+) -> Option<Vec<[f64; 2]>> {
+    let numbers = begins.get_mut(&key(at))?;
+    while let Some(number) = numbers.pop() {
+        let line = lines[number].take();
+        if line.is_some() {
+            return line;
+        }
+    }
+    None
+}
+
+/// The contours of a region, which lies to their left.
+pub fn contours(edges: &[Edge], region: RegionId) -> Vec<Vec<[f64; 2]>> {
+    let of = |edge: &Edge| match () {
+        () if edge.left == region => Some(edge.points.clone()),
+        () if edge.right == region => Some(edge.points.iter().rev().copied().collect()),
+        () => None,
+    };
+    let mut closed = chains(edges.iter().filter_map(of).collect());
+    closed.iter_mut().for_each(|contour| _ = contour.pop());
+    closed.retain(|contour| contour.len() > 2);
+    closed
+}

@@ -1,0 +1,92 @@
+//! Drawings as files: SVG as it is, PNG by way of it.
+
+use crate::failure::Failure;
+use crate::terminal;
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{Options, Tree};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Pixels of a PNG for each of the drawing, on a side.
+const ZOOM: f32 = 2.0;
+
+/// The kind of a file.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Svg,
+    Png,
+}
+
+fn kind(path: &Path) -> Option<Kind> {
+    let is = |extension: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
+    match () {
+        () if is("svg") || path == Path::new("-") => Some(Kind::Svg),
+        () if is("png") => Some(Kind::Png),
+        () => None,
+    }
+}
+
+/// Whether a drawing can be written to a file of this name, before any work is done.
+pub fn check(path: &Path) -> Result<(), Failure> {
+    let problem = || {
+        let path = path.display();
+        Failure::Usage(format!("{path}: unknown format of drawings (they are written as .svg or .png)"))
+    };
+    kind(path).map(|_| ()).ok_or_else(problem)
+}
+
+/// Writes a drawing, as SVG or, two pixels for each of the drawing, as PNG; `-` is SVG to standard output.
+pub fn save(path: &Path, svg: &str) -> Result<(), Failure> {
+    match kind(path) {
+        Some(Kind::Png) => terminal::save(path, &png(svg).map_err(Failure::Run)?),
+        _ => terminal::save(path, svg.as_bytes()),
+    }
+}
+
+fn png(svg: &str) -> Result<Vec<u8>, String> {
+    let failed = |error: &dyn std::fmt::Display| format!("cannot draw the picture ({error})");
+    let mut options = Options { font_family: "sans-serif".to_owned(), ..Options::default() };
+    let fonts = Arc::make_mut(&mut options.fontdb);
+    fonts.load_system_fonts();
+    if fonts.is_empty() {
+        terminal::note(
+            "note: this machine has no fonts, so that the picture has no texts (write it as .svg?)",
+        );
+    }
+    let tree = Tree::from_str(svg, &options).map_err(|error| failed(&error))?;
+    let size = tree.size().to_int_size().scale_by(ZOOM).ok_or_else(|| failed(&"it has no size"))?;
+    let mut pixels = Pixmap::new(size.width(), size.height()).ok_or_else(|| failed(&"it is too large"))?;
+    resvg::render(&tree, Transform::from_scale(ZOOM, ZOOM), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|error| failed(&error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawings_have_names() {
+        for name in ["a.svg", "b.PNG", "-"] {
+            assert!(check(Path::new(name)).is_ok(), "{name}");
+        }
+        assert!(
+            matches!(check(Path::new("a.pdf")), Err(Failure::Usage(text)) if text.contains(".svg or .png"))
+        );
+        assert!(check(Path::new("a")).is_err());
+    }
+
+    /// A red square on the right half of white paper.
+    #[test]
+    fn pixels_are_those_of_the_drawing() {
+        let svg = r##"<svg xmlns="http://www.w3.org/2000/svg" width="20" height="10" viewBox="0 0 20 10">
+            <rect width="20" height="10" fill="#fff"/><rect x="10" width="10" height="10" fill="#f00"/></svg>"##;
+        let picture = Pixmap::decode_png(&png(svg).unwrap()).unwrap();
+        assert_eq!((picture.width(), picture.height()), (40, 20));
+        let channels = |x: u32| {
+            let pixel = picture.pixel(x, 10).unwrap();
+            [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()]
+        };
+        assert_eq!([channels(19), channels(20)], [[255; 4], [255, 0, 0, 255]]);
+        assert!(png("<svg").is_err());
+    }
+}

@@ -1,0 +1,326 @@
+//! A layout as SVG.
+
+use super::{FAINTEST, Layout, Part, RayColour};
+use crate::legend::{self, Entry, Lights, paint};
+use rayweave_math::Vec3;
+use rayweave_optics::{Segment, Segments};
+use rayweave_render::axis::{number, round_step};
+use rayweave_render::svg::{Anchor, Pixels, Svg};
+use rayweave_render::{PALETTE, Rgba};
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write;
+
+/// The width of the drawing, and the most that the section is high.
+const WIDTH: f64 = 960.0;
+const MOST_HEIGHT: f64 = 620.0;
+const MARGIN: f64 = 24.0;
+const TITLE: f64 = 46.0;
+/// The scale bar, and below it a row of the legend.
+const BAR: f64 = 34.0;
+const ROW: f64 = 20.0;
+
+const STYLE: &str = "\
+.glass { stroke: none; fill-rule: evenodd }
+.outline { fill: none; stroke: #3a556e; stroke-width: 1; stroke-linejoin: round }
+.sheet { fill: none; stroke: #1d2733; stroke-width: 2.2; stroke-linecap: round }
+.ray { fill: none; stroke-linecap: round; stroke-linejoin: round }
+.centre { fill: none; stroke: #8d97a3; stroke-width: 0.8; stroke-dasharray: 14 4 2 4 }
+@media (prefers-color-scheme: dark) {
+.glass { fill-opacity: 0.35 }
+.outline { stroke: #9db4c8 }
+.sheet { stroke: #e4e9ee }
+}
+";
+
+/// Fills of media in the order of their appearance: light enough for rays of any colour on them.
+const MEDIA: [&str; 7] = ["#cfe4f4", "#f6e4c8", "#d3ecd6", "#e6d9ee", "#f7d9d4", "#d2eeea", "#ecebc4"];
+/// The fill of what no light goes through.
+const OPAQUE: &str = "#b9c0c8";
+
+/// Widths and opacities of rays, by the least part of their power that they still have.
+const WEIGHTS: [(f64, f64, f64); 4] =
+    [(0.3, 1.1, 0.9), (0.03, 0.8, 0.75), (3e-3, 0.6, 0.55), (0.0, 0.45, 0.4)];
+
+pub fn drawing(layout: &Layout, title: &str, unit: &str) -> String {
+    let mut pen = Drawing::new(layout);
+    pen.svg.text("title", [MARGIN, MARGIN + 8.0], Anchor::Start, title, title);
+    let plane = format!("section {}", layout.plane);
+    pen.svg.text("tick", [WIDTH - MARGIN, MARGIN + 8.0], Anchor::End, &plane, &plane);
+    pen.centre_line();
+    let media = media(&layout.parts);
+    layout.parts.iter().for_each(|part| pen.fill(part, &media));
+    layout.parts.iter().for_each(|part| pen.outline(part));
+    pen.rays();
+    layout.sheets.iter().for_each(|line| pen.line("sheet", line, false));
+    pen.axes();
+    pen.scale_bar(unit);
+    let height = pen.legend(&media);
+    pen.svg.finish([WIDTH, height], title, &description(layout), STYLE)
+}
+
+fn description(layout: &Layout) -> String {
+    let names: Vec<&str> = layout.parts.iter().map(|part| part.name.as_str()).collect();
+    format!("The section {} of {}, with rays of light.", layout.plane, names.join(", "))
+}
+
+/// The media in the section with their fills, in the order of the parts.
+fn media(parts: &[Part]) -> Vec<(&str, &'static str)> {
+    let mut found: Vec<(&str, &'static str)> = Vec::new();
+    for name in
+        parts.iter().filter(|part| !part.contours.is_empty()).filter_map(|part| part.medium.as_deref())
+    {
+        if found.iter().all(|(known, _)| *known != name) {
+            found.push((name, MEDIA[found.len() % MEDIA.len()]));
+        }
+    }
+    found
+}
+
+struct Drawing<'a> {
+    layout: &'a Layout,
+    svg: Svg,
+    /// Pixels per unit of length.
+    scale: f64,
+    /// Where the left and the lower end of the window are.
+    left: f64,
+    bottom: f64,
+}
+
+impl<'a> Drawing<'a> {
+    fn new(layout: &'a Layout) -> Drawing<'a> {
+        let size = [0, 1].map(|k| layout.hi[k] - layout.lo[k]);
+        let room = WIDTH - 2.0 * MARGIN;
+        let scale = (room / size[0]).min(MOST_HEIGHT / size[1]);
+        let left = MARGIN + 0.5 * (room - scale * size[0]);
+        Drawing { layout, svg: Svg::default(), scale, left, bottom: TITLE + scale * size[1] }
+    }
+
+    fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let Layout { lo, .. } = self.layout;
+        [self.left + self.scale * (u - lo[0]), self.bottom - self.scale * (v - lo[1])]
+    }
+
+    /// The line v = 0, if it is in the picture.
+    fn centre_line(&mut self) {
+        let Layout { lo, hi, .. } = self.layout;
+        if lo[1] < 0.0 && 0.0 < hi[1] {
+            let [x, y] = self.place([lo[0], 0.0]).map(Pixels);
+            let end = Pixels(self.place([hi[0], 0.0])[0]);
+            self.svg.path("centre", format_args!("M{x} {y}H{end}"), "");
+        }
+    }
+
+    fn fill(&mut self, part: &Part, media: &[(&str, &'static str)]) {
+        let own = media.iter().find(|(name, _)| part.medium.as_deref() == Some(name));
+        let fill = own.map_or(OPAQUE, |(_, fill)| fill);
+        let path: String = part.contours.iter().map(|contour| self.path(contour, true)).collect();
+        if !path.is_empty() {
+            self.svg.path("glass", path, &format!(r#" fill="{fill}""#));
+        }
+    }
+
+    fn outline(&mut self, part: &Part) {
+        part.contours.iter().for_each(|contour| self.line("outline", contour, true));
+    }
+
+    fn line(&mut self, class: &str, points: &[[f64; 2]], is_closed: bool) {
+        let path = self.path(points, is_closed);
+        self.svg.path(class, path, "");
+    }
+
+    /// A path through points; those that would not be seen are left out.
+    fn path(&self, points: &[[f64; 2]], is_closed: bool) -> String {
+        let places: Vec<[f64; 2]> = points.iter().map(|&point| self.place(point)).collect();
+        let mut path = String::new();
+        for (k, [x, y]) in simplified(&places).into_iter().enumerate() {
+            let letter = if k == 0 { 'M' } else { 'L' };
+            // writing to a string cannot fail
+            let _ = write!(path, "{letter}{} {}", Pixels(x), Pixels(y));
+        }
+        if is_closed { path + "Z" } else { path }
+    }
+
+    fn rays(&mut self) {
+        let segments = &self.layout.segments;
+        let emitted = emitted(segments);
+        let mut paths: BTreeMap<(usize, String), String> = BTreeMap::new();
+        for segment in segments.iter() {
+            let part = segment.intensity / emitted.get(&segment.id).copied().unwrap_or(1.0);
+            if part < FAINTEST {
+                continue;
+            }
+            let weight = WEIGHTS.iter().position(|(least, ..)| part >= *least).unwrap_or(WEIGHTS.len() - 1);
+            let Some([from, to]) = self.visible(&segment) else { continue };
+            let path = paths.entry((WEIGHTS.len() - weight, self.colour(&segment))).or_default();
+            let ([x0, y0], [x1, y1]) = (self.place(from).map(Pixels), self.place(to).map(Pixels));
+            let _ = write!(path, "M{x0} {y0}L{x1} {y1}");
+        }
+        // faint rays first
+        for ((weight, colour), path) in paths {
+            let (_, width, opacity) = WEIGHTS[WEIGHTS.len() - weight];
+            let stroke = format!(r#" stroke="{colour}" stroke-width="{width}" stroke-opacity="{opacity}""#);
+            self.svg.path("ray", path, &stroke);
+        }
+    }
+
+    fn colour(&self, segment: &Segment) -> String {
+        match self.layout.colour {
+            RayColour::Wavelength => legend::light(segment.wavelength_nm),
+            RayColour::Source => paint(source_colour(segment.source)),
+        }
+    }
+
+    /// The part of a segment in the window.
+    fn visible(&self, segment: &Segment) -> Option<[[f64; 2]; 2]> {
+        let Layout { cut, lo, hi, .. } = self.layout;
+        let from = cut.place(segment.start);
+        let to = match segment.end.is_finite() {
+            true => cut.place(segment.end),
+            false => {
+                let far = 4.0 * (hi[0] - lo[0] + hi[1] - lo[1]) + cut.place(Vec3::ZERO)[0].abs();
+                let way = cut.place(segment.start + segment.direction);
+                [0, 1].map(|k| from[k] + far * (way[k] - from[k]))
+            }
+        };
+        clipped(from, to, *lo, *hi)
+    }
+
+    /// Which axes the picture has, in its lower left corner.
+    fn axes(&mut self) {
+        let [across, up] = self.layout.plane.axes();
+        let (x, y) = (MARGIN + 4.0, self.bottom + BAR - 4.0);
+        let (tip, top) = (Pixels(x + 26.0), Pixels(y - 26.0));
+        let (px, py) = (Pixels(x), Pixels(y));
+        self.svg.path("axis", format_args!("M{tip} {py}H{px}V{top}"), "");
+        let arrows = format!(
+            "M{} {}l5 3l-5 3M{} {}l3 -5l3 5",
+            Pixels(x + 22.0),
+            Pixels(y - 3.0),
+            Pixels(x - 3.0),
+            Pixels(y - 22.0)
+        );
+        self.svg.path("axis", arrows, "");
+        self.svg.text("tick", [x + 33.0, y + 4.0], Anchor::Start, across, across);
+        self.svg.text("tick", [x, y - 31.0], Anchor::Middle, up, up);
+    }
+
+    /// A round length, about a sixth of the picture.
+    fn scale_bar(&mut self, unit: &str) {
+        let wanted = (self.layout.hi[0] - self.layout.lo[0]).min(WIDTH / self.scale) / 6.0;
+        let length = round_step(wanted);
+        let (right, y) = (WIDTH - MARGIN, self.bottom + BAR - 4.0);
+        let left = right - self.scale * length;
+        let (top, low) = (Pixels(y - 4.0), Pixels(y + 4.0));
+        let (l, r, y0) = (Pixels(left), Pixels(right), Pixels(y));
+        self.svg.path("axis", format_args!("M{l} {top}V{low}M{l} {y0}H{r}M{r} {top}V{low}"), "");
+        let text = format!("{} {unit}", number(length, 1e-3 * length));
+        self.svg.text("tick", [0.5 * (left + right), y - 7.0], Anchor::Middle, &text, &text);
+    }
+
+    /// Media and lights with their colours; the height of the whole drawing.
+    fn legend(&mut self, media: &[(&str, &'static str)]) -> f64 {
+        let patch = |name: &str, colour: &str| Entry {
+            name: name.to_owned(),
+            colour: colour.to_owned(),
+            is_line: false,
+        };
+        let mut entries: Vec<Entry> = media.iter().map(|(name, fill)| patch(name, fill)).collect();
+        let is_opaque = |part: &Part| part.medium.is_none() && !part.contours.is_empty();
+        entries.extend(self.layout.parts.iter().any(is_opaque).then(|| patch("opaque", OPAQUE)));
+        entries.extend(match self.layout.colour {
+            RayColour::Wavelength => Lights::of(self.layout.segments.wavelength_nm.iter().copied()).entries(),
+            RayColour::Source => sources(self.layout.sources),
+        });
+        legend::draw(&mut self.svg, &entries, self.bottom + BAR + ROW, WIDTH)
+    }
+}
+
+/// The power of each ray where it begins.
+fn emitted(segments: &Segments) -> HashMap<i64, f64> {
+    let first = segments.iter().filter(|segment| segment.parent < 0);
+    first.map(|segment| (segment.id, segment.intensity)).collect()
+}
+
+fn sources(count: usize) -> Vec<Entry> {
+    let entry =
+        |k: u32| Entry { name: format!("source {k}"), colour: paint(source_colour(k)), is_line: true };
+    (0..count.min(5) as u32).map(entry).collect()
+}
+
+fn source_colour(source: u32) -> Rgba {
+    // the palette without its yellow, the darkest first
+    let colours = [PALETTE[5], PALETTE[2], PALETTE[3], PALETTE[1], PALETTE[0]];
+    colours[source as usize % colours.len()]
+}
+
+/// The points without those that lie within a twentieth of a pixel of the line between their neighbours.
+fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut kept: Vec<[f64; 2]> = Vec::new();
+    let mut from = 0;
+    for (k, &point) in points.iter().enumerate() {
+        let is_between = |j: usize| off_line(points[j], points[from], points[k + 1]) < 0.05;
+        let may_go = k > from && k + 1 < points.len() && k - from < 64 && (from + 1..=k).all(is_between);
+        if !may_go {
+            kept.push(point);
+            from = k;
+        }
+    }
+    kept
+}
+
+/// The distance of a point from a line, or from its first point.
+fn off_line(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (along, off) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+    let length = along[0].hypot(along[1]);
+    let part = along[0] * off[0] + along[1] * off[1];
+    match length > 0.0 && part >= 0.0 && part <= length * length {
+        true => ((along[0] * off[1] - along[1] * off[0]) / length).abs(),
+        false => f64::INFINITY,
+    }
+}
+
+/// The part of a line in a rectangle (Y.-D. Liang and B. A. Barsky, ACM Transactions on Graphics 3, 1, 1984).
+fn clipped(from: [f64; 2], to: [f64; 2], lo: [f64; 2], hi: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    let (mut begin, mut end) = (0.0_f64, 1.0_f64);
+    for k in 0..2 {
+        let step = to[k] - from[k];
+        if step == 0.0 {
+            if from[k] < lo[k] || from[k] > hi[k] {
+                return None;
+            }
+            continue;
+        }
+        let ends = [(lo[k] - from[k]) / step, (hi[k] - from[k]) / step];
+        begin = begin.max(ends[0].min(ends[1]));
+        end = end.min(ends[0].max(ends[1]));
+    }
+    let at = |t: f64| [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
+    (begin < end).then(|| [at(begin), at(end)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_at_the_window() {
+        let clip = |from, to| clipped(from, to, [0.0, 0.0], [10.0, 5.0]);
+        assert_eq!(clip([-5.0, 1.0], [15.0, 1.0]), Some([[0.0, 1.0], [10.0, 1.0]]));
+        assert_eq!(clip([2.0, 2.0], [2.0, 9.0]), Some([[2.0, 2.0], [2.0, 5.0]]));
+        assert_eq!(clip([1.0, 1.0], [3.0, 4.0]), Some([[1.0, 1.0], [3.0, 4.0]]));
+        assert_eq!(clip([-5.0, 1.0], [-1.0, 1.0]), None);
+        assert_eq!(clip([0.0, 9.0], [9.0, 9.0]), None);
+        assert_eq!(clip([-4.0, 4.0], [1.0, 14.0]), None);
+    }
+
+    #[test]
+    fn points_on_a_line_are_left_out() {
+        let straight: Vec<[f64; 2]> = (0..10).map(|k| [f64::from(k), 2.0 * f64::from(k)]).collect();
+        assert_eq!(simplified(&straight), [[0.0, 0.0], [9.0, 18.0]]);
+        let corner = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 3.0]];
+        assert_eq!(simplified(&corner), [[0.0, 0.0], [2.0, 0.0], [2.0, 3.0]]);
+        // there and back again
+        let back = [[0.0, 0.0], [5.0, 0.0], [1.0, 0.0]];
+        assert_eq!(simplified(&back), back);
+    }
+}

@@ -1,0 +1,65 @@
+//! The colours of light.
+
+use crate::Rgba;
+
+/// The colour in which light of a wavelength in nanometres is drawn: hue and saturation as eyes see it, as bright as a
+/// screen can show them; grey where nothing is visible.
+///
+/// The colour matching functions of CIE 1931 are those of C. Wyman, P.-P. Sloan and P. Shirley, *Simple Analytic
+/// Approximations to the CIE XYZ Color Matching Functions*, JCGT 2, 2 (2013); the primaries are those of sRGB
+/// (IEC 61966-2-1).
+pub fn wavelength_colour(wavelength_nm: f64) -> Rgba {
+    let lobe = |mean: f64, left: f64, right: f64| {
+        let width = if wavelength_nm < mean { left } else { right };
+        libm::exp(-0.5 * ((wavelength_nm - mean) * width).powi(2))
+    };
+    let x = 0.362 * lobe(442.0, 0.0624, 0.0374) + 1.056 * lobe(599.8, 0.0264, 0.0323)
+        - 0.065 * lobe(501.1, 0.0490, 0.0382);
+    let y = 0.821 * lobe(568.8, 0.0213, 0.0247) + 0.286 * lobe(530.9, 0.0613, 0.0322);
+    let z = 1.217 * lobe(437.0, 0.0845, 0.0278) + 0.681 * lobe(459.0, 0.0385, 0.0725);
+    let light = [
+        3.2406 * x - 1.5372 * y - 0.4986 * z,
+        -0.9689 * x + 1.8758 * y + 0.0415 * z,
+        0.0557 * x - 0.2040 * y + 1.0570 * z,
+    ]
+    .map(|channel| channel.max(0.0));
+    let brightest = light[0].max(light[1]).max(light[2]);
+    if brightest.is_nan() || brightest < FAINT {
+        return Rgba::opaque(110, 110, 110);
+    }
+    Rgba::from(light.map(|channel| encoded(channel / brightest)))
+}
+
+/// Below this nothing is seen.
+const FAINT: f64 = 1e-3;
+
+/// A part of the light of a channel as sRGB has it.
+fn encoded(part: f64) -> u8 {
+    let level = match part <= 0.003_130_8 {
+        true => 12.92 * part,
+        false => 1.055 * libm::pow(part, 1.0 / 2.4) - 0.055,
+    };
+    (255.0 * level).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Which channel is the strongest, and which the weakest.
+    #[test]
+    fn colours_of_the_rainbow() {
+        let colour = |nm: f64| wavelength_colour(nm);
+        let violet = colour(430.0);
+        assert!(violet.blue == 255 && violet.green < 40 && violet.red > 60);
+        let green = colour(530.0);
+        assert!(green.green == 255 && green.red < 80 && green.blue < 60);
+        let yellow = colour(575.0);
+        assert!(yellow.red > 200 && yellow.green > 200 && yellow.blue < 60);
+        let red = colour(650.0);
+        assert!(red.red == 255 && red.green < 60 && red.blue < 60);
+        for invisible in [1064.0, 200.0, 1e5, f64::NAN] {
+            assert_eq!(colour(invisible), Rgba::opaque(110, 110, 110), "{invisible}");
+        }
+    }
+}
