@@ -11,11 +11,16 @@ pub enum Format {
     Native,
     /// OpenSCAD's flattened dump, `.csg`.
     OpenScad,
+    /// Geant4's exchange format, `.gdml`.
+    Gdml,
 }
 
 /// All formats with their names and the endings of their files.
-const TABLE: [(Format, &str, &[&str]); 2] =
-    [(Format::Native, "native", &["toml"]), (Format::OpenScad, "openscad", &["csg"])];
+const TABLE: [(Format, &str, &[&str]); 3] = [
+    (Format::Native, "native", &["toml"]),
+    (Format::OpenScad, "openscad", &["csg"]),
+    (Format::Gdml, "gdml", &["gdml"]),
+];
 
 impl Format {
     /// The names of all formats.

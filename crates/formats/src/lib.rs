@@ -19,6 +19,7 @@
 //! ```
 
 mod format;
+pub mod gdml;
 pub mod openscad;
 mod report;
 
@@ -112,6 +113,10 @@ fn understand(
             report::refuse_overrides(&source, format, overrides)?;
             let (scene, report) = openscad::read(&source, options)?;
             Ok(Imported::from_scene(scene, report))
+        }
+        Format::Gdml => {
+            report::refuse_overrides(&source, format, overrides)?;
+            gdml::read(&source, options)
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a model file says, before anything is computed.
 
 use crate::colour::Colour;
-use crate::datum::{Datum, Table};
+use crate::datum::{Datum, Table, key, to_toml};
 use crate::number::Number;
 use crate::source::{Source, Spanned};
 use crate::unit::Unit;
@@ -281,6 +281,17 @@ pub struct Foreign {
     pub value: Spanned<Datum>,
     /// The text that says so: its headers with everything up to the next table of another name.
     pub text: String,
+}
+
+impl Foreign {
+    /// A table that was never in a file: one line for each of its keys.
+    pub fn new(name: &str, table: Table) -> Foreign {
+        let mut text = format!("[{}]\n", key(name));
+        for (name, value) in &table {
+            text += &format!("{} = {}\n", key(&name.value), to_toml(&value.value));
+        }
+        Foreign { name: name.into(), value: Datum::Table(table).into(), text }
+    }
 }
 
 impl PartialEq for Foreign {

@@ -61,4 +61,5 @@ pub use number::Number;
 pub use scene::{Camera, Light, Medium, Projection, RenderSettings, Scene, SceneRegion};
 pub use schema::schema;
 pub use source::{Source, Span, Spanned};
+pub use suggestion::nearest;
 pub use unit::Unit;

@@ -3,7 +3,7 @@
 /// The nearest of the names, if it is near enough to be a slip of the fingers: at most a third of the
 /// letters wrong, by the Damerau-Levenshtein distance (letters left out, put in, changed, or swapped with
 /// their neighbour).
-pub(crate) fn nearest<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().count();
     let lower = name.to_lowercase();
     let allowed = |other: &str| length.max(other.chars().count()) / 3;

@@ -1,0 +1,306 @@
+//! Numbers from attributes: expressions times units, all problems told.
+
+use super::expression::{Fault, Names};
+use super::units::{self, Quantity};
+use super::xml::{Attribute, Element, Place};
+use super::{Context, Trouble};
+use rayweave_math::Vec3;
+use rayweave_scene::Span;
+use rayweave_shape::primitive::ShapeError;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Steps of all loops of a file together.
+const MOST_STEPS: usize = 1_000_000;
+
+/// Why something could not be made.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Failure {
+    /// What is wrong has been told.
+    Told,
+    /// It is legal, but not possible here; the reason.
+    Refused(String),
+}
+
+impl From<ShapeError> for Failure {
+    fn from(error: ShapeError) -> Failure {
+        Failure::Refused(error.to_string())
+    }
+}
+
+/// A refusal for a reason.
+pub(super) fn refused<T>(reason: impl Into<String>) -> Result<T, Failure> {
+    Err(Failure::Refused(reason.into()))
+}
+
+/// The numbers that a file has given names to, and the problems met so far.
+pub(super) struct Numbers<'c> {
+    pub context: &'c mut Context,
+    pub names: Names,
+    pub positions: BTreeMap<String, Vec3>,
+    /// Angles about x, y and z, in degrees.
+    pub rotations: BTreeMap<String, Vec3>,
+    pub scales: BTreeMap<String, Vec3>,
+    steps: usize,
+}
+
+impl<'c> Numbers<'c> {
+    pub fn new(context: &'c mut Context) -> Numbers<'c> {
+        Numbers {
+            context,
+            names: Names::default(),
+            positions: BTreeMap::new(),
+            rotations: BTreeMap::new(),
+            scales: BTreeMap::new(),
+            steps: 0,
+        }
+    }
+
+    /// Tells a problem.
+    pub fn tell(&mut self, trouble: Trouble) -> Failure {
+        self.context.error(trouble);
+        Failure::Told
+    }
+
+    /// An attribute that must be there.
+    pub fn need<'e>(&mut self, element: &'e Element, name: &str) -> Result<&'e Attribute, Failure> {
+        element.attribute(name).ok_or_else(|| {
+            let known = element.attributes.iter().map(|attribute| attribute.name.as_str());
+            let unlike = |known: &&str| !["name", "lunit", "aunit"].contains(known);
+            let message = format!("`{}` has no attribute `{name}` (it is needed)", element.name);
+            let near = rayweave_scene::nearest(name, known.filter(unlike));
+            let slip = near.map(|near| format!(" is `{near}` meant for it?")).unwrap_or_default();
+            self.tell(Trouble::new(message + &slip, element.place))
+        })
+    }
+
+    /// The name of an element, numbers in brackets replaced.
+    pub fn name(&mut self, element: &Element) -> Result<String, Failure> {
+        let attribute = self.need(element, "name")?;
+        self.expanded(attribute)
+    }
+
+    /// The name that an attribute refers to.
+    pub fn reference(&mut self, element: &Element, attribute: &str) -> Result<(String, Place), Failure> {
+        let attribute = self.need(element, attribute)?;
+        Ok((self.expanded(attribute)?, attribute.place))
+    }
+
+    fn expanded(&mut self, attribute: &Attribute) -> Result<String, Failure> {
+        if self.steps == 0 {
+            return Ok(attribute.value.clone());
+        }
+        self.names.expand(&attribute.value).map_err(|fault| self.fault(fault, attribute))
+    }
+
+    /// The value of an attribute.
+    pub fn value(&mut self, attribute: &Attribute) -> Result<f64, Failure> {
+        match attribute.value.trim().parse::<f64>() {
+            // most are plain numbers; `inf` and `nan` are names
+            Ok(value) if value.is_finite() => Ok(value),
+            _ => self.names.evaluate(&attribute.value).map_err(|fault| self.fault(fault, attribute)),
+        }
+    }
+
+    fn fault(&mut self, fault: Fault, attribute: &Attribute) -> Failure {
+        let start = attribute.place.span.start;
+        let span = match attribute.verbatim {
+            true => Span::new(start + fault.span.start, start + fault.span.end),
+            false => attribute.place.span,
+        };
+        let trouble = Trouble::new(fault.problem, Place { span, ..attribute.place });
+        let trouble = match &fault.unknown {
+            Some(name) => trouble.did_you_mean(name, self.names.all()),
+            None => trouble,
+        };
+        self.tell(trouble)
+    }
+
+    /// A number that must be there.
+    pub fn number(&mut self, element: &Element, name: &str) -> Result<f64, Failure> {
+        let attribute = self.need(element, name)?;
+        self.value(attribute)
+    }
+
+    /// A number, or another if it is not given.
+    pub fn number_or(&mut self, element: &Element, name: &str, default: f64) -> Result<f64, Failure> {
+        element.attribute(name).map_or(Ok(default), |attribute| self.value(attribute))
+    }
+
+    /// A whole number within a range.
+    pub fn whole(&mut self, element: &Element, name: &str, least: i64, most: i64) -> Result<i64, Failure> {
+        let attribute = self.need(element, name)?;
+        let value = self.value(attribute)?;
+        match value.fract() == 0.0 && (least as f64..=most as f64).contains(&value) {
+            true => Ok(value as i64),
+            false => {
+                let message =
+                    format!("`{name}` is {value} (it must be a whole number from {least} to {most})");
+                Err(self.tell(Trouble::new(message, attribute.place)))
+            }
+        }
+    }
+
+    /// The factor of a unit, which may be an expression of units.
+    pub fn unit(
+        &mut self,
+        element: &Element,
+        name: &str,
+        quantity: Quantity,
+        default: f64,
+    ) -> Result<f64, Failure> {
+        let Some(attribute) = element.attribute(name) else {
+            return Ok(default);
+        };
+        let symbol = attribute.value.trim();
+        let value = match quantity {
+            Quantity::Other => self.names.evaluate(symbol).ok(),
+            _ => units::of(quantity, symbol),
+        };
+        value.ok_or_else(|| {
+            let what = match quantity {
+                Quantity::Length => "length",
+                Quantity::Angle => "angle",
+                Quantity::Other => "this",
+            };
+            let trouble = Trouble::new(format!("`{symbol}` is no unit of {what}"), attribute.place);
+            match quantity {
+                Quantity::Other => self.tell(trouble),
+                _ => self.tell(trouble.did_you_mean(symbol, units::names_of(quantity))),
+            }
+        })
+    }
+
+    /// The factor of `lunit`.
+    pub fn length_unit(&mut self, element: &Element) -> Result<f64, Failure> {
+        self.unit(element, "lunit", Quantity::Length, 1.0)
+    }
+
+    /// Lengths that must be there, in millimetres.
+    pub fn lengths<const N: usize>(
+        &mut self,
+        element: &Element,
+        names: [&str; N],
+    ) -> Result<[f64; N], Failure> {
+        let unit = self.length_unit(element);
+        let values = names.map(|name| self.number(element, name));
+        scaled(values, unit?)
+    }
+
+    /// Lengths that are 0 if they are not given.
+    pub fn lengths_or_zero<const N: usize>(
+        &mut self,
+        element: &Element,
+        names: [&str; N],
+    ) -> Result<[f64; N], Failure> {
+        let unit = self.length_unit(element);
+        let values = names.map(|name| self.number_or(element, name, 0.0));
+        scaled(values, unit?)
+    }
+
+    /// An angle in degrees.
+    pub fn angle(&mut self, element: &Element, name: &str, default: f64) -> Result<f64, Failure> {
+        let unit = self.unit(element, "aunit", Quantity::Angle, 1.0);
+        let Some(attribute) = element.attribute(name) else {
+            return unit.map(|_| default);
+        };
+        let value = self.value(attribute)?;
+        let unit = unit?;
+        if unit == 1.0 && value.abs() > 4.0 * PI {
+            let message =
+                format!("`{name}` is {value} radians (more than two turns) is `aunit=\"deg\"` missing?");
+            self.context.warn(Trouble::new(message, attribute.place));
+        }
+        Ok(degrees(value, unit))
+    }
+
+    /// Angles in degrees that are 0 if they are not given.
+    pub fn angles<const N: usize>(
+        &mut self,
+        element: &Element,
+        names: [&str; N],
+    ) -> Result<[f64; N], Failure> {
+        let values = names.map(|name| self.angle(element, name, 0.0));
+        scaled(values, 1.0)
+    }
+
+    /// Does something for each child; those of a `<loop>` for each step of it.
+    pub fn each(&mut self, parent: &Element, visit: &mut dyn FnMut(&mut Self, &Element)) {
+        for child in &parent.children {
+            match child.name.as_str() {
+                "loop" => {
+                    // what is wrong with it has been told
+                    let _ = self.repeat(child, visit);
+                }
+                _ => visit(self, child),
+            }
+        }
+    }
+
+    fn repeat(
+        &mut self,
+        element: &Element,
+        visit: &mut dyn FnMut(&mut Self, &Element),
+    ) -> Result<(), Failure> {
+        let (variable, place) = {
+            let attribute = self.need(element, "for")?;
+            (attribute.value.clone(), attribute.place)
+        };
+        let from = match element.attribute("from") {
+            Some(attribute) => self.value(attribute)?,
+            None => self.names.value(&variable).unwrap_or(0.0),
+        };
+        let to = self.number(element, "to")?;
+        let step = self.number_or(element, "step", 1.0)?;
+        if step <= 0.0 {
+            return Err(self.tell(Trouble::new(
+                "the step of the loop is not greater than 0 (it would not end)",
+                element.place,
+            )));
+        }
+        let mut value = from;
+        while value <= to {
+            self.steps += 1;
+            if self.steps > MOST_STEPS {
+                return Err(
+                    self.tell(Trouble::new(format!("loops take more than {MOST_STEPS} steps"), place))
+                );
+            }
+            self.names.set(&variable, value);
+            self.each(element, visit);
+            value += step;
+        }
+        Ok(())
+    }
+}
+
+fn scaled<const N: usize>(values: [Result<f64, Failure>; N], unit: f64) -> Result<[f64; N], Failure> {
+    let mut all = [0.0; N];
+    for (slot, value) in all.iter_mut().zip(values) {
+        *slot = value? * unit;
+    }
+    Ok(all)
+}
+
+/// An angle in degrees. What was a short decimal before it went through radians is that again, so that right angles are exact.
+pub(super) fn degrees(value: f64, unit: f64) -> f64 {
+    let is_degrees = units::value("deg") == Some(unit);
+    let degrees = if is_degrees { value } else { value * unit * (180.0 / PI) };
+    let short = (degrees * 1e10).round() / 1e10;
+    if (degrees - short).abs() <= 8.0 * f64::EPSILON * degrees.abs() { short } else { degrees }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_that_were_decimals_are_again() {
+        for tenths in -3600..3600 {
+            let decimal = f64::from(tenths) / 10.0;
+            assert_eq!(degrees(decimal * (PI / 180.0), 1.0), decimal);
+            assert_eq!(degrees(decimal, PI / 180.0), decimal);
+        }
+        assert_eq!(degrees(1.25, 1.0), 1.25 * (180.0 / PI));
+    }
+}

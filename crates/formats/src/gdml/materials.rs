@@ -1,0 +1,217 @@
+//! `<materials>`: what volumes are made of.
+
+use super::attributes::{Failure, Numbers};
+use super::solids::bare;
+use super::units::{GRAM_PER_CM3, PA, Quantity};
+use super::xml::{Element, Place};
+use super::{Trouble, define};
+use rayweave_scene::Medium;
+use std::collections::BTreeMap;
+
+/// All materials of a model.
+#[derive(Debug, Default)]
+pub(super) struct Materials {
+    pub list: Vec<Material>,
+    by_name: BTreeMap<String, usize>,
+    /// The elements and isotopes, for the table.
+    pub elements: Vec<Material>,
+}
+
+/// A material, an element or an isotope.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Material {
+    pub name: String,
+    /// `material`, `element` or `isotope`.
+    pub tag: String,
+    pub state: String,
+    pub formula: String,
+    /// Names and values: density in g/cm3, temperature in K, pressure in Pa, Z, A in g/mol.
+    pub numbers: Vec<(String, f64)>,
+    /// What it is made of: name, and fraction of the mass or number of atoms.
+    pub parts: Vec<Part>,
+    /// Properties by name, most of which depend on the photon's energy.
+    pub properties: Vec<(String, Property)>,
+    /// The refractive index, from the property `RINDEX`.
+    pub index: Option<f64>,
+}
+
+/// The value of a property.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Property {
+    /// The name of a matrix.
+    Matrix(String),
+    /// A number that stands in the property itself.
+    Number(f64),
+}
+
+/// A part of a material.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub name: String,
+    pub amount: f64,
+    /// True for a number of atoms, false for a fraction of the mass.
+    pub is_count: bool,
+}
+
+/// The materials that Geant4 knows by itself begin with this.
+const BUILT_IN: &str = "G4_";
+
+impl Materials {
+    /// The number of a material, which is added if it is one that Geant4 knows by itself.
+    pub fn find(&mut self, numbers: &mut Numbers, name: &str, place: Place) -> Option<usize> {
+        if let Some(known) = self.by_name.get(name) {
+            return Some(*known);
+        }
+        if name.starts_with(BUILT_IN) {
+            return Some(self.add(Material {
+                name: name.to_owned(),
+                tag: "material".to_owned(),
+                ..Material::default()
+            }));
+        }
+        let trouble =
+            Trouble::new(format!("unknown material `{name}` (there is none of this name before it)"), place);
+        numbers.context.warn(trouble.did_you_mean(name, self.by_name.keys().map(String::as_str)));
+        Some(self.add(Material { name: name.to_owned(), tag: "material".to_owned(), ..Material::default() }))
+    }
+
+    fn add(&mut self, material: Material) -> usize {
+        let index = self.list.len();
+        self.by_name.entry(material.name.clone()).or_insert(index);
+        self.list.push(material);
+        index
+    }
+}
+
+/// Reads a section of materials.
+pub(super) fn read(numbers: &mut Numbers, materials: &mut Materials, section: &Element) {
+    numbers.each(section, &mut |numbers, element| match element.name.as_str() {
+        "material" | "element" | "isotope" => {
+            if let Ok(material) = material(numbers, element) {
+                if element.name == "material" {
+                    materials.add(material);
+                } else {
+                    materials.elements.push(material);
+                }
+            }
+        }
+        "define" => numbers.define(element),
+        other => {
+            let message = format!("`{other}` is nothing that stands among materials");
+            numbers.context.lose(crate::LossKind::Dropped, other, Trouble::new(message, element.place));
+        }
+    });
+}
+
+fn material(numbers: &mut Numbers, element: &Element) -> Result<Material, Failure> {
+    let mut material = Material {
+        name: numbers.name(element)?,
+        tag: element.name.clone(),
+        state: element.text("state").to_owned(),
+        formula: element.text("formula").to_owned(),
+        ..Material::default()
+    };
+    for (attribute, name) in [("Z", "Z"), ("N", "N")] {
+        if let Some(value) = element.attribute(attribute) {
+            material.numbers.push((name.to_owned(), numbers.value(value)?));
+        }
+    }
+    for child in &element.children {
+        detail(numbers, &mut material, child)?;
+    }
+    Ok(material)
+}
+
+/// Names, default units and what one of the unit that we keep is in GDML's.
+const QUANTITIES: [(&str, &str, &str, f64); 5] = [
+    ("D", "density", "g/cm3", GRAM_PER_CM3),
+    ("T", "temperature", "K", 1.0),
+    ("P", "pressure", "pascal", PA),
+    ("MEE", "mean_excitation_energy", "eV", 1e-6),
+    ("atom", "A", "", 1.0),
+];
+
+fn detail(numbers: &mut Numbers, material: &mut Material, child: &Element) -> Result<(), Failure> {
+    let tag = child.name.as_str();
+    if let Some((_, name, unit, one)) = QUANTITIES.iter().find(|row| row.0 == tag) {
+        let value = numbers.number(child, "value")?;
+        let unit = match (tag, unit.is_empty()) {
+            // the unit of molar masses is always g/mole
+            ("atom", _) | (_, true) => *one,
+            _ if child.attribute("unit").is_some() => numbers.unit(child, "unit", Quantity::Other, *one)?,
+            _ => numbers.names.evaluate(unit).unwrap_or(*one),
+        };
+        material.numbers.push(((*name).to_owned(), value * unit / one));
+        return Ok(());
+    }
+    match tag {
+        "fraction" | "composite" => {
+            let (name, _) = numbers.reference(child, "ref")?;
+            let amount = numbers.number(child, "n")?;
+            material.parts.push(Part { name, amount, is_count: tag == "composite" });
+        }
+        "property" => {
+            let (name, property) = property(numbers, child)?;
+            material.index = if name == "RINDEX" { index(numbers, &property) } else { material.index };
+            material.properties.push((name, property));
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+/// `<property name=".." ref="matrix"/>`; some files give a `value` in place of `ref`.
+pub(super) fn property(numbers: &mut Numbers, child: &Element) -> Result<(String, Property), Failure> {
+    let name = numbers.name(child)?;
+    if let (None, Some(value)) = (child.attribute("ref"), child.attribute("value")) {
+        return Ok((name, Property::Number(numbers.value(value)?)));
+    }
+    let (matrix, place) = numbers.reference(child, "ref")?;
+    if numbers.names.matrix(&matrix).is_none() && !numbers.names.is_set(&matrix) {
+        let known: Vec<String> = numbers.names.matrices().map(|(name, _)| name.clone()).collect();
+        let trouble =
+            Trouble::new(format!("unknown matrix `{matrix}` (the property `{name}` has no value)"), place);
+        numbers.context.warn(trouble.did_you_mean(&matrix, known.iter().map(String::as_str)));
+    }
+    Ok((name, Property::Matrix(matrix)))
+}
+
+/// The refractive index that a property gives.
+fn index(numbers: &Numbers, property: &Property) -> Option<f64> {
+    match property {
+        Property::Number(value) => Some(*value),
+        Property::Matrix(name) => {
+            let matrix = numbers.names.matrix(name)?;
+            index_of(&matrix.values, matrix.columns)
+        }
+    }
+}
+
+/// The refractive index at the sodium line, interpolated over the energy and held beyond the ends.
+fn index_of(values: &[f64], columns: usize) -> Option<f64> {
+    if columns != 2 {
+        return None;
+    }
+    let mut rows: Vec<(f64, f64)> = values.chunks_exact(2).map(|row| (row[0], row[1])).collect();
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let energy = define::sodium_energy();
+    let after = rows.partition_point(|row| row.0 < energy);
+    let index = match (after.checked_sub(1).and_then(|before| rows.get(before)), rows.get(after)) {
+        (Some(&(e0, n0)), Some(&(e1, n1))) => n0 + (n1 - n0) * (energy - e0) / (e1 - e0),
+        (Some(&(_, n)), None) | (None, Some(&(_, n))) => n,
+        (None, None) => return None,
+    };
+    (index.is_finite() && index > 0.0).then_some(index)
+}
+
+impl Material {
+    /// The medium of a scene, under a name that is free.
+    pub fn medium(&self, name: String) -> Medium {
+        Medium { name, index: self.index, colour: None, numbers: self.numbers.clone() }
+    }
+
+    /// The name for people.
+    pub fn bare_name(&self) -> &str {
+        bare(&self.name)
+    }
+}

@@ -1,0 +1,87 @@
+//! Optical surfaces: kept as they are, for the simulation of light.
+
+use super::attributes::{Failure, Numbers};
+use super::expression::Matrix;
+use super::materials::{Property, property};
+use super::structure::Graph;
+use super::xml::{Element, Place};
+use super::{Context, Trouble};
+use std::collections::BTreeMap;
+
+/// The optical surfaces of a model, what they are on, and the matrices that properties refer to.
+#[derive(Debug, Default)]
+pub(super) struct Surfaces {
+    pub optical: Vec<Optical>,
+    pub links: Vec<Link>,
+    pub matrices: Vec<(String, Matrix)>,
+}
+
+/// `<opticalsurface>`.
+#[derive(Clone, Debug)]
+pub(super) struct Optical {
+    pub name: String,
+    /// Words as the file says them: model, finish, type.
+    pub words: Vec<(&'static str, String)>,
+    pub value: Option<f64>,
+    pub properties: Vec<(String, Property)>,
+}
+
+/// `<skinsurface>`, around a volume, or `<bordersurface>`, between two placements.
+#[derive(Clone, Debug)]
+pub(super) struct Link {
+    pub name: String,
+    pub surface: String,
+    pub is_skin: bool,
+    /// The volume, or the two placements.
+    pub of: Vec<(String, Place)>,
+    pub place: Place,
+}
+
+impl Surfaces {
+    /// Adds an `<opticalsurface>`; what is wrong with it has been told.
+    pub fn add_optical(&mut self, numbers: &mut Numbers, element: &Element) {
+        let _ = optical(numbers, element).map(|optical| self.optical.push(optical));
+    }
+
+    /// Adds a `<skinsurface>` or `<bordersurface>`; what is wrong with it has been told.
+    pub fn add_link(&mut self, numbers: &mut Numbers, element: &Element) {
+        let _ = link(numbers, element).map(|link| self.links.push(link));
+    }
+}
+
+fn optical(numbers: &mut Numbers, element: &Element) -> Result<Optical, Failure> {
+    let mut properties = Vec::new();
+    for child in element.children.iter().filter(|child| child.name == "property") {
+        properties.push(property(numbers, child)?);
+    }
+    let words = ["model", "finish", "type"].map(|word| (word, element.text(word).to_owned()));
+    let value = element.attribute("value").map(|value| numbers.value(value)).transpose()?;
+    Ok(Optical { name: numbers.name(element)?, words: words.to_vec(), value, properties })
+}
+
+fn link(numbers: &mut Numbers, element: &Element) -> Result<Link, Failure> {
+    let (surface, _) = numbers.reference(element, "surfaceproperty")?;
+    let mut of = Vec::new();
+    for child in
+        element.children.iter().filter(|child| matches!(child.name.as_str(), "volumeref" | "physvolref"))
+    {
+        of.push(numbers.reference(child, "ref")?);
+    }
+    let is_skin = element.name == "skinsurface";
+    Ok(Link { name: element.text("name").to_owned(), surface, is_skin, of, place: element.place })
+}
+
+/// Warns of links to surfaces and volumes that are not there.
+pub(super) fn check_links(context: &mut Context, graph: &Graph, volumes: &BTreeMap<String, usize>) {
+    for link in &graph.surfaces.links {
+        if graph.surfaces.optical.iter().all(|surface| surface.name != link.surface) {
+            let known = graph.surfaces.optical.iter().map(|surface| surface.name.as_str());
+            let trouble = Trouble::new(format!("unknown optical surface `{}`", link.surface), link.place);
+            context.warn(trouble.did_you_mean(&link.surface, known));
+        }
+        for (name, place) in link.of.iter().filter(|(name, _)| link.is_skin && !volumes.contains_key(name)) {
+            let trouble = Trouble::new(format!("unknown volume `{name}`"), *place);
+            context.warn(trouble.did_you_mean(name, volumes.keys().map(String::as_str)));
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! Solids with plane faces, and those that are ruled between two quadrilaterals.
+
+use super::round::{ZPlane, edges, in_order};
+use super::{Made, Phi, loose_box, of, union_of};
+use crate::gdml::attributes::{Failure, refused};
+use rayweave_math::{Affine, Mat3, Vec3, sin_cos_degrees, unit_vector_degrees};
+use rayweave_model::Solid;
+use rayweave_shape::primitive::{CentredBox, Convex, Quadric};
+
+/// tan of an angle in degrees.
+fn tan(angle: f64) -> f64 {
+    let (sin, cos) = sin_cos_degrees(angle);
+    sin / cos
+}
+
+/// `G4Para`: a box of full lengths, sheared.
+pub(in crate::gdml) fn parallelepiped(size: [f64; 3], alpha: f64, theta: f64, phi: f64) -> Made {
+    let (sin, cos) = sin_cos_degrees(phi);
+    let shear = Mat3::from_cols(
+        Vec3::X,
+        Vec3::new(tan(alpha), 1.0, 0.0),
+        Vec3::new(tan(theta) * cos, tan(theta) * sin, 1.0),
+    );
+    Ok(of(CentredBox::new(Vec3::from_array(size))?).apply(Affine::from_linear(shear)))
+}
+
+/// The parameters of a `G4Trap`, full lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::gdml) struct Trapezoid {
+    pub z: f64,
+    pub theta: f64,
+    pub phi: f64,
+    /// Below: extent along y, along x at low y and at high y, and the angle of the line between their middles.
+    pub low: [f64; 4],
+    /// The same above.
+    pub high: [f64; 4],
+}
+
+impl Trapezoid {
+    /// The corners below and above, counter-clockwise as seen from +z.
+    pub fn corners(&self) -> [[[f64; 2]; 4]; 2] {
+        let (sin, cos) = sin_cos_degrees(self.phi);
+        let lean = 0.5 * self.z * tan(self.theta);
+        let quadrilateral = |[y, x1, x2, alpha]: [f64; 4], side: f64| {
+            let (middle, skew) = ([side * lean * cos, side * lean * sin], 0.5 * y * tan(alpha));
+            let corner = |x: f64, sign_x: f64, sign_y: f64| {
+                [middle[0] + sign_y * skew + sign_x * 0.5 * x, middle[1] + sign_y * 0.5 * y]
+            };
+            [corner(x1, -1.0, -1.0), corner(x1, 1.0, -1.0), corner(x2, 1.0, 1.0), corner(x2, -1.0, 1.0)]
+        };
+        [quadrilateral(self.low, -1.0), quadrilateral(self.high, 1.0)]
+    }
+}
+
+/// `G4Trap` and `G4Trd`.
+pub(in crate::gdml) fn trapezoid(trapezoid: &Trapezoid) -> Made {
+    let lengths = [&trapezoid.low[..3], &trapezoid.high[..3]].concat();
+    if trapezoid.z <= 0.0 || lengths.iter().any(|length| *length < 0.0) {
+        return refused("a length is negative, or its height is 0");
+    }
+    let [low, high] = trapezoid.corners();
+    ruled(low, high, 0.5 * trapezoid.z)
+}
+
+/// Edges count as parallel, and the face between them as plane, up to this sine of the angle between them.
+const PLANE: f64 = 1e-10;
+
+/// `G4GenericTrap`: what is ruled between a quadrilateral at -dz and one at dz, whose corners correspond. A side face between
+/// edges that are not parallel is part of a hyperbolic paraboloid. Corners may coincide.
+pub(in crate::gdml) fn ruled(low: [[f64; 2]; 4], high: [[f64; 2]; 4], dz: f64) -> Made {
+    let middle = [0, 1, 2, 3].map(|k| [0, 1].map(|axis| 0.5 * (low[k][axis] + high[k][axis])));
+    let area = edges(&middle).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>();
+    if area == 0.0 || dz <= 0.0 {
+        return refused("it has no inside");
+    }
+    let (low, high) = if area > 0.0 { (low, high) } else { (reversed(low), reversed(high)) };
+    let sides: Vec<Side> = (0..4).filter_map(|k| Side::new(low, high, dz, k)).collect();
+    if !is_convex(low, high) {
+        return refused("a section across z is not convex");
+    }
+    let planes: Vec<[f64; 4]> = sides.iter().filter_map(Side::plane).collect();
+    let twisted = sides.iter().filter(|side| side.plane().is_none());
+    let reach =
+        low.iter().chain(&high).fold([0.0f64; 2], |r, c| [r[0].max(c[0].abs()), r[1].max(c[1].abs())]);
+    let mut parts = Vec::new();
+    if planes.len() == sides.len() {
+        parts.push(of(Convex::new([&planes[..], &[[0.0, 0.0, -1.0, dz], [0.0, 0.0, 1.0, dz]]].concat())?));
+    } else {
+        parts.push(loose_box(reach[0], reach[1], dz)?);
+        if !planes.is_empty() {
+            parts.push(of(Convex::new(planes)?));
+        }
+    }
+    for side in twisted {
+        parts.push(of(Quadric::new(side.quadric())?));
+    }
+    union_or_intersection(parts)
+}
+
+fn union_or_intersection(mut parts: Vec<Solid>) -> Made {
+    Ok(if parts.len() == 1 { parts.remove(0) } else { Solid::intersection(parts) })
+}
+
+fn reversed(mut corners: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
+    corners.reverse();
+    corners
+}
+
+/// A side face: the line from corner `a + z da` in the direction `e + z de`, its inside on the left.
+struct Side {
+    a: [f64; 2],
+    da: [f64; 2],
+    e: [f64; 2],
+    de: [f64; 2],
+    /// The edges at both ends.
+    ends: [[f64; 2]; 2],
+}
+
+impl Side {
+    /// The side from corner k to the next; nothing if both its edges are points.
+    fn new(low: [[f64; 2]; 4], high: [[f64; 2]; 4], dz: f64, k: usize) -> Option<Side> {
+        let next = (k + 1) % 4;
+        let edge = |corners: [[f64; 2]; 4]| [0, 1].map(|axis| corners[next][axis] - corners[k][axis]);
+        let ends = [edge(low), edge(high)];
+        let mean = |l: [f64; 2], h: [f64; 2]| [0, 1].map(|axis| 0.5 * (l[axis] + h[axis]));
+        let slope = |l: [f64; 2], h: [f64; 2]| [0, 1].map(|axis| 0.5 * (h[axis] - l[axis]) / dz);
+        (ends != [[0.0; 2]; 2]).then(|| Side {
+            a: mean(low[k], high[k]),
+            da: slope(low[k], high[k]),
+            e: mean(ends[0], ends[1]),
+            de: slope(ends[0], ends[1]),
+            ends,
+        })
+    }
+
+    /// The plane of the face, if its edges are parallel.
+    fn plane(&self) -> Option<[f64; 4]> {
+        let [low, high] = self.ends;
+        let length = |v: [f64; 2]| libm::hypot(v[0], v[1]);
+        let cross = low[0] * high[1] - low[1] * high[0];
+        if cross.abs() > PLANE * length(low) * length(high) {
+            return None;
+        }
+        let [ex, ey] = if length(low) > length(high) { low } else { high };
+        let out = [ey, -ex];
+        let along = |v: [f64; 2]| out[0] * v[0] + out[1] * v[1];
+        Some([out[0], out[1], -along(self.da), along(self.a)])
+    }
+
+    /// The matrix of -(ex (y - ay) - ey (x - ax)), all four linear in z.
+    fn quadric(&self) -> [[f64; 4]; 4] {
+        let Side { a, da, e, de, .. } = self;
+        let mut q = [[0.0; 4]; 4];
+        let mut set = |i: usize, j: usize, value: f64| {
+            q[i][j] = value;
+            q[j][i] = value;
+        };
+        set(1, 2, -0.5 * de[0]);
+        set(0, 2, 0.5 * de[1]);
+        set(1, 3, -0.5 * e[0]);
+        set(0, 3, 0.5 * e[1]);
+        set(2, 2, de[0] * da[1] - de[1] * da[0]);
+        set(2, 3, 0.5 * (e[0] * da[1] + de[0] * a[1] - e[1] * da[0] - de[1] * a[0]));
+        set(3, 3, e[0] * a[1] - e[1] * a[0]);
+        q
+    }
+}
+
+/// True if no section between the ends has a reflex corner. The turn at a corner is quadratic in z: its least value is at an end
+/// or between.
+fn is_convex(low: [[f64; 2]; 4], high: [[f64; 2]; 4]) -> bool {
+    let edge = |corners: [[f64; 2]; 4], k: usize| {
+        [0, 1].map(|axis| corners[(k + 1) % 4][axis] - corners[k % 4][axis])
+    };
+    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+    (0..4).all(|k| {
+        let [(l0, l1), (h0, h1)] = [low, high].map(|corners| (edge(corners, k), edge(corners, k + 1)));
+        let (at_low, at_high) = (cross(l0, l1), cross(h0, h1));
+        let mixed = cross(l0, h1) + cross(h0, l1);
+        let noise = 1e-9 * [at_low.abs(), at_high.abs(), mixed.abs()].into_iter().fold(0.0, f64::max);
+        // (1-t)^2 low + t (1-t) mixed + t^2 high, over t in [0, 1]
+        let curvature = at_low - mixed + at_high;
+        let best = (at_low - 0.5 * mixed) / curvature;
+        let t = if curvature > 0.0 && (0.0..1.0).contains(&best) { best } else { 0.0 };
+        let between = (1.0 - t) * (1.0 - t) * at_low + t * (1.0 - t) * mixed + t * t * at_high;
+        at_low.min(at_high).min(between) >= -noise
+    })
+}
+
+/// `G4Tet`.
+pub(in crate::gdml) fn tetrahedron(corners: [Vec3; 4]) -> Made {
+    let volume = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[3] - corners[0]);
+    if volume == 0.0 {
+        return refused("its corners lie in a plane");
+    }
+    let face = |skipped: usize| {
+        let rest: Vec<Vec3> = (0..4).filter(|k| *k != skipped).map(|k| corners[k]).collect();
+        let normal = (rest[1] - rest[0]).cross(rest[2] - rest[0]);
+        let out = if normal.dot(corners[skipped] - rest[0]) > 0.0 { -normal } else { normal };
+        [out.x, out.y, out.z, out.dot(rest[0])]
+    };
+    Ok(of(Convex::new((0..4).map(face).collect())?))
+}
+
+/// `G4Polyhedra` from planes: the radii are distances of the side faces from the axis.
+pub(in crate::gdml) fn polyhedra(planes: &[ZPlane], sides: u32, phi: Phi) -> Made {
+    in_order(planes)?;
+    let normals = side_normals(sides, phi)?;
+    let mut sections = Vec::new();
+    for pair in planes.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        if a.rmin > a.rmax || b.rmin > b.rmax {
+            return refused("an inner radius is greater than the outer one");
+        }
+        let outer = frustum(&normals, (a.z, a.rmax), (b.z, b.rmax))?;
+        let inner = frustum(&normals, (a.z, a.rmin), (b.z, b.rmin))?;
+        let is_thin = a.rmin == a.rmax && b.rmin == b.rmax;
+        sections.extend(match (outer, inner) {
+            _ if is_thin => None,
+            (Some(outer), Some(inner)) => Some(outer - inner),
+            (outer, _) => outer,
+        });
+    }
+    let whole = union_of(sections, "it has no inside (no length, or no thickness)")?;
+    cut(whole, phi, sides, planes.iter().map(|plane| [plane.rmax, plane.z]))
+}
+
+/// What is within a sector. The sides of part of a turn enclose nothing by themselves: a box whose faces are never met says how
+/// far they reach.
+fn cut(whole: Solid, phi: Phi, sides: u32, corners: impl Iterator<Item = [f64; 2]>) -> Made {
+    if phi.is_whole() {
+        return Ok(whole);
+    }
+    let (_, cos) = sin_cos_degrees(0.5 * phi.delta / f64::from(sides));
+    let [r, z] = corners.fold([0.0f64; 2], |reach, [r, z]| [reach[0].max(r), reach[1].max(z.abs())]);
+    phi.cut(whole & loose_box(r / cos, r / cos, 1.25 * z)?)
+}
+
+/// `G4Polyhedra` from the corners (r, z) of a polygon: the radii are distances of the edges from the axis.
+///
+/// The symmetric difference of the frusta under the polygon's edges, as [`super::round::generic_polycone`].
+pub(in crate::gdml) fn generic_polyhedra(corners: &[[f64; 2]], sides: u32, phi: Phi) -> Made {
+    let normals = side_normals(sides, phi)?;
+    let (_, cos) = sin_cos_degrees(0.5 * phi.delta.min(360.0) / f64::from(sides));
+    let mut frusta = Vec::new();
+    for ([r1, z1], [r2, z2]) in edges(corners) {
+        frusta.extend(frustum(&normals, (z1, r1 * cos), (z2, r2 * cos))?);
+    }
+    match frusta.len() {
+        0 => refused("its corners enclose nothing"),
+        1 => cut(frusta.remove(0), phi, sides, corners.iter().copied()),
+        _ => cut(Solid::symmetric_difference(frusta), phi, sides, corners.iter().copied()),
+    }
+}
+
+/// The outward directions of the sides around the z axis.
+fn side_normals(sides: u32, phi: Phi) -> Result<Vec<Vec3>, Failure> {
+    let step = phi.delta.min(360.0) / f64::from(sides.max(1));
+    if sides == 0 || step >= 180.0 {
+        return refused("too few sides for its sector");
+    }
+    Ok((0..sides).map(|k| unit_vector_degrees(phi.start + (f64::from(k) + 0.5) * step)).collect())
+}
+
+/// What is behind sides at distances that change from one height to another, or nothing if it has no inside.
+///
+/// The sides stand around part of the axis: where they leave a gap, the sector cuts off what they do not.
+fn frustum(normals: &[Vec3], a: (f64, f64), b: (f64, f64)) -> Result<Option<Solid>, Failure> {
+    let ((z1, r1), (z2, r2)) = if a.0 < b.0 { (a, b) } else { (b, a) };
+    if r1 < 0.0 || r2 < 0.0 {
+        return refused("a radius is negative");
+    }
+    if z1 == z2 || (r1 == 0.0 && r2 == 0.0) {
+        return Ok(None);
+    }
+    let slope = (r2 - r1) / (z2 - z1);
+    let side = |normal: &Vec3| [normal.x, normal.y, -slope, r1 - slope * z1];
+    let ends = [[0.0, 0.0, -1.0, -z1], [0.0, 0.0, 1.0, z2]];
+    Ok(Some(of(Convex::new(normals.iter().map(side).chain(ends).collect())?)))
+}
+
+/// `G4TessellatedSolid` whose facets enclose a convex solid, as half-spaces.
+pub(in crate::gdml) fn convex_mesh(facets: &[Vec<Vec3>]) -> Made {
+    let centre = facets.iter().flatten().sum::<Vec3>() / facets.iter().flatten().count().max(1) as f64;
+    let size = facets.iter().flatten().fold(0.0f64, |size, p| size.max((*p - centre).length()));
+    let mut planes: Vec<[f64; 4]> = Vec::new();
+    for facet in facets {
+        let normal = newell(facet).normalize_or_zero();
+        let at = facet.iter().map(|p| normal.dot(*p)).sum::<f64>() / facet.len() as f64;
+        let (normal, at) = if normal.dot(centre) > at { (-normal, -at) } else { (normal, at) };
+        let is_behind = |p: &Vec3| normal.dot(*p) - at <= 1e-9 * size;
+        if normal == Vec3::ZERO {
+            continue;
+        }
+        if !facets.iter().flatten().all(is_behind) {
+            return refused("it is not convex (meshes that are not are not supported yet)");
+        }
+        let row = [normal.x, normal.y, normal.z, at];
+        let is_known = |other: &[f64; 4]| {
+            (0..3).all(|k| (other[k] - row[k]).abs() < 1e-9) && (other[3] - at).abs() <= 1e-9 * size
+        };
+        if !planes.iter().any(is_known) {
+            planes.push(row);
+        }
+    }
+    Ok(of(Convex::new(planes)?))
+}
+
+/// The normal of a polygon in space, its area as length (Newell's formula).
+fn newell(polygon: &[Vec3]) -> Vec3 {
+    edges(polygon).map(|(a, b)| 0.5 * (a - polygon[0]).cross(b - polygon[0])).sum()
+}

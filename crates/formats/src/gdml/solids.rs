@@ -1,0 +1,589 @@
+//! `<solids>`: elements to solids.
+
+use super::Trouble;
+use super::attributes::{Failure, Numbers, refused};
+use super::define::{Role, rotation};
+use super::shape::extruded::{Section, extruded};
+use super::shape::faceted::*;
+use super::shape::round::*;
+use super::shape::twisted::{twisted, twisted_tube};
+use super::shape::{Made, Phi, cuboid};
+use super::xml::{Element, Place};
+use crate::LossKind;
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::Solid;
+use std::collections::BTreeMap;
+
+/// The solids of a file by name: `None` for those that are refused.
+#[derive(Debug, Default)]
+pub(super) struct Library {
+    solids: BTreeMap<String, Option<Shape>>,
+}
+
+/// A solid, with its numbers where divisions need them.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    pub solid: Solid,
+    /// The element's name, as `box`.
+    pub tag: String,
+    /// Lengths in millimetres and angles in degrees, by attribute.
+    pub sizes: BTreeMap<&'static str, f64>,
+}
+
+/// The tags of solids.
+const TAGS: [&str; 34] = [
+    "box",
+    "tube",
+    "cutTube",
+    "cone",
+    "polycone",
+    "genericPolycone",
+    "polyhedra",
+    "genericPolyhedra",
+    "trd",
+    "trap",
+    "para",
+    "sphere",
+    "orb",
+    "torus",
+    "ellipsoid",
+    "eltube",
+    "elcone",
+    "paraboloid",
+    "hype",
+    "xtru",
+    "tet",
+    "arb8",
+    "twistedbox",
+    "twistedtrd",
+    "twistedtrap",
+    "twistedtubs",
+    "tessellated",
+    "scaledSolid",
+    "reflectedSolid",
+    "union",
+    "subtraction",
+    "intersection",
+    "multiUnion",
+    "opticalsurface",
+];
+
+impl Library {
+    /// A solid that stands before; `Ok(None)` if it was refused.
+    fn find(&self, numbers: &mut Numbers, name: &str, place: Place) -> Result<Option<Shape>, Failure> {
+        match self.solids.get(name) {
+            Some(found) => Ok(found.clone()),
+            None => {
+                let trouble =
+                    Trouble::new(format!("unknown solid `{name}` (no solid before it has this name)"), place);
+                Err(numbers.tell(trouble.did_you_mean(name, self.solids.keys().map(String::as_str))))
+            }
+        }
+    }
+
+    /// The solid that `<element ref="name"/>` asks for; `None` if it was refused.
+    pub fn of(&self, numbers: &mut Numbers, element: &Element) -> Result<Option<Shape>, Failure> {
+        let (name, place) = numbers.reference(element, "ref")?;
+        self.find(numbers, &name, place)
+    }
+
+    /// Adds the solid of an element. One that is not possible is refused, with a warning.
+    pub fn add(&mut self, numbers: &mut Numbers, element: &Element) {
+        if !TAGS.contains(&element.name.as_str()) {
+            let trouble =
+                Trouble::new(format!("`{}` is no solid that is known here", element.name), element.place);
+            numbers.context.lose(LossKind::Refused, &element.name, trouble.did_you_mean(&element.name, TAGS));
+            if let Some(name) = element.attribute("name") {
+                self.solids.insert(name.value.clone(), None);
+            }
+            return;
+        }
+        let Ok(name) = numbers.name(element) else {
+            return;
+        };
+        if self.solids.contains_key(&name) {
+            let message = format!("a second solid `{name}` (the first one is used)");
+            numbers.context.lose(LossKind::Dropped, &element.name, Trouble::new(message, element.place));
+            return;
+        }
+        let made = self.shape(numbers, element);
+        let shape = refuse_or_keep(numbers, element, made);
+        self.solids.insert(
+            name.clone(),
+            shape.map(|shape| Shape { solid: shape.solid.named(bare(&name)), ..shape }),
+        );
+    }
+
+    fn shape(&self, numbers: &mut Numbers, element: &Element) -> Result<Shape, Failure> {
+        let mut sizes = BTreeMap::new();
+        let solid = match element.name.as_str() {
+            "union" | "subtraction" | "intersection" => self.boolean(numbers, element),
+            "multiUnion" => self.multi_union(numbers, element),
+            "scaledSolid" => self.scaled(numbers, element),
+            "reflectedSolid" => self.reflected(numbers, element),
+            _ => primitive(numbers, element, &mut sizes),
+        }?;
+        Ok(Shape { solid, tag: element.name.clone(), sizes })
+    }
+
+    /// The operand that a child names.
+    fn operand(&self, numbers: &mut Numbers, element: &Element, child: &str, attribute: &str) -> Made {
+        let Some(child) = element.child(child) else {
+            let message = format!("`{}` has no `{child}` (it is needed)", element.name);
+            return Err(numbers.tell(Trouble::new(message, element.place)));
+        };
+        let (name, place) = numbers.reference(child, attribute)?;
+        match self.find(numbers, &name, place)? {
+            Some(shape) => Ok(shape.solid),
+            None => refused(format!("its part `{name}` is refused")),
+        }
+    }
+
+    fn boolean(&self, numbers: &mut Numbers, element: &Element) -> Made {
+        let first = self.operand(numbers, element, "first", "ref");
+        let second = self.operand(numbers, element, "second", "ref");
+        let (position, angles) = numbers.placement(element, "")?;
+        let (first_position, first_angles) = numbers.placement(element, "first")?;
+        let first = placed(&first?, rotation(first_angles), first_position);
+        let second = placed(&second?, rotation(angles), position);
+        Ok(match element.name.as_str() {
+            "union" => first | second,
+            "subtraction" => first - second,
+            _ => first & second,
+        })
+    }
+
+    fn multi_union(&self, numbers: &mut Numbers, element: &Element) -> Made {
+        let (mut parts, mut failure) = (Vec::new(), None);
+        numbers.each(element, &mut |numbers, node| {
+            if node.name == "multiUnionNode" {
+                match self.node(numbers, node) {
+                    Ok(part) => parts.push(part),
+                    Err(other) => failure = Some(other),
+                }
+            }
+        });
+        failure.map_or_else(|| super::shape::union_of(parts, "it has no parts"), Err)
+    }
+
+    fn node(&self, numbers: &mut Numbers, node: &Element) -> Made {
+        let solid = self.operand(numbers, node, "solid", "ref");
+        let (position, angles) = numbers.placement(node, "")?;
+        Ok(placed(&solid?, rotation(angles), position))
+    }
+
+    fn scaled(&self, numbers: &mut Numbers, element: &Element) -> Made {
+        let solid = self.operand(numbers, element, "solidref", "ref");
+        let scale = numbers.child_vector(element, "scale", Role::Scale)?.unwrap_or(Vec3::ONE);
+        match scale.to_array().contains(&0.0) {
+            true => refused("a scale factor is 0"),
+            false => Ok(solid?.scale(scale)),
+        }
+    }
+
+    /// Of old files: a solid scaled by `sx sy sz`, turned by `rx ry rz` and moved by `dx dy dz`.
+    fn reflected(&self, numbers: &mut Numbers, element: &Element) -> Made {
+        let (name, place) = numbers.reference(element, "solid")?;
+        let Some(shape) = self.find(numbers, &name, place)? else {
+            return refused(format!("its part `{name}` is refused"));
+        };
+        let mut scale = Vec3::ONE;
+        for (axis, attribute) in ["sx", "sy", "sz"].into_iter().enumerate() {
+            scale[axis] = numbers.number_or(element, attribute, 1.0)?;
+        }
+        let angles = Vec3::from_array(numbers.angles(element, ["rx", "ry", "rz"])?);
+        let position = Vec3::from_array(numbers.lengths_or_zero(element, ["dx", "dy", "dz"])?);
+        Ok(placed(&shape.solid.scale(scale), rotation(angles), position))
+    }
+}
+
+/// Keeps a solid, or tells why it is refused.
+fn refuse_or_keep(numbers: &mut Numbers, element: &Element, made: Result<Shape, Failure>) -> Option<Shape> {
+    match made {
+        Ok(shape) => Some(shape),
+        Err(Failure::Told) => None,
+        Err(Failure::Refused(reason)) => {
+            let name = element.text("name");
+            let trouble = Trouble::new(format!("the solid `{name}` is refused ({reason})"), element.place);
+            numbers.context.lose(LossKind::Refused, &element.name, trouble);
+            None
+        }
+    }
+}
+
+fn placed(solid: &Solid, rotation: Affine, position: Vec3) -> Solid {
+    let map = rotation.then(&Affine::translate(position));
+    if map == Affine::IDENTITY { solid.clone() } else { solid.apply(map) }
+}
+
+/// A name without the address that programs append to make it unique: `World0x55f3c0` is `World`.
+pub(super) fn bare(name: &str) -> &str {
+    match name.rfind("0x") {
+        Some(at)
+            if at > 0
+                && name.len() > at + 2
+                && name[at + 2..].bytes().all(|byte| byte.is_ascii_hexdigit()) =>
+        {
+            &name[..at]
+        }
+        _ => name,
+    }
+}
+
+/// Sizes that divisions ask for.
+type Sizes = BTreeMap<&'static str, f64>;
+
+/// A solid that refers to no other.
+fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
+    match e.name.as_str() {
+        "box" => {
+            let [x, y, z] = numbers.lengths(e, ["x", "y", "z"])?;
+            sizes.extend([("x", x), ("y", y), ("z", z)]);
+            cuboid([x, y, z])
+        }
+        "tube" => {
+            let [rmax, z] = numbers.lengths(e, ["rmax", "z"])?;
+            let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
+            let phi = sector(numbers, e)?;
+            sizes.extend([
+                ("rmin", rmin),
+                ("rmax", rmax),
+                ("z", z),
+                ("start", phi.start),
+                ("delta", phi.delta),
+            ]);
+            tube(rmin, rmax, z, phi)
+        }
+        "cutTube" => cut_tube_of(numbers, e),
+        "cone" => {
+            let [rmax1, rmax2, z] = numbers.lengths(e, ["rmax1", "rmax2", "z"])?;
+            let [rmin1, rmin2] = numbers.lengths_or_zero(e, ["rmin1", "rmin2"])?;
+            let phi = sector(numbers, e)?;
+            sizes.extend([("rmin1", rmin1), ("rmax1", rmax1), ("rmin2", rmin2), ("rmax2", rmax2), ("z", z)]);
+            sizes.extend([("start", phi.start), ("delta", phi.delta)]);
+            cone([rmin1, rmax1], [rmin2, rmax2], z, phi)
+        }
+        "polycone" => polycone(&z_planes(numbers, e)?, sector(numbers, e)?),
+        "genericPolycone" => {
+            generic_polycone(&corners(numbers, e, "rzpoint", ["r", "z"])?, sector(numbers, e)?)
+        }
+        "polyhedra" => {
+            let (planes, sides) = (z_planes(numbers, e)?, sides(numbers, e)?);
+            polyhedra(&planes, sides, sector(numbers, e)?)
+        }
+        "genericPolyhedra" => {
+            let (corners, sides) = (corners(numbers, e, "rzpoint", ["r", "z"])?, sides(numbers, e)?);
+            generic_polyhedra(&corners, sides, sector(numbers, e)?)
+        }
+        "trd" | "trap" | "para" | "tet" | "arb8" | "xtru" | "tessellated" => faceted(numbers, e, sizes),
+        "sphere" => {
+            let [rmax] = numbers.lengths(e, ["rmax"])?;
+            let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
+            let start = numbers.angle(e, "starttheta", 0.0)?;
+            let theta = Phi { start, delta: numbers.angle(e, "deltatheta", 180.0 - start)? };
+            sphere(rmin, rmax, sector(numbers, e)?, theta)
+        }
+        "orb" => orb(numbers.lengths(e, ["r"])?[0]),
+        "torus" => {
+            let [rmax, rtor] = numbers.lengths(e, ["rmax", "rtor"])?;
+            let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
+            torus(rmin, rmax, rtor, sector(numbers, e)?)
+        }
+        "ellipsoid" | "eltube" | "elcone" | "paraboloid" | "hype" => quadric(numbers, e),
+        "twistedbox" | "twistedtrd" | "twistedtrap" | "twistedtubs" => twist(numbers, e),
+        _ => refused("this kind of solid is not known"),
+    }
+}
+
+/// The sector of a solid, the whole turn if none is given.
+fn sector(numbers: &mut Numbers, e: &Element) -> Result<Phi, Failure> {
+    let start = numbers.angle(e, "startphi", 0.0);
+    let delta = numbers.angle(e, "deltaphi", 360.0);
+    Ok(Phi { start: start?, delta: delta? })
+}
+
+fn sides(numbers: &mut Numbers, e: &Element) -> Result<u32, Failure> {
+    numbers.whole(e, "numsides", 1, 4096).map(|sides| sides as u32)
+}
+
+fn cut_tube_of(numbers: &mut Numbers, e: &Element) -> Made {
+    let [rmax, z] = numbers.lengths(e, ["rmax", "z"])?;
+    let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
+    let mut normal = |names: [&str; 3]| -> Result<Vec3, Failure> {
+        let mut normal = Vec3::ZERO;
+        for (axis, name) in names.into_iter().enumerate() {
+            normal[axis] = numbers.number(e, name)?;
+        }
+        Ok(normal)
+    };
+    let low = normal(["lowX", "lowY", "lowZ"])?;
+    let high = normal(["highX", "highY", "highZ"])?;
+    cut_tube(rmin, rmax, z, sector(numbers, e)?, low, high)
+}
+
+/// The `<zplane>`s of a solid.
+fn z_planes(numbers: &mut Numbers, e: &Element) -> Result<Vec<ZPlane>, Failure> {
+    let unit = numbers.length_unit(e)?;
+    let (mut planes, mut failure) = (Vec::new(), None);
+    numbers.each(e, &mut |numbers, child| {
+        if child.name == "zplane" {
+            match z_plane(numbers, child, unit) {
+                Ok(plane) => planes.push(plane),
+                Err(other) => failure = Some(other),
+            }
+        }
+    });
+    failure.map_or(Ok(planes), Err)
+}
+
+fn z_plane(numbers: &mut Numbers, child: &Element, unit: f64) -> Result<ZPlane, Failure> {
+    let z = numbers.number(child, "z");
+    let rmin = numbers.number_or(child, "rmin", 0.0);
+    let rmax = numbers.number(child, "rmax");
+    Ok(ZPlane { z: z? * unit, rmin: rmin? * unit, rmax: rmax? * unit })
+}
+
+/// Children that give two lengths each.
+fn corners(
+    numbers: &mut Numbers,
+    e: &Element,
+    tag: &str,
+    names: [&str; 2],
+) -> Result<Vec<[f64; 2]>, Failure> {
+    let unit = numbers.length_unit(e)?;
+    let (mut all, mut failure) = (Vec::new(), None);
+    numbers.each(e, &mut |numbers, child| {
+        if child.name == tag {
+            match names.map(|name| numbers.number(child, name)) {
+                [Ok(a), Ok(b)] => all.push([a * unit, b * unit]),
+                _ => failure = Some(Failure::Told),
+            }
+        }
+    });
+    failure.map_or(Ok(all), Err)
+}
+
+fn faceted(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
+    match e.name.as_str() {
+        "trd" => {
+            let [x1, x2, y1, y2, z] = numbers.lengths(e, ["x1", "x2", "y1", "y2", "z"])?;
+            sizes.extend([("x1", x1), ("x2", x2), ("y1", y1), ("y2", y2), ("z", z)]);
+            trapezoid(&straight([x1, x2], [y1, y2], z))
+        }
+        "trap" => {
+            let [z, y1, x1, x2, y2, x3, x4] =
+                numbers.lengths(e, ["z", "y1", "x1", "x2", "y2", "x3", "x4"])?;
+            let [theta, phi, alpha1, alpha2] = numbers.angles(e, ["theta", "phi", "alpha1", "alpha2"])?;
+            trapezoid(&Trapezoid { z, theta, phi, low: [y1, x1, x2, alpha1], high: [y2, x3, x4, alpha2] })
+        }
+        "para" => {
+            let [x, y, z] = numbers.lengths(e, ["x", "y", "z"])?;
+            let [alpha, theta, phi] = numbers.angles(e, ["alpha", "theta", "phi"])?;
+            parallelepiped([x, y, z], alpha, theta, phi)
+        }
+        "tet" => {
+            let mut corners = [Vec3::ZERO; 4];
+            for (corner, name) in corners.iter_mut().zip(["vertex1", "vertex2", "vertex3", "vertex4"]) {
+                *corner = vertex(numbers, e, name)?;
+            }
+            tetrahedron(corners)
+        }
+        "arb8" => {
+            let coordinates = ["x", "y"].map(|axis| [1, 2, 3, 4, 5, 6, 7, 8].map(|k| format!("v{k}{axis}")));
+            let [x, y] = coordinates.map(|names| numbers.lengths(e, names.each_ref().map(String::as_str)));
+            let ([x, y], [dz]) = ([x?, y?], numbers.lengths(e, ["dz"])?);
+            let end = |first: usize| [0, 1, 2, 3].map(|k| [x[first + k], y[first + k]]);
+            ruled(end(0), end(4), dz)
+        }
+        "xtru" => {
+            let vertices = corners(numbers, e, "twoDimVertex", ["x", "y"])?;
+            extruded(&vertices, &sections(numbers, e)?)
+        }
+        _ => tessellated(numbers, e),
+    }
+}
+
+fn straight(x: [f64; 2], y: [f64; 2], z: f64) -> Trapezoid {
+    Trapezoid { z, theta: 0.0, phi: 0.0, low: [y[0], x[0], x[0], 0.0], high: [y[1], x[1], x[1], 0.0] }
+}
+
+/// A vertex is a position that has been defined; `lunit` says nothing about it.
+fn vertex(numbers: &mut Numbers, e: &Element, name: &str) -> Result<Vec3, Failure> {
+    let (name, place) = numbers.reference(e, name)?;
+    match numbers.positions.get(&name) {
+        Some(position) => Ok(*position),
+        None => {
+            let trouble = Trouble::new(
+                format!("unknown position `{name}` (no <position name=\"{name}\"> before it)"),
+                place,
+            );
+            let known: Vec<String> = numbers.positions.keys().cloned().collect();
+            Err(numbers.tell(trouble.did_you_mean(&name, known.iter().map(String::as_str))))
+        }
+    }
+}
+
+fn sections(numbers: &mut Numbers, e: &Element) -> Result<Vec<Section>, Failure> {
+    let unit = numbers.length_unit(e)?;
+    let (mut all, mut failure) = (Vec::new(), None);
+    numbers.each(e, &mut |numbers, child| {
+        if child.name == "section" {
+            match section_of(numbers, child, unit) {
+                Ok(section) => all.push(section),
+                Err(other) => failure = Some(other),
+            }
+        }
+    });
+    failure.map_or(Ok(all), Err)
+}
+
+fn section_of(numbers: &mut Numbers, child: &Element, unit: f64) -> Result<Section, Failure> {
+    let z = numbers.number(child, "zPosition");
+    let x = numbers.number_or(child, "xOffset", 0.0);
+    let y = numbers.number_or(child, "yOffset", 0.0);
+    let scale = numbers.number_or(child, "scalingFactor", 1.0);
+    Ok(Section { z: z? * unit, offset: [x? * unit, y? * unit], scale: scale? })
+}
+
+fn tessellated(numbers: &mut Numbers, e: &Element) -> Made {
+    let (mut facets, mut failure) = (Vec::new(), None);
+    numbers.each(e, &mut |numbers, child| match facet(numbers, child) {
+        Ok(facet) => facets.push(facet),
+        Err(other) => failure = Some(other),
+    });
+    match failure {
+        Some(failure) => Err(failure),
+        None if facets.len() < 4 => refused("it has fewer than 4 facets"),
+        None => convex_mesh(&facets),
+    }
+}
+
+/// The corners of a facet; with `type="RELATIVE"` all but the first are counted from the first.
+fn facet(numbers: &mut Numbers, child: &Element) -> Result<Vec<Vec3>, Failure> {
+    let count = if child.name == "triangular" { 3 } else { 4 };
+    let mut corners = Vec::with_capacity(count);
+    for name in &["vertex1", "vertex2", "vertex3", "vertex4"][..count] {
+        corners.push(vertex(numbers, child, name)?);
+    }
+    if child.text("type") == "RELATIVE" {
+        let first = corners[0];
+        corners[1..].iter_mut().for_each(|corner| *corner += first);
+    }
+    Ok(corners)
+}
+
+fn quadric(numbers: &mut Numbers, e: &Element) -> Made {
+    match e.name.as_str() {
+        "ellipsoid" => {
+            let radii = numbers.lengths(e, ["ax", "by", "cz"])?;
+            let [low, high] = numbers.lengths_or_zero(e, ["zcut1", "zcut2"])?;
+            ellipsoid(radii, low, high)
+        }
+        "eltube" => {
+            let [dx, dy, dz] = numbers.lengths(e, ["dx", "dy", "dz"])?;
+            elliptical_tube(dx, dy, dz)
+        }
+        "elcone" => {
+            let [zmax, zcut] = numbers.lengths(e, ["zmax", "zcut"])?;
+            let (dx, dy) = (numbers.number(e, "dx")?, numbers.number(e, "dy")?);
+            elliptical_cone(dx, dy, zmax, zcut)
+        }
+        "paraboloid" => {
+            let [high, dz] = numbers.lengths(e, ["rhi", "dz"])?;
+            paraboloid(numbers.lengths_or_zero(e, ["rlo"])?[0], high, dz)
+        }
+        _ => {
+            let [rmax, z] = numbers.lengths(e, ["rmax", "z"])?;
+            let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
+            let [inst, outst] = numbers.angles(e, ["inst", "outst"])?;
+            hype(rmin, rmax, inst, outst, z)
+        }
+    }
+}
+
+fn twist(numbers: &mut Numbers, e: &Element) -> Made {
+    if e.name == "twistedtubs" {
+        return twisted_tubs(numbers, e);
+    }
+    let trapezoid = match e.name.as_str() {
+        "twistedbox" => {
+            let [x, y, z] = numbers.lengths(e, ["x", "y", "z"])?;
+            straight([x, x], [y, y], z)
+        }
+        "twistedtrd" => {
+            let [x1, x2, y1, y2, z] = numbers.lengths(e, ["x1", "x2", "y1", "y2", "z"])?;
+            straight([x1, x2], [y1, y2], z)
+        }
+        _ => {
+            let [z, y1, x1, x2, y2, x3, x4] =
+                numbers.lengths(e, ["z", "y1", "x1", "x2", "y2", "x3", "x4"])?;
+            let [theta, phi, alpha] = numbers.angles(e, ["Theta", "Phi", "Alph"])?;
+            Trapezoid { z, theta, phi, low: [y1, x1, x2, alpha], high: [y2, x3, x4, alpha] }
+        }
+    };
+    let angle = numbers.angle(e, "PhiTwist", 0.0)?;
+    let solid = twisted(&trapezoid, angle)?;
+    let message = format!(
+        "the twisted solid `{}` is a stack of slices of at most 2 degrees (its corners are off by at most 1.6e-4 of their distance from the axis)",
+        e.text("name")
+    );
+    numbers.context.lose(LossKind::Approximated, &e.name, Trouble::new(message, e.place));
+    Ok(solid)
+}
+
+fn twisted_tubs(numbers: &mut Numbers, e: &Element) -> Made {
+    let [rmin, rmax, z] = numbers.lengths(e, ["endinnerrad", "endouterrad", "zlen"])?;
+    let twist = numbers.angle(e, "twistedangle", 0.0)?;
+    let [phi, total] = numbers.angles(e, ["phi", "totphi"])?;
+    let segments = numbers.number_or(e, "nseg", 0.0)?;
+    twisted_tube(twist, rmin, rmax, z, if segments > 0.0 { total / segments } else { phi })
+}
+
+/// A solid of a paramvol's dimensions: the same kind as the volume's, with other numbers, whose names differ in part.
+pub(super) fn with_dimensions(numbers: &mut Numbers, dimensions: &Element) -> Option<Shape> {
+    let tag = dimensions.name.strip_suffix("_dimensions")?;
+    let renamed = |name: &str| {
+        match name {
+            "InR" => "rmin",
+            "OutR" => "rmax",
+            "hz" => "z",
+            "StartPhi" => "startphi",
+            "DeltaPhi" => "deltaphi",
+            "StartTheta" => "starttheta",
+            "DeltaTheta" => "deltatheta",
+            "TorR" | "SweptR" => "rtor",
+            "Theta" => "theta",
+            "Phi" => "phi",
+            "Alpha" => "alpha",
+            other => other,
+        }
+        .to_owned()
+    };
+    let attributes =
+        dimensions.attributes.iter().map(|a| super::xml::Attribute { name: renamed(&a.name), ..a.clone() });
+    let element = Element {
+        name: tag.to_owned(),
+        place: dimensions.place,
+        attributes: attributes.collect(),
+        children: Vec::new(),
+        content: None,
+    };
+    let mut sizes = BTreeMap::new();
+    let made =
+        primitive(numbers, &element, &mut sizes).map(|solid| Shape { solid, tag: tag.to_owned(), sizes });
+    refuse_or_keep(numbers, &element, made)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bare;
+
+    #[test]
+    fn addresses_are_taken_off_names() {
+        assert_eq!(bare("World0x55f3c0"), "World");
+        assert_eq!(bare("World"), "World");
+        assert_eq!(bare("0xff"), "0xff");
+        assert_eq!(bare("a0x"), "a0x");
+        assert_eq!(bare("box0xg1"), "box0xg1");
+    }
+}

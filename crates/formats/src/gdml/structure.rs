@@ -1,0 +1,545 @@
+//! `<structure>`: volumes within volumes, as a graph.
+
+use super::attributes::{Failure, Numbers};
+use super::define::{Role, inverse_rotation};
+use super::materials::{self, Materials};
+use super::optical::{self, Surfaces};
+use super::solids::{Library, Shape, bare, with_dimensions};
+use super::units::Quantity;
+use super::xml::{self, Element, Place};
+use super::{Context, Trouble};
+use crate::LossKind;
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::Solid;
+use rayweave_scene::Source;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+mod copies;
+
+/// Files within one another.
+const DEEPEST_FILE: usize = 20;
+
+/// All volumes of a file and of those that it includes.
+#[derive(Debug, Default)]
+pub(super) struct Graph {
+    pub volumes: Vec<Volume>,
+    pub materials: Materials,
+    pub surfaces: Surfaces,
+    pub auxiliary: Vec<Auxiliary>,
+    /// The volumes that included files gave, by path and name.
+    included: BTreeMap<(PathBuf, String), Option<usize>>,
+}
+
+/// A logical volume, or an assembly, which has no solid.
+#[derive(Clone, Debug)]
+pub(super) struct Volume {
+    pub name: String,
+    /// `None` for assemblies, and where it was refused.
+    pub shape: Option<Shape>,
+    /// The number of the material.
+    pub material: Option<usize>,
+    pub daughters: Vec<Daughter>,
+    /// The volume whose daughters are also in this one: its own number but for copies of other dimensions.
+    pub content: usize,
+    pub auxiliary: Vec<Auxiliary>,
+    pub place: Place,
+}
+
+/// Placements of a volume in its mother.
+#[derive(Clone, Debug)]
+pub(super) struct Daughter {
+    pub name: String,
+    pub volume: usize,
+    /// From the frame of the daughter to that of its mother, one for each copy.
+    pub maps: Vec<Affine>,
+    /// The number that the file gives to the first copy.
+    pub copy: Option<i64>,
+    pub place: Place,
+}
+
+/// A tag for the user's own use.
+#[derive(Clone, Debug)]
+pub(super) struct Auxiliary {
+    pub kind: String,
+    pub value: String,
+    pub unit: String,
+    pub children: Vec<Auxiliary>,
+}
+
+/// Reads a file, or text, into the graph and gives its outermost volume: the one that is asked for, or its world.
+pub(super) fn read_file(
+    context: &mut Context,
+    source: Arc<Source>,
+    wanted: Option<&str>,
+    graph: &mut Graph,
+) -> Option<usize> {
+    let root = match xml::read(&mut context.files, source) {
+        Ok(root) => root,
+        Err(trouble) => {
+            context.error(trouble);
+            return None;
+        }
+    };
+    if root.name != "gdml" {
+        let message = format!("the file is no GDML (its outermost element is `{}`, not `gdml`)", root.name);
+        context.error(Trouble::new(message, root.place));
+        return None;
+    }
+    let mut reader = StructureReader {
+        numbers: Numbers::new(context),
+        graph,
+        library: Library::default(),
+        names: BTreeMap::new(),
+        pending: Vec::new(),
+        worlds: Vec::new(),
+    };
+    reader.file(&root);
+    let matrices = reader.numbers.names.matrices().map(|(name, matrix)| (name.clone(), matrix.clone()));
+    reader.graph.surfaces.matrices.extend(matrices);
+    reader.resolve();
+    reader.top(&root, wanted)
+}
+
+/// Reads one file.
+struct StructureReader<'c, 'g> {
+    numbers: Numbers<'c>,
+    graph: &'g mut Graph,
+    library: Library,
+    /// The volumes of this file.
+    names: BTreeMap<String, usize>,
+    /// What refers to volumes, to be looked up when all are known.
+    pending: Vec<Pending>,
+    /// The worlds of the setups: name of the setup, name of the volume.
+    worlds: Vec<(String, String, Place)>,
+}
+
+/// A daughter whose volume is known by name only.
+struct Pending {
+    mother: usize,
+    daughter: usize,
+    name: String,
+    place: Place,
+    copies: Copies,
+}
+
+/// How the copies of a daughter are made once its volume is known.
+enum Copies {
+    /// As they stand in the graph.
+    Placed,
+    Replicas(copies::Row),
+    Divisions(copies::Row),
+    /// Each with its own dimensions.
+    Shapes(Vec<Option<Shape>>),
+}
+
+impl StructureReader<'_, '_> {
+    fn file(&mut self, root: &Element) {
+        for section in &root.children {
+            match section.name.as_str() {
+                "define" => self.numbers.define(section),
+                "materials" => materials::read(&mut self.numbers, &mut self.graph.materials, section),
+                "solids" => self.solids(section),
+                "structure" => self.structure(section),
+                "setup" => self.setup(section),
+                "userinfo" => self.graph.auxiliary.extend(auxiliaries(section)),
+                other => {
+                    let message = format!("the section `{other}` is not understood");
+                    self.numbers.context.lose(LossKind::Dropped, other, Trouble::new(message, section.place));
+                }
+            }
+        }
+    }
+
+    fn solids(&mut self, section: &Element) {
+        let StructureReader { numbers, graph, library, .. } = self;
+        numbers.each(section, &mut |numbers, element| match element.name.as_str() {
+            "opticalsurface" => graph.surfaces.add_optical(numbers, element),
+            // positions and numbers are defined between solids, too, by some programs
+            "define" => numbers.define(element),
+            _ => library.add(numbers, element),
+        });
+    }
+
+    fn setup(&mut self, section: &Element) {
+        let Some(world) = section.child("world") else {
+            return;
+        };
+        if let Ok((volume, place)) = self.numbers.reference(world, "ref") {
+            self.worlds.push((section.text("name").to_owned(), volume, place));
+        }
+    }
+
+    fn structure(&mut self, section: &Element) {
+        // the closure needs all of the reader but its numbers, which run the loops
+        let StructureReader { numbers, graph, library, names, pending, .. } = self;
+        numbers.each(section, &mut |numbers, element| {
+            let mut builder = Builder { numbers, graph, library, names, pending };
+            match element.name.as_str() {
+                "volume" | "assembly" => {
+                    // what is wrong with it has been told
+                    let _ = builder.volume(element);
+                }
+                "skinsurface" | "bordersurface" => builder.graph.surfaces.add_link(builder.numbers, element),
+                other => {
+                    let message = format!("`{other}` is nothing that stands in a structure");
+                    builder.numbers.context.lose(
+                        LossKind::Dropped,
+                        other,
+                        Trouble::new(message, element.place),
+                    );
+                }
+            }
+        });
+    }
+
+    /// Looks up all volumes that are referred to.
+    fn resolve(&mut self) {
+        for pending in std::mem::take(&mut self.pending) {
+            let Some(&volume) = self.names.get(&pending.name) else {
+                let trouble = Trouble::new(
+                    format!(
+                        "unknown volume `{}` (there is no volume or assembly of this name)",
+                        pending.name
+                    ),
+                    pending.place,
+                );
+                self.numbers.tell(trouble.did_you_mean(&pending.name, self.names.keys().map(String::as_str)));
+                continue;
+            };
+            self.graph.volumes[pending.mother].daughters[pending.daughter].volume = volume;
+            copies::spread(self.numbers.context, self.graph, &pending, volume);
+        }
+        optical::check_links(self.numbers.context, self.graph, &self.names);
+    }
+
+    /// The outermost volume.
+    fn top(&mut self, root: &Element, wanted: Option<&str>) -> Option<usize> {
+        let default = self.worlds.iter().find(|(setup, ..)| setup == "Default").or(self.worlds.first());
+        let (name, place) = match (wanted, default) {
+            (Some(wanted), _) => (wanted.to_owned(), root.place),
+            (None, Some((_, volume, place))) => (volume.clone(), *place),
+            (None, None) => return self.lonely(root),
+        };
+        let found = self.names.get(&name).copied();
+        if found.is_none() {
+            let trouble = Trouble::new(
+                format!("unknown volume `{name}` (there is no volume or assembly of this name)"),
+                place,
+            );
+            self.numbers.tell(trouble.did_you_mean(&name, self.names.keys().map(String::as_str)));
+        }
+        found
+    }
+
+    /// The one volume that is nowhere placed, in files that name no world.
+    fn lonely(&mut self, root: &Element) -> Option<usize> {
+        let mut placed = vec![false; self.graph.volumes.len()];
+        for daughter in self.graph.volumes.iter().flat_map(|volume| &volume.daughters) {
+            placed[daughter.volume] = true;
+        }
+        let free: Vec<usize> = self.names.values().copied().filter(|volume| !placed[*volume]).collect();
+        let what =
+            "the file names no world (<setup name=\"Default\" version=\"1.0\"><world ref=\"..\"/></setup>)";
+        match free.as_slice() {
+            [only] => {
+                let message = format!(
+                    "{what}: it is taken to be `{}`, the only volume that is placed nowhere",
+                    self.graph.volumes[*only].name
+                );
+                self.numbers.context.warn(Trouble::new(message, root.place));
+                Some(*only)
+            }
+            _ => {
+                self.numbers.tell(Trouble::new(what, root.place));
+                None
+            }
+        }
+    }
+}
+
+/// Adds volumes.
+struct Builder<'a, 'c> {
+    numbers: &'a mut Numbers<'c>,
+    graph: &'a mut Graph,
+    library: &'a Library,
+    names: &'a mut BTreeMap<String, usize>,
+    pending: &'a mut Vec<Pending>,
+}
+
+impl Builder<'_, '_> {
+    fn volume(&mut self, element: &Element) -> Result<(), Failure> {
+        let name = self.numbers.name(element)?;
+        if self.names.contains_key(&name) {
+            let message = format!("a second volume `{name}` (the first one is used)");
+            self.numbers.context.lose(LossKind::Dropped, &element.name, Trouble::new(message, element.place));
+            return Ok(());
+        }
+        let shape = self.shape(element).ok().flatten();
+        let material = self.material(element);
+        let index = self.graph.volumes.len();
+        self.graph.volumes.push(Volume {
+            name: name.clone(),
+            shape,
+            material,
+            daughters: Vec::new(),
+            content: index,
+            auxiliary: auxiliaries(element),
+            place: element.place,
+        });
+        self.names.insert(name, index);
+        let Builder { numbers, graph, library, names, pending } = self;
+        numbers.each(element, &mut |numbers, child| {
+            let mut builder = Builder { numbers, graph, library, names, pending };
+            // what is wrong with it has been told
+            let _ = builder.content(index, child);
+        });
+        Ok(())
+    }
+
+    fn shape(&mut self, element: &Element) -> Result<Option<Shape>, Failure> {
+        match element.child("solidref") {
+            Some(solid) => {
+                let found = self.library.of(self.numbers, solid)?;
+                if found.is_none() {
+                    let message = format!(
+                        "the volume `{}` is missing (its solid is refused; what is in it remains)",
+                        element.text("name")
+                    );
+                    self.numbers.context.warn(Trouble::new(message, element.place));
+                }
+                Ok(found)
+            }
+            None if element.name == "assembly" => Ok(None),
+            None => {
+                let message =
+                    format!("the volume `{}` has no `solidref` (it is needed)", element.text("name"));
+                Err(self.numbers.tell(Trouble::new(message, element.place)))
+            }
+        }
+    }
+
+    fn material(&mut self, element: &Element) -> Option<usize> {
+        let reference = element.child("materialref")?;
+        let (name, place) = self.numbers.reference(reference, "ref").ok()?;
+        self.graph.materials.find(self.numbers, &name, place)
+    }
+
+    fn content(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
+        match element.name.as_str() {
+            "physvol" => self.placement(mother, element),
+            "replicavol" => self.replicas(mother, element),
+            "divisionvol" => self.divisions(mother, element),
+            "paramvol" => self.parameterised(mother, element),
+            "materialref" | "solidref" | "auxiliary" => Ok(()),
+            other => {
+                let trouble =
+                    Trouble::new(format!("`{other}` is nothing that stands in a volume"), element.place);
+                let known = [
+                    "physvol",
+                    "replicavol",
+                    "divisionvol",
+                    "paramvol",
+                    "materialref",
+                    "solidref",
+                    "auxiliary",
+                    "loop",
+                ];
+                self.numbers.context.lose(LossKind::Dropped, other, trouble.did_you_mean(other, known));
+                Ok(())
+            }
+        }
+    }
+
+    fn placement(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
+        let map = self.map(element)?;
+        let name = element.attribute("name").map_or(Ok(String::new()), |_| self.numbers.name(element))?;
+        let copy = element.attribute("copynumber").map(|copy| self.numbers.value(copy)).transpose()?;
+        let daughter = Daughter {
+            name,
+            volume: mother,
+            maps: vec![map],
+            copy: copy.map(|copy| copy as i64),
+            place: element.place,
+        };
+        if let Some(file) = element.child("file") {
+            let Some(volume) = self.included(file)? else {
+                return Ok(());
+            };
+            self.graph.volumes[mother].daughters.push(Daughter { volume, ..daughter });
+            return Ok(());
+        }
+        self.refer(mother, element, daughter, Copies::Placed)
+    }
+
+    /// `<volumeref>` of a daughter, to be looked up later.
+    fn refer(
+        &mut self,
+        mother: usize,
+        element: &Element,
+        daughter: Daughter,
+        copies: Copies,
+    ) -> Result<(), Failure> {
+        let Some(reference) = element.child("volumeref") else {
+            let message = format!("the `{}` has no `volumeref` (it is needed)", element.name);
+            return Err(self.numbers.tell(Trouble::new(message, element.place)));
+        };
+        let (name, place) = self.numbers.reference(reference, "ref")?;
+        let daughters = &mut self.graph.volumes[mother].daughters;
+        daughters.push(daughter);
+        self.pending.push(Pending { mother, daughter: daughters.len() - 1, name, place, copies });
+        Ok(())
+    }
+
+    /// The map of a placement. GDML gives the rotation of the mother's frame as seen from the daughter: the inverse turns the
+    /// daughter. A scale, which may mirror, comes first.
+    fn map(&mut self, element: &Element) -> Result<Affine, Failure> {
+        let placement = self.numbers.placement(element, "");
+        let scale = self.numbers.child_vector(element, "scale", Role::Scale)?.unwrap_or(Vec3::ONE);
+        let (position, angles) = placement?;
+        if scale.to_array().contains(&0.0) {
+            return Err(self
+                .numbers
+                .tell(Trouble::new("a scale factor is 0 (a volume would be flat)", element.place)));
+        }
+        Ok(Affine::scale(scale).then(&inverse_rotation(angles)).then(&Affine::translate(position)))
+    }
+
+    /// The volume of another file; `None` if it has problems, which are told.
+    fn included(&mut self, file: &Element) -> Result<Option<usize>, Failure> {
+        let attribute = self.numbers.need(file, "name")?;
+        let path = self.numbers.context.files.beside(attribute.place.file, &attribute.value);
+        let wanted = file.attribute("volname").map(|volume| volume.value.as_str());
+        let key = (path.clone(), wanted.unwrap_or_default().to_owned());
+        if let Some(known) = self.graph.included.get(&key) {
+            return Ok(*known);
+        }
+        let context = &mut *self.numbers.context;
+        if context.open.contains(&path) || context.open.len() > DEEPEST_FILE {
+            let message =
+                format!("the file {} includes itself (through {} files)", path.display(), context.open.len());
+            return Err(self.numbers.tell(Trouble::new(message, attribute.place)));
+        }
+        let source = super::source_of(&path).map_err(|reason| {
+            let message = format!("the file {} cannot be read ({reason})", path.display());
+            self.numbers.tell(Trouble::new(message, attribute.place))
+        })?;
+        let context = &mut *self.numbers.context;
+        context.open.push(path);
+        let volume = read_file(context, Arc::new(source), wanted, self.graph);
+        context.open.pop();
+        self.graph.included.insert(key, volume);
+        Ok(volume)
+    }
+
+    fn replicas(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
+        let count = self.numbers.whole(element, "number", 1, copies::MOST)?;
+        let Some(along) = element.child("replicate_along_axis") else {
+            return Err(self.numbers.tell(Trouble::new(
+                "`replicavol` has no `replicate_along_axis` (it is needed)",
+                element.place,
+            )));
+        };
+        let axis = along.child("direction").and_then(copies::direction);
+        let Some(axis) = axis else {
+            return Err(self
+                .numbers
+                .tell(Trouble::new("no direction (one of x, y, z, rho, phi is 1)", along.place)));
+        };
+        let mut quantity = |name: &str| match along.child(name) {
+            Some(child) => copies::quantity(self.numbers, child, axis, "value"),
+            None => Ok(0.0),
+        };
+        let (width, offset) = (quantity("width")?, quantity("offset")?);
+        let row = copies::Row { axis, count: count as usize, width, offset };
+        self.refer(mother, element, empty(mother, element), Copies::Replicas(row))
+    }
+
+    fn divisions(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
+        let attribute = self.numbers.need(element, "axis")?;
+        let Some(axis) = copies::axis(&attribute.value) else {
+            let trouble = Trouble::new(format!("`{}` is no axis", attribute.value), attribute.place);
+            return Err(self
+                .numbers
+                .tell(trouble.did_you_mean(&attribute.value, copies::AXES.map(|row| row.0))));
+        };
+        let count = match element.attribute("number") {
+            Some(_) => self.numbers.whole(element, "number", 0, copies::MOST)?,
+            None => 0,
+        };
+        let width = copies::quantity(self.numbers, element, axis, "width");
+        let offset = copies::quantity(self.numbers, element, axis, "offset");
+        let row = copies::Row { axis, count: count as usize, width: width?, offset: offset? };
+        self.refer(mother, element, empty(mother, element), Copies::Divisions(row))
+    }
+
+    fn parameterised(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
+        let (mut maps, mut shapes, mut failed) = (Vec::new(), Vec::new(), false);
+        let list = element.child("parameterised_position_size").unwrap_or(element);
+        let Builder { numbers, graph, library, names, pending } = self;
+        numbers.each(list, &mut |numbers, child| {
+            if child.name != "parameters" {
+                return;
+            }
+            let mut builder = Builder { numbers, graph, library, names, pending };
+            match builder.map(child) {
+                Ok(map) => maps.push(map),
+                Err(_) => failed = true,
+            }
+            let dimensions = child.children.iter().find(|child| child.name.ends_with("_dimensions"));
+            shapes.push(dimensions.and_then(|dimensions| with_dimensions(builder.numbers, dimensions)));
+        });
+        match failed {
+            true => Err(Failure::Told),
+            false => self.refer(
+                mother,
+                element,
+                Daughter { maps, ..empty(mother, element) },
+                Copies::Shapes(shapes),
+            ),
+        }
+    }
+}
+
+/// A daughter whose copies are to come.
+fn empty(mother: usize, element: &Element) -> Daughter {
+    let name = element.text("name").to_owned();
+    Daughter { name, volume: mother, maps: Vec::new(), copy: None, place: element.place }
+}
+
+/// The auxiliary tags among the children.
+fn auxiliaries(element: &Element) -> Vec<Auxiliary> {
+    let tags = element.children.iter().filter(|child| child.name == "auxiliary");
+    tags.map(|tag| Auxiliary {
+        kind: tag.text("auxtype").to_owned(),
+        value: tag.text("auxvalue").to_owned(),
+        unit: tag.text("auxunit").to_owned(),
+        children: auxiliaries(tag),
+    })
+    .collect()
+}
+
+impl Graph {
+    /// What is placed in a volume.
+    pub fn daughters(&self, volume: usize) -> &[Daughter] {
+        &self.volumes[self.volumes[volume].content].daughters
+    }
+}
+
+impl Volume {
+    /// The solid, if it has one.
+    pub fn solid(&self) -> Option<&Solid> {
+        self.shape.as_ref().map(|shape| &shape.solid)
+    }
+
+    /// The name for people.
+    pub fn bare_name(&self) -> &str {
+        bare(&self.name)
+    }
+}
+
+/// The quantity that a length or an angle along an axis is.
+fn measure(is_angle: bool) -> Quantity {
+    if is_angle { Quantity::Angle } else { Quantity::Length }
+}

@@ -1,0 +1,450 @@
+//! XML as a tree of elements with places, entities resolved.
+//!
+//! The syntax is read by `quick-xml`; this module adds the tree, the places, and the entities of a document type:
+//! `<!ENTITY name "text">` and `<!ENTITY name SYSTEM "file.xml">`, which is looked for beside the file that names it. Both may
+//! name others. What they expand to is limited, so that a few lines cannot ask for all memory ("billion laughs").
+
+use super::Trouble;
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Error, Reader};
+use rayweave_scene::{Diagnostic, Source, Span};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Elements within one another: GDML's own nest to about ten, and as many again for each entity.
+const DEEPEST: usize = 200;
+/// References to entities on the way to one piece of text.
+const DEEPEST_ENTITY: usize = 20;
+/// References to entities altogether.
+const MOST_REFERENCES: usize = 100_000;
+/// Bytes that texts of internal entities may take, every use counted.
+const MOST_EXPANDED: usize = 16 << 20;
+/// Bytes of external entities, every use counted.
+const MOST_INCLUDED: usize = 256 << 20;
+
+/// A place in one of the texts that a document is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Place {
+    pub file: u32,
+    pub span: Span,
+}
+
+/// An element: `<name attribute="value">children</name>`.
+#[derive(Debug)]
+pub(super) struct Element {
+    pub name: String,
+    /// The opening tag.
+    pub place: Place,
+    pub attributes: Vec<Attribute>,
+    pub children: Vec<Element>,
+    /// The text before the first child that is not blank.
+    pub content: Option<Attribute>,
+}
+
+/// An attribute with its value as meant, references replaced.
+#[derive(Clone, Debug)]
+pub(super) struct Attribute {
+    pub name: String,
+    pub value: String,
+    /// The value between its quotation marks.
+    pub place: Place,
+    /// True if the value stands in the text as it is, so that places within it are known.
+    pub verbatim: bool,
+}
+
+impl Attribute {
+    /// A part of the value, which begins at a byte of it.
+    pub fn part(&self, text: &str, at: usize) -> Attribute {
+        let start = self.place.span.start + at;
+        let span = if self.verbatim { Span::new(start, start + text.len()) } else { self.place.span };
+        Attribute { value: text.to_owned(), place: Place { span, ..self.place }, ..self.clone_head() }
+    }
+
+    fn clone_head(&self) -> Attribute {
+        Attribute {
+            name: self.name.clone(),
+            value: String::new(),
+            place: self.place,
+            verbatim: self.verbatim,
+        }
+    }
+}
+
+impl Element {
+    /// An attribute by its name.
+    pub fn attribute(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|attribute| attribute.name == name)
+    }
+
+    /// The value of an attribute, or nothing.
+    pub fn text(&self, name: &str) -> &str {
+        self.attribute(name).map_or("", |attribute| attribute.value.as_str())
+    }
+
+    /// The first child of a name.
+    pub fn child(&self, name: &str) -> Option<&Element> {
+        self.children.iter().find(|child| child.name == name)
+    }
+}
+
+/// The texts that a document is made of.
+#[derive(Debug, Default)]
+pub(super) struct Files {
+    sources: Vec<Arc<Source>>,
+}
+
+impl Files {
+    pub fn add(&mut self, source: Arc<Source>) -> u32 {
+        self.sources.push(source);
+        self.sources.len() as u32 - 1
+    }
+
+    /// Puts a problem at its place.
+    pub fn locate(&self, problem: Diagnostic, place: Place) -> Diagnostic {
+        match self.sources.get(place.file as usize) {
+            Some(source) => problem.at(source, place.span),
+            None => problem,
+        }
+    }
+
+    fn path(&self, file: u32) -> Option<&PathBuf> {
+        self.sources.get(file as usize)?.path()
+    }
+
+    /// The path of a file that another one names.
+    pub fn beside(&self, file: u32, name: &str) -> PathBuf {
+        let name = name.strip_prefix("file:").unwrap_or(name);
+        let folder = self.path(file).and_then(|path| path.parent());
+        folder.unwrap_or(Path::new("")).join(name)
+    }
+}
+
+/// The root element of a document.
+///
+/// # Errors
+///
+/// The first place where the text is not well-formed XML, an entity that cannot be resolved, or a limit that is passed.
+pub(super) fn read(files: &mut Files, source: Arc<Source>) -> Result<Element, Trouble> {
+    let file = files.add(source.clone());
+    let mut tree = Tree {
+        files,
+        entities: BTreeMap::new(),
+        roots: Vec::new(),
+        open: Vec::new(),
+        references: 0,
+        expanded: 0,
+        included: 0,
+    };
+    tree.text(file, &source, 0)?;
+    let mut roots = tree.roots;
+    match roots.len() {
+        1 => Ok(roots.remove(0)),
+        0 => Err(Trouble::new(
+            "the file has no element (it is empty, or not XML)",
+            Place { file, span: Span::default() },
+        )),
+        _ => Err(Trouble::new(
+            format!(
+                "a second element `{}` after the end of the first (a file is one element)",
+                roots[1].name
+            ),
+            roots[1].place,
+        )),
+    }
+}
+
+/// What an entity stands for.
+#[derive(Clone)]
+enum Entity {
+    Text(Arc<Source>),
+    File(PathBuf),
+}
+
+struct Tree<'f> {
+    files: &'f mut Files,
+    entities: BTreeMap<String, (Entity, Place)>,
+    roots: Vec<Element>,
+    /// The elements that are not closed yet.
+    open: Vec<Element>,
+    references: usize,
+    expanded: usize,
+    included: usize,
+}
+
+impl Tree<'_> {
+    /// Reads a text into the innermost open element.
+    fn text(&mut self, file: u32, source: &Arc<Source>, depth: usize) -> Result<(), Trouble> {
+        let text = source.text();
+        let floor = self.open.len();
+        let mut reader = Reader::from_str(text);
+        loop {
+            let before = reader.buffer_position() as usize;
+            let event = reader.read_event();
+            let span = Span::new(before.min(text.len()), (reader.buffer_position() as usize).min(text.len()));
+            let place = Place { file, span };
+            match event
+                .map_err(|error| syntax_trouble(&error, place, reader.error_position() as usize, text))?
+            {
+                Event::Start(tag) => self.start(&tag, place, depth)?,
+                Event::Empty(tag) => {
+                    self.start(&tag, place, depth)?;
+                    self.close();
+                }
+                Event::End(_) if self.open.len() > floor => self.close(),
+                Event::DocType(declaration) => self.declare(&declaration, text, file)?,
+                Event::GeneralRef(name) => self.refer(&name, place, depth)?,
+                Event::Text(content) => self.content(&content, place),
+                Event::Eof => break,
+                _ => {}
+            }
+        }
+        match self.open.get(floor) {
+            None => Ok(()),
+            Some(element) => Err(Trouble::new(
+                format!(
+                    "the element `{}` is not closed (the text ends before `</{}>`)",
+                    element.name, element.name
+                ),
+                element.place,
+            )),
+        }
+    }
+
+    fn start(&mut self, tag: &BytesStart, place: Place, depth: usize) -> Result<(), Trouble> {
+        if self.open.len() >= DEEPEST {
+            return Err(Trouble::new(
+                format!("more than {DEEPEST} elements within one another (GDML has no use for that)"),
+                place,
+            ));
+        }
+        let mut attributes = Vec::new();
+        for attribute in tag.attributes() {
+            let attribute =
+                attribute.map_err(|error| Trouble::new(format!("the tag is malformed ({error})"), place))?;
+            let at = place.span.start + 1 + offset_in(tag, &attribute.value);
+            let place = Place { file: place.file, span: Span::new(at, at + attribute.value.len()) };
+            let value = self.unescaped(&attribute.value, place, depth)?;
+            let verbatim = value == *attribute.value;
+            attributes.push(Attribute { name: attribute.key.as_ref().to_owned(), value, place, verbatim });
+        }
+        self.open.push(Element {
+            name: tag.name().as_ref().to_owned(),
+            place,
+            attributes,
+            children: Vec::new(),
+            content: None,
+        });
+        Ok(())
+    }
+
+    fn content(&mut self, text: &str, place: Place) {
+        if let Some(element) = self.open.last_mut().filter(|element| element.content.is_none()) {
+            let (start, trimmed) = (text.len() - text.trim_start().len(), text.trim());
+            let at = place.span.start + start;
+            let place = Place { span: Span::new(at, at + trimmed.len()), ..place };
+            let content = Attribute { name: String::new(), value: trimmed.to_owned(), place, verbatim: true };
+            element.content = (!trimmed.is_empty()).then_some(content);
+        }
+    }
+
+    fn close(&mut self) {
+        if let Some(element) = self.open.pop() {
+            let siblings = self.open.last_mut().map_or(&mut self.roots, |parent| &mut parent.children);
+            siblings.push(element);
+        }
+    }
+
+    /// A reference in the content: what the entity says is read as if it stood there.
+    fn refer(&mut self, name: &str, place: Place, depth: usize) -> Result<(), Trouble> {
+        if character(name).is_some() {
+            return Ok(());
+        }
+        self.count(place, depth)?;
+        let source = match self.entity(name, place)? {
+            Entity::Text(source) => {
+                self.expand(source.text().len(), name, place)?;
+                source
+            }
+            Entity::File(path) => {
+                let source = Arc::new(super::source_of(&path).map_err(|reason| {
+                    Trouble::new(
+                        format!("the entity `{name}` cannot be read ({}: {reason})", path.display()),
+                        place,
+                    )
+                })?);
+                self.included += source.text().len();
+                if self.included > MOST_INCLUDED {
+                    return Err(Trouble::new(
+                        format!("the entities' files have more than {} MiB", MOST_INCLUDED >> 20),
+                        place,
+                    ));
+                }
+                source
+            }
+        };
+        let file = self.files.add(source.clone());
+        self.text(file, &source, depth + 1)
+    }
+
+    fn count(&mut self, place: Place, depth: usize) -> Result<(), Trouble> {
+        self.references += 1;
+        if depth >= DEEPEST_ENTITY {
+            return Err(Trouble::new(
+                format!(
+                    "entities refer to one another more than {DEEPEST_ENTITY} deep (does one contain itself?)"
+                ),
+                place,
+            ));
+        }
+        if self.references > MOST_REFERENCES {
+            return Err(Trouble::new(format!("more than {MOST_REFERENCES} references to entities"), place));
+        }
+        Ok(())
+    }
+
+    fn expand(&mut self, bytes: usize, name: &str, place: Place) -> Result<(), Trouble> {
+        self.expanded += bytes;
+        match self.expanded > MOST_EXPANDED {
+            true => Err(Trouble::new(
+                format!(
+                    "the entity `{name}` makes the text longer than {} MiB (entities that repeat one another?)",
+                    MOST_EXPANDED >> 20
+                ),
+                place,
+            )),
+            false => Ok(()),
+        }
+    }
+
+    fn entity(&self, name: &str, place: Place) -> Result<Entity, Trouble> {
+        match self.entities.get(name) {
+            Some((entity, _)) => Ok(entity.clone()),
+            None => {
+                let known = self.entities.keys().map(String::as_str);
+                Err(Trouble::new(
+                    format!("unknown entity `&{name};` (no <!ENTITY {name} ..> declares it)"),
+                    place,
+                )
+                .did_you_mean(name, known))
+            }
+        }
+    }
+
+    /// The value of an attribute, references replaced.
+    fn unescaped(&mut self, raw: &str, place: Place, depth: usize) -> Result<String, Trouble> {
+        let (mut value, mut rest) = (String::with_capacity(raw.len()), raw);
+        while let Some(at) = rest.find('&') {
+            value += &rest[..at];
+            let end = rest[at..].find(';').ok_or_else(|| {
+                Trouble::new(
+                    "a `&` without `;` in a value (it begins a reference) did you mean `&amp;`?",
+                    place,
+                )
+            })?;
+            let name = &rest[at + 1..at + end];
+            match character(name) {
+                Some(c) => value.push(c),
+                None => value += &self.replacement(name, place, depth)?,
+            }
+            rest = &rest[at + end + 1..];
+        }
+        value += rest;
+        Ok(value)
+    }
+
+    fn replacement(&mut self, name: &str, place: Place, depth: usize) -> Result<String, Trouble> {
+        self.count(place, depth)?;
+        match self.entity(name, place)? {
+            Entity::File(_) => Err(Trouble::new(
+                format!("the entity `{name}` is a file, which cannot stand in a value"),
+                place,
+            )),
+            Entity::Text(source) => {
+                self.expand(source.text().len(), name, place)?;
+                self.unescaped(source.text(), place, depth + 1)
+            }
+        }
+    }
+
+    /// Takes the entities of a document type; other declarations in it change nothing here.
+    fn declare(&mut self, declaration: &str, text: &str, file: u32) -> Result<(), Trouble> {
+        let base = text.find(declaration).unwrap_or(0);
+        let mut at = 0;
+        while let Some(found) = declaration[at..].find("<!ENTITY") {
+            let start = at + found;
+            let words = declaration_words(&declaration[start + "<!ENTITY".len()..]);
+            let place = Place { file, span: Span::new(base + start, base + start + "<!ENTITY".len()) };
+            at = start + "<!ENTITY".len();
+            let texts: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+            let entity = match texts.as_slice() {
+                ["%", ..] => continue,
+                [name, "SYSTEM", path, ..] => (*name, Entity::File(self.files.beside(file, path))),
+                [name, "PUBLIC", _, path, ..] => (*name, Entity::File(self.files.beside(file, path))),
+                [name, text, ..] if words[1].1 => {
+                    let source = Source::new(Some(format!("&{name};").into()), (*text).to_owned());
+                    (*name, Entity::Text(Arc::new(source)))
+                }
+                _ => {
+                    return Err(Trouble::new(
+                        "the declaration of an entity is malformed (<!ENTITY name \"text\"> or <!ENTITY name SYSTEM \"file\">)",
+                        place,
+                    ));
+                }
+            };
+            // the first declaration of a name is the one that holds (XML 1.0, section 4.2)
+            self.entities.entry(entity.0.to_owned()).or_insert((entity.1, place));
+        }
+        Ok(())
+    }
+}
+
+/// The words of a declaration up to its `>`, each with whether it is quoted.
+fn declaration_words(text: &str) -> Vec<(&str, bool)> {
+    let (mut words, mut rest) = (Vec::new(), text.trim_start());
+    while words.len() < 4 && !rest.is_empty() && !rest.starts_with('>') {
+        let quote = rest.chars().next().filter(|c| matches!(c, '"' | '\''));
+        let (word, after) = match quote {
+            Some(quote) => rest[1..].split_once(quote).unwrap_or((&rest[1..], "")),
+            None => rest.split_at(rest.find(|c: char| c.is_whitespace() || c == '>').unwrap_or(rest.len())),
+        };
+        words.push((word, quote.is_some()));
+        rest = after.trim_start();
+    }
+    words
+}
+
+/// The character of a predefined or numeric reference.
+fn character(name: &str) -> Option<char> {
+    match name {
+        "lt" => Some('<'),
+        "gt" => Some('>'),
+        "amp" => Some('&'),
+        "quot" => Some('"'),
+        "apos" => Some('\''),
+        _ => {
+            let digits = name.strip_prefix('#')?;
+            let code = match digits.strip_prefix('x') {
+                Some(hex) => u32::from_str_radix(hex, 16),
+                None => digits.parse(),
+            };
+            char::from_u32(code.ok()?)
+        }
+    }
+}
+
+/// Where a part of a text begins in it.
+fn offset_in(text: &str, part: &str) -> usize {
+    let offset = (part.as_ptr() as usize).wrapping_sub(text.as_ptr() as usize);
+    if offset <= text.len() { offset } else { 0 }
+}
+
+fn syntax_trouble(error: &Error, place: Place, at: usize, text: &str) -> Trouble {
+    let at = at.min(text.len());
+    let span = if at > place.span.start {
+        Span::new(place.span.start, at)
+    } else {
+        Span::new(at, at.max(place.span.end))
+    };
+    Trouble::new(format!("the file is not well-formed XML ({error})"), Place { span, ..place })
+}

@@ -1,0 +1,269 @@
+//! Volumes in volumes.
+
+use super::{along, model, parse};
+use rayweave_formats::LossKind;
+use rayweave_math::Vec3;
+use rayweave_model::{Evaluator, Program, Query, RegionId, Window};
+use rayweave_scene::Datum;
+use rayweave_shape::Ray;
+use rayweave_trace::Weave;
+use std::sync::Arc;
+
+/// A volume by name, solid and content.
+fn volume(name: &str, solid: &str, content: &str) -> String {
+    format!("<volume name=\"{name}\"><materialref ref=\"Al\"/><solidref ref=\"{solid}\"/>{content}</volume>")
+}
+
+const BOXES: &str = "<box name=\"big\" x=\"200\" y=\"200\" z=\"200\"/><box name=\"slab\" x=\"20\" y=\"40\" z=\"60\"/>\
+                     <box name=\"cube\" x=\"2\" y=\"2\" z=\"2\"/>";
+
+fn names(list: &[(f64, String)]) -> Vec<(f64, &str)> {
+    list.iter().map(|(t, name)| ((t * 1e6).round() / 1e6, name.as_str())).collect()
+}
+
+#[test]
+fn daughters_carve_their_mothers() {
+    let structure = [
+        volume("Inner", "cube", ""),
+        volume("Outer", "slab", "<physvol><volumeref ref=\"Inner\"/><position x=\"5\"/></physvol>"),
+        volume(
+            "World",
+            "big",
+            "<physvol name=\"a\"><volumeref ref=\"Outer\"/><position x=\"-50\"/></physvol>\
+                                <physvol name=\"b\"><volumeref ref=\"Outer\"/><position x=\"50\"/></physvol>",
+        ),
+    ];
+    let imported = parse(&model("", BOXES, &structure.concat())).unwrap();
+    let order: Vec<&str> = imported.scene.regions.iter().map(|region| region.name.as_str()).collect();
+    assert_eq!(order, ["World", "Outer", "Inner"]);
+    let expected = [
+        (0.0, "World"),
+        (40.0, "Outer"),
+        (54.0, "Inner"),
+        (56.0, "Outer"),
+        (60.0, "World"),
+        (140.0, "Outer"),
+        (154.0, "Inner"),
+        (156.0, "Outer"),
+        (160.0, "World"),
+        (200.0, "-"),
+    ];
+    assert_eq!(names(&along(&imported, [-100.0, 0.1, 0.2], [1.0, 0.0, 0.0])), expected);
+}
+
+/// The places of the small cube's middle are those that Geant4 11.3 gives for this file.
+#[test]
+fn rotations_are_those_of_the_mothers_frame() {
+    let turned = "<physvol><volumeref ref=\"Arm\"/><position x=\"10\" y=\"20\" z=\"30\"/>\
+                  <rotation x=\"30\" y=\"40\" z=\"50\" unit=\"deg\"/></physvol>";
+    let structure = [
+        volume("Tip", "cube", ""),
+        "<assembly name=\"Arm\"><physvol><volumeref ref=\"Tip\"/><position x=\"30\" y=\"0\" z=\"0\"/></physvol></assembly>"
+            .to_owned(),
+        volume("World", "big", turned),
+    ];
+    let imported = parse(&model("", BOXES, &structure.concat())).unwrap();
+    let program = Program::compile(&imported.scene.regions[1].solid).unwrap();
+    let bounds = program.prototypes()[0].bounds;
+    let middle = 0.5 * (bounds.lo + bounds.hi);
+    let expected = TIP;
+    for axis in 0..3 {
+        assert!((middle[axis] - expected[axis]).abs() < 1e-9, "{middle}");
+    }
+}
+
+const TIP: [f64; 3] = [24.77211629518312, 6.295220222429869, 52.22529170584472];
+
+/// Volumes turned, mirrored, in assemblies, as replicas, divisions and copies with dimensions of their own, by Geant4 11.3 (its
+/// `G4Navigator`, through geant4-pybind 0.1.3).
+#[test]
+fn media_along_rays_are_those_of_geant4() {
+    let imported = parse(include_str!("structure.gdml")).unwrap();
+    let program = Arc::new(Program::compile_regions(&imported.scene.model_regions()).unwrap());
+    let weave = Weave::new(program);
+    let medium = |region: RegionId| match region.index() {
+        0 => "-",
+        k => imported.scene.media[imported.scene.regions[k - 1].medium as usize].name.as_str(),
+    };
+    let lines: Vec<&str> =
+        include_str!("structure.csv").lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(lines.len(), 300);
+    for line in lines {
+        let words: Vec<&str> = line.split(',').collect();
+        let number = |k: usize| words[k].parse::<f64>().unwrap();
+        let vector = |k: usize| Vec3::new(number(k), number(k + 1), number(k + 2));
+        let ray = Ray { origin: vector(0), direction: vector(3).normalize() };
+        let query = Query { window: Window::new(0.0, f64::INFINITY).unwrap(), ..Query::default() };
+        let answer = weave.one(ray, &query).unwrap();
+        let mut ours = vec![(0.0, medium(answer.starts[0]))];
+        ours.extend(answer.crossings.iter().map(|crossing| (crossing.t, medium(crossing.after))));
+        ours.dedup_by_key(|(_, medium)| *medium);
+        let theirs: Vec<(f64, &str)> =
+            (6..words.len()).step_by(2).map(|k| (number(k), words[k + 1])).collect();
+        let near = |(a, b): (&(f64, &str), &(f64, &str))| (a.0 - b.0).abs() < 2e-6 && a.1 == b.1;
+        assert!(ours.len() == theirs.len() && ours.iter().zip(&theirs).all(near), "{line}\n{ours:?}");
+    }
+}
+
+#[test]
+fn loops_make_volumes_and_places() {
+    let define = "<variable name=\"i\" value=\"1\"/><variable name=\"k\" value=\"1\"/><constant name=\"step\" value=\"1*cm\"/>";
+    let structure = volume("Pixel", "cube", "")
+        + &volume(
+            "World",
+            "big",
+            "<loop for=\"i\" to=\"3\" step=\"1\"><loop for=\"k\" from=\"1\" to=\"2\" step=\"1\">\
+             <physvol name=\"pixel[i,k]\"><volumeref ref=\"Pixel\"/><position x=\"i*step\" y=\"k*step\"/></physvol></loop></loop>",
+        );
+    let imported = parse(&model(define, BOXES, &structure)).unwrap();
+    let hits = along(&imported, [-100.0, 20.3, 0.1], [1.0, 0.0, 0.0]);
+    let pixels = hits.iter().filter(|(_, name)| name == "Pixel").map(|(t, _)| t - 100.0);
+    assert_eq!(pixels.collect::<Vec<_>>(), [9.0, 19.0, 29.0]);
+    let table = &imported.document.foreign("gdml").unwrap().text;
+    assert!(table.contains("pixel_2_1"), "names count from 0: {table}");
+}
+
+#[test]
+fn replicas_and_divisions_fill_their_mothers() {
+    let replicas = "<replicavol number=\"4\"><volumeref ref=\"Layer\"/><replicate_along_axis><direction z=\"1\"/>\
+                    <width value=\"15\" unit=\"mm\"/><offset value=\"0\" unit=\"mm\"/></replicate_along_axis></replicavol>";
+    let solids = BOXES.to_owned() + "<box name=\"layer\" x=\"20\" y=\"40\" z=\"15\"/>";
+    let core = "<physvol><volumeref ref=\"Core\"/></physvol>";
+    let structure = [
+        volume("Core", "cube", ""),
+        volume("Layer", "layer", core),
+        volume("Stack", "slab", replicas),
+        volume("World", "big", "<physvol><volumeref ref=\"Stack\"/></physvol>"),
+    ];
+    let imported = parse(&model("", &solids, &structure.concat())).unwrap();
+    let hits = along(&imported, [0.1, 0.2, -100.0], [0.0, 0.0, 1.0]);
+    let cores: Vec<f64> = hits.iter().filter(|(_, name)| name == "Core").map(|(t, _)| t - 100.0).collect();
+    assert_eq!(cores, [-23.5, -8.5, 6.5, 21.5]);
+
+    // a division makes pieces of its own where the volume's solid is none
+    let divided = "<divisionvol axis=\"kXAxis\" number=\"5\" unit=\"mm\" width=\"4\" offset=\"0\"><volumeref ref=\"Core\"/></divisionvol>";
+    let structure = [volume("Core", "cube", ""), volume("World", "slab", divided)];
+    let imported = parse(&model("", BOXES, &structure.concat())).unwrap();
+    assert_eq!(imported.scene.regions.len(), 6);
+    let hits = along(&imported, [-50.0, 15.0, 20.0], [1.0, 0.0, 0.0]);
+    assert_eq!(names(&hits)[..3], [(40.0, "Core[0]"), (44.0, "Core[1]"), (48.0, "Core[2]")]);
+}
+
+#[test]
+fn rings_along_rho_and_sectors_around_phi() {
+    let solids = "<tube name=\"disc\" rmax=\"50\" z=\"10\" deltaphi=\"360\" aunit=\"deg\"/>\
+                  <tube name=\"ring\" rmax=\"10\" z=\"10\" deltaphi=\"360\" aunit=\"deg\"/>";
+    let row = |axis: &str, number: u32, width: &str| {
+        format!(
+            "<replicavol number=\"{number}\"><volumeref ref=\"Ring\"/><replicate_along_axis><direction {axis}=\"1\"/>\
+                 {width}</replicate_along_axis></replicavol>"
+        )
+    };
+    let rings = row("rho", 5, "<width value=\"10\" unit=\"mm\"/><offset value=\"0\" unit=\"mm\"/>");
+    let structure = volume("Ring", "ring", "") + &volume("World", "disc", &rings);
+    let imported = parse(&model("", solids, &structure)).unwrap();
+    let hits = along(&imported, [0.5, 0.3, 0.1], [1.0, 0.0, 0.0]);
+    let outward: Vec<&str> = hits.iter().filter(|(t, _)| *t > 0.0).map(|(_, name)| name.as_str()).collect();
+    assert_eq!(outward, ["Ring[1]", "Ring[2]", "Ring[3]", "Ring[4]", "-"]);
+}
+
+#[test]
+fn copies_may_have_dimensions_of_their_own() {
+    let parameters = |k: u32, x: i32, size: u32| {
+        format!(
+            "<parameters number=\"{k}\"><position name=\"p{k}\" x=\"{x}\"/><box_dimensions x=\"{size}\" y=\"{size}\" z=\"{size}\"/></parameters>"
+        )
+    };
+    let list = [parameters(1, -40, 10), parameters(2, 40, 30)].concat();
+    let content = format!(
+        "<paramvol ncopies=\"2\"><volumeref ref=\"Piece\"/><parameterised_position_size>{list}</parameterised_position_size></paramvol>"
+    );
+    let structure = volume("Piece", "cube", "") + &volume("World", "big", &content);
+    let imported = parse(&model("", BOXES, &structure)).unwrap();
+    let hits = along(&imported, [-100.0, 0.1, 0.2], [1.0, 0.0, 0.0]);
+    let expected = [
+        (0.0, "World"),
+        (55.0, "Piece[0]"),
+        (65.0, "World"),
+        (125.0, "Piece[1]"),
+        (155.0, "World"),
+        (200.0, "-"),
+    ];
+    assert_eq!(names(&hits), expected);
+}
+
+#[test]
+fn mirrored_placements_are_mirrored() {
+    let solids = BOXES.to_owned() + "<trd name=\"wedge\" x1=\"20\" x2=\"10\" y1=\"20\" y2=\"20\" z=\"20\"/>";
+    let content = "<physvol><volumeref ref=\"Wedge\"/><scale x=\"1\" y=\"1\" z=\"-1\"/></physvol>";
+    let structure = volume("Wedge", "wedge", "") + &volume("World", "big", content);
+    let imported = parse(&model("", &solids, &structure)).unwrap();
+    // the narrow end is below now
+    let hits = along(&imported, [-100.0, 0.1, -10.0 + 1e-9], [1.0, 0.0, 0.0]);
+    assert!((hits[1].0 - 95.0).abs() < 1e-6 && hits[1].1 == "Wedge", "{hits:?}");
+}
+
+#[test]
+fn a_refused_solid_takes_only_its_own_volume_away() {
+    let solids = BOXES.to_owned() + "<box name=\"flat\" x=\"10\" y=\"10\" z=\"0\"/>";
+    let structure = [
+        volume("Inner", "cube", ""),
+        volume("Flat", "flat", "<physvol><volumeref ref=\"Inner\"/></physvol>"),
+        volume("World", "big", "<physvol><volumeref ref=\"Flat\"/><position x=\"20\"/></physvol>"),
+    ];
+    let imported = parse(&model("", &solids, &structure.concat())).unwrap();
+    assert_eq!(imported.report.count(LossKind::Refused), 1);
+    let hits = along(&imported, [-100.0, 0.1, 0.2], [1.0, 0.0, 0.0]);
+    assert_eq!(names(&hits), [(0.0, "World"), (119.0, "Inner"), (121.0, "World"), (200.0, "-")]);
+}
+
+#[test]
+fn what_light_needs_is_kept_in_a_table() {
+    let define = "<matrix name=\"N\" coldim=\"2\" values=\"1*eV 1.5 3*eV 1.7\"/>";
+    let text = model(define, BOXES, &volume("World", "big", "<auxiliary auxtype=\"SensDet\" auxvalue=\"pmt\"/>"))
+        .replace("</solids>", "<opticalsurface name=\"Skin\" model=\"unified\" finish=\"polished\" type=\"dielectric_metal\" value=\"1\">\
+                  <property name=\"REFLECTIVITY\" ref=\"N\"/></opticalsurface></solids>")
+        .replace("</structure>", "<skinsurface name=\"s\" surfaceproperty=\"Skin\"><volumeref ref=\"World\"/></skinsurface></structure>")
+        .replace("</material>", "<property name=\"RINDEX\" ref=\"N\"/></material>");
+    let imported = parse(&text).unwrap();
+    let index = imported.scene.media[1].index.unwrap();
+    // 2.1039 eV on the line from (1 eV, 1.5) to (3 eV, 1.7)
+    assert!((index - 1.610_392_836).abs() < 1e-6, "{index}");
+    // the table is read back as it was written
+    let toml = imported.document.to_toml();
+    let (document, scene) = rayweave_scene::parse(&toml).unwrap_or_else(|problems| panic!("{problems}"));
+    assert_eq!(document.foreign("gdml"), imported.document.foreign("gdml"));
+    assert_eq!(scene.regions.len(), imported.scene.regions.len());
+    let Datum::Table(table) = &document.foreign("gdml").unwrap().value.value else {
+        panic!("no table");
+    };
+    let keys: Vec<&str> = table.iter().map(|(key, _)| key.value.as_str()).collect();
+    assert_eq!(keys, ["world", "volume", "material", "matrix", "surface", "skin"]);
+}
+
+/// Two hundred crates, twenty kinds of boards in them: two thousand lines that name four thousand placements.
+#[test]
+fn many_placements_stay_small() {
+    let mut text = String::new();
+    for kind in 0..20 {
+        text += &volume(&format!("Board{kind}"), "cube", "");
+    }
+    let place = |volume: &str, at: [f64; 3]| {
+        format!(
+            "<physvol name=\"placement-of-{volume}\"><volumeref ref=\"{volume}\"/><position name=\"p\" unit=\"mm\" x=\"{}\" y=\"{}\" \
+                 z=\"{}\"/><rotation name=\"r\" unit=\"deg\" x=\"0\" y=\"0\" z=\"90\"/></physvol>\n",
+            at[0], at[1], at[2]
+        )
+    };
+    let grid = |k: usize, step: f64| [k % 16, k / 16 % 16, k / 256].map(|i| step * (i as f64 - 7.5));
+    let boards: String = (0..4000).map(|k| place(&format!("Board{}", k % 20), grid(k, 4.0))).collect();
+    text += &volume("World", "big", &boards);
+    let text = model("", BOXES, &text);
+    assert!(text.len() > 500_000);
+    let imported = parse(&text).unwrap();
+    assert_eq!(imported.scene.regions.len(), 21);
+    let program = Program::compile_regions(&imported.scene.model_regions()).unwrap();
+    // the model, and the one solid that all of them have
+    assert_eq!(program.prototypes().len(), 2);
+    assert_eq!(program.prototypes()[0].placements, 4001);
+}
