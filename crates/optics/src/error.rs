@@ -15,6 +15,12 @@ pub enum OpticsError {
         /// Its index.
         index: Complex64,
     },
+    /// A gradient that no medium has.
+    #[error("the gradient of the index cannot be used: {problem}")]
+    BadGradient {
+        /// What is wrong.
+        problem: String,
+    },
     /// A number of a finish or an action out of its range.
     #[error("{what} of `{element}` is {value} (it has to be {range})")]
     BadNumber {

@@ -30,6 +30,8 @@ pub(crate) struct Going {
     pub power: f64,
     pub stokes: Option<Stokes>,
     pub leaves: Leaves,
+    /// What a sheet adds to the optical path.
+    pub delay: f64,
 }
 
 /// What becomes of light: up to two rays; what is left of the power is absorbed.
@@ -56,7 +58,7 @@ impl Arriving {
     }
 
     fn going(&self, direction: Vec3, leaves: Leaves) -> Going {
-        Going { direction, power: self.power, stokes: self.stokes, leaves }
+        Going { direction, power: self.power, stokes: self.stokes, leaves, delay: 0.0 }
     }
 
     /// The same light thrown back by a mirror.
@@ -78,11 +80,19 @@ impl Arriving {
             after
         });
         let power = stokes.map_or(self.power * mean, |stokes| stokes.power());
-        Going { direction, power, stokes, leaves }
+        Going { direction, power, stokes, leaves, delay: 0.0 }
     }
 
     /// A face between two media.
-    pub fn at_face(&self, behind: &Substance, face: &FaceMet<'_>, settings: &Settings) -> Outcome {
+    ///
+    /// `index` is that of what is behind it, there.
+    pub fn at_face(
+        &self,
+        (behind, index): (&Substance, Complex64),
+        face: &FaceMet<'_>,
+        settings: &Settings,
+    ) -> Outcome {
+        let behind = (behind, index);
         match face.finish {
             Finish::Polished => self.at_interface(behind, &[], self.normal, settings),
             // films are listed from outside
@@ -92,16 +102,19 @@ impl Arriving {
             }
             Finish::Coated(films) => self.at_interface(behind, films, self.normal, settings),
             Finish::Rough { slope } => {
-                let facet = self.facet(*slope, settings);
+                let ratio = match behind.0 {
+                    Substance::Transparent(_) => Some(self.index / index.re),
+                    Substance::Opaque | Substance::Metal(_) => None,
+                };
+                let facet = self.facet(*slope, ratio, settings);
                 self.at_interface(behind, &[], facet, settings)
             }
             Finish::Mirror { reflectance } => Outcome::one(Event::Reflected, self.mirrored(*reflectance)),
             Finish::Absorber => Outcome::absorbed(),
             Finish::Diffuse { reflectance } => self.diffuse(*reflectance, settings),
-            Finish::Splitter { reflectance } => match behind {
-                Substance::Transparent(medium) => {
-                    let index = medium.index(self.wavelength_nm).re;
-                    match refract(self.direction, self.normal, self.index / index) {
+            Finish::Splitter { reflectance } => match behind.0 {
+                Substance::Transparent(_) => {
+                    match refract(self.direction, self.normal, self.index / index.re) {
                         Some(through) => self.split(*reflectance, through, settings),
                         None => Outcome::one(Event::TotallyReflected, self.mirrored(1.0)),
                     }
@@ -113,13 +126,22 @@ impl Arriving {
         }
     }
 
-    fn at_interface(&self, behind: &Substance, films: &[Film], normal: Vec3, settings: &Settings) -> Outcome {
-        let (medium, is_metal) = match behind {
+    fn at_interface(
+        &self,
+        (behind, index): (&Substance, Complex64),
+        films: &[Film],
+        normal: Vec3,
+        settings: &Settings,
+    ) -> Outcome {
+        let is_metal = match behind {
             Substance::Opaque => return Outcome::absorbed(),
-            Substance::Transparent(medium) => (medium, false),
-            Substance::Metal(medium) => (medium, true),
+            Substance::Transparent(_) => false,
+            Substance::Metal(_) => true,
         };
-        let index = medium.index(self.wavelength_nm);
+        // where a gradient gives no index there is nothing to go on in
+        if index.re.is_nan() || index.re <= 0.0 {
+            return Outcome::absorbed();
+        }
         if !is_metal && settings.branches == Branches::Ideal {
             return self.ideal(index.re, normal);
         }
@@ -225,11 +247,17 @@ impl Arriving {
         let direction = (radius * (cosine * u + sine * v) + height * self.normal).normalize();
         let power = reflectance * self.power;
         let stokes = self.stokes.map(|_| Stokes::unpolarised(power, direction));
-        Outcome::one(Event::Scattered, Going { direction, power, stokes, leaves: Leaves::Here })
+        let going = Going { direction, power, stokes, leaves: Leaves::Here, delay: 0.0 };
+        Outcome::one(Event::Scattered, going)
     }
 
-    /// The normal of a facet that faces the light: slopes by the method of Box & Muller (Ann. Math. Stat. 29, 610, 1958).
-    fn facet(&self, slope: f64, settings: &Settings) -> Vec3 {
+    /// The normal of a facet, with slopes by the method of Box & Muller (Ann. Math. Stat. 29, 610, 1958).
+    ///
+    /// A facet that is turned away from the light, or would send it to the wrong side of the mean face, is hidden by others: its
+    /// part in the distribution is masked or shadowed (Walter, Marschner, Li & Torrance, *Microfacet Models for Refraction
+    /// through Rough Surfaces*, EGSR 2007, section 4.1). Another one is drawn instead, so that what would be shadowed is
+    /// shared among the directions that remain, and no power is lost. `ratio` is the index before over that behind.
+    fn facet(&self, slope: f64, ratio: Option<f64>, settings: &Settings) -> Vec3 {
         let mut random = self.random(settings);
         // the draw of the branch comes from the same stream: it must not be the same number
         random.next_u64();
@@ -240,11 +268,19 @@ impl Arriving {
             let angle = std::f64::consts::TAU * b;
             let tilt = length * (libm::cos(angle) * u + libm::sin(angle) * v);
             let facet = (self.normal + tilt).normalize();
-            if self.direction.dot(facet) < 0.0 {
+            if self.is_open(facet, ratio) {
                 return facet;
             }
         }
         self.normal
+    }
+
+    /// True if light reaches a facet and leaves it on the right side of the mean face, reflected and refracted.
+    fn is_open(&self, facet: Vec3, ratio: Option<f64>) -> bool {
+        let through = ratio.and_then(|ratio| refract(self.direction, facet, ratio));
+        self.direction.dot(facet) < 0.0
+            && reflect(self.direction, facet).dot(self.normal) > 0.0
+            && through.is_none_or(|through| through.dot(self.normal) < 0.0)
     }
 
     /// A sheet, by its frame; `point` is where it is crossed, `unit_nm` the unit of length.
@@ -263,18 +299,25 @@ impl Arriving {
             Action::Mirror { reflectance } => Outcome::one(Event::Reflected, self.mirrored(*reflectance)),
             Action::Splitter { reflectance } => self.split(*reflectance, self.direction, settings),
             Action::ThinLens { focal_length } => {
-                let direction = bent(local.vector(self.direction), local.point(point), *focal_length);
-                Outcome::one(Event::Bent, on(frame.vector(direction).normalize()))
+                let (direction, delay) =
+                    bent(local.vector(self.direction), local.point(point), *focal_length);
+                let direction = frame.vector(direction).normalize();
+                Outcome::one(Event::Bent, Going { delay: self.index * delay, ..on(direction) })
             }
             Action::Grating { lines, order, reflects } => {
                 let side = if *reflects { self.normal } else { -self.normal };
+                // so many periods from the middle, the order's number of waves is gained in each
+                let periods = lines.dot(local.point(point));
                 let lines = frame.vector(*lines);
                 let wavelength = self.wavelength_nm / unit_nm;
                 let media = [self.index; 2];
                 let found = diffract(self.direction, side, media, lines, *order, wavelength);
                 let leaves = if *reflects { Leaves::Here } else { Leaves::Beyond };
                 match found {
-                    Some(direction) => Outcome::one(Event::Bent, self.going(direction, leaves)),
+                    Some(direction) => {
+                        let delay = f64::from(*order) * wavelength * periods;
+                        Outcome::one(Event::Bent, Going { delay, ..self.going(direction, leaves) })
+                    }
                     None => Outcome::absorbed(),
                 }
             }
@@ -299,9 +342,51 @@ impl Arriving {
     }
 }
 
-/// The direction behind an ideal thin lens in the plane z = 0 of its frame: slopes change by the height over the focal length.
-fn bent(direction: Vec3, point: Vec3, focal_length: f64) -> Vec3 {
-    let along = direction.z.abs();
-    let slope = |d: f64, height: f64| d / along - height / focal_length;
-    Vec3::new(slope(direction.x, point.x), slope(direction.y, point.y), direction.z.signum())
+/// The direction behind an ideal thin lens in the plane z = 0 of its frame, and what it adds to the length of the path.
+///
+/// Slopes change by the height over the focal length. The ray meets those of its kind in a point before the lens and in
+/// the image of that point behind it; all of them shall have gone the same length, that through the middle of the lens.
+/// Which point that is, a ray alone does not say: it is taken at the distance `h^2 / (h . p)` before the lens, with the height
+/// h as a vector and the slope p, where a ray that meets the axis does so. So the paths from every point of the axis to
+/// its image are equal, in both directions, and those from points aside of the axis are so up to terms of fourth order: no lens
+/// images all of space with equal paths (Born & Wolf, *Principles of Optics*, 7th edition, section 4.2.3).
+fn bent(direction: Vec3, point: Vec3, focal_length: f64) -> (Vec3, f64) {
+    let across = |v: Vec3| Vec3::new(v.x, v.y, 0.0);
+    let height = across(point);
+    let before = across(direction) / direction.z.abs();
+    let behind = before - height / focal_length;
+    let square = height.length_squared();
+    // the part of the slope across the height, which stays the same
+    let aside = if square > 0.0 { before.cross(height).length_squared() / square } else { 0.0 };
+    let term =
+        |slope: Vec3| height.dot(slope) / ((1.0 + slope.length_squared()).sqrt() + (1.0 + aside).sqrt());
+    (behind + direction.z.signum() * Vec3::Z, term(behind) - term(before))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The lengths from points of the axis to their images, through the middle and at any height.
+    #[test]
+    fn thin_lenses_make_paths_equal() {
+        for (focal_length, before) in [(50.0_f64, 120.0_f64), (50.0, 30.0), (-40.0, 70.0), (50.0, 1e9)] {
+            let behind = 1.0 / (1.0 / focal_length - 1.0 / before);
+            for height in [Vec3::new(3.0, -4.0, 0.0), Vec3::new(0.0, 12.0, 0.0)] {
+                let from = Vec3::new(0.0, 0.0, -before);
+                let (direction, delay) = bent((height - from).normalize(), height, focal_length);
+                let image = Vec3::Z * behind;
+                let across = (image - height).cross(direction).length() / direction.length();
+                assert!(across < 1e-12 * behind.abs(), "{focal_length} {before}");
+                // a virtual image lies behind the light: lengths count backwards
+                let found =
+                    (height - from).length() - before + delay + behind.signum() * (image - height).length()
+                        - behind;
+                assert!(found.abs() < 1e-15 * before.abs() + 2e-14, "{focal_length} {before}: {found}");
+                let back = bent(-direction.normalize(), height, focal_length);
+                assert!((back.1 - delay).abs() < 1e-14);
+            }
+        }
+        assert_eq!(bent(Vec3::new(0.1, 0.0, 1.0), Vec3::ZERO, 10.0), (Vec3::new(0.1, 0.0, 1.0), 0.0));
+    }
 }

@@ -5,7 +5,7 @@
 //! power. Light is refracted and reflected where media meet, whatever the shapes that bound them: cemented, immersed and
 //! nested parts need no gaps. [`interface`] holds the physics of one such event, [`glass`] the indices of refraction,
 //! [`component`] lenses, mirrors and prisms, [`source`] what shines, [`file`](mod@file) reads the `[optics]`
-//! tables of model files.
+//! tables of model files, [`gradient`] are media whose index changes from place to place.
 //!
 //! [`prescription`] makes solids of lenses as designers write them, surface by surface, [`paraxial`] tells their focal lengths,
 //! pupils and aberration sums, and [`analysis`] makes spots, wavefronts and aberrations of real rays, in these and any other
@@ -38,6 +38,7 @@ mod error;
 pub mod file;
 mod generation;
 pub mod glass;
+pub mod gradient;
 mod indices;
 mod interact;
 pub mod interface;

@@ -2,7 +2,9 @@
 
 use crate::error::OpticsError;
 use crate::glass::{Glass, GlassError, glass};
+use crate::gradient::{Gradient, LocalField};
 use num_complex::Complex64;
+use rayweave_math::Vec3;
 use std::fmt;
 use std::sync::Arc;
 
@@ -18,11 +20,12 @@ pub trait Index: Send + Sync + fmt::Debug {
     }
 }
 
-/// A medium: a name and a law of dispersion.
+/// A medium: a name, a law of dispersion, and a gradient if the index changes from place to place.
 #[derive(Clone, Debug)]
 pub struct Medium {
     name: Arc<str>,
     index: Law,
+    gradient: Option<Arc<Gradient>>,
 }
 
 #[derive(Clone, Debug)]
@@ -41,14 +44,14 @@ impl PartialEq for Medium {
             (Law::Dispersive(a), Law::Dispersive(b)) => Arc::ptr_eq(a, b),
             _ => false,
         };
-        same_law && self.name == other.name
+        same_law && self.name == other.name && self.gradient == other.gradient
     }
 }
 
 impl Medium {
     /// Vacuum: an index of 1.
     pub fn vacuum() -> Medium {
-        Medium { name: "vacuum".into(), index: Law::Constant(Complex64::ONE) }
+        Medium::of("vacuum", Law::Constant(Complex64::ONE))
     }
 
     /// A medium with the same index at all wavelengths.
@@ -59,13 +62,28 @@ impl Medium {
         let index = Complex64::new(n, k);
         let is_physical = n > 0.0 && k >= 0.0 && index.is_finite();
         is_physical
-            .then(|| Medium { name: name.into(), index: Law::Constant(index) })
+            .then(|| Medium::of(name, Law::Constant(index)))
             .ok_or_else(|| OpticsError::BadIndex { medium: name.to_owned(), index })
     }
 
     /// A medium with a law of dispersion.
     pub fn dispersive(name: &str, index: Arc<dyn Index>) -> Medium {
-        Medium { name: name.into(), index: Law::Dispersive(index) }
+        Medium::of(name, Law::Dispersive(index))
+    }
+
+    fn of(name: &str, index: Law) -> Medium {
+        Medium { name: name.into(), index, gradient: None }
+    }
+
+    /// The same with an index that changes from place to place: that of this medium, multiplied by a gradient. Absorption
+    /// stays what it was, the same everywhere.
+    pub fn graded(self, gradient: Gradient) -> Medium {
+        Medium { gradient: Some(Arc::new(gradient)), ..self }
+    }
+
+    /// How the index changes from place to place, if it does.
+    pub fn gradient(&self) -> Option<&Gradient> {
+        self.gradient.as_deref()
     }
 
     /// A material of the built-in catalogue ([`crate::glass::glass()`]), with the absorption that its data tell of.
@@ -98,11 +116,25 @@ impl Medium {
     }
 
     /// The complex index at a vacuum wavelength in nanometres, with an extinction of 0 where that is not known; of no meaning outside of [`Medium::range_nm`].
+    ///
+    /// Of a medium with a gradient it is what the gradient multiplies.
     pub fn index(&self, wavelength_nm: f64) -> Complex64 {
         match &self.index {
             Law::Constant(index) => *index,
             Law::Glass(glass) => index_of(glass, wavelength_nm),
             Law::Dispersive(law) => law.at(wavelength_nm),
+        }
+    }
+
+    /// The complex index at a point; its real part is NaN where a gradient gives none.
+    pub fn index_at(&self, wavelength_nm: f64, point: Vec3) -> Complex64 {
+        let index = self.index(wavelength_nm);
+        match &self.gradient {
+            Some(gradient) => {
+                let field = LocalField { gradient, index: index.re, wavelength_nm };
+                Complex64::new(field.index_at(point), index.im)
+            }
+            None => index,
         }
     }
 
@@ -129,7 +161,7 @@ pub(crate) fn absorption_per_nm(index: Complex64, wavelength_nm: f64) -> f64 {
 
 impl From<Glass> for Medium {
     fn from(glass: Glass) -> Medium {
-        Medium { name: glass.name().into(), index: Law::Glass(glass) }
+        Medium { name: glass.name().into(), index: Law::Glass(glass), gradient: None }
     }
 }
 

@@ -27,11 +27,13 @@ pub enum Event {
     Scattered = 7,
     /// It is bent by a thin lens or a grating.
     Bent = 8,
+    /// It goes on along a curve in a medium with a gradient, whose pieces are rows of their own.
+    Curved = 9,
 }
 
 impl Event {
     /// All events by their numbers.
-    pub const ALL: [Event; 9] = [
+    pub const ALL: [Event; 10] = [
         Event::Escaped,
         Event::Transmitted,
         Event::Reflected,
@@ -41,6 +43,7 @@ impl Event {
         Event::Passed,
         Event::Scattered,
         Event::Bent,
+        Event::Curved,
     ];
 
     /// Its name in tables.
@@ -55,6 +58,7 @@ impl Event {
             Event::Passed => "passed",
             Event::Scattered => "scattered",
             Event::Bent => "bent",
+            Event::Curved => "curved",
         }
     }
 }
@@ -74,15 +78,15 @@ pub struct Segment {
     pub wavelength_nm: f64,
     /// The power at its beginning.
     pub intensity: f64,
-    /// The index of the medium.
+    /// The index of the medium; of one with a gradient that at its end.
     pub index: f64,
     /// Where it begins.
     pub start: Vec3,
     /// Where it ends; NaN if it does not.
     pub end: Vec3,
-    /// Its direction, of unit length.
+    /// Its direction, of unit length; in a medium with a gradient that at its end.
     pub direction: Vec3,
-    /// The optical path (the sum of index times length) from the source to its end, or to its start if it has no end.
+    /// The optical path (the integral of the index over the length) from the source to its end, or to its start if it has no end.
     pub path: f64,
     /// The number of the element that it meets; -1 for none.
     pub element: i32,

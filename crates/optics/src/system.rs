@@ -6,7 +6,8 @@ use crate::element::{Action, Body, Element, Finish, Material};
 use crate::error::OpticsError;
 use crate::medium::Medium;
 use crate::near::Near;
-use rayweave_math::{Affine, Bounds};
+use num_complex::Complex64;
+use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, Region, RegionId};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -141,6 +142,23 @@ pub(crate) enum Substance {
     Metal(Medium),
 }
 
+impl Substance {
+    /// True if light goes straight on in it.
+    pub fn is_uniform(&self) -> bool {
+        matches!(self, Substance::Transparent(medium) if medium.gradient().is_none())
+    }
+
+    /// Its index at a point; of no meaning for what has none.
+    pub fn index_at(&self, wavelength_nm: f64, point: Vec3) -> Complex64 {
+        match self {
+            Substance::Transparent(medium) | Substance::Metal(medium) => {
+                medium.index_at(wavelength_nm, point)
+            }
+            Substance::Opaque => Complex64::ONE,
+        }
+    }
+}
+
 /// The finishes of a solid element.
 #[derive(Clone, Debug)]
 struct Dress {
@@ -266,7 +284,9 @@ impl Solids {
             }
         }
         let near = Near::new(&program);
+        let boxes = plates.iter().map(|plate| plate.bounds);
         Ok(System {
+            around: boxes.fold(program.bounds(), |all, one| all.union(&one)),
             abreast: Abreast::new(&program, &near),
             near,
             faces: faces(&program),
@@ -341,6 +361,8 @@ pub struct System {
     elements: Vec<String>,
     face_names: Vec<String>,
     pub(crate) unit_nm: f64,
+    /// The box of all solids and sheets.
+    pub(crate) around: Bounds,
 }
 
 impl System {

@@ -13,7 +13,7 @@ use crate::interface::refract;
 use crate::near::{Leaves, foot, is_inside, stepped};
 use crate::segments::{Balance, Event, Segment, Segments};
 use crate::settings::{Branches, Keep, Settings};
-use crate::system::{Plate, Substance, System};
+use crate::system::{Plate, System};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::{Crossing, Evaluator, Face, Limit, Program, Query, RayAnswer, RegionId, Start, dress};
@@ -29,7 +29,7 @@ const CHUNK: usize = 2048;
 /// A system with evaluators for its programs, ready to be asked.
 #[derive(Debug)]
 pub struct Tracer<'a, E> {
-    system: &'a System,
+    pub(crate) system: &'a System,
     solids: E,
     sheets: Vec<E>,
     frames: Vec<(Affine, Affine)>,
@@ -114,8 +114,8 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
 }
 
 /// A thread with its memory.
-struct Worker<'t, E: Evaluator> {
-    tracer: &'t Tracer<'t, E>,
+pub(crate) struct Worker<'t, E: Evaluator> {
+    pub(crate) tracer: &'t Tracer<'t, E>,
     settings: &'t Settings,
     scratch: E::Scratch,
     sheet_scratch: Vec<E::Scratch>,
@@ -125,8 +125,8 @@ struct Worker<'t, E: Evaluator> {
     met: Met,
     part: Part,
     indices: Indices,
-    rows: Segments,
-    balance: Balance,
+    pub(crate) rows: Segments,
+    pub(crate) balance: Balance,
 }
 
 impl<'t, E: Evaluator> Worker<'t, E> {
@@ -187,7 +187,10 @@ impl<'t, E: Evaluator> Worker<'t, E> {
             let (here, rest) = sheets.split_at(count);
             sheets = rest;
             if !(here.is_empty() && is_simple && self.transmit(&now, &met, i)) {
-                self.advance(now.get(i), &met, i, here);
+                match self.is_bent(&met, i) {
+                    true => self.bend(&now, &met, i),
+                    false => self.advance(now.get(i), &met, i, here),
+                }
             }
             i += 1;
         }
@@ -269,7 +272,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
         [before, after]: [RegionId; 2],
     ) -> Option<[[f64; LANES]; 2]> {
         let system = self.tracer.system;
-        let is_clear = |region| matches!(system.substance(region), Substance::Transparent(_));
+        let is_clear = |region| system.substance(region).is_uniform();
         if !is_clear(before) || !is_clear(after) {
             return None;
         }
@@ -307,7 +310,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
         else {
             return false;
         };
-        let is_clear = |region| matches!(system.substance(region), Substance::Transparent(_));
+        let is_clear = |region| system.substance(region).is_uniform();
         if met.placement[i] != 0 || !is_clear(before) || !is_clear(after) || met.between(i).is_some() {
             return false;
         }
@@ -353,51 +356,67 @@ impl<'t, E: Evaluator> Worker<'t, E> {
         let mut from = 0.0;
         for SheetMet { sheet, crossing, .. } in sheets.iter().filter(|met| met.crossing.t <= end + slack) {
             let t = crossing.t.min(end);
-            let plate = &self.tracer.system.plates[*sheet];
-            let normal = match plate.action.has_sides() {
-                true => against(dress::normal(&plate.program, &light.ray, crossing), light.ray.direction),
-                false => Vec3::NAN,
-            };
-            let (arriving, row) = self.arrive(&mut light, region, (from, t), normal);
-            let (frame, local) = &self.tracer.frames[*sheet];
-            let (point, unit_nm) = (light.ray.at(t), self.tracer.system.unit_nm);
-            let outcome = arriving.at_sheet(&plate.action, (frame, local), point, unit_nm, self.settings);
-            let surface = self.tracer.system.sheets_from() + sheet;
-            let row = self.record(row, plate.element, surface, outcome.event);
-            let straight = outcome.event == Event::Passed;
-            if let (true, [Some(going), None]) = (straight, outcome.going) {
-                self.charge(plate.element, light.packet.power - going.power);
-                (light.packet.power, light.stokes) = (going.power, going.stokes);
-                (light.packet.parent, from) = (row, t);
-                light.packet.generation += 1;
-                if self.is_over(light.packet.generation, light.packet.power) {
-                    return;
-                }
-                self.forget_way();
-                continue;
+            let row = self.arrive(&mut light, region, (from, t));
+            if !self.meet_sheet(&mut light, row, *sheet, crossing, t) {
+                return;
             }
-            self.go_on(&light, row, plate.element, &outcome, |worker, going| {
-                worker.leave_sheet(&light.ray, (*sheet, plate), (crossing, t), going)
-            });
-            return;
+            self.forget_way();
+            from = t;
         }
         match solid {
             None => self.escape(&light, region, from),
             Some(crossing) => {
                 let normal = against(met.normal(i), light.ray.direction);
-                self.meet(light, region, from, &crossing, normal);
+                let row = self.arrive(&mut light, region, (from, crossing.t));
+                self.meet_face(&light, row, &crossing, normal);
             }
         }
     }
 
-    /// A face of a solid.
-    fn meet(&mut self, mut light: Traveller, region: RegionId, from: f64, crossing: &Crossing, normal: Vec3) {
+    /// A sheet, at the time `t` of a ray that has been brought there; false if the light does not go straight on.
+    pub(crate) fn meet_sheet(
+        &mut self,
+        light: &mut Traveller,
+        row: Segment,
+        sheet: usize,
+        crossing: &Crossing,
+        t: f64,
+    ) -> bool {
+        let plate = &self.tracer.system.plates[sheet];
+        let normal = match plate.action.has_sides() {
+            true => against(dress::normal(&plate.program, &light.ray, crossing), light.ray.direction),
+            false => Vec3::NAN,
+        };
+        let arriving = arriving(light, normal, row.index);
+        let (frame, local) = &self.tracer.frames[sheet];
+        let (point, unit_nm) = (light.ray.at(t), self.tracer.system.unit_nm);
+        let outcome = arriving.at_sheet(&plate.action, (frame, local), point, unit_nm, self.settings);
+        let surface = self.tracer.system.sheets_from() + sheet;
+        let row = self.record(row, plate.element, surface, outcome.event);
+        let straight = outcome.event == Event::Passed;
+        if let (true, [Some(going), None]) = (straight, outcome.going) {
+            self.charge(plate.element, light.packet.power - going.power);
+            (light.packet.power, light.stokes) = (going.power, going.stokes);
+            light.packet.parent = row;
+            light.packet.generation += 1;
+            return !self.is_over(light.packet.generation, light.packet.power);
+        }
+        self.go_on(light, row, plate.element, &outcome, |worker, going| {
+            worker.leave_sheet(&light.ray, (sheet, plate), (crossing, t), going)
+        });
+        false
+    }
+
+    /// A face of a solid, to which a ray has been brought.
+    pub(crate) fn meet_face(&mut self, light: &Traveller, row: Segment, crossing: &Crossing, normal: Vec3) {
         let system = self.tracer.system;
-        let (arriving, row) = self.arrive(&mut light, region, (from, crossing.t), normal);
+        let arriving = arriving(light, normal, row.index);
         let face = system.face_at(crossing);
-        let outcome = arriving.at_face(system.substance(crossing.after), &face, self.settings);
+        let behind = system.substance(crossing.after);
+        let index = behind.index_at(arriving.wavelength_nm, light.ray.at(crossing.t));
+        let outcome = arriving.at_face((behind, index), &face, self.settings);
         let row = self.record(row, face.element, face.surface, outcome.event);
-        self.go_on(&light, row, face.element, &outcome, |worker, going| {
+        self.go_on(light, row, face.element, &outcome, |worker, going| {
             let point = foot(&system.program, &light.ray, crossing, normal);
             let near = (&light.ray, crossing.t);
             let starts = &mut worker.next.starts;
@@ -423,35 +442,25 @@ impl<'t, E: Evaluator> Worker<'t, E> {
     }
 
     /// Brings light to the end of a segment; the row for it lacks what is met there.
-    fn arrive(
-        &mut self,
-        light: &mut Traveller,
-        region: RegionId,
-        (from, to): (f64, f64),
-        normal: Vec3,
-    ) -> (Arriving, Segment) {
+    fn arrive(&mut self, light: &mut Traveller, region: RegionId, (from, to): (f64, f64)) -> Segment {
         let Optics { index, absorption } = self.optics(region, light.packet.wavelength_nm);
         let length = to - from;
         let intensity = light.packet.power;
         light.packet.path += index.re * length;
-        let lost = if length > 0.0 { -libm::expm1(-absorption * length) * intensity } else { 0.0 };
+        self.dim(light, absorption, length);
+        light.segment((from, to), intensity, index.re)
+    }
+
+    /// Takes what a length of a medium absorbs (Beer-Lambert).
+    pub(crate) fn dim(&mut self, light: &mut Traveller, absorption: f64, length: f64) {
+        let power = light.packet.power;
+        let lost = if length > 0.0 { -libm::expm1(-absorption * length) * power } else { 0.0 };
         self.balance.absorbed_in_media += lost;
         light.packet.power -= lost;
         light.stokes = light.stokes.map(|stokes| stokes.with_power(light.packet.power));
-        let arriving = Arriving {
-            direction: light.ray.direction,
-            normal,
-            wavelength_nm: light.packet.wavelength_nm,
-            power: light.packet.power,
-            stokes: light.stokes,
-            index: index.re,
-            // not a sum or the like: ray 3 in generation 5 must not draw what ray 5 draws in generation 3
-            stream: mixed(light.packet.stream ^ u64::from(light.packet.generation)),
-        };
-        (arriving, light.segment((from, to), intensity, index.re))
     }
 
-    fn optics(&mut self, region: RegionId, wavelength_nm: f64) -> Optics {
+    pub(crate) fn optics(&mut self, region: RegionId, wavelength_nm: f64) -> Optics {
         let system = self.tracer.system;
         self.indices.of(system, system.program.medium_of(region), wavelength_nm)
     }
@@ -460,6 +469,11 @@ impl<'t, E: Evaluator> Worker<'t, E> {
     fn record(&mut self, mut row: Segment, element: usize, surface: usize, event: Event) -> i64 {
         (row.element, row.surface, row.event) = (element as i32, surface as i32, event);
         self.rows.push(row);
+        self.parent_of_next()
+    }
+
+    /// The row that was appended last, for those that follow it.
+    pub(crate) fn parent_of_next(&self) -> i64 {
         match self.settings.keep {
             Keep::All => self.rows.len() as i64 - 1,
             Keep::Ends => -1,
@@ -467,7 +481,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
     }
 
     /// The last row is not the end of its light.
-    fn forget_way(&mut self) {
+    pub(crate) fn forget_way(&mut self) {
         if self.settings.keep == Keep::Ends {
             self.rows.pop();
         }
@@ -477,7 +491,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
         self.balance.absorbed[element] += power;
     }
 
-    fn escape(&mut self, light: &Traveller, region: RegionId, from: f64) {
+    pub(crate) fn escape(&mut self, light: &Traveller, region: RegionId, from: f64) {
         let Optics { index, absorption } = self.optics(region, light.packet.wavelength_nm);
         match absorption > 0.0 {
             true => self.balance.absorbed_in_media += light.packet.power,
@@ -513,6 +527,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
             left -= going.power;
             let mut packet = light.packet;
             (packet.power, packet.parent) = (going.power, row);
+            packet.path += going.delay;
             packet.generation += 1;
             if branch == 1 {
                 packet.stream = mixed(packet.stream.wrapping_add(u64::from(light.packet.generation)));
@@ -541,8 +556,22 @@ fn departure(program: &Program, ray: &Ray, t: f64, face: Face, normal: Vec3) -> 
     (point, is_inside(gradient.dot(ray.direction), 0.0, Leaves::Beyond))
 }
 
+/// Light at an interface.
+fn arriving(light: &Traveller, normal: Vec3, index: f64) -> Arriving {
+    Arriving {
+        direction: light.ray.direction,
+        normal,
+        wavelength_nm: light.packet.wavelength_nm,
+        power: light.packet.power,
+        stokes: light.stokes,
+        index,
+        // not a sum or the like: ray 3 in generation 5 must not draw what ray 5 draws in generation 3
+        stream: mixed(light.packet.stream ^ u64::from(light.packet.generation)),
+    }
+}
+
 /// A normal turned against a direction.
-fn against(normal: Vec3, direction: Vec3) -> Vec3 {
+pub(crate) fn against(normal: Vec3, direction: Vec3) -> Vec3 {
     if normal.dot(direction) > 0.0 { -normal } else { normal }
 }
 

@@ -388,6 +388,68 @@ fn gratings_obey_their_equation() {
     assert!(rows[1].direction.z < 0.0);
 }
 
+/// All rays of a beam go the same length through an ideal lens to its focus: a wavefront that converges to a point.
+#[test]
+fn thin_lenses_make_spheres_of_plane_wavefronts() {
+    let system = Assembly::new()
+        .add(Element::sheet("lens", plane(0.0, 60.0), Action::ThinLens { focal_length: 30.0 }))
+        .add(Element::sheet("focus", plane(30.0, 60.0), Action::Absorb))
+        .compile()
+        .unwrap();
+    for [x, y] in disk(40, 20.0) {
+        let rows = one(&system, along_z(x, y), &Settings::default());
+        near(rows[1].path, 80.0, 1e-13);
+    }
+}
+
+/// Order m adds m wavelengths for each period from the middle: the wavefronts behind a grating are across the rays.
+#[test]
+fn gratings_tilt_wavefronts() {
+    let (lines, order) = (0.1 * Vec3::new(6000.0, -2000.0, 0.0), 2);
+    for reflects in [false, true] {
+        let action = Action::Grating { lines, order, reflects };
+        let system =
+            Assembly::new().add(Element::sheet("grating", plane(0.0, 60.0), action)).compile().unwrap();
+        let d = Vec3::new(0.1, 0.05, 1.0).normalize();
+        let phase = |x: f64, y: f64| {
+            let foot = Vec3::new(x, y, 0.0);
+            // from a plane across the ray, so that all have come as far
+            let rows =
+                one(&system, Light::new(foot - (50.0 + foot.dot(d)) * d, d, 500.0), &Settings::default());
+            let last = rows[1];
+            // back to the plane through the origin across the ray that leaves
+            last.path - last.start.dot(last.direction)
+        };
+        for [x, y] in disk(20, 15.0) {
+            near(phase(x, y), phase(0.0, 0.0), 1e-13);
+        }
+    }
+}
+
+/// However rough and at whatever angle: what is reflected stays on its side of the mean face, what goes on goes beyond.
+#[test]
+fn rough_faces_send_light_to_the_right_side() {
+    let slab = block(1e4, 1e4, 1.0).translate(Vec3::Z * 0.5);
+    for slope in [0.05, 0.5, 2.0] {
+        let rough = Element::transparent("slab", slab.clone(), &glass(1.5)).finish(Finish::Rough { slope });
+        let system = Assembly::new().add(rough).compile().unwrap();
+        for degrees in [0.0_f64, 60.0, 85.0, 89.9] {
+            let (s, c) = degrees.to_radians().sin_cos();
+            let light = Light::new(Vec3::new(-s, 0.0, -c), Vec3::new(s, 0.0, c), D_NM);
+            let beam: Beam = (0..200).map(|_| light).collect();
+            let settings = Settings { branches: Branches::Both, generation_limit: 2, ..Settings::default() };
+            let found = trace(&system, &beam, &settings);
+            near(found.balance.error(), 0.0, 1e-11);
+            let first = found.segments.iter().filter(|row| row.generation == 1);
+            // all the light in the glass, none of it above the face
+            for row in first {
+                assert_eq!(row.index == 1.5, row.direction.z > 0.0, "{slope} {degrees}: {row:?}");
+            }
+            assert!(found.balance.absorbed[0].abs() < 1e-11);
+        }
+    }
+}
+
 #[test]
 fn crossed_polarisers_let_nothing_pass_and_a_third_between_them_a_quarter_of_a_half() {
     let at = |z: f64, degrees: f64| {

@@ -32,7 +32,7 @@ pub use error::SpaceError;
 pub use field::Field;
 pub use isolate::isolate;
 pub use lie::{leads_inside, lie_direction};
-pub use model::{CurveTrace, curve_normal, curve_point, trace_curve};
+pub use model::{CurveTrace, curve_normal, curve_point, trace_curve, trace_curve_from};
 pub use point::Point;
 pub use program::Program;
 pub use solid::Solid;

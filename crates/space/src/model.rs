@@ -21,13 +21,13 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_model::gate::NetworkState;
 use rayweave_model::weld::{Flips, Trajectory, Weld};
 use rayweave_model::{
-    Crossing, Event, Face, LeafEvents, LeafId, LeafKind, Program, Prototype, PrototypeId, RegionId, State,
-    Sweep, dress,
+    Crossing, Event, Face, LeafEvents, LeafId, LeafKind, Program, Prototype, PrototypeId, RegionId, Start,
+    State, SurfaceId, Sweep, dress,
 };
 use rayweave_rootray::RootRay;
 use rayweave_shape::Ray;
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::ops::Range;
 use view::View;
 
@@ -68,24 +68,66 @@ pub fn trace_curve(
     t0: f64,
     t1: f64,
 ) -> Result<CurveTrace, CurveError> {
+    trace_curve_from(program, curve, t0, t1, &mut Vec::new())
+}
+
+/// [`trace_curve`] of a curve that is known to begin on surfaces: `sides` names them, with the side of each just after
+/// `t0`, and holds afterwards the sides just before `t1` of all surfaces that the curve may have met, so that a trajectory
+/// may be traced piece by piece.
+///
+/// Light that leaves a face begins *on* it, and rounding decides on which side of it the first point lies. A surface that
+/// is listed is not crossed as long as the curve keeps within delta of it from its beginning on; a curve that comes out of
+/// that zone on the other side than listed crosses the surface at once. Sides of surfaces that the curve does not begin on
+/// are not looked at.
+///
+/// ```
+/// use rayweave_model::{PlacementId, Program, Solid, Start, SurfaceId};
+/// use rayweave_shape::primitive::{Value, build};
+/// use rayweave_space::curve::Parabola;
+/// use rayweave_space::trace_curve_from;
+///
+/// let ball = Solid::from(build("sphere", &[("radius", Value::Number(2.0))])?);
+/// let program = Program::compile(&ball)?;
+/// // thrown into the ball from its lowest point
+/// let throw = Parabola::new([0.0, 0.0, -2.0], [0.0, 0.0, 4.0], [0.0, 0.0, -2.0]);
+/// let mut sides = vec![Start { surface: SurfaceId(0), placement: PlacementId(0), inside: true }];
+/// let found = trace_curve_from(&program, &throw, 0.0, 3.0, &mut sides)?;
+/// assert_eq!((found.start.0, found.crossings.len()), (1, 0));
+/// assert!(sides[0].inside);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`trace_curve`]; `sides` are as they were then.
+pub fn trace_curve_from(
+    program: &Program,
+    curve: &dyn Curve<3>,
+    t0: f64,
+    t1: f64,
+    sides: &mut Vec<Start>,
+) -> Result<CurveTrace, CurveError> {
     check_window(curve, t0, t1)?;
     let window = (t0, t1);
     let boxes = Boxes::new(curve, t0, t1)?;
+    let mut ends = Vec::new();
     let mut frame = Frame::new(program, PrototypeId(0), View::world(curve), u32::MAX);
     let mut outer = Vec::new();
-    loop {
+    let trace = loop {
         if let Some(leaf) = frame.next_leaf(&boxes) {
-            if let Some(inner) = frame.enter(leaf, window)? {
+            if let Some(inner) = frame.enter(leaf, window, sides)? {
                 outer.push(std::mem::replace(&mut frame, inner));
             }
             continue;
         }
         frame.events.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+        ends.extend(frame.ends());
         let Some(around) = outer.pop() else {
-            return Ok(frame.into_trace(curve));
+            break frame.into_trace(curve);
         };
         std::mem::replace(&mut frame, around).into_leaf(&mut frame);
-    }
+    };
+    *sides = ends;
+    Ok(trace)
 }
 
 /// The point of a crossing.
@@ -114,7 +156,7 @@ struct Frame<'a> {
     matters: Vec<Bounds>,
     next: u32,
     /// What is isolated already, by surface.
-    known: HashMap<u32, RootRay>,
+    known: BTreeMap<u32, RootRay>,
     state: NetworkState,
     events: Vec<Event>,
     leaf_events: LeafEvents,
@@ -130,7 +172,7 @@ impl<'a> Frame<'a> {
             stands_for,
             matters: program.matters(prototype),
             next: 0,
-            known: HashMap::new(),
+            known: BTreeMap::new(),
             state: prototype.network.start(),
             events: Vec::new(),
             leaf_events: LeafEvents::default(),
@@ -152,11 +194,16 @@ impl<'a> Frame<'a> {
     }
 
     /// Adds the flips of a leaf that is a shape; for a placed solid the frame that is to be gone through first.
-    fn enter(&mut self, leaf: u32, window: (f64, f64)) -> Result<Option<Frame<'a>>, CurveError> {
+    fn enter(
+        &mut self,
+        leaf: u32,
+        window: (f64, f64),
+        sides: &[Start],
+    ) -> Result<Option<Frame<'a>>, CurveError> {
         let id = LeafId(self.prototype.leaves.start + leaf);
         let entry = self.program.leaf(id);
         match &entry.kind() {
-            LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, window).map(|()| None),
+            LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, (window, sides)).map(|()| None),
             LeafKind::Instance { prototype, placement } => {
                 let view = self.view.placed(&entry.place(), *placement);
                 Ok(Some(Frame::new(self.program, *prototype, view, leaf)))
@@ -169,11 +216,11 @@ impl<'a> Frame<'a> {
         id: LeafId,
         leaf: u32,
         facets: &Range<u32>,
-        window: (f64, f64),
+        asked: ((f64, f64), &[Start]),
     ) -> Result<(), CurveError> {
         let table = &self.program.facets()[facets.start as usize..facets.end as usize];
         for facet in table {
-            self.isolate(facet.surface().0, window)?;
+            self.isolate(facet.surface(), asked)?;
         }
         let known = &self.known;
         self.leaf_events.conjunction(table.len(), |k, flip| {
@@ -191,11 +238,31 @@ impl<'a> Frame<'a> {
     }
 
     /// Isolates a surface, unless another leaf has needed it before.
-    fn isolate(&mut self, surface: u32, window: (f64, f64)) -> Result<(), CurveError> {
-        if let Entry::Vacant(place) = self.known.entry(surface) {
-            place.insert(self.view.isolate(&self.program.surfaces()[surface as usize], window)?);
+    fn isolate(
+        &mut self,
+        surface: SurfaceId,
+        (window, sides): ((f64, f64), &[Start]),
+    ) -> Result<(), CurveError> {
+        if let Entry::Vacant(place) = self.known.entry(surface.0) {
+            let (entry, placement) = (self.program.surface(surface), self.view.placement);
+            let found = self.view.isolate(entry, window)?;
+            let start = sides.iter().find(|s| s.surface == surface && s.placement == placement);
+            place.insert(match start {
+                Some(start) => self.view.departing(entry, window, found, start.inside)?,
+                None => found,
+            });
         }
         Ok(())
+    }
+
+    /// The sides of all isolated surfaces at the end of the window.
+    fn ends(&self) -> impl Iterator<Item = Start> + '_ {
+        let placement = self.view.placement;
+        self.known.iter().map(move |(&surface, ray)| Start {
+            surface: SurfaceId(surface),
+            placement,
+            inside: ray.end().is_inside(),
+        })
     }
 
     fn start_at(&mut self, leaf: u32, inside: bool) {

@@ -5,7 +5,7 @@ use crate::isolate::{hugs, isolate_aside};
 use crate::{Curve, Field, Point};
 use rayweave_math::{Affine, Interval, Vec3};
 use rayweave_model::{Place, PlacementId, SurfaceEntry};
-use rayweave_rootray::RootRay;
+use rayweave_rootray::{Root, RootRay, Side};
 use rayweave_shape::surface::{Aside, Surface};
 
 /// A curve in the frame of a group.
@@ -50,6 +50,36 @@ impl<'a> View<'a> {
     pub fn isolate(&self, entry: &SurfaceEntry, (t0, t1): (f64, f64)) -> Result<RootRay, CurveError> {
         let side = |gradient: &Point<3>| self.aside.leads_inside(Vec3::from_array(*gradient));
         self.with_curve(|curve| isolate_aside(&self.field(entry), curve, t0, t1, side))
+    }
+
+    /// The sign changes of a surface along a curve that is on its side `inside` just after the window begins, if it begins
+    /// within delta of the surface at all: see [`trace_curve_from`](crate::trace_curve_from).
+    pub fn departing(
+        &self,
+        entry: &SurfaceEntry,
+        (t0, t1): (f64, f64),
+        found: RootRay,
+        inside: bool,
+    ) -> Result<RootRay, CurveError> {
+        if !self.hugs(entry, t0, t0)? {
+            return Ok(found);
+        }
+        let side = Side::from_inside(inside);
+        if found.roots().is_empty() && self.hugs(entry, t0, t1)? {
+            return Ok(RootRay::from_flips(side, Vec::new()).unwrap_or_default());
+        }
+        let (start, mut roots) = found.into_parts();
+        let mut near = 0;
+        while near < roots.len() && self.hugs(entry, t0, roots[near].t)? {
+            near += 1;
+        }
+        let last = near.checked_sub(1).map_or(t0.next_up(), |k| roots[k].t);
+        roots.drain(..near);
+        if start.after(near) != side {
+            roots.insert(0, Root::new(last, ()));
+        }
+        // in order and finite, as they were
+        Ok(RootRay::from_flips(side, roots).unwrap_or_default())
     }
 
     /// True if the curve keeps within delta of a surface between two times.
