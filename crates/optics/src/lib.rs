@@ -9,7 +9,7 @@
 //!
 //! [`prescription`] makes solids of lenses as designers write them, surface by surface, [`paraxial`] tells their focal lengths,
 //! pupils and aberration sums, and [`analysis`] makes spots, wavefronts and aberrations of real rays, in these and any other
-//! systems.
+//! systems. [`design`] tells what errors of making do to them, and looks for better ones.
 //!
 //! ```
 //! use rayweave_model::Solid;
@@ -33,6 +33,7 @@ mod abreast;
 pub mod analysis;
 mod beam;
 pub mod component;
+pub mod design;
 mod element;
 mod error;
 pub mod file;

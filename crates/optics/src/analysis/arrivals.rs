@@ -1,6 +1,7 @@
 //! Rays that come to a sheet.
 
 use super::AnalysisError;
+use crate::prescription::{Pass, Resolved};
 use crate::segments::{Event, Segments};
 use crate::system::System;
 use rayweave_math::{Affine, Vec3};
@@ -67,6 +68,20 @@ fn arrival(segments: &Segments, row: usize, local: &Affine) -> Arrival {
         index: segment.index,
         wavelength_nm: segment.wavelength_nm,
         power: segment.intensity,
+    }
+}
+
+/// A ray that was followed through a prescription, on its image.
+pub(crate) fn followed(resolved: &Resolved, id: usize, last: &Pass, wavelength_nm: f64) -> Arrival {
+    let space = resolved.media.len() - 1;
+    Arrival {
+        id,
+        position: last.point - Vec3::Z * resolved.vertices[space],
+        direction: last.direction,
+        path: last.path,
+        index: resolved.index(space, wavelength_nm).abs(),
+        wavelength_nm,
+        power: 1.0,
     }
 }
 

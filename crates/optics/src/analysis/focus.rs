@@ -24,6 +24,13 @@ pub fn through_focus(arrivals: &[Arrival], shifts: &[f64]) -> Vec<Spot> {
 /// square radius is a parabola in s with its vertex at - cov(x, m) / var(m), summed over both axes. `None` for rays that are
 /// parallel.
 pub fn best_focus(arrivals: &[Arrival]) -> Option<f64> {
+    let [covariance, variance] = focal_moments(arrivals);
+    let shift = -covariance / variance;
+    (variance > 0.0 && shift.is_finite()).then_some(shift)
+}
+
+/// cov(x, m) and var(m), summed over both axes.
+pub(crate) fn focal_moments(arrivals: &[Arrival]) -> [f64; 2] {
     let power: f64 = arrivals.iter().map(|arrival| arrival.power).sum();
     let mean = |f: &dyn Fn(&Arrival) -> f64| {
         arrivals.iter().map(|arrival| arrival.power * f(arrival)).sum::<f64>() / power
@@ -36,6 +43,5 @@ pub fn best_focus(arrivals: &[Arrival]) -> Option<f64> {
         covariance += mean(&|arrival| (arrival.position[axis] - middle[0]) * off(arrival));
         variance += mean(&|arrival| off(arrival) * off(arrival));
     }
-    let shift = -covariance / variance;
-    (variance > 0.0 && shift.is_finite()).then_some(shift)
+    [covariance, variance]
 }

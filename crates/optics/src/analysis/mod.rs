@@ -43,13 +43,16 @@ mod study;
 mod wavefront;
 mod zernike;
 
+pub(crate) use arrivals::followed;
 pub use arrivals::{Arrival, arrivals};
 pub use energy::{encircled_energy, geometric_mtf, radius_of_energy};
 pub use error::AnalysisError;
 pub use field::{Distortion, FieldFoci};
+pub(crate) use focus::focal_moments;
 pub use focus::{best_focus, moved, through_focus};
 pub use pupil::{fan_x, fan_y, hexapolar, square};
 pub use spot::Spot;
 pub use study::{Fan, Study};
 pub use wavefront::Wavefront;
+pub(crate) use wavefront::reference_radius;
 pub use zernike::{Fit, Zernike, fit};

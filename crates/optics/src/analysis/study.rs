@@ -1,6 +1,6 @@
 //! A prescription and its system, looked at field by field.
 
-use super::{AnalysisError, Arrival, Wavefront, arrivals};
+use super::{AnalysisError, Arrival, Wavefront, arrivals, followed, reference_radius};
 use crate::beam::Beam;
 use crate::prescription::{IMAGE, Layout, Prescription, PrescriptionError};
 use crate::settings::Settings;
@@ -104,19 +104,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     fn beside(&self, field: usize, wavelength_nm: f64, point: [f64; 2]) -> Option<Arrival> {
         let beam = self.beam(field, wavelength_nm, &[point]).ok()?;
         let passes = self.lens.follow(&beam.get(0).ray, wavelength_nm).ok()?;
-        let last = passes.last()?;
-        let resolved = self.lens.resolved().ok()?;
-        let space = resolved.media.len() - 1;
-        let vertex = rayweave_math::Vec3::Z * resolved.vertices[space];
-        Some(Arrival {
-            id: 0,
-            position: last.point - vertex,
-            direction: last.direction,
-            path: last.path,
-            index: resolved.index(space, wavelength_nm).abs(),
-            wavelength_nm,
-            power: 1.0,
-        })
+        Some(followed(&self.lens.resolved().ok()?, 0, passes.last()?, wavelength_nm))
     }
 
     /// A ray fan through points of the pupil, as [`fan_x`](super::fan_x) and [`fan_y`](super::fan_y) make them.
@@ -149,11 +137,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
         let first_order = self.lens.first_order(wavelength_nm)?;
         let image = self.lens.surfaces.iter().map(|surface| surface.thickness).sum::<f64>();
         let exit = first_order.exit_pupil.position - image;
-        let [x, y, z] = principal.position.to_array();
-        let radius = libm::hypot(libm::hypot(x, y), z - exit);
-        // behind the image if light gets there later
-        let is_behind = exit * principal.direction.z > 0.0;
-        let radius = if is_behind { -radius } else { radius };
+        let radius = reference_radius(&principal, exit);
         Ok(Wavefront::new(&principal, &found, pupil, radius, self.lens.unit_nm))
     }
 }

@@ -63,6 +63,15 @@ impl Wavefront {
     }
 }
 
+/// The radius of the reference sphere: the distance from the exit pupil, at a place on the axis, to where the principal ray meets
+/// the image; negative for a pupil that light reaches after the image.
+pub(crate) fn reference_radius(principal: &Arrival, exit: f64) -> f64 {
+    let [x, y, z] = principal.position.to_array();
+    let radius = libm::hypot(libm::hypot(x, y), z - exit);
+    let is_behind = exit * principal.direction.z > 0.0;
+    if is_behind { -radius } else { radius }
+}
+
 /// The optical path of a ray, taken back from the image to the sphere of reference, but for its radius, which is the same for
 /// all: what is subtracted stays small however far the pupil.
 fn to_sphere(ray: &Arrival, centre: Vec3, radius: f64) -> f64 {

@@ -52,6 +52,10 @@ impl Prescription {
             let (radius, conic) =
                 surface.map_or((self.image.radius, self.image.conic), |s| (s.radius, s.conic));
             let conicoid = Conicoid { vertex, curvature: 1.0 / radius, conic };
+            let pose = resolved.poses.get(k);
+            if let Some(pose) = pose {
+                (pass.point, pass.direction) = pose.local(pass.point, pass.direction);
+            }
             let length = conicoid.distance(pass.point, pass.direction).ok_or(lost("it misses"))?;
             pass.point += length * pass.direction;
             pass.path += indices[k].abs() * length;
@@ -63,6 +67,9 @@ impl Prescription {
                 Some(_) if ratio == 1.0 => pass.direction,
                 Some(_) => refract(pass.direction, normal, ratio).ok_or(lost("total reflection"))?,
             };
+            if let Some(pose) = pose {
+                (pass.point, pass.direction) = pose.world(pass.point, pass.direction);
+            }
             passes.push(pass);
         }
         Ok(passes)

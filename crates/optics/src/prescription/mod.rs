@@ -43,7 +43,7 @@ pub use follow::Pass;
 pub use solids::{IMAGE, Layout, STOP};
 pub use zmx::{Read, ZmxError, read_zmx, write_zmx};
 
-pub(crate) use resolved::Resolved;
+pub(crate) use resolved::{Pose, Resolved};
 
 use crate::glass::{Glass, GlassError};
 use crate::medium::Medium;

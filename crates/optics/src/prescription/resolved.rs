@@ -2,6 +2,7 @@
 
 use super::{Behind, FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
 use crate::medium::Medium;
+use rayweave_math::{Affine, Vec3};
 
 /// Vertices and media along the axis.
 #[derive(Clone, Debug)]
@@ -12,14 +13,45 @@ pub(crate) struct Resolved {
     pub media: Vec<Medium>,
     /// True where light travels towards +z in front of a surface.
     pub forward: Vec<bool>,
+    /// Where the surfaces are moved to; empty if all are where they should be.
+    pub poses: Vec<Pose>,
+}
+
+/// Where a surface is moved to from its place on the axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose {
+    to_world: Affine,
+    to_local: Affine,
+}
+
+impl Pose {
+    /// By a rigid map, in the coordinates of the prescription.
+    pub fn new(to_world: Affine) -> Pose {
+        // a rigid map has an inverse
+        Pose { to_world, to_local: to_world.inverse().unwrap_or(Affine::IDENTITY) }
+    }
+
+    /// A point and a direction in the coordinates in which the surface is in its place.
+    pub fn local(&self, point: Vec3, direction: Vec3) -> (Vec3, Vec3) {
+        (self.to_local.point(point), self.to_local.vector(direction))
+    }
+
+    /// The same back in the coordinates of the prescription.
+    pub fn world(&self, point: Vec3, direction: Vec3) -> (Vec3, Vec3) {
+        (self.to_world.point(point), self.to_world.vector(direction))
+    }
 }
 
 impl Prescription {
     /// Checks all numbers and finds all media.
     pub(crate) fn resolved(&self) -> Result<Resolved, PrescriptionError> {
         self.check()?;
-        let mut resolved =
-            Resolved { vertices: vec![0.0], media: vec![Medium::vacuum()], forward: vec![true] };
+        let mut resolved = Resolved {
+            vertices: vec![0.0],
+            media: vec![Medium::vacuum()],
+            forward: vec![true],
+            poses: Vec::new(),
+        };
         let (mut z, mut medium, mut forward) = (0.0, Medium::vacuum(), true);
         for (k, surface) in self.surfaces.iter().enumerate() {
             z += surface.thickness;

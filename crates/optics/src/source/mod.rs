@@ -45,6 +45,7 @@ mod spectrum;
 pub use error::SourceError;
 pub use listed::ListedRays;
 pub use pattern::{BeamProfile, Emission, Pattern};
+pub(crate) use random::uniform;
 pub use rays::SourceRays;
 pub use sampling::Sampling;
 pub use spectrum::{Cumulative, Spectrum, Wavelengths, planck};

@@ -38,7 +38,7 @@ impl RayNumbers {
 }
 
 /// The upper 53 bits as a fraction.
-pub(super) fn uniform(bits: u64) -> f64 {
+pub(crate) fn uniform(bits: u64) -> f64 {
     (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 

@@ -3,6 +3,8 @@
 mod analysis;
 mod designs;
 mod lenses;
+mod optimum;
 mod paraxial;
 mod prescription;
+mod tolerances;
 mod zmx;

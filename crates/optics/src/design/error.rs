@@ -1,0 +1,44 @@
+//! What can be wrong with a task of design.
+
+use crate::analysis::AnalysisError;
+use crate::design::Parameter;
+use crate::prescription::PrescriptionError;
+
+/// What can be wrong with a task of design, as "problem (why) suggestion?".
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DesignError {
+    /// Text that names no parameter.
+    #[error("`{0}` is no parameter (a quantity and surfaces are needed, as `radius 2` or `tilt x 3-4`)")]
+    NoParameter(String),
+    /// A parameter that the prescription does not have.
+    #[error("there is no {parameter} ({why})")]
+    Absent {
+        /// The parameter.
+        parameter: Parameter,
+        /// Why it is not there.
+        why: &'static str,
+    },
+    /// A number that is out of its range.
+    #[error("{what} is {value} (it has to be {range})")]
+    BadNumber {
+        /// What the number is.
+        what: String,
+        /// The number.
+        value: f64,
+        /// Which numbers are possible.
+        range: &'static str,
+    },
+    /// There is nothing to do.
+    #[error("there is no {0} (at least one is needed)")]
+    None(&'static str),
+    /// The search cannot begin.
+    #[error("the search cannot begin ({0})")]
+    NoStart(String),
+    /// The prescription itself, as it is.
+    #[error(transparent)]
+    Prescription(#[from] PrescriptionError),
+    /// Its image.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+}

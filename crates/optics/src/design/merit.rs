@@ -1,0 +1,115 @@
+//! Numbers by which prescriptions with errors are judged.
+
+use super::variant::Variant;
+use super::{DesignError, Parameter};
+use crate::analysis::{Arrival, Spot, focal_moments, moved};
+use crate::prescription::Prescription;
+
+/// A number by which a prescription is judged. Lengths are in its unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Merit {
+    /// The RMS radius of the spots about their centroids, of all wavelengths with their weights; the root of its mean square
+    /// over all fields.
+    SpotRms,
+    /// The RMS of the wavefronts at the primary wavelength, in waves; the root of its mean square over all fields.
+    WavefrontRms,
+    /// The focal length at the primary wavelength.
+    FocalLength,
+    /// The distance from the last vertex to the back focal point at the primary wavelength.
+    BackFocalDistance,
+    /// How far the centroid of the first field's spot is from where it is without errors.
+    ImageShift,
+}
+
+/// A merit, ready to be asked.
+pub(super) struct Judge {
+    merit: Merit,
+    refocus: bool,
+    pupil: Vec<[f64; 2]>,
+    centroid: [f64; 2],
+}
+
+/// A merit and the shift of the image that refocused it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Verdict {
+    pub merit: f64,
+    pub shift: f64,
+}
+
+impl Judge {
+    pub fn new(
+        lens: &Prescription,
+        merit: Merit,
+        refocus: bool,
+        pupil: Vec<[f64; 2]>,
+    ) -> Result<Judge, DesignError> {
+        let mut judge = Judge { merit, refocus, pupil, centroid: [0.0; 2] };
+        if merit == Merit::ImageShift {
+            let (images, _) = judge.images(&Variant::new(lens, &[])?)?;
+            judge.centroid =
+                images.first().and_then(|rays| Spot::of(rays)).map_or([0.0; 2], |spot| spot.centroid);
+        }
+        Ok(judge)
+    }
+
+    /// The merit with changes of parameters; NaN if no light arrives.
+    pub fn ask(&self, lens: &Prescription, changes: &[(Parameter, f64)]) -> Result<Verdict, DesignError> {
+        let variant = Variant::new(lens, changes)?;
+        let nm = lens.primary_nm();
+        let plain = |merit: f64| Verdict { merit, shift: 0.0 };
+        match self.merit {
+            Merit::FocalLength => Ok(plain(variant.first_order(nm)?.focal_length)),
+            Merit::BackFocalDistance => Ok(plain(variant.first_order(nm)?.back_focal_distance)),
+            Merit::SpotRms | Merit::ImageShift => {
+                let (images, shift) = self.images(&variant)?;
+                Ok(Verdict { merit: self.of_spots(&images), shift })
+            }
+            Merit::WavefrontRms => {
+                let shift = if self.refocus { self.images(&variant)?.1 } else { 0.0 };
+                Ok(Verdict { merit: self.of_wavefronts(&variant, shift)?, shift })
+            }
+        }
+    }
+
+    /// The rays of all fields on the image, refocused if asked for, and the shift.
+    fn images(&self, variant: &Variant) -> Result<(Vec<Vec<Arrival>>, f64), DesignError> {
+        let fields = 0..variant.lens.fields.len();
+        let images: Result<Vec<_>, _> =
+            fields.map(|field| variant.polychromatic(field, &self.pupil)).collect();
+        let images = images?;
+        if !self.refocus {
+            return Ok((images, 0.0));
+        }
+        // the mean squares of all fields are parabolas, and so is their sum
+        let sum =
+            images.iter().map(|rays| focal_moments(rays)).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        let shift = if sum[1] > 0.0 { -sum[0] / sum[1] } else { 0.0 };
+        Ok((images.iter().map(|rays| moved(rays, shift)).collect(), shift))
+    }
+
+    fn of_spots(&self, images: &[Vec<Arrival>]) -> f64 {
+        let spots: Option<Vec<Spot>> = images.iter().map(|rays| Spot::of(rays)).collect();
+        let Some(spots) = spots else { return f64::NAN };
+        match (self.merit, spots.first()) {
+            (Merit::ImageShift, Some(Spot { centroid: [x, y], .. })) => {
+                libm::hypot(x - self.centroid[0], y - self.centroid[1])
+            }
+            _ => root_mean_square(spots.iter().map(|spot| spot.rms)),
+        }
+    }
+
+    fn of_wavefronts(&self, variant: &Variant, shift: f64) -> Result<f64, DesignError> {
+        let nm = variant.lens.primary_nm();
+        let rms = |field: usize| {
+            let wavefront = variant.wavefront(field, nm, &self.pupil, shift)?;
+            Ok::<f64, DesignError>(wavefront.map_or(f64::NAN, |wavefront| wavefront.rms()))
+        };
+        let found: Result<Vec<f64>, _> = (0..variant.lens.fields.len()).map(rms).collect();
+        Ok(root_mean_square(found?.into_iter()))
+    }
+}
+
+fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    (values.map(|value| value * value).sum::<f64>() / count).sqrt()
+}

@@ -1,0 +1,233 @@
+//! A search for the values of parameters that come nearest to goals: damped least squares.
+
+use super::variant::Variant;
+use super::{DesignError, Goal, Parameter, Quantity};
+use crate::analysis::hexapolar;
+use crate::prescription::Prescription;
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
+use nalgebra::{DMatrix, DVector, Dyn, Owned};
+
+/// Steps for differences, in units of the scale of a parameter: about the cube root of the roundoff, where the errors of rounding
+/// and of the third order are as small as each other (Nocedal & Wright, *Numerical Optimization*, section 8.1).
+const STEP: f64 = 1e-5;
+
+/// A miss where there is no light, in units of the first one: worse than any that a search should accept.
+const DARK: f64 = 1e3;
+
+/// A search for the values of parameters at which the sum of squares of what goals miss is least, from a prescription on.
+///
+/// The algorithm is Levenberg and Marquardt's in the form of J. J. Moré (MINPACK; *The Levenberg-Marquardt algorithm*, Lecture
+/// Notes in Mathematics 630, 1978), with derivatives by differences. It finds the nearest minimum, not the best one.
+#[derive(Clone, Debug)]
+pub struct Optimiser<'a> {
+    lens: &'a Prescription,
+    parameters: Vec<Parameter>,
+    goals: Vec<Goal>,
+    rings: usize,
+    patience: usize,
+}
+
+/// What a search has found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optimum {
+    /// The prescription with the values that were found.
+    pub lens: Prescription,
+    /// The parameters with their values.
+    pub values: Vec<(Parameter, f64)>,
+    /// The root of the sum of squares of all misses at the start.
+    pub before: f64,
+    /// The same at the end.
+    pub after: f64,
+    /// How many prescriptions were looked at, but for the derivatives.
+    pub evaluations: usize,
+    /// True if it ended because no step made it better, not for lack of patience.
+    pub has_converged: bool,
+    /// Why it ended.
+    pub reason: String,
+}
+
+impl<'a> Optimiser<'a> {
+    /// From a prescription, with 4 rings of rays in the pupil.
+    pub fn new(lens: &'a Prescription) -> Optimiser<'a> {
+        Optimiser { lens, parameters: Vec::new(), goals: Vec::new(), rings: 4, patience: 100 }
+    }
+
+    /// The same with one more parameter to vary; what moves surfaces off the axis cannot be varied.
+    pub fn vary(mut self, parameter: Parameter) -> Optimiser<'a> {
+        self.parameters.push(parameter);
+        self
+    }
+
+    /// The same with one more goal.
+    pub fn goal(mut self, goal: Goal) -> Optimiser<'a> {
+        self.goals.push(goal);
+        self
+    }
+
+    /// The same with another number of rings of rays in the pupil.
+    pub fn rings(self, rings: usize) -> Optimiser<'a> {
+        Optimiser { rings, ..self }
+    }
+
+    /// The same that looks at so many prescriptions for each parameter, and one more, before it gives up; by default 100.
+    pub fn patience(self, patience: usize) -> Optimiser<'a> {
+        Optimiser { patience: patience.max(1), ..self }
+    }
+
+    /// Searches.
+    ///
+    /// # Errors
+    /// [`DesignError`] for parameters that are not there, goals that have no value at the start, nothing to vary and no goals.
+    pub fn run(&self) -> Result<Optimum, DesignError> {
+        let task = self.task()?;
+        let dark = || DesignError::NoStart("a ray does not arrive, or a number is not finite".to_owned());
+        let before = task.misses(&task.values_at(&task.at)?.ok_or_else(dark)?).norm();
+        let task = Task { dark: DARK * before.max(f64::MIN_POSITIVE), ..task };
+        let (task, report) = LevenbergMarquardt::new().with_patience(self.patience).minimize(task);
+        let variant = task.variant(&task.at)?;
+        let value = |&parameter: &Parameter| Ok((parameter, parameter.value(&variant.lens)?));
+        Ok(Optimum {
+            values: self.parameters.iter().map(value).collect::<Result<_, DesignError>>()?,
+            before,
+            after: (2.0 * report.objective_function).sqrt(),
+            evaluations: report.number_of_evaluations,
+            has_converged: has_converged(&report.termination),
+            reason: format!("{:?}", report.termination),
+            lens: variant.lens,
+        })
+    }
+
+    fn task(&self) -> Result<Task<'_>, DesignError> {
+        if self.parameters.is_empty() {
+            return Err(DesignError::None("parameter to vary"));
+        }
+        if self.goals.is_empty() {
+            return Err(DesignError::None("goal"));
+        }
+        if let Some(&parameter) = self.parameters.iter().find(|parameter| parameter.quantity.is_pose()) {
+            return Err(DesignError::Absent { parameter, why: "a prescription is centred" });
+        }
+        let scale = |parameter: &Parameter| scale(*parameter, self.lens);
+        let scales: Vec<f64> = self.parameters.iter().map(scale).collect::<Result<_, _>>()?;
+        Ok(Task {
+            optimiser: self,
+            pupil: hexapolar(self.rings),
+            at: DVector::zeros(scales.len()),
+            scales,
+            dark: f64::INFINITY,
+        })
+    }
+}
+
+/// The step that changes a prescription about as much as any other parameter's: lengths and curvatures by the length of the
+/// system.
+fn scale(parameter: Parameter, lens: &Prescription) -> Result<f64, DesignError> {
+    let value = parameter.value(lens)?;
+    let length = lens.surfaces.iter().map(|surface| surface.thickness.abs()).sum::<f64>();
+    let length = if length > 0.0 { length } else { 1.0 };
+    Ok(match parameter.quantity {
+        Quantity::Radius => value.abs(),
+        Quantity::Curvature => 1.0 / length,
+        Quantity::Thickness => length,
+        _ => 1.0,
+    })
+}
+
+fn has_converged(reason: &TerminationReason) -> bool {
+    // where rounding allows no better step, none is better
+    reason.was_successful() || matches!(reason, TerminationReason::NoImprovementPossible(_))
+}
+
+/// The changes of parameters, in units of their scales, as a problem of least squares.
+#[derive(Clone, Debug)]
+struct Task<'a> {
+    optimiser: &'a Optimiser<'a>,
+    pupil: Vec<[f64; 2]>,
+    scales: Vec<f64>,
+    at: DVector<f64>,
+    /// What every miss is where there is no light.
+    dark: f64,
+}
+
+impl Task<'_> {
+    fn variant(&self, at: &DVector<f64>) -> Result<Variant, DesignError> {
+        let parameters = self.optimiser.parameters.iter().copied();
+        let changes = parameters.zip(at.iter().zip(&self.scales).map(|(at, scale)| at * scale));
+        Variant::new(self.optimiser.lens, &changes.collect::<Vec<_>>())
+    }
+
+    /// The numbers of all goals; `None` where a ray that is needed does not arrive.
+    fn values_at(&self, at: &DVector<f64>) -> Result<Option<Vec<f64>>, DesignError> {
+        let variant = self.variant(at)?;
+        let mut all = Vec::with_capacity(self.count());
+        for goal in &self.optimiser.goals {
+            match goal.values(&variant, &self.pupil)? {
+                Some(values) => all.extend(values),
+                None => return Ok(None),
+            }
+        }
+        Ok(Some(all))
+    }
+
+    /// The goal of every number.
+    fn goals(&self) -> impl Iterator<Item = &Goal> {
+        let count = |goal: &Goal| goal.count(self.pupil.len());
+        self.optimiser.goals.iter().flat_map(move |goal| std::iter::repeat_n(goal, count(goal)))
+    }
+
+    /// What numbers miss, at least one for every parameter.
+    fn misses(&self, values: &[f64]) -> DVector<f64> {
+        let mut misses: Vec<f64> = self.goals().zip(values).map(|(goal, value)| goal.miss(*value)).collect();
+        misses.resize(self.count(), 0.0);
+        DVector::from_vec(misses)
+    }
+
+    /// How the numbers change with a parameter, by differences.
+    fn changes(&self, parameter: usize) -> Option<Vec<f64>> {
+        let beside = |step: f64| {
+            let mut at = self.at.clone();
+            at[parameter] += step;
+            self.values_at(&at).ok().flatten()
+        };
+        let (plus, minus) = (beside(STEP)?, beside(-STEP)?);
+        Some(plus.iter().zip(&minus).map(|(plus, minus)| (plus - minus) / (2.0 * STEP)).collect())
+    }
+
+    fn count(&self) -> usize {
+        let goals = self.optimiser.goals.iter();
+        goals.map(|goal| goal.count(self.pupil.len())).sum::<usize>().max(self.scales.len())
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Task<'_> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, at: &DVector<f64>) {
+        self.at.copy_from(at);
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.at.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        // a step into the dark, or to numbers that no prescription has, is a bad one, not the end
+        let dark = || DVector::from_element(self.count(), self.dark);
+        Some(self.values_at(&self.at).ok().flatten().map_or_else(dark, |values| self.misses(&values)))
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        // from the numbers, not from the misses, which have a kink at a bound
+        let values = self.values_at(&self.at).ok().flatten()?;
+        let slopes: Vec<f64> = self.goals().zip(&values).map(|(goal, value)| goal.slope(*value)).collect();
+        let mut jacobian = DMatrix::zeros(self.count(), self.scales.len());
+        for parameter in 0..self.scales.len() {
+            for (row, (change, slope)) in self.changes(parameter)?.iter().zip(&slopes).enumerate() {
+                jacobian[(row, parameter)] = change * slope;
+            }
+        }
+        Some(jacobian)
+    }
+}

@@ -1,0 +1,199 @@
+//! Parameters of prescriptions by name.
+
+use super::DesignError;
+use crate::glass::GlassError;
+use crate::medium::{Index, Medium};
+use crate::prescription::{Behind, Prescription, Surface};
+use num_complex::Complex64;
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+/// What of a surface is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// The radius of curvature; planes have none.
+    Radius,
+    /// The curvature, 1 over the radius: a search can pass through a plane with it.
+    Curvature,
+    /// The distance to the next surface.
+    Thickness,
+    /// The conic constant.
+    Conic,
+    /// The index of refraction behind it, at all wavelengths by the same amount.
+    Index,
+    /// A place off the axis along x.
+    DecentreX,
+    /// A place off the axis along y.
+    DecentreY,
+    /// A turn about the axis through the vertex along x, in degrees, right-handed.
+    TiltX,
+    /// A turn about the axis through the vertex along y, in degrees, right-handed.
+    TiltY,
+}
+
+impl Quantity {
+    /// All of them with their names.
+    const NAMES: [(&str, Quantity); 9] = [
+        ("radius", Quantity::Radius),
+        ("curvature", Quantity::Curvature),
+        ("thickness", Quantity::Thickness),
+        ("conic", Quantity::Conic),
+        ("index", Quantity::Index),
+        ("decentre x", Quantity::DecentreX),
+        ("decentre y", Quantity::DecentreY),
+        ("tilt x", Quantity::TiltX),
+        ("tilt y", Quantity::TiltY),
+    ];
+
+    fn name(self) -> &'static str {
+        Quantity::NAMES.iter().find(|(_, known)| *known == self).map_or("", |(name, _)| name)
+    }
+
+    /// True if it moves surfaces as they are.
+    pub(super) fn is_pose(self) -> bool {
+        matches!(self, Quantity::DecentreX | Quantity::DecentreY | Quantity::TiltX | Quantity::TiltY)
+    }
+}
+
+/// A number of a prescription: a quantity and the surfaces that it is of, counted from 1.
+///
+/// Surfaces `first` to `last` are moved as one body, about the vertex of the first; all other quantities are those of one
+/// surface. Its text is the name of the quantity with the numbers: `radius 2`, `decentre y 3-4`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Parameter {
+    /// What is meant.
+    pub quantity: Quantity,
+    /// The surface.
+    pub first: usize,
+    /// The last of the surfaces that are moved together; `first` for all that move none.
+    pub last: usize,
+}
+
+impl fmt::Display for Parameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.quantity.name(), self.first)?;
+        if self.last == self.first { Ok(()) } else { write!(f, "-{}", self.last) }
+    }
+}
+
+impl FromStr for Parameter {
+    type Err = DesignError;
+
+    fn from_str(text: &str) -> Result<Parameter, DesignError> {
+        let parsed = || {
+            let (name, numbers) = text.trim().rsplit_once(' ')?;
+            let (_, quantity) = Quantity::NAMES.into_iter().find(|(known, _)| *known == name.trim())?;
+            let (first, last) = numbers.split_once('-').unwrap_or((numbers, numbers));
+            let (first, last) = (first.parse().ok()?, last.parse().ok()?);
+            let is_one = first == last || quantity.is_pose();
+            (is_one && first <= last).then_some(Parameter { quantity, first, last })
+        };
+        parsed().ok_or_else(|| DesignError::NoParameter(text.to_owned()))
+    }
+}
+
+impl Parameter {
+    /// A quantity of one surface.
+    pub fn of(quantity: Quantity, surface: usize) -> Parameter {
+        Parameter { quantity, first: surface, last: surface }
+    }
+
+    fn absent(self, why: &'static str) -> DesignError {
+        DesignError::Absent { parameter: self, why }
+    }
+
+    fn surface(self, lens: &Prescription) -> Result<&Surface, DesignError> {
+        let no_surface = || self.absent("the prescription has no such surface; they count from 1");
+        lens.surfaces.get(self.last.wrapping_sub(1)).ok_or_else(no_surface)?;
+        lens.surfaces.get(self.first.wrapping_sub(1)).ok_or_else(no_surface)
+    }
+
+    /// Its value in a prescription: 0 for what moves surfaces, for an index that at the primary wavelength.
+    ///
+    /// # Errors
+    /// [`DesignError::Absent`] for surfaces that do not exist, radii of planes, indices of mirrors.
+    pub fn value(self, lens: &Prescription) -> Result<f64, DesignError> {
+        let surface = self.surface(lens)?;
+        match self.quantity {
+            Quantity::Radius if surface.radius.is_infinite() => {
+                Err(self.absent("the surface is a plane; vary its curvature"))
+            }
+            Quantity::Radius => Ok(surface.radius),
+            Quantity::Curvature => Ok(1.0 / surface.radius),
+            Quantity::Thickness => Ok(surface.thickness),
+            Quantity::Conic => Ok(surface.conic),
+            Quantity::Index => Ok(self.medium(surface)?.index(lens.primary_nm()).re),
+            _ => Ok(0.0),
+        }
+    }
+
+    fn medium(self, surface: &Surface) -> Result<Medium, DesignError> {
+        let unknown = |problem: GlassError| {
+            DesignError::Prescription(crate::prescription::PrescriptionError::Glass {
+                surface: self.first,
+                problem,
+            })
+        };
+        let medium = surface.behind.medium().map_err(unknown)?;
+        medium.ok_or_else(|| self.absent("behind a mirror is the medium in front of it"))
+    }
+
+    /// Adds to its value in a prescription; what moves surfaces changes nothing there.
+    pub(super) fn add(self, lens: &mut Prescription, change: f64) -> Result<(), DesignError> {
+        self.value(lens)?;
+        let surface = &mut lens.surfaces[self.first - 1];
+        match self.quantity {
+            Quantity::Radius => surface.radius += change,
+            Quantity::Curvature => surface.radius = 1.0 / (1.0 / surface.radius + change),
+            Quantity::Thickness => surface.thickness += change,
+            Quantity::Conic => surface.conic += change,
+            Quantity::Index => {
+                let medium = self.medium(surface)?;
+                surface.behind = Behind::Medium(shifted(medium, change));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+/// A medium with an index that is everywhere greater by the same amount.
+#[derive(Debug)]
+struct Shifted {
+    medium: Medium,
+    by: f64,
+}
+
+impl Index for Shifted {
+    fn at(&self, wavelength_nm: f64) -> Complex64 {
+        self.medium.index(wavelength_nm) + self.by
+    }
+
+    fn range_nm(&self) -> [f64; 2] {
+        self.medium.range_nm()
+    }
+}
+
+fn shifted(medium: Medium, by: f64) -> Medium {
+    if by == 0.0 {
+        return medium;
+    }
+    let name = medium.name().to_owned();
+    Medium::dispersive(&name, Arc::new(Shifted { medium, by }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_as_they_are_written() {
+        for text in ["radius 2", "curvature 1", "decentre y 3-4", "tilt x 5", "index 12"] {
+            assert_eq!(text.parse::<Parameter>().unwrap().to_string(), text);
+        }
+        for text in ["", "radius", "radius x", "radius 1-2", "tilt 3", "tilt x 4-3", "girth 2", "radius -1"] {
+            assert!(text.parse::<Parameter>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Prescriptions with other values of some parameters, and what they image.
+
+use super::{DesignError, Parameter, Quantity};
+use crate::analysis::{Arrival, Wavefront, followed, moved, reference_radius};
+use crate::paraxial::FirstOrder;
+use crate::prescription::{Pose, Prescription, PrescriptionError, Resolved};
+use rayweave_math::{Affine, Vec3};
+
+/// A prescription with other values of some parameters.
+#[derive(Clone, Debug)]
+pub(super) struct Variant {
+    pub lens: Prescription,
+    pub resolved: Resolved,
+}
+
+impl Variant {
+    /// With changes of parameters, in their order.
+    pub fn new(lens: &Prescription, changes: &[(Parameter, f64)]) -> Result<Variant, DesignError> {
+        let mut lens = lens.clone();
+        for (parameter, change) in changes {
+            parameter.add(&mut lens, *change)?;
+        }
+        let mut resolved = lens.resolved()?;
+        resolved.poses = poses(&resolved, changes);
+        Ok(Variant { lens, resolved })
+    }
+
+    /// First-order data at a wavelength; what is off the axis does not count.
+    pub fn first_order(&self, wavelength_nm: f64) -> Result<FirstOrder, DesignError> {
+        Ok(self.lens.first_order_resolved(&self.resolved, wavelength_nm)?)
+    }
+
+    /// The rays of a field that arrive at the image, by the numbers of their points of the pupil.
+    pub fn arrivals(
+        &self,
+        field: usize,
+        wavelength_nm: f64,
+        pupil: &[[f64; 2]],
+    ) -> Result<Vec<Arrival>, DesignError> {
+        let launch = self.lens.launch(&self.resolved, field)?;
+        let mut found = Vec::with_capacity(pupil.len());
+        for (id, &point) in pupil.iter().enumerate() {
+            match self.lens.follow_resolved(&self.resolved, &launch.ray(point), wavelength_nm) {
+                Ok(passes) => {
+                    let last = passes.last();
+                    found.extend(last.map(|last| followed(&self.resolved, id, last, wavelength_nm)));
+                }
+                Err(PrescriptionError::Lost { .. }) => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Ok(found)
+    }
+
+    /// The rays of a field at all wavelengths, with their weights.
+    pub fn polychromatic(&self, field: usize, pupil: &[[f64; 2]]) -> Result<Vec<Arrival>, DesignError> {
+        let mut all = Vec::new();
+        for line in &self.lens.lines {
+            let found = self.arrivals(field, line.wavelength_nm, pupil)?;
+            all.extend(found.into_iter().map(|ray| Arrival { power: line.weight, ..ray }));
+        }
+        Ok(all)
+    }
+
+    /// The wavefront of a field on a plane moved along the axis; `None` if its principal ray does not arrive.
+    pub fn wavefront(
+        &self,
+        field: usize,
+        wavelength_nm: f64,
+        pupil: &[[f64; 2]],
+        shift: f64,
+    ) -> Result<Option<Wavefront>, DesignError> {
+        let principal = moved(&self.arrivals(field, wavelength_nm, &[[0.0; 2]])?, shift);
+        let Some(principal) = principal.first() else { return Ok(None) };
+        let found = moved(&self.arrivals(field, wavelength_nm, pupil)?, shift);
+        let image = self.lens.surfaces.iter().map(|surface| surface.thickness).sum::<f64>();
+        let exit = self.first_order(wavelength_nm)?.exit_pupil.position - image;
+        let radius = reference_radius(principal, exit);
+        Ok(Some(Wavefront::new(principal, &found, pupil, radius, self.lens.unit_nm)))
+    }
+}
+
+/// Where surfaces are moved to, one for every surface, or none if all are where they should be.
+fn poses(resolved: &Resolved, changes: &[(Parameter, f64)]) -> Vec<Pose> {
+    if !changes.iter().any(|(parameter, _)| parameter.quantity.is_pose()) {
+        return Vec::new();
+    }
+    let count = resolved.vertices.len() - 1;
+    let mut maps = vec![Affine::IDENTITY; count];
+    for (parameter, change) in changes {
+        let vertex = Vec3::Z * resolved.vertices[parameter.first - 1];
+        let map = motion(parameter.quantity, *change, vertex);
+        for own in &mut maps[parameter.first - 1..parameter.last] {
+            *own = own.then(&map);
+        }
+    }
+    maps.into_iter().map(Pose::new).collect()
+}
+
+fn motion(quantity: Quantity, change: f64, vertex: Vec3) -> Affine {
+    let about = |axis: Vec3| {
+        let turn = Affine::rotation(axis, change);
+        Affine::translate(-vertex).then(&turn).then(&Affine::translate(vertex))
+    };
+    match quantity {
+        Quantity::DecentreX => Affine::translate(Vec3::X * change),
+        Quantity::DecentreY => Affine::translate(Vec3::Y * change),
+        Quantity::TiltX => about(Vec3::X),
+        Quantity::TiltY => about(Vec3::Y),
+        _ => Affine::IDENTITY,
+    }
+}
