@@ -2,6 +2,7 @@
 
 use super::syntax::Node;
 use super::value::{Argument, Value};
+use rayweave_math::Vec3;
 use rayweave_scene::{Diagnostic, Source};
 use std::sync::Arc;
 
@@ -93,6 +94,11 @@ pub(super) fn finite<const N: usize>(value: &Value) -> Option<[f64; N]> {
     let numbers = value.numbers()?;
     let all = <[f64; N]>::try_from(numbers).ok()?;
     all.iter().all(|number| number.is_finite()).then_some(all)
+}
+
+/// A point of space.
+pub(super) fn vector(value: &Value) -> Option<Vec3> {
+    finite::<3>(value).map(Vec3::from_array)
 }
 
 /// The names of arguments that may stand without them. OpenSCAD itself leaves out those of two items only.

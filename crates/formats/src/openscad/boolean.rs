@@ -1,6 +1,6 @@
 //! Union, difference and intersection of parts.
 
-use super::part::{Part, Piece, union, whole};
+use super::part::{Piece, union};
 use rayweave_model::Solid;
 use rayweave_scene::Colour;
 use std::collections::HashMap;
@@ -17,49 +17,82 @@ pub(super) enum Operation {
     Intersection,
 }
 
-/// Joins solids; pieces keep their colours, those of the first operand where something is cut.
-pub(super) fn join_solids(operation: Operation, operands: Vec<Vec<Piece>>) -> Part {
+/// Solids, joined: the difference is what is in the first and in none of the others.
+pub(super) fn join_solids(operation: Operation, mut solids: Vec<Solid>) -> Solid {
     match operation {
-        Operation::Union => gather(operands.into_iter().flatten()),
-        Operation::Difference => cut(operands, |piece, others| piece - union(others)),
-        Operation::Intersection => cut(operands, |piece, mut others| {
-            others.insert(0, piece);
-            Solid::intersection(others)
-        }),
+        _ if solids.len() == 1 => solids.remove(0),
+        Operation::Union => Solid::union(solids),
+        Operation::Intersection => Solid::intersection(solids),
+        Operation::Difference => {
+            let others = solids.split_off(1.min(solids.len()));
+            solids.pop().map_or_else(Solid::vacuum, |first| first - union(others))
+        }
+    }
+}
+
+/// Joins operands, of which there is one or more. Pieces keep their colours, those of the first operand where something
+/// is cut.
+pub(super) fn join<T: Clone>(
+    operation: Operation,
+    operands: Vec<Vec<Piece<T>>>,
+    combine: &mut impl FnMut(Operation, Vec<T>) -> T,
+) -> Vec<Piece<T>> {
+    match operation {
+        Operation::Union => gather(operands.into_iter().flatten(), combine),
+        cut => cut_first(cut, operands, combine),
     }
 }
 
 /// The union: pieces of one colour become one.
-fn gather(pieces: impl Iterator<Item = Piece>) -> Part {
-    let mut groups: Vec<(Option<Colour>, Vec<Solid>)> = Vec::new();
+fn gather<T>(
+    pieces: impl Iterator<Item = Piece<T>>,
+    combine: &mut impl FnMut(Operation, Vec<T>) -> T,
+) -> Vec<Piece<T>> {
+    let mut groups: Vec<(Option<Colour>, Vec<T>)> = Vec::new();
     let mut places: HashMap<Option<Colour>, usize> = HashMap::new();
-    for Piece { colour, solid } in pieces {
+    for Piece { colour, body } in pieces {
         let place = *places.entry(colour).or_insert(groups.len());
         match groups.get_mut(place) {
-            Some((_, solids)) => solids.push(solid),
-            None => groups.push((colour, vec![solid])),
+            Some((_, bodies)) => bodies.push(body),
+            None => groups.push((colour, vec![body])),
         }
     }
-    let pieces: Vec<Piece> =
-        groups.into_iter().map(|(colour, solids)| Piece { colour, solid: union(solids) }).collect();
-    if pieces.is_empty() { Part::Empty } else { Part::Solid(pieces) }
+    let joined = |(colour, bodies): (_, Vec<T>)| Piece { colour, body: one(bodies, combine) };
+    groups.into_iter().map(joined).collect()
+}
+
+/// The union of bodies, of which there is one or more.
+fn one<T>(mut bodies: Vec<T>, combine: &mut impl FnMut(Operation, Vec<T>) -> T) -> T {
+    match bodies.len() {
+        1 => bodies.remove(0),
+        _ => combine(Operation::Union, bodies),
+    }
+}
+
+/// All pieces as one.
+pub(super) fn whole<T>(pieces: Vec<Piece<T>>, combine: &mut impl FnMut(Operation, Vec<T>) -> T) -> T {
+    one(pieces.into_iter().map(|piece| piece.body).collect(), combine)
 }
 
 /// The first operand, each piece of which is joined with the others as wholes.
-fn cut(operands: Vec<Vec<Piece>>, join: impl Fn(Solid, Vec<Solid>) -> Solid) -> Part {
+fn cut_first<T: Clone>(
+    operation: Operation,
+    operands: Vec<Vec<Piece<T>>>,
+    combine: &mut impl FnMut(Operation, Vec<T>) -> T,
+) -> Vec<Piece<T>> {
     let mut operands = operands.into_iter();
-    let Some(mut first) = operands.next() else {
-        return Part::Empty;
-    };
-    let others: Vec<Solid> = operands.map(whole).collect();
+    let mut first = operands.next().unwrap_or_default();
+    let others: Vec<T> = operands.map(|pieces| whole(pieces, combine)).collect();
     if others.is_empty() {
-        return Part::Solid(first);
+        return first;
     }
     if first.len() > MOST_CUT_PIECES {
         let colour = first[0].colour;
-        first = vec![Piece { colour, solid: whole(first) }];
+        first = vec![Piece { colour, body: whole(first, combine) }];
     }
-    let pieces = first.into_iter();
-    let pieces = pieces.map(|piece| Piece { solid: join(piece.solid, others.clone()), ..piece });
-    Part::Solid(pieces.collect())
+    let mut cut = |Piece { colour, body }: Piece<T>| {
+        let all = std::iter::once(body).chain(others.iter().cloned()).collect();
+        Piece { colour, body: combine(operation, all) }
+    };
+    first.into_iter().map(&mut cut).collect()
 }

@@ -1,6 +1,8 @@
 //! How finely OpenSCAD divides round shapes, and where it puts their vertices.
 
 use super::arguments::{Arguments, Refusal};
+use super::extrude::Way;
+use rayweave_math::Vec3;
 use std::f64::consts::TAU;
 
 /// What OpenSCAD takes as no radius at all: 2^-20.
@@ -18,6 +20,9 @@ pub(super) struct Fineness {
 }
 
 impl Fineness {
+    /// Edges as they are.
+    pub const COARSE: Fineness = Fineness { count: 1.0, angle: 360.0, size: f64::INFINITY };
+
     pub fn of(arguments: &Arguments) -> Result<Fineness, Refusal> {
         let fineness = Fineness {
             count: arguments.number("$fn", 0.0)?,
@@ -38,6 +43,35 @@ impl Fineness {
             () => (360.0 / self.angle).min(radius * TAU / self.size).max(5.0).ceil(),
         };
         fragments.min(MOST_FRAGMENTS) as usize
+    }
+
+    /// The number of slices of a `linear_extrude` that twists, or grows unequally, over a region that reaches so far along x
+    /// and y: at least three a turn; by `$fn`, or by the coarser of `$fa` and the lengths of the way of the farthest point.
+    pub fn slices(&self, reach: [f64; 2], twist: f64, way: &Way) -> usize {
+        let least = (twist / 120.0).ceil().max(1.0);
+        let height = way.top - way.bottom;
+        let radius = reach[0].hypot(reach[1]);
+        let slices = match () {
+            () if self.count > 0.0 && twist > 0.0 => (twist / 360.0 * self.count).ceil(),
+            () if self.count > 0.0 => self.count,
+            () => {
+                let moved = [0, 1].map(|k| (way.scale[k] - 1.0) * reach[k]);
+                let turned = twist.to_radians() * radius * way.mean_factor();
+                let length = height.hypot(turned).hypot(moved[0]).hypot(moved[1]);
+                let by_size = (length / self.size).ceil();
+                if twist > 0.0 { by_size.min((twist / self.angle).ceil()) } else { by_size }
+            }
+        };
+        slices.max(least).min(MOST_FRAGMENTS) as usize
+    }
+
+    /// How many pieces the edges of a contour of this length have at least, where they bend.
+    pub fn pieces(&self, length: f64) -> usize {
+        let pieces = match self.count > 0.0 {
+            true => self.count,
+            false => (360.0 / self.angle).min(length / self.size),
+        };
+        pieces.ceil().clamp(1.0, MOST_FRAGMENTS) as usize
     }
 }
 
@@ -83,4 +117,17 @@ pub(super) fn ring_planes(rings: &[[f64; 2]], fragments: usize) -> Vec<[f64; 4]>
         }));
     }
     planes
+}
+
+/// The vertices of rings.
+pub(super) fn ring_points(rings: &[[f64; 2]], fragments: usize) -> Vec<Vec3> {
+    let mut points = Vec::with_capacity(rings.len() * fragments);
+    for &[radius, z] in rings {
+        let count = if radius > 0.0 { fragments } else { 1 };
+        points.extend((0..count).map(|k| {
+            let [cos, sin] = direction(k as f64, fragments);
+            Vec3::new(radius * cos, radius * sin, z)
+        }));
+    }
+    points
 }

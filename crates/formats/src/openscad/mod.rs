@@ -8,11 +8,22 @@
 
 mod arguments;
 mod boolean;
+mod convex_hull;
+mod extrude;
 mod facets;
+mod flat;
+mod gather;
+mod hull;
+mod hull2;
+mod mesh;
+mod offset;
 mod part;
 mod primitive;
 mod reader;
+mod revolve;
+mod sum;
 mod syntax;
+mod text;
 mod token;
 mod transform;
 mod value;

@@ -1,5 +1,6 @@
 //! What an item stands for.
 
+use super::flat::Flat;
 use rayweave_model::Solid;
 use rayweave_scene::Colour;
 
@@ -10,20 +11,28 @@ pub(super) enum Part {
     Empty,
     /// What could not be read: it counts as if it did not stand there.
     Refused,
+    /// A region of the plane in pieces of different colours; it is their union.
+    Flat(Vec<Piece<Flat>>),
     /// A solid in pieces of different colours; it is their union.
-    Solid(Vec<Piece>),
+    Solid(Vec<Piece<Solid>>),
 }
 
-/// A part of a solid, with its colour if it has one.
+/// A part of a solid or of a region of the plane, with its colour if it has one.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct Piece<T> {
     pub colour: Option<Colour>,
-    pub solid: Solid,
+    pub body: T,
 }
 
 impl From<Solid> for Part {
-    fn from(solid: Solid) -> Part {
-        Part::Solid(vec![Piece { colour: None, solid }])
+    fn from(body: Solid) -> Part {
+        Part::Solid(vec![Piece { colour: None, body }])
+    }
+}
+
+impl From<Flat> for Part {
+    fn from(body: Flat) -> Part {
+        Part::Flat(vec![Piece { colour: None, body }])
     }
 }
 
@@ -33,9 +42,4 @@ pub(super) fn union(mut solids: Vec<Solid>) -> Solid {
         1 => solids.remove(0),
         _ => Solid::union(solids),
     }
-}
-
-/// The union of all pieces.
-pub(super) fn whole(pieces: Vec<Piece>) -> Solid {
-    union(pieces.into_iter().map(|piece| piece.solid).collect())
 }

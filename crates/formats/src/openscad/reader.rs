@@ -1,43 +1,69 @@
 //! From the tree of a dump to a scene: every item after its children, without using the call stack for depth.
 
 use super::arguments::{Arguments, Refusal};
-use super::boolean::{Operation, join_solids};
+use super::boolean::{Operation, join, join_solids, whole};
+use super::extrude::{Way, extruded};
+use super::flat::{self, Flat, Flats, Leaf};
+use super::mesh::Twist;
 use super::part::{Part, Piece};
+use super::revolve::Turn;
 use super::syntax::{Node, Tree};
-use super::{primitive, transform};
+use super::text::{Fonts, text};
+use super::{gather, hull, mesh, offset, primitive, sum, transform};
 use crate::{LossKind, Options, Report};
+use rayweave_math::Affine;
+use rayweave_model::Solid;
 use rayweave_scene::{
     Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit,
 };
+use std::collections::HashMap;
 use std::sync::Arc;
 
 pub(super) struct Reader<'a> {
-    source: &'a Arc<Source>,
-    options: &'a Options,
-    tree: &'a Tree,
+    pub source: &'a Arc<Source>,
+    pub options: &'a Options,
+    pub tree: &'a Tree,
+    /// Which nodes are there at all.
+    pub live: Vec<bool>,
     /// What each node stands for, as far as it has been found out and not been used.
     parts: Vec<Part>,
-    report: Report,
+    pub flats: Flats,
+    /// What is extruded by a node.
+    pub extruded: HashMap<usize, Flat>,
+    fonts: Fonts,
+    pub report: Report,
 }
 
 impl<'a> Reader<'a> {
     pub fn new(source: &'a Arc<Source>, options: &'a Options, tree: &'a Tree) -> Reader<'a> {
-        let parts = vec![Part::Empty; tree.nodes.len()];
-        Reader { source, options, tree, parts, report: Report::default() }
+        Reader {
+            source,
+            options,
+            tree,
+            live: vec![true; tree.nodes.len()],
+            parts: vec![Part::Empty; tree.nodes.len()],
+            flats: Flats::default(),
+            extruded: HashMap::new(),
+            fonts: Fonts::new(&options.fonts),
+            report: Report::default(),
+        }
     }
 
     /// The scene of all items: a region for each colour.
     pub fn scene(mut self) -> (Scene, Report) {
-        let mut live = self.live();
-        let root = self.tree.nodes.iter().zip(&live).position(|(node, live)| node.modifiers.root && *live);
-        self.keep_below(root.unwrap_or(0), &mut live);
+        self.find_live();
+        let mut roots = self.tree.nodes.iter().zip(&self.live);
+        let root = roots.position(|(node, live)| node.modifiers.root && *live).unwrap_or(0);
+        self.keep_below(root);
         // children have greater numbers than their parents
-        for number in (0..self.tree.nodes.len()).rev().filter(|number| live[*number]) {
-            self.parts[number] = self.part(&self.tree.nodes[number]);
+        for number in (0..self.tree.nodes.len()).rev() {
+            if self.live[number] {
+                self.parts[number] = self.part(number);
+            }
         }
-        let part = std::mem::replace(&mut self.parts[root.unwrap_or(0)], Part::Empty);
-        let pieces = match part {
+        let pieces = match std::mem::replace(&mut self.parts[root], Part::Empty) {
             Part::Solid(pieces) => pieces,
+            Part::Flat(pieces) => self.plates(&pieces),
             Part::Empty | Part::Refused => Vec::new(),
         };
         if pieces.is_empty() {
@@ -48,96 +74,317 @@ impl<'a> Reader<'a> {
     }
 
     /// Which nodes are there at all: not those below a `*` or a `%`.
-    fn live(&mut self) -> Vec<bool> {
-        let mut live = vec![true; self.tree.nodes.len()];
+    fn find_live(&mut self) {
         for (number, node) in self.tree.nodes.iter().enumerate() {
             let modifiers = node.modifiers;
             let is_shadow = modifiers.background && !modifiers.root;
-            if live[number] && is_shadow && !modifiers.disabled {
+            if self.live[number] && is_shadow && !modifiers.disabled {
                 let why = Diagnostic::warning("an item in the background is left out")
                     .why("% shows it in previews only");
                 self.report.add(LossKind::Dropped, &node.name, why.at(self.source, node.span));
             }
-            live[number] &= !modifiers.disabled && !is_shadow;
-            if !live[number] {
-                node.children.iter().for_each(|child| live[*child as usize] = false);
+            self.live[number] &= !modifiers.disabled && !is_shadow;
+            if !self.live[number] {
+                node.children.iter().for_each(|child| self.live[*child as usize] = false);
             }
         }
-        live
     }
 
     /// Leaves only what stands below a node.
-    fn keep_below(&self, root: usize, live: &mut [bool]) {
-        let mut below = vec![false; live.len()];
+    fn keep_below(&mut self, root: usize) {
+        let mut below = vec![false; self.live.len()];
         below[root] = true;
         for (number, node) in self.tree.nodes.iter().enumerate() {
-            live[number] &= below[number];
+            self.live[number] &= below[number];
             node.children.iter().for_each(|child| below[*child as usize] |= below[number]);
         }
     }
 
-    fn part(&mut self, node: &Node) -> Part {
-        match self.read(node) {
+    fn part(&mut self, number: usize) -> Part {
+        let node = &self.tree.nodes[number];
+        match self.read(number, node) {
             Ok(part) => part,
             Err(why) => {
-                self.report.add(LossKind::Refused, &format!("{}()", node.name), *why);
+                self.report.add(LossKind::Refused, &item(node), *why);
                 Part::Refused
             }
         }
     }
 
-    fn read(&mut self, node: &Node) -> Result<Part, Refusal> {
+    fn read(&mut self, number: usize, node: &'a Node) -> Result<Part, Refusal> {
         let arguments = Arguments::new(self.source, node);
         let facets = self.options.facets;
         match node.name.as_str() {
-            "group" | "union" | "render" => self.joined(node, Operation::Union),
-            "difference" => self.joined(node, Operation::Difference),
-            "intersection" => self.joined(node, Operation::Intersection),
+            "group" | "union" | "render" => Ok(self.joined(node, Operation::Union)),
+            "difference" => Ok(self.joined(node, Operation::Difference)),
+            "intersection" => Ok(self.joined(node, Operation::Intersection)),
             "multmatrix" => self.transformed(node, &arguments),
-            "color" => {
-                let part = self.joined(node, Operation::Union)?;
-                Ok(match transform::colour(&arguments)? {
-                    Some(colour) => transform::coloured(part, colour),
-                    None => part,
-                })
-            }
+            "color" => self.coloured(node, &arguments),
             "cube" => primitive::cube(&arguments),
             "sphere" => primitive::sphere(&arguments, facets),
             "cylinder" => primitive::cylinder(&arguments, facets),
+            "square" => Ok(self.leaf(flat::square(&arguments)?)),
+            "circle" => Ok(self.leaf(flat::circle(&arguments, facets)?)),
+            "polygon" => Ok(self.leaf(flat::polygon(&arguments)?)),
+            "text" => self.text(&arguments),
+            "linear_extrude" => self.linear_extrude(number, node, &arguments),
+            "rotate_extrude" => self.rotate_extrude(number, node, &arguments),
+            "hull" => self.hull(number, node, &arguments),
+            "minkowski" => self.minkowski(node, &arguments),
+            "offset" => self.offset(node, &arguments),
+            "polyhedron" => mesh::polyhedron(&arguments),
+            "import" => mesh::import(&arguments, self.source),
+            "surface" => mesh::surface(&arguments, self.source),
+            "projection" => Err(arguments.refusal("the shadow or section of a solid is no formula")),
             _ => Err(arguments.refusal("items of this name cannot be read")),
         }
     }
 
+    fn leaf(&mut self, leaf: Option<Leaf>) -> Part {
+        leaf.map_or(Part::Empty, |leaf| self.flats.leaf(leaf).into())
+    }
+
     /// The children, joined.
-    fn joined(&mut self, node: &Node, operation: Operation) -> Result<Part, Refusal> {
-        let mut solids = Vec::with_capacity(node.children.len());
+    pub fn joined(&mut self, node: &Node, operation: Operation) -> Part {
+        let (mut solids, mut flats) = (Vec::new(), Vec::new());
+        let mut other_dimension = false;
         for (position, child) in node.children.iter().enumerate() {
             match (std::mem::replace(&mut self.parts[*child as usize], Part::Empty), operation) {
                 // what the others are taken from, or would be
-                (Part::Refused, Operation::Difference) if position == 0 => return Ok(Part::Refused),
-                (Part::Empty, Operation::Difference) if position == 0 => return Ok(Part::Empty),
-                (Part::Empty, Operation::Intersection) => return Ok(Part::Empty),
+                (part @ (Part::Refused | Part::Empty), Operation::Difference) if position == 0 => {
+                    return part;
+                }
+                (Part::Empty, Operation::Intersection) if self.live[*child as usize] => return Part::Empty,
                 (Part::Refused | Part::Empty, _) => {}
-                (Part::Solid(pieces), _) => solids.push(pieces),
+                (Part::Solid(pieces), _) if flats.is_empty() => solids.push(pieces),
+                (Part::Flat(pieces), _) if solids.is_empty() => flats.push(pieces),
+                _ => other_dimension = true,
             }
         }
-        Ok(join_solids(operation, solids))
+        if other_dimension {
+            let why = Diagnostic::warning("solids and regions of the plane stand side by side")
+                .why("the dimension of the first one counts, and the others are left out, as in OpenSCAD");
+            self.report.add(LossKind::Dropped, &item(node), why.at(self.source, node.span));
+        }
+        if !solids.is_empty() {
+            return Part::Solid(join(operation, solids, &mut join_solids));
+        }
+        if !flats.is_empty() {
+            let all = &mut self.flats;
+            return Part::Flat(join(operation, flats, &mut |operation, flats| all.join(operation, flats)));
+        }
+        Part::Empty
     }
 
     fn transformed(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         let map = transform::matrix(arguments)?;
-        let part = self.joined(node, Operation::Union)?;
-        if map.inverse().is_err() && matches!(part, Part::Solid(_)) {
+        let part = self.joined(node, Operation::Union);
+        let map = if matches!(part, Part::Flat(_)) { transform::of_the_plane(&map) } else { map };
+        if map.inverse().is_err() && matches!(part, Part::Solid(_) | Part::Flat(_)) {
             let why = arguments.approximation("leaves nothing (its matrix has no inverse: a scale of 0?)");
             self.report.add(LossKind::Dropped, "multmatrix()", why);
             return Ok(Part::Empty);
         }
-        Ok(transform::transformed(part, &map))
+        if map == Affine::IDENTITY {
+            return Ok(part);
+        }
+        Ok(match part {
+            Part::Solid(pieces) => Part::Solid(mapped(pieces, |solid| solid.apply(map))),
+            Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.moved(map, flat))),
+            other => other,
+        })
+    }
+
+    fn coloured(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
+        let colour = transform::colour(arguments)?;
+        let part = self.joined(node, Operation::Union);
+        if colour.is_none() {
+            return Ok(part);
+        }
+        Ok(match part {
+            Part::Solid(pieces) => Part::Solid(vec![Piece { colour, body: whole(pieces, &mut join_solids) }]),
+            Part::Flat(pieces) => Part::Flat(vec![Piece { colour, body: self.whole(pieces) }]),
+            other => other,
+        })
+    }
+
+    /// All pieces of a region of the plane as one.
+    fn whole(&mut self, pieces: Vec<Piece<Flat>>) -> Flat {
+        let all = &mut self.flats;
+        whole(pieces, &mut |operation, flats| all.join(operation, flats))
+    }
+
+    fn text(&mut self, arguments: &Arguments) -> Result<Part, Refusal> {
+        let letters = text(arguments, &mut self.fonts)?;
+        if let Some(stand_in) = letters.stand_in {
+            self.report.add(LossKind::Approximated, "text()", arguments.approximation(&stand_in));
+        }
+        let leaves: Vec<Flat> = letters.leaves.into_iter().map(|leaf| self.flats.leaf(leaf)).collect();
+        match leaves.is_empty() {
+            true => Ok(Part::Empty),
+            false => Ok(self.flats.join(Operation::Union, leaves).into()),
+        }
+    }
+
+    /// The region of the plane below a node, or the part that stands for it if there is none.
+    fn profile(
+        &mut self,
+        number: usize,
+        node: &Node,
+        arguments: &Arguments,
+    ) -> Result<Result<Flat, Part>, Refusal> {
+        match self.joined(node, Operation::Union) {
+            Part::Flat(pieces) => {
+                let flat = self.whole(pieces);
+                self.extruded.insert(number, flat);
+                Ok(Ok(flat))
+            }
+            Part::Solid(_) => Err(arguments.refusal("its children are solids, not regions of the plane")),
+            other => Ok(Err(other)),
+        }
+    }
+
+    fn linear_extrude(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
+        let flat = match self.profile(number, node, arguments)? {
+            Ok(flat) => flat,
+            Err(part) => return Ok(part),
+        };
+        let Some(way) = Way::of(arguments)? else {
+            return Ok(Part::Empty);
+        };
+        let is_twisted = arguments.number("twist", 0.0)? != 0.0;
+        if !is_twisted && (way.is_even() || !self.options.facets) {
+            return Ok(extruded(arguments, &self.flats, flat, &way)?.into());
+        }
+        if !self.options.facets {
+            let why = arguments.approximation("is twisted in slices, with the facets of OpenSCAD");
+            self.report.add(LossKind::Approximated, "linear_extrude()", why);
+        }
+        let twist = Twist::new(arguments, &self.flats, flat, &way)?;
+        Ok(twist.solid(arguments, &self.flats, flat)?.into())
+    }
+
+    fn rotate_extrude(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
+        let flat = match self.profile(number, node, arguments)? {
+            Ok(flat) => flat,
+            Err(part) => return Ok(part),
+        };
+        let Some(mut turn) = Turn::new(arguments, self.options.facets, &self.flats, flat)? else {
+            return Ok(Part::Empty);
+        };
+        let solid = turn.solid(&self.flats, flat)?;
+        for message in turn.approximations {
+            self.report.add(LossKind::Approximated, "rotate_extrude()", arguments.approximation(message));
+        }
+        Ok(solid.into())
+    }
+
+    fn hull(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
+        match self.joined(node, Operation::Union) {
+            Part::Solid(_) => {
+                let generators = gather::generators(self, number, Affine::IDENTITY)?;
+                let found = hull::hull(arguments, &generators)?;
+                if !found.is_exact && !self.options.facets {
+                    let why = arguments.approximation("is the hull of the facets of its parts");
+                    self.report.add(LossKind::Approximated, "hull()", why);
+                }
+                Ok(found.solid.map_or(Part::Empty, Part::from))
+            }
+            Part::Flat(pieces) => {
+                let flat = self.whole(pieces);
+                let discs = gather::round(arguments, &self.flats, flat)?;
+                Ok(gather::hull_of_discs(&mut self.flats, &discs))
+            }
+            other => Ok(other),
+        }
+    }
+
+    fn minkowski(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
+        let (mut solids, mut flats) = (Vec::new(), Vec::new());
+        for child in &node.children {
+            match std::mem::replace(&mut self.parts[*child as usize], Part::Empty) {
+                Part::Refused => return Ok(Part::Refused),
+                Part::Empty => {}
+                Part::Solid(_) => solids.push(gather::convex_parts(self, *child as usize)?),
+                Part::Flat(pieces) => flats.push(self.whole(pieces)),
+            }
+        }
+        match (solids.is_empty(), flats.is_empty()) {
+            (true, true) => Ok(Part::Empty),
+            (true, false) => self.flat_sum(arguments, &flats),
+            (false, false) => Err(arguments.refusal("solids and regions of the plane have no sum")),
+            (false, true) => {
+                let found = sum::sum(arguments, solids)?;
+                if !found.is_exact && !self.options.facets {
+                    let why = arguments.approximation("is the sum of the facets of its parts");
+                    self.report.add(LossKind::Approximated, "minkowski()", why);
+                }
+                Ok(found.solid.map_or(Part::Empty, Part::from))
+            }
+        }
+    }
+
+    /// The sum of regions of the plane: all but the first are convex.
+    fn flat_sum(&mut self, arguments: &Arguments, operands: &[Flat]) -> Result<Part, Refusal> {
+        let mut part = Part::from(operands[0]);
+        for other in &operands[1..] {
+            let leaves = sum::leaves(arguments, &self.flats, *other)?;
+            let is_convex = match &leaves[..] {
+                [(leaf, _)] => sum::is_convex_leaf(arguments, leaf)?,
+                _ => false,
+            };
+            if !is_convex {
+                return Err(arguments.refusal("a part of the sum after the first is not convex"));
+            }
+            let discs = gather::round(arguments, &self.flats, *other)?;
+            let Part::Flat(pieces) = part else { return Ok(part) };
+            let flat = self.whole(pieces);
+            part = sum::flat_sum(arguments, &mut self.flats, flat, &discs)?;
+        }
+        Ok(part)
+    }
+
+    fn offset(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
+        match self.joined(node, Operation::Union) {
+            Part::Flat(pieces) => {
+                let flat = self.whole(pieces);
+                offset::offset(arguments, &mut self.flats, flat)
+            }
+            Part::Solid(_) => Err(arguments.refusal("its children are solids, not regions of the plane")),
+            other => Ok(other),
+        }
+    }
+
+    /// Regions of the plane as plates of thickness 1, which is how OpenSCAD shows them.
+    fn plates(&mut self, pieces: &[Piece<Flat>]) -> Vec<Piece<Solid>> {
+        let root = &self.tree.nodes[0];
+        let arguments = Arguments::new(self.source, root);
+        let way = Way { bottom: -0.5, top: 0.5, scale: [1.0; 2] };
+        let mut plates = Vec::new();
+        for Piece { colour, body } in pieces {
+            match extruded(&arguments, &self.flats, *body, &way) {
+                Ok(body) => plates.push(Piece { colour: *colour, body }),
+                Err(why) => self.report.add(LossKind::Refused, "model", *why),
+            }
+        }
+        let why = Diagnostic::warning("the model is a region of the plane")
+            .why("it is taken as a plate from z = -0.5 to 0.5, as OpenSCAD shows it");
+        self.report.add(LossKind::Approximated, "model", why.in_file(self.source));
+        plates
     }
 }
 
+fn mapped<T>(pieces: Vec<Piece<T>>, mut map: impl FnMut(T) -> T) -> Vec<Piece<T>> {
+    pieces.into_iter().map(|Piece { colour, body }| Piece { colour, body: map(body) }).collect()
+}
+
+/// What an item is called in reports.
+fn item(node: &Node) -> String {
+    format!("{}()", node.name)
+}
+
 /// A scene of pieces: a region for each, of a medium of its own.
-fn scene(pieces: Vec<Piece>) -> Scene {
+fn scene(pieces: Vec<Piece<Solid>>) -> Scene {
     let names = names(&pieces);
     let mut media = vec![Medium { name: "world".to_owned(), ..Medium::default() }];
     let mut regions = Vec::new();
@@ -146,7 +393,7 @@ fn scene(pieces: Vec<Piece>) -> Scene {
         let palette = Colour::PALETTE[number % Colour::PALETTE.len()];
         let (medium, colour) = (number as u32 + 1, piece.colour.unwrap_or(palette));
         // as it is read back from a native file
-        let solid = piece.solid.named(&name);
+        let solid = piece.body.named(&name);
         regions.push(SceneRegion { name, solid, medium, colour });
     }
     let solids = regions.iter().map(|region| (region.name.clone(), region.solid.clone())).collect();
@@ -165,8 +412,8 @@ fn scene(pieces: Vec<Piece>) -> Scene {
 }
 
 /// `model` for the piece without a colour, the colour for others.
-fn names(pieces: &[Piece]) -> Vec<String> {
-    let name = |piece: &Piece| match piece.colour {
+fn names(pieces: &[Piece<Solid>]) -> Vec<String> {
+    let name = |piece: &Piece<Solid>| match piece.colour {
         None => "model".to_owned(),
         Some(colour) => format!("colour_{}", colour.to_string().trim_start_matches('#')),
     };

@@ -1,7 +1,6 @@
 //! Maps and colours.
 
 use super::arguments::{Arguments, Refusal, finite};
-use super::part::{Part, Piece, whole};
 use super::value::Value;
 use rayweave_math::Affine;
 use rayweave_scene::Colour;
@@ -43,24 +42,9 @@ pub(super) fn colour(arguments: &Arguments) -> Result<Option<Colour>, Refusal> {
     Ok(channels.filter(|channels| channels.iter().all(|c| *c >= 0.0)).map(colour))
 }
 
-/// The part under a map.
-pub(super) fn transformed(part: Part, map: &Affine) -> Part {
-    if *map == Affine::IDENTITY {
-        return part;
-    }
-    match part {
-        Part::Solid(mut pieces) => {
-            pieces.iter_mut().for_each(|piece| piece.solid = piece.solid.apply(*map));
-            Part::Solid(pieces)
-        }
-        other => other,
-    }
-}
-
-/// The part in one colour.
-pub(super) fn coloured(part: Part, colour: Colour) -> Part {
-    match part {
-        Part::Solid(pieces) => Part::Solid(vec![Piece { colour: Some(colour), solid: whole(pieces) }]),
-        other => other,
-    }
+/// What a map does to the plane z = 0, seen from above.
+pub(super) fn of_the_plane(map: &Affine) -> Affine {
+    let [x, y, _, _] = map.to_rows();
+    let rows = [[x[0], x[1], 0.0, x[3]], [y[0], y[1], 0.0, y[3]], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+    Affine::from_rows(&rows).unwrap_or(Affine::IDENTITY)
 }

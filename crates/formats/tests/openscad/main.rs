@@ -1,5 +1,7 @@
 //! OpenSCAD's dumps: what is read is the solid that was said.
 
+mod flat;
+mod hulls;
 mod malformed;
 mod measure;
 mod solids;

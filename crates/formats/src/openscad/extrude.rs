@@ -1,0 +1,235 @@
+//! `linear_extrude`: prisms, and pyramids where the region shrinks on its way up.
+
+use super::arguments::{Arguments, Refusal};
+use super::boolean::join_solids;
+use super::flat::{Flat, Flats, Leaf, image, simple};
+use super::mesh::Twist;
+use super::primitive::solid;
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::Solid;
+use rayweave_shape::primitive::{BoxFromCorners, Convex, Cylinder, HalfSpace, Quadric};
+use rayweave_space::Point;
+use rayweave_space::polygon::{HalfPlane, Operator, Polygons};
+
+/// From where to where, and by how much x and y grow on the way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub bottom: f64,
+    pub top: f64,
+    pub scale: [f64; 2],
+}
+
+impl Way {
+    /// The way of a `linear_extrude`; `None` if its height is not positive.
+    pub fn of(arguments: &Arguments) -> Result<Option<Way>, Refusal> {
+        let height = arguments.number("height", 100.0)?;
+        if height <= 0.0 {
+            return Ok(None);
+        }
+        let bottom = if arguments.truth("center", false)? { -0.5 * height } else { 0.0 };
+        let scale: [f64; 2] = arguments.point("scale", 1.0)?;
+        Ok(Some(Way { bottom, top: bottom + height, scale: scale.map(|factor| factor.max(0.0)) }))
+    }
+
+    fn is_straight(&self) -> bool {
+        self.scale == [1.0; 2]
+    }
+
+    /// The mean of the factors on the way.
+    pub fn mean_factor(&self) -> f64 {
+        0.5 + 0.25 * (self.scale[0] + self.scale[1])
+    }
+
+    /// True if x and y grow alike.
+    pub fn is_even(&self) -> bool {
+        self.scale[0] == self.scale[1]
+    }
+
+    /// The factors of x and y at height z, as `(slope, constant)`.
+    fn factors(&self) -> [[f64; 2]; 2] {
+        self.scale.map(|factor| {
+            let slope = (factor - 1.0) / (self.top - self.bottom);
+            [slope, 1.0 - slope * self.bottom]
+        })
+    }
+}
+
+/// The solid over a region.
+pub(super) fn extruded(
+    arguments: &Arguments,
+    flats: &Flats,
+    flat: Flat,
+    way: &Way,
+) -> Result<Solid, Refusal> {
+    let leaf = |leaf: &Leaf, map: &Affine| match way.is_straight() {
+        true => prism(arguments, leaf, map, way),
+        false => pyramid(arguments, leaf, map, way),
+    };
+    flats.fold(flat, leaf, join_solids)
+}
+
+/// A leaf under a map, straight up.
+fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<Solid, Refusal> {
+    let own = match leaf {
+        Leaf::Disc { radius, .. } => {
+            let rod = solid(arguments, Cylinder::new(*radius, way.top - way.bottom))?;
+            let middle = 0.5 * (way.bottom + way.top);
+            if middle == 0.0 { rod } else { rod.translate([0.0, 0.0, middle]) }
+        }
+        Leaf::Outline(contours) => {
+            let mut parts = Vec::with_capacity(contours.len());
+            for contour in contours {
+                parts.push(match simple(arguments, contour.clone()) {
+                    Ok(None) => continue,
+                    Ok(Some(polygons)) => prism_over(arguments, &polygons, way)?,
+                    // it crosses or touches itself: what is within it an odd number of times
+                    Err(_) => tangled(arguments, contour, &Affine::IDENTITY, way)?,
+                });
+            }
+            odd(parts)
+        }
+    };
+    Ok(if *map == Affine::IDENTITY { own } else { own.apply(*map) })
+}
+
+/// A contour that crosses or touches itself, as a mesh.
+fn tangled(arguments: &Arguments, contour: &[Point<2>], map: &Affine, way: &Way) -> Result<Solid, Refusal> {
+    Twist::plain(way).leaf(arguments, &Leaf::Outline(vec![contour.to_vec()]), map)
+}
+
+/// Inside an odd number of solids.
+pub(super) fn odd(mut parts: Vec<Solid>) -> Solid {
+    match parts.len() {
+        0 => Solid::vacuum(),
+        1 => parts.remove(0),
+        _ => Solid::symmetric_difference(parts),
+    }
+}
+
+fn prism_over(arguments: &Arguments, polygons: &Polygons, way: &Way) -> Result<Solid, Refusal> {
+    let (lo, hi) = (way.bottom, way.top);
+    if let Some([a, b]) = rectangle(polygons) {
+        let corners = BoxFromCorners::new(Vec3::new(a[0], a[1], lo), Vec3::new(b[0], b[1], hi));
+        return solid(arguments, corners);
+    }
+    if is_convex(polygons) {
+        let mut planes = vec![[0.0, 0.0, -1.0, -lo], [0.0, 0.0, 1.0, hi]];
+        planes.extend(half_planes(polygons).iter().map(|h| [h.normal[0], h.normal[1], 0.0, h.offset]));
+        return solid(arguments, Convex::new(planes));
+    }
+    polygons.extrude(lo, hi).map_err(|error| arguments.refusal(&error.to_string()))
+}
+
+/// The corners of a rectangle along the axes.
+fn rectangle(polygons: &Polygons) -> Option<[Point<2>; 2]> {
+    let bounds = polygons.corner_bounds();
+    let mut contours = polygons.contours();
+    let (contour, none) = (contours.next()?, contours.next());
+    let at_a_corner = |p: &Point<2>| (0..2).all(|k| p[k] == bounds[0][k] || p[k] == bounds[1][k]);
+    (none.is_none() && contour.corners.len() == 4 && contour.corners.iter().all(at_a_corner))
+        .then_some(bounds)
+}
+
+/// True for one contour whose half-planes meet in it: the formula is one intersection.
+pub(super) fn is_convex(polygons: &Polygons) -> bool {
+    polygons.fold(
+        |_| true,
+        |operator, parts| operator == Operator::Intersection && parts.iter().all(|part| *part),
+    )
+}
+
+/// The half-planes of all edges.
+pub(super) fn half_planes(polygons: &Polygons) -> Vec<HalfPlane> {
+    let mut all = Vec::with_capacity(polygons.edge_count());
+    polygons.fold(|half_plane| all.push(half_plane), |_, _| ());
+    all
+}
+
+/// A formula of half-planes as a solid.
+pub(super) fn formula(
+    polygons: &Polygons,
+    mut wall: impl FnMut(HalfPlane) -> Result<Solid, Refusal>,
+) -> Result<Solid, Refusal> {
+    let all = |parts: Vec<Result<Solid, Refusal>>| parts.into_iter().collect::<Result<Vec<Solid>, Refusal>>();
+    polygons.fold(&mut wall, |operator, parts| {
+        let parts = all(parts)?;
+        Ok(match operator {
+            Operator::Intersection => Solid::intersection(parts),
+            Operator::Union => Solid::union(parts),
+            Operator::SymmetricDifference => Solid::symmetric_difference(parts),
+            Operator::Complement => !Solid::union(parts),
+        })
+    })
+}
+
+/// A leaf under a map that grows or shrinks on its way up.
+fn pyramid(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<Solid, Refusal> {
+    if let Leaf::Disc { radius, .. } = leaf
+        && way.scale[0] == way.scale[1]
+    {
+        return cone(arguments, *radius, map, way);
+    }
+    let mut parts = Vec::new();
+    for contour in leaf.contours() {
+        let moved = contour.iter().map(|p| image(map, *p)).collect();
+        let polygons = match simple(arguments, moved) {
+            Ok(None) => continue,
+            Ok(Some(polygons)) => polygons,
+            Err(_) => {
+                parts.push(tangled(arguments, &contour, map, way)?);
+                continue;
+            }
+        };
+        let bounds = around(arguments, polygons.corner_bounds(), way)?;
+        parts.push(formula(&polygons, |half_plane| wall(arguments, &half_plane, way))? & bounds);
+    }
+    Ok(odd(parts))
+}
+
+/// A box that ends at the ends of the way and stands off on all other sides.
+fn around(arguments: &Arguments, [lo, hi]: [Point<2>; 2], way: &Way) -> Result<Solid, Refusal> {
+    let margin = 0.25 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
+    let end = |k: usize, p: Point<2>, sign: f64| {
+        let [a, b] = [p[k], p[k] * way.scale[k]];
+        sign * (sign * a).max(sign * b) + sign * margin
+    };
+    let corner = |p, sign, z| Vec3::new(end(0, p, sign), end(1, p, sign), z);
+    solid(arguments, BoxFromCorners::new(corner(lo, -1.0, way.bottom), corner(hi, 1.0, way.top)))
+}
+
+/// `a x + b y < c` of the region at the bottom, grown: `a x / f + b y / g < c` with the factors f and g of x and y.
+fn wall(arguments: &Arguments, half_plane: &HalfPlane, way: &Way) -> Result<Solid, Refusal> {
+    let ([a, b], c) = (half_plane.normal, half_plane.offset);
+    let [f, g] = way.factors();
+    if f == g {
+        // a x + b y - c slope z < c constant
+        return solid(arguments, HalfSpace::new(Vec3::new(a, b, -c * f[0]), c * f[1]));
+    }
+    // a x g + b y f - c f g < 0, halved off the diagonal
+    let xz = 0.5 * a * g[0];
+    let yz = 0.5 * b * f[0];
+    let x = 0.5 * a * g[1];
+    let y = 0.5 * b * f[1];
+    let z = -0.5 * c * (f[0] * g[1] + f[1] * g[0]);
+    let matrix =
+        [[0.0, 0.0, xz, x], [0.0, 0.0, yz, y], [xz, yz, -c * f[0] * g[0], z], [x, y, z, -c * f[1] * g[1]]];
+    solid(arguments, Quadric::new(matrix))
+}
+
+/// A disc under a map, of which all points keep their direction from the axis: a cone, perhaps an oblique one.
+fn cone(arguments: &Arguments, radius: f64, map: &Affine, way: &Way) -> Result<Solid, Refusal> {
+    let inverse = map.inverse().map_err(|error| arguments.refusal(&error.to_string()))?;
+    let [factor, _] = way.factors();
+    // the coordinates in the disc's own frame, and the factor, as linear forms of (x, y, z, 1)
+    let form = |row: usize| {
+        let (x, y) = (inverse.linear.x_axis[row], inverse.linear.y_axis[row]);
+        let shift = inverse.translation[row];
+        [x, y, shift * factor[0], shift * factor[1]]
+    };
+    let grown = [0.0, 0.0, radius * factor[0], radius * factor[1]];
+    let (u, v) = (form(0), form(1));
+    let entry = |i: usize, j: usize| u[i] * u[j] + v[i] * v[j] - grown[i] * grown[j];
+    let matrix = [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| entry(i, j)));
+    let bounds = Leaf::Disc { radius, fragments: 3 }.bounds(map);
+    Ok(solid(arguments, Quadric::new(matrix))? & around(arguments, bounds, way)?)
+}

@@ -1,0 +1,230 @@
+//! Regions of the plane: outlines and discs under maps, joined by boolean operators. Nothing is cut into polygons:
+//! what is made of a region is made of its leaves and joined in the same way.
+
+use super::arguments::{Arguments, Refusal, finite};
+use super::boolean::Operation;
+use super::facets::{Fineness, direction};
+use super::value::Value;
+use rayweave_math::{Affine, Vec3};
+use rayweave_rootray::Side;
+use rayweave_space::Point;
+use rayweave_space::polygon::{PolygonError, Polygons, from_polygons};
+
+/// A region of the plane, by its number in [`Flats`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Flat(u32);
+
+/// A region that is made of no other.
+#[derive(Clone, Debug)]
+pub(super) enum Leaf {
+    /// Inside an odd number of closed chains of points.
+    Outline(Vec<Vec<Point<2>>>),
+    /// A disc about the origin, and the number of its facets.
+    Disc { radius: f64, fragments: usize },
+}
+
+#[derive(Clone, Debug)]
+enum Node {
+    Leaf(Leaf),
+    Join(Operation, Vec<Flat>),
+    Moved(Affine, Flat),
+}
+
+/// All regions of a file.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Flats {
+    nodes: Vec<Node>,
+}
+
+/// What is still to be done on a walk over a region.
+enum Task {
+    Visit(Flat, Affine),
+    Join(Operation, usize),
+}
+
+impl Flats {
+    fn add(&mut self, node: Node) -> Flat {
+        self.nodes.push(node);
+        Flat(self.nodes.len() as u32 - 1)
+    }
+
+    pub fn leaf(&mut self, leaf: Leaf) -> Flat {
+        self.add(Node::Leaf(leaf))
+    }
+
+    pub fn join(&mut self, operation: Operation, operands: Vec<Flat>) -> Flat {
+        self.add(Node::Join(operation, operands))
+    }
+
+    /// The image under a map of the plane.
+    pub fn moved(&mut self, map: Affine, flat: Flat) -> Flat {
+        self.add(Node::Moved(map, flat))
+    }
+
+    /// What `make` makes of each leaf and its map, joined by `join` in the way in which the region is.
+    pub fn fold<T>(
+        &self,
+        root: Flat,
+        mut make: impl FnMut(&Leaf, &Affine) -> Result<T, Refusal>,
+        mut join: impl FnMut(Operation, Vec<T>) -> T,
+    ) -> Result<T, Refusal> {
+        let mut tasks = vec![Task::Visit(root, Affine::IDENTITY)];
+        let mut made = Vec::new();
+        while let Some(task) = tasks.pop() {
+            match task {
+                Task::Visit(flat, map) => match &self.nodes[flat.0 as usize] {
+                    Node::Leaf(leaf) => made.push(make(leaf, &map)?),
+                    Node::Moved(inner, flat) => tasks.push(Task::Visit(*flat, inner.then(&map))),
+                    Node::Join(operation, flats) => {
+                        tasks.push(Task::Join(*operation, flats.len()));
+                        tasks.extend(flats.iter().rev().map(|flat| Task::Visit(*flat, map)));
+                    }
+                },
+                Task::Join(operation, count) => {
+                    let operands = made.split_off(made.len() - count.min(made.len()));
+                    made.push(join(operation, operands));
+                }
+            }
+        }
+        // the first task made the last one
+        Ok(made.swap_remove(0))
+    }
+
+    /// A box around the region, from its leaves: lo, hi.
+    pub fn bounds(&self, flat: Flat) -> [Point<2>; 2] {
+        let found = self.fold(
+            flat,
+            |leaf, map| Ok(leaf.bounds(map)),
+            |operation, all| match operation {
+                Operation::Union => all.into_iter().fold(NOWHERE, hull),
+                Operation::Intersection => all.into_iter().fold(EVERYWHERE, overlap),
+                Operation::Difference => all.first().copied().unwrap_or(NOWHERE),
+            },
+        );
+        found.unwrap_or(NOWHERE)
+    }
+
+    /// True if the region is a union of its leaves, so that its hull is that of them.
+    pub fn is_union(&self, flat: Flat) -> bool {
+        let is_union =
+            |operation, parts: Vec<bool>| operation == Operation::Union && parts.iter().all(|part| *part);
+        self.fold(flat, |_, _| Ok(true), is_union).unwrap_or(false)
+    }
+}
+
+type Box2 = [Point<2>; 2];
+
+const NOWHERE: Box2 = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+const EVERYWHERE: Box2 = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
+
+fn hull(a: Box2, b: Box2) -> Box2 {
+    [[0, 1].map(|k| a[0][k].min(b[0][k])), [0, 1].map(|k| a[1][k].max(b[1][k]))]
+}
+
+fn overlap(a: Box2, b: Box2) -> Box2 {
+    [[0, 1].map(|k| a[0][k].max(b[0][k])), [0, 1].map(|k| a[1][k].min(b[1][k]))]
+}
+
+/// The image of a point of the plane.
+pub(super) fn image(map: &Affine, p: Point<2>) -> Point<2> {
+    let q = map.point(Vec3::new(p[0], p[1], 0.0));
+    [q.x, q.y]
+}
+
+impl Leaf {
+    pub fn bounds(&self, map: &Affine) -> Box2 {
+        match self {
+            Leaf::Outline(contours) => {
+                let points = contours.iter().flatten().map(|p| image(map, *p));
+                points.fold(NOWHERE, |bounds, p| hull(bounds, [p, p]))
+            }
+            Leaf::Disc { radius, .. } => {
+                let centre = [map.translation.x, map.translation.y];
+                let reach = [0, 1].map(|k| radius * map.linear.x_axis[k].hypot(map.linear.y_axis[k]));
+                [[0, 1].map(|k| centre[k] - reach[k]), [0, 1].map(|k| centre[k] + reach[k])]
+            }
+        }
+    }
+
+    /// The contours of the leaf, with those of a disc as OpenSCAD divides it.
+    pub fn contours(&self) -> Vec<Vec<Point<2>>> {
+        match self {
+            Leaf::Outline(contours) => contours.clone(),
+            Leaf::Disc { radius, fragments } => {
+                let corner = |k: usize| direction(k as f64, *fragments).map(|x| radius * x);
+                vec![(0..*fragments).map(corner).collect()]
+            }
+        }
+    }
+}
+
+/// A contour alone as a region, whichever way round it goes; `None` if nothing of it has an area.
+pub(super) fn simple(arguments: &Arguments, mut contour: Vec<Point<2>>) -> Result<Option<Polygons>, Refusal> {
+    let mut found = from_polygons(&[&contour], Side::Outside);
+    if let Err(PolygonError::Orientation { .. }) = found {
+        contour.reverse();
+        found = from_polygons(&[&contour], Side::Outside);
+    }
+    match found {
+        Ok(polygons) => Ok((polygons.edge_count() > 0).then_some(polygons)),
+        Err(error) => Err(arguments.refusal(&format!("its outline is not simple: {error}"))),
+    }
+}
+
+/// `square(size, center)`: `None` if it has no area.
+pub(super) fn square(arguments: &Arguments) -> Result<Option<Leaf>, Refusal> {
+    let size: [f64; 2] = arguments.point("size", 1.0)?;
+    if size[0] <= 0.0 || size[1] <= 0.0 {
+        return Ok(None);
+    }
+    let lo = if arguments.truth("center", false)? { size.map(|x| -0.5 * x) } else { [0.0; 2] };
+    let hi = [lo[0] + size[0], lo[1] + size[1]];
+    Ok(Some(Leaf::Outline(vec![vec![lo, [hi[0], lo[1]], hi, [lo[0], hi[1]]]])))
+}
+
+/// `circle(r)`: `None` if it has no area.
+pub(super) fn circle(arguments: &Arguments, facets: bool) -> Result<Option<Leaf>, Refusal> {
+    let radius = arguments.number("r", 1.0)?;
+    if radius <= 0.0 {
+        return Ok(None);
+    }
+    let disc = Leaf::Disc { radius, fragments: Fineness::of(arguments)?.fragments(radius) };
+    Ok(Some(if facets { Leaf::Outline(disc.contours()) } else { disc }))
+}
+
+/// `polygon(points, paths)`: without paths the points are one. What lies in an odd number of paths is inside.
+pub(super) fn polygon(arguments: &Arguments) -> Result<Option<Leaf>, Refusal> {
+    let points = arguments.get("points", "a list of points (x, y), all finite", points)?.unwrap_or_default();
+    let paths = arguments.get("paths", "a list of lists of numbers of points", paths)?;
+    let contours = match paths {
+        Some(paths) if !paths.is_empty() => {
+            let point = |number: &usize| {
+                let reason =
+                    || arguments.refusal(&format!("a path names point {number} of {}", points.len()));
+                points.get(*number).copied().ok_or_else(reason)
+            };
+            let contour = |path: &Vec<usize>| path.iter().map(point).collect::<Result<Vec<_>, _>>();
+            paths.iter().map(contour).collect::<Result<Vec<_>, _>>()?
+        }
+        _ => vec![points],
+    };
+    Ok(Some(Leaf::Outline(contours)))
+}
+
+fn points(value: &Value) -> Option<Vec<Point<2>>> {
+    value.list()?.iter().map(finite).collect()
+}
+
+/// Lists of whole numbers; one list alone is one path.
+fn paths(value: &Value) -> Option<Vec<Vec<usize>>> {
+    let path = |value: &Value| value.numbers()?.into_iter().map(index).collect::<Option<Vec<usize>>>();
+    match value.list()?.first() {
+        Some(Value::Number(_)) => Some(vec![path(value)?]),
+        _ => value.list()?.iter().map(path).collect(),
+    }
+}
+
+/// The number of a point.
+pub(super) fn index(number: f64) -> Option<usize> {
+    (number >= 0.0 && number < 4e9 && number.fract() == 0.0).then_some(number as usize)
+}

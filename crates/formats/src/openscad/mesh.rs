@@ -1,0 +1,307 @@
+//! Solids within triangles: `polyhedron`, twisted `linear_extrude`, `import` of meshes, `surface`.
+//!
+//! Inside is what a line reaches after an odd number of crossings, so that faces may be cut into triangles as fans, which
+//! overlap where a face is not convex.
+
+use super::arguments::{Arguments, Refusal, vector};
+use super::boolean::join_solids;
+use super::convex_hull::{MOST_POINTS, convex_hull, planes, volume};
+use super::extrude::Way;
+use super::facets::Fineness;
+use super::flat::{Flat, Flats, Leaf, image, index};
+use super::part::Part;
+use super::primitive::solid;
+use super::value::Value;
+use rayweave_math::{Affine, Vec3, sin_cos_degrees};
+use rayweave_mesh::files::{MeshFormat, ReadOptions, read};
+use rayweave_model::Solid;
+use rayweave_scene::Source;
+use rayweave_shape::primitive::Convex;
+use rayweave_space::Point;
+use std::path::{Path, PathBuf};
+
+/// More triangles than these of one item say that its numbers are not meant.
+const MOST_TRIANGLES: usize = 20_000_000;
+
+/// A polyhedron of more faces is asked faster as a mesh.
+const MOST_PLANES: usize = 64;
+
+/// The largest height map in bytes.
+const LARGEST_MAP: u64 = 64 << 20;
+
+fn within(arguments: &Arguments, vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Solid, Refusal> {
+    let mesh = rayweave_mesh::Mesh::new(vertices, triangles);
+    mesh.map_err(|error| arguments.refusal(&error.to_string()))?;
+    Err(arguments.refusal("solids within triangles cannot be read"))
+}
+
+/// The points and the triangles of a `polyhedron`.
+fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>), Refusal> {
+    let points = arguments.get("points", "a list of points (x, y, z), all finite", |value| {
+        value.list()?.iter().map(vector).collect::<Option<Vec<Vec3>>>()
+    })?;
+    let points = points.unwrap_or_default();
+    let wanted = "a list of lists of numbers of points";
+    let given = match arguments.get("faces", wanted, faces)? {
+        Some(given) => given,
+        // as older dumps call them
+        None => arguments.get("triangles", wanted, faces)?.unwrap_or_default(),
+    };
+    if let Some(number) = given.iter().flatten().find(|number| **number >= points.len()) {
+        return Err(arguments.refusal(&format!("a face names point {number} of {}", points.len())));
+    }
+    let triangles = given.iter().flat_map(|face| fan(face)).collect();
+    Ok((points, triangles))
+}
+
+/// `polyhedron(points, faces)`: planes if it is convex, triangles elsewhere.
+pub(super) fn polyhedron(arguments: &Arguments) -> Result<Part, Refusal> {
+    let (points, triangles) = parts(arguments)?;
+    if triangles.is_empty() {
+        return Ok(Part::Empty);
+    }
+    if let Some(planes) = convex_planes(&points, &triangles).filter(|planes| planes.len() <= MOST_PLANES) {
+        return Ok(solid(arguments, Convex::new(planes))?.into());
+    }
+    let triangles = triangles.iter().map(|corners| corners.map(|k| k as u32)).collect();
+    Ok(within(arguments, points, triangles)?.into())
+}
+
+/// True if a `polyhedron` fills the hull of its points.
+pub(super) fn is_convex(arguments: &Arguments) -> Result<bool, Refusal> {
+    let (points, triangles) = parts(arguments)?;
+    Ok(convex_planes(&points, &triangles).is_some())
+}
+
+fn faces(value: &Value) -> Option<Vec<Vec<usize>>> {
+    let face = |value: &Value| value.numbers()?.into_iter().map(index).collect::<Option<Vec<usize>>>();
+    value.list()?.iter().map(face).collect()
+}
+
+/// A face as triangles around its first corner.
+fn fan(face: &[usize]) -> Vec<[usize; 3]> {
+    let rest = face.get(1..).unwrap_or_default();
+    rest.windows(2).map(|pair| [face[0], pair[0], pair[1]]).collect()
+}
+
+/// The planes of a polyhedron that fills the hull of its points, if it does.
+fn convex_planes(points: &[Vec3], triangles: &[[usize; 3]]) -> Option<Vec<[f64; 4]>> {
+    if points.len() > MOST_POINTS {
+        return None;
+    }
+    let hull = convex_hull(points)?;
+    let (own, whole) = (volume(points, triangles).abs(), volume(points, &hull));
+    ((whole - own).abs() <= 1e-9 * whole).then(|| planes(points, &hull))
+}
+
+/// How a region turns on its way up, and in how many slices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Twist {
+    way: Way,
+    degrees: f64,
+    slices: usize,
+    fineness: Fineness,
+}
+
+impl Twist {
+    /// The slices are those of OpenSCAD 2021.01: at least three a turn, and by `$fn`, or by the coarser of `$fa` and `$fs`.
+    pub fn new(arguments: &Arguments, flats: &Flats, flat: Flat, way: &Way) -> Result<Twist, Refusal> {
+        let degrees = arguments.number("twist", 0.0)?;
+        let fineness = Fineness::of(arguments)?;
+        let [lo, hi] = flats.bounds(flat);
+        let reach = [0, 1].map(|k| hi[k].abs().max(lo[k].abs()));
+        let slices = match arguments.number("slices", 0.0)? {
+            given if given >= 1.0 => given.min(1e6) as usize,
+            _ => fineness.slices(reach, degrees.abs(), way),
+        };
+        Ok(Twist { way: *way, degrees, slices, fineness })
+    }
+
+    /// Straight up, or growing, in one slice.
+    pub fn plain(way: &Way) -> Twist {
+        Twist { way: *way, degrees: 0.0, slices: 1, fineness: Fineness::COARSE }
+    }
+
+    /// The solid over a region.
+    pub fn solid(&self, arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Solid, Refusal> {
+        flats.fold(flat, |leaf, map| self.leaf(arguments, leaf, map), join_solids)
+    }
+
+    pub fn leaf(&self, arguments: &Arguments, leaf: &Leaf, map: &Affine) -> Result<Solid, Refusal> {
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        for contour in leaf.contours() {
+            let contour: Vec<Point<2>> = contour.into_iter().map(|p| image(map, p)).collect();
+            let contour = self.divided(&contour);
+            if 2 * contour.len() * (self.slices + 1) + triangles.len() > MOST_TRIANGLES {
+                return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
+            }
+            self.tower(&contour, &mut vertices, &mut triangles);
+        }
+        match triangles.is_empty() {
+            true => Ok(Solid::vacuum()),
+            false => within(arguments, vertices, triangles),
+        }
+    }
+
+    /// A contour with its edges divided evenly, about as finely as OpenSCAD divides them.
+    fn divided(&self, contour: &[Point<2>]) -> Vec<Point<2>> {
+        let next = contour.iter().skip(1).chain(contour.first());
+        let edges: Vec<(Point<2>, Point<2>)> = contour.iter().copied().zip(next.copied()).collect();
+        let length = |(a, b): &(Point<2>, Point<2>)| (b[0] - a[0]).hypot(b[1] - a[1]);
+        let whole: f64 = edges.iter().map(length).sum();
+        let most = self.fineness.pieces(whole);
+        if edges.len() >= most {
+            return contour.to_vec();
+        }
+        let pieces = |edge| (most as f64 * length(edge) / whole).ceil().max(1.0) as usize;
+        let point = |(a, b): &(Point<2>, Point<2>), t: f64| [0, 1].map(|k| a[k] + t * (b[k] - a[k]));
+        let divide = |edge| (0..pieces(edge)).map(move |k| point(edge, k as f64 / pieces(edge) as f64));
+        edges.iter().flat_map(divide).collect()
+    }
+
+    /// Adds what is between the images of a contour at all heights.
+    fn tower(&self, contour: &[Point<2>], vertices: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
+        let (n, start) = (contour.len() as u32, vertices.len() as u32);
+        if n < 3 {
+            return;
+        }
+        vertices.extend((0..=self.slices).flat_map(|slice| self.slice(contour, slice)));
+        let top = start + n * self.slices as u32;
+        for k in 1..n - 1 {
+            triangles.push([start, start + k + 1, start + k]);
+            triangles.push([top, top + k, top + k + 1]);
+        }
+        for slice in 0..self.slices as u32 {
+            for k in 0..n {
+                let lower = start + n * slice;
+                let [a, b] = [lower + k, lower + (k + 1) % n];
+                let [c, d] = [a + n, b + n];
+                let length = |i: u32, j: u32| (vertices[i as usize] - vertices[j as usize]).length_squared();
+                // along the shorter diagonal
+                match length(a, d) <= length(b, c) {
+                    true => triangles.extend([[a, b, d], [a, d, c]]),
+                    false => triangles.extend([[a, b, c], [b, d, c]]),
+                }
+            }
+        }
+    }
+
+    fn slice<'c>(&self, contour: &'c [Point<2>], slice: usize) -> impl Iterator<Item = Vec3> + use<'c> {
+        let t = slice as f64 / self.slices as f64;
+        let (sin, cos) = sin_cos_degrees(-self.degrees * t);
+        let [fx, fy] = self.way.scale.map(|factor| 1.0 + (factor - 1.0) * t);
+        let z = self.way.bottom + (self.way.top - self.way.bottom) * t;
+        // turned, then scaled
+        contour
+            .iter()
+            .map(move |p| Vec3::new(fx * (cos * p[0] - sin * p[1]), fy * (sin * p[0] + cos * p[1]), z))
+    }
+}
+
+/// The file that an item names, beside the dump.
+fn file(arguments: &Arguments, source: &Source) -> Result<PathBuf, Refusal> {
+    let name = arguments.get("file", "a text", |value| match value {
+        Value::Text(text) => Some(text.as_str()),
+        _ => None,
+    })?;
+    let name = name.filter(|name| !name.is_empty()).ok_or_else(|| arguments.refusal("it names no file"))?;
+    let folder = source.path().and_then(|path| path.parent()).unwrap_or(Path::new(""));
+    let path = folder.join(name);
+    match path.is_file() {
+        true => Ok(path),
+        false => Err(arguments.refusal(&format!("there is no file `{name}` beside the dump"))),
+    }
+}
+
+/// `import(file)`: the solid within a mesh.
+pub(super) fn import(arguments: &Arguments, source: &Source) -> Result<Part, Refusal> {
+    let path = file(arguments, source)?;
+    let format = MeshFormat::from_path(&path);
+    let format = format
+        .ok_or_else(|| arguments.refusal("only files of meshes can be imported: STL, OFF, 3MF, OBJ, PLY"))?;
+    let loaded = read(&path, Some(format), &ReadOptions::default());
+    let loaded = loaded.map_err(|error| arguments.refusal(&error.to_string()))?;
+    let (vertices, triangles) = loaded.mesh.into_parts();
+    Ok(within(arguments, vertices, triangles)?.into())
+}
+
+/// `surface(file, center)`: what is below a map of heights, in text.
+pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Part, Refusal> {
+    let path = file(arguments, source)?;
+    let rows = heights(arguments, &path)?;
+    let (width, depth) = (rows.first().map_or(0, Vec::len), rows.len());
+    if width < 2 || depth < 2 {
+        return Ok(Part::Empty);
+    }
+    let shift = match arguments.truth("center", false)? {
+        true => Vec3::new(-0.5 * (width - 1) as f64, -0.5 * (depth - 1) as f64, 0.0),
+        false => Vec3::ZERO,
+    };
+    let lowest = rows.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let (vertices, triangles) = relief(&rows, lowest - 1.0);
+    let vertices = vertices.into_iter().map(|p| p + shift).collect();
+    Ok(within(arguments, vertices, triangles)?.into())
+}
+
+/// The rows of a map, the last of which is at y = 0. Rows that are too short end with zeros.
+fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
+        return Err(arguments.refusal("maps of heights as pictures cannot be read"));
+    }
+    let unreadable = |error: std::io::Error| arguments.refusal(&format!("its file cannot be read: {error}"));
+    if std::fs::metadata(path).map_err(unreadable)?.len() > LARGEST_MAP {
+        return Err(arguments.refusal(&format!("its file is larger than {} MiB", LARGEST_MAP >> 20)));
+    }
+    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with('#')) {
+        let height = |word: &str| word.parse().ok().filter(|height: &f64| height.is_finite());
+        let row: Option<Vec<f64>> = line.split_whitespace().map(height).collect();
+        let reason = || {
+            arguments.refusal(&format!("line {} of its file holds something that is no number", number + 1))
+        };
+        let row = row.ok_or_else(reason)?;
+        if !row.is_empty() {
+            rows.push(row);
+        }
+    }
+    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
+    rows.iter_mut().for_each(|row| row.resize(width, 0.0));
+    rows.reverse();
+    Ok(rows)
+}
+
+/// Four triangles for each square of the map, around its middle, walls, and a floor.
+fn relief(rows: &[Vec<f64>], floor: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let (width, depth) = (rows[0].len(), rows.len());
+    let at = |x: usize, y: usize, z: f64| Vec3::new(x as f64, y as f64, z);
+    let mut vertices: Vec<Vec3> =
+        (0..depth).flat_map(|y| (0..width).map(move |x| at(x, y, rows[y][x]))).collect();
+    let grid = |x: usize, y: usize| (y * width + x) as u32;
+    let mut triangles = Vec::new();
+    for y in 0..depth - 1 {
+        for x in 0..width - 1 {
+            let corners = [grid(x, y), grid(x + 1, y), grid(x + 1, y + 1), grid(x, y + 1)];
+            let middle = vertices.len() as u32;
+            vertices.push(0.25 * corners.iter().map(|k| vertices[*k as usize]).sum::<Vec3>());
+            triangles.extend((0..4).map(|k| [corners[k], corners[(k + 1) % 4], middle]));
+        }
+    }
+    let rim: Vec<u32> = ((0..width - 1).map(|x| grid(x, 0)))
+        .chain((0..depth - 1).map(|y| grid(width - 1, y)))
+        .chain((1..width).rev().map(|x| grid(x, depth - 1)))
+        .chain((1..depth).rev().map(|y| grid(0, y)))
+        .collect();
+    let foot = vertices.len() as u32;
+    let below = |k: &u32| Vec3 { z: floor, ..vertices[*k as usize] };
+    let feet: Vec<Vec3> = rim.iter().map(below).collect();
+    vertices.extend(feet);
+    let n = rim.len() as u32;
+    for k in 0..n {
+        let (a, b) = (rim[k as usize], rim[((k + 1) % n) as usize]);
+        let (c, d) = (foot + k, foot + (k + 1) % n);
+        triangles.extend([[a, c, d], [a, d, b]]);
+    }
+    triangles.extend((1..n - 1).map(|k| [foot, foot + k + 1, foot + k]));
+    (vertices, triangles)
+}

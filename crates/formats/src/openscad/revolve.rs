@@ -1,0 +1,218 @@
+//! `rotate_extrude`: regions of the plane, turned about the z axis. Edges become cones, cylinders and planes, discs
+//! become tori.
+
+use super::arguments::{Arguments, Refusal};
+use super::boolean::{Operation, join_solids};
+use super::extrude::{formula, odd};
+use super::facets::Fineness;
+use super::flat::{Flat, Flats, Leaf, image, simple};
+use super::primitive::solid;
+use rayweave_math::{Affine, Vec3, sin_cos_degrees, unit_vector_degrees};
+use rayweave_model::Solid;
+use rayweave_shape::primitive::{BoxFromCorners, Cylinder, HalfSpace, Quadric, Sphere, Torus, Wedge};
+use rayweave_space::polygon::HalfPlane;
+
+/// How far over the axis a region may reach by the rounding of its numbers, as a part of its size.
+const OVER: f64 = 1e-6;
+
+/// What is turned, and how.
+pub(super) struct Turn<'a> {
+    pub arguments: &'a Arguments<'a>,
+    pub facets: bool,
+    /// Things that are not said exactly.
+    pub approximations: Vec<&'static str>,
+    /// In degrees, from `start`, positive.
+    angle: f64,
+    start: f64,
+    /// The region on the side of positive x.
+    map: Affine,
+    /// The largest distance from the axis, and the least and the greatest height.
+    reach: f64,
+    ends: [f64; 2],
+}
+
+impl<'a> Turn<'a> {
+    /// `None` if nothing is turned, or by no angle.
+    pub fn new(
+        arguments: &'a Arguments<'a>,
+        facets: bool,
+        flats: &Flats,
+        flat: Flat,
+    ) -> Result<Option<Turn<'a>>, Refusal> {
+        let angle = arguments.number("angle", 360.0)?;
+        let [lo, hi] = flats.bounds(flat);
+        if angle == 0.0 || lo[0] >= hi[0] || lo[1] >= hi[1] {
+            return Ok(None);
+        }
+        let over = OVER * (hi[0] - lo[0]);
+        let is_turned = hi[0] <= over;
+        let mut approximations = Vec::new();
+        if lo[0] < -over && !is_turned {
+            if flats.is_union(flat) {
+                return Err(arguments.refusal("the region lies on both sides of the axis"));
+            }
+            approximations.push("takes what lies at x > 0: the region may reach over the axis");
+        }
+        let is_whole = angle.abs() >= 360.0;
+        // a whole turn begins on the other side
+        let start = arguments.number("start", if is_whole { 180.0 } else { 0.0 })?;
+        let (map, start) = match is_turned {
+            true => (Affine::scale(Vec3::new(-1.0, 1.0, 1.0)), start + 180.0),
+            false => (Affine::IDENTITY, start),
+        };
+        let start = if angle < 0.0 { start + angle.max(-360.0) } else { start };
+        Ok(Some(Turn {
+            arguments,
+            facets,
+            approximations,
+            angle: angle.abs().min(360.0),
+            start,
+            map,
+            reach: hi[0].max(-lo[0]),
+            ends: [lo[1], hi[1]],
+        }))
+    }
+
+    pub fn solid(&mut self, flats: &Flats, flat: Flat) -> Result<Solid, Refusal> {
+        if self.facets {
+            return self.sectors(flats, flat);
+        }
+        let turned = flats.fold(flat, |leaf, map| self.leaf(leaf, map), join_solids)?;
+        let bounds = self.around()?;
+        Ok(match self.angle < 360.0 {
+            true => turned & bounds & solid(self.arguments, Wedge::new(self.start, self.angle))?,
+            false => turned & bounds,
+        })
+    }
+
+    /// A cylinder that stands off on all sides.
+    fn around(&self) -> Result<Solid, Refusal> {
+        let [lo, hi] = self.ends;
+        let margin = 0.25 * self.reach.max(hi - lo);
+        let rod = solid(self.arguments, Cylinder::new(self.reach + margin, hi - lo + 2.0 * margin))?;
+        Ok(rod.translate([0.0, 0.0, 0.5 * (lo + hi)]))
+    }
+
+    fn leaf(&mut self, leaf: &Leaf, map: &Affine) -> Result<Solid, Refusal> {
+        let map = map.then(&self.map);
+        if let Leaf::Disc { radius, .. } = leaf {
+            match plane_similarity(&map) {
+                Some(factor) => return self.ring(factor * radius, &map),
+                None => self.approximations.push("takes an ellipse by its facets"),
+            }
+        }
+        let arguments = self.arguments;
+        self.contours(leaf, &map, |half_plane| turned_edge(arguments, &half_plane))
+    }
+
+    /// The contours of a leaf under a map, each by its half-planes.
+    fn contours(
+        &self,
+        leaf: &Leaf,
+        map: &Affine,
+        mut wall: impl FnMut(HalfPlane) -> Result<Solid, Refusal>,
+    ) -> Result<Solid, Refusal> {
+        let mut parts = Vec::new();
+        for contour in leaf.contours() {
+            let contour = contour.into_iter().map(|p| image(map, p)).collect();
+            if let Some(polygons) = simple(self.arguments, contour)? {
+                parts.push(formula(&polygons, &mut wall)?);
+            }
+        }
+        Ok(odd(parts))
+    }
+
+    /// A disc turned about the axis.
+    fn ring(&self, radius: f64, map: &Affine) -> Result<Solid, Refusal> {
+        let (distance, height) = (map.translation.x, map.translation.y);
+        let ring = match distance.abs() <= OVER * radius {
+            true => solid(self.arguments, Sphere::new(radius))?,
+            false if distance > 0.0 => solid(self.arguments, Torus::new(distance, radius))?,
+            false => return Err(self.arguments.refusal("the middle of a disc lies beyond the axis")),
+        };
+        Ok(ring.translate([0.0, 0.0, height]))
+    }
+
+    /// As OpenSCAD divides it: equal sectors, in each of which the region is pushed straight on.
+    fn sectors(&mut self, flats: &Flats, flat: Flat) -> Result<Solid, Refusal> {
+        let full = Fineness::of(self.arguments)?.fragments(self.reach) as f64;
+        let count = (full * self.angle / 360.0).floor().max(1.0);
+        let step = self.angle / count;
+        let (half_sin, half_cos) = sin_cos_degrees(0.5 * step);
+        if half_cos <= 0.0 {
+            return Err(self.arguments.refusal("one facet would turn by 180 degrees or more"));
+        }
+        let arguments = self.arguments;
+        let wall = |half_plane: HalfPlane| {
+            let ([a, b], c) = (half_plane.normal, half_plane.offset);
+            let normal = Vec3::new(a, a * half_sin / half_cos, b);
+            solid(arguments, HalfSpace::new(normal, c))
+        };
+        let sector = flats.fold(
+            flat,
+            |leaf, map| self.contours(leaf, &map.then(&self.map), wall),
+            |operation: Operation, parts| join_solids(operation, parts),
+        )?;
+        let maps: Vec<Affine> =
+            (0..count as usize).map(|k| Affine::rotation(Vec3::Z, self.start + step * k as f64)).collect();
+        Ok((sector & self.slice(step)?).place(maps))
+    }
+
+    /// What lies between the half-planes at 0 and `step` degrees, in a box.
+    fn slice(&self, step: f64) -> Result<Solid, Refusal> {
+        let end = unit_vector_degrees(step + 90.0);
+        let [lo, hi] = self.ends;
+        let margin = 0.01 * self.reach.max(hi - lo);
+        let far = self.reach + margin;
+        // a narrow sector has a narrow box, so that most rays pass it by
+        let (sin, cos) = sin_cos_degrees(step);
+        let [left, up] = if cos > 0.0 { [-margin, far * sin + margin] } else { [-far, far] };
+        let corners = [Vec3::new(left, -margin, lo - margin), Vec3::new(far, up, hi + margin)];
+        Ok(Solid::intersection([
+            solid(self.arguments, HalfSpace::new(Vec3::NEG_Y, 0.0))?,
+            solid(self.arguments, HalfSpace::new(end, 0.0))?,
+            solid(self.arguments, BoxFromCorners::new(corners[0], corners[1]))?,
+        ]))
+    }
+}
+
+/// The factor of a map of the plane that keeps discs discs.
+pub(super) fn plane_similarity(map: &Affine) -> Option<f64> {
+    let (x, y) = (map.linear.x_axis, map.linear.y_axis);
+    let (length, other) = (x.x.hypot(x.y), y.x.hypot(y.y));
+    // matrices are printed with six digits
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * length.max(other);
+    let inner = (x.x * y.x + x.y * y.y) / length.max(other);
+    (near(length, other) && near(inner, 0.0)).then_some(0.5 * (length + other))
+}
+
+/// `a r + b z < c` for r, the distance from the axis: within a cylinder, between planes, within one nappe of a cone, or
+/// without all that.
+fn turned_edge(arguments: &Arguments, half_plane: &HalfPlane) -> Result<Solid, Refusal> {
+    let ([a, b], c) = (half_plane.normal, half_plane.offset);
+    if a == 0.0 {
+        return solid(arguments, HalfSpace::new(Vec3::new(0.0, 0.0, b), c));
+    }
+    if a < 0.0 {
+        // r > (-b z + c) / a
+        let inner = within(arguments, -b / a, c / a)?;
+        return Ok(!inner);
+    }
+    within(arguments, -b / a, c / a)
+}
+
+/// The points with `r < slope z + radius`.
+fn within(arguments: &Arguments, slope: f64, radius: f64) -> Result<Solid, Refusal> {
+    if slope == 0.0 {
+        return match radius > 0.0 {
+            true => solid(arguments, Cylinder::new(radius, f64::INFINITY)),
+            false => Ok(Solid::vacuum()),
+        };
+    }
+    // r^2 < (slope z + radius)^2 on the side of the apex where that is positive
+    let (zz, z) = (-slope * slope, -slope * radius);
+    let matrix =
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, zz, z], [0.0, 0.0, z, -radius * radius]];
+    let nappe = HalfSpace::new(Vec3::new(0.0, 0.0, -slope), radius);
+    Ok(solid(arguments, Quadric::new(matrix))? & solid(arguments, nappe)?)
+}
