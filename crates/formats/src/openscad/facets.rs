@@ -50,14 +50,14 @@ impl Fineness {
     pub fn slices(&self, reach: [f64; 2], twist: f64, way: &Way) -> usize {
         let least = (twist / 120.0).ceil().max(1.0);
         let height = way.top - way.bottom;
-        let radius = reach[0].hypot(reach[1]);
+        let radius = libm::hypot(reach[0], reach[1]);
         let slices = match () {
             () if self.count > 0.0 && twist > 0.0 => (twist / 360.0 * self.count).ceil(),
             () if self.count > 0.0 => self.count,
             () => {
                 let moved = [0, 1].map(|k| (way.scale[k] - 1.0) * reach[k]);
                 let turned = twist.to_radians() * radius * way.mean_factor();
-                let length = height.hypot(turned).hypot(moved[0]).hypot(moved[1]);
+                let length = [height, turned, moved[0], moved[1]].iter().map(|x| x * x).sum::<f64>().sqrt();
                 let by_size = (length / self.size).ceil();
                 if twist > 0.0 { by_size.min((twist / self.angle).ceil()) } else { by_size }
             }

@@ -140,7 +140,7 @@ impl Leaf {
             }
             Leaf::Disc { radius, .. } => {
                 let centre = [map.translation.x, map.translation.y];
-                let reach = [0, 1].map(|k| radius * map.linear.x_axis[k].hypot(map.linear.y_axis[k]));
+                let reach = [0, 1].map(|k| radius * libm::hypot(map.linear.x_axis[k], map.linear.y_axis[k]));
                 [[0, 1].map(|k| centre[k] - reach[k]), [0, 1].map(|k| centre[k] + reach[k])]
             }
         }
@@ -226,5 +226,5 @@ fn paths(value: &Value) -> Option<Vec<Vec<usize>>> {
 
 /// The number of a point.
 pub(super) fn index(number: f64) -> Option<usize> {
-    (number >= 0.0 && number < 4e9 && number.fract() == 0.0).then_some(number as usize)
+    ((0.0..4e9).contains(&number) && number.fract() == 0.0).then_some(number as usize)
 }

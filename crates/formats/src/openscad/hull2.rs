@@ -32,7 +32,7 @@ pub(super) fn touching_points(discs: &[(Point<2>, f64)]) -> Vec<Point<2>> {
 /// The unit normals of the two lines that touch two discs on one side: n . (q - p) = r - s.
 fn normals((p, r): &(Point<2>, f64), (q, s): &(Point<2>, f64)) -> Vec<Point<2>> {
     let d = [q[0] - p[0], q[1] - p[1]];
-    let length = d[0].hypot(d[1]);
+    let length = libm::hypot(d[0], d[1]);
     let sine = (r - s) / length;
     if !sine.is_finite() || sine.abs() > 1.0 {
         return Vec::new();

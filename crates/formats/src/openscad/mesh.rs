@@ -147,7 +147,7 @@ impl Twist {
     fn divided(&self, contour: &[Point<2>]) -> Vec<Point<2>> {
         let next = contour.iter().skip(1).chain(contour.first());
         let edges: Vec<(Point<2>, Point<2>)> = contour.iter().copied().zip(next.copied()).collect();
-        let length = |(a, b): &(Point<2>, Point<2>)| (b[0] - a[0]).hypot(b[1] - a[1]);
+        let length = |(a, b): &(Point<2>, Point<2>)| libm::hypot(b[0] - a[0], b[1] - a[1]);
         let whole: f64 = edges.iter().map(length).sum();
         let most = self.fineness.pieces(whole);
         if edges.len() >= most {

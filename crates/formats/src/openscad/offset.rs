@@ -79,7 +79,7 @@ fn sharp(arguments: &Arguments, flats: &mut Flats, flat: Flat, by: f64) -> Resul
         return Err(arguments.refusal("it keeps the corners of a region that is not convex"));
     };
     let moved = |h: &HalfPlane| {
-        let length = h.normal[0].hypot(h.normal[1]);
+        let length = libm::hypot(h.normal[0], h.normal[1]);
         (h.normal.map(|x| x / length), h.offset / length + by)
     };
     let mut walls: Vec<(Point<2>, f64)> = half_planes(&polygons).iter().map(moved).collect();
@@ -109,13 +109,13 @@ fn chamfers(corners: &[Point<2>], by: f64) -> Vec<(Point<2>, f64)> {
     let n = corners.len();
     let unit = |a: Point<2>, b: Point<2>| {
         let d = [b[0] - a[0], b[1] - a[1]];
-        d.map(|x| x / d[0].hypot(d[1]))
+        d.map(|x| x / libm::hypot(d[0], d[1]))
     };
     let cut = |k: usize| {
         let (before, here, after) = (corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]);
         let (u, v) = (unit(before, here), unit(after, here));
         let out = [u[0] + v[0], u[1] + v[1]];
-        let out = out.map(|x| x / out[0].hypot(out[1]));
+        let out = out.map(|x| x / libm::hypot(out[0], out[1]));
         (out, out[0] * here[0] + out[1] * here[1] + by)
     };
     (0..n).map(cut).collect()

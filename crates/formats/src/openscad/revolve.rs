@@ -179,7 +179,7 @@ impl<'a> Turn<'a> {
 /// The factor of a map of the plane that keeps discs discs.
 pub(super) fn plane_similarity(map: &Affine) -> Option<f64> {
     let (x, y) = (map.linear.x_axis, map.linear.y_axis);
-    let (length, other) = (x.x.hypot(x.y), y.x.hypot(y.y));
+    let (length, other) = (libm::hypot(x.x, x.y), libm::hypot(y.x, y.y));
     // matrices are printed with six digits
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * length.max(other);
     let inner = (x.x * y.x + x.y * y.y) / length.max(other);
