@@ -447,3 +447,48 @@ fn media_without_an_index() {
         "0:0 the model has no [optics] table (it says what shines, and on what)\n"
     );
 }
+
+/// A rod of a quarter pitch brings parallel light to a point on its far end.
+#[test]
+fn gradients_of_media() {
+    let text = |medium: &str| {
+        format!(
+            r#"
+[solid.rod]
+cylinder = {{ radius = 2, height = 10 }}
+transform = [{{ rotate_x = 90 }}]
+[optics.medium]
+rod = {medium}
+[[optics.source]]
+line = {{ length = 0.02, rays = 3 }}
+wavelength_nm = 550
+transform = [{{ rotate_x = -90 }}, {{ translate = [0, -20, 0] }}]
+"#
+        )
+    };
+    let turned = "transform = [{ rotate_x = 90 }]";
+    let run =
+        Run::new(&read(&text(&format!("{{ n = 1.6, gradient = {{ selfoc = 'pi / 20' }}, {turned} }}"))));
+    for row in run.trace.segments.iter().filter(|row| row.event == rayweave_optics::Event::Escaped) {
+        assert!((row.start - Vec3::Y * 5.0).length() < 1e-6, "{}", row.start);
+    }
+    for medium in [
+        "{ glass = 'N-BK7', gradient = { radial = [1, -0.01, 1e-4] } }",
+        "{ n = 1.5, k = 1e-9, gradient = { axial = [1, 0.01] } }",
+        "{ n = 1.5, gradient = { squared = [1, -0.01] } }",
+        "{ n = 1, gradient = { fish_eye = 20 } }",
+        "{ n = 1, gradient = { luneburg = 20 } }",
+    ] {
+        Run::new(&read(&text(medium)));
+    }
+    for (medium, said) in [
+        ("{ n = 1.6, gradient = { selfok = 0.1 } }", "selfok"),
+        ("{ n = 1.6, gradient = { luneburg = 0 } }", "the radius is 0"),
+        ("{ n = 1.6, gradient = { axial = [] } }", "has no axial coefficients"),
+        ("{ gradient = { selfoc = 0.1 } }", "n"),
+        ("{ glass = 'N-BK77', gradient = { selfoc = 0.1 } }", "N-BK77"),
+    ] {
+        let problems = read_with(&text(medium), &[]).unwrap_err().to_string();
+        assert!(problems.contains(said), "{problems}");
+    }
+}

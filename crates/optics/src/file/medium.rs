@@ -1,5 +1,6 @@
 //! What the media of a model are.
 
+use super::gradient;
 use crate::element::Material;
 use crate::glass::line_nm;
 use crate::medium::Medium;
@@ -109,7 +110,7 @@ fn stuff(reader: &mut Reader, name: &str, datum: Spanned<Datum>, is_world: bool)
             Err(_) if reader.is_arithmetic(text) => constant(reader, name, datum),
             glass => reader.accept(glass, span).map(made),
         },
-        Datum::Table(_) => complex(reader, name, datum),
+        Datum::Table(_) => described(reader, name, datum),
         Datum::Number(_) => constant(reader, name, datum),
         _ => {
             let wanted =
@@ -133,16 +134,36 @@ fn constant(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<St
     reader.accept(Medium::constant(name, index, 0.0), span).map(made)
 }
 
-fn complex(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<Stuff> {
-    let span = datum.span;
+/// An index or a glass, with a gradient if one is given.
+fn described(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<Stuff> {
     let mut keys = reader.keys(name, datum)?;
-    let n = reader.need(&mut keys, "n").and_then(|datum| reader.number("n", datum));
+    let base = match keys.take("glass") {
+        Some(datum) => {
+            let glass = reader.text("glass", datum)?;
+            reader.accept(Medium::glass(&glass.value), glass.span)
+        }
+        None => complex(reader, name, &mut keys),
+    };
+    let gradient = match keys.take("gradient") {
+        Some(datum) => Some(gradient::read(reader, datum, &mut keys)?),
+        None => None,
+    };
+    reader.refuse_the_rest(keys);
+    let base = base?;
+    Some(match gradient {
+        Some(gradient) => Stuff::Made(Material::Transparent(base.graded(gradient))),
+        None => made(base),
+    })
+}
+
+fn complex(reader: &mut Reader, name: &str, keys: &mut Keys) -> Option<Medium> {
+    let span = keys.span();
+    let n = reader.need(keys, "n").and_then(|datum| reader.number("n", datum));
     let k = match keys.take("k") {
         Some(datum) => reader.number("k", datum),
         None => Some(0.0),
     };
-    reader.refuse_the_rest(keys);
-    reader.accept(Medium::constant(name, n?, k?), span).map(made)
+    reader.accept(Medium::constant(name, n?, k?), span)
 }
 
 /// Where hardly any light goes through a wavelength of it, it is a metal: an extinction above a tenth of the index in

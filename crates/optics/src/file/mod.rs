@@ -15,6 +15,7 @@
 //! [optics.medium]           # what the media of the model are; otherwise the index of [medium.NAME] holds
 //! glass = "N-BK7"           # a material of the catalogue, an index, { n = 1.5, k = 1e-6 }, "mirror", "absorber"
 //! world = "air"             # vacuum if nothing is said of it
+//! rod = { glass = "N-BK7", gradient = { selfoc = 0.3 } }   # an index that changes from place to place, or with n = 1.5
 //!
 //! [optics.face]             # finishes by region, or by region and face
 //! "lens.front" = { coated = [[1.38, 0, 99.6]] }   # films as n, k, thickness in nm, the outermost first
@@ -36,6 +37,9 @@
 //! transform = [{ translate = [0, 0, -60] }]
 //! ```
 //!
+//! The gradients are those of [`Gradient`](crate::gradient::Gradient): `selfoc = g`, `squared = [a0, a1, ..]`, `radial = [r0, r1, ..]`,
+//! `axial = [c0, c1, ..]`, `fish_eye = radius`, `luneburg = radius`; a `transform` beside the gradient places it.
+//!
 //! A face is called by its name, by the first words of it between dots, or by any one of them; where several entries name a
 //! face, the longest holds. Angles are in degrees: that of a polariser and the second of a retarder (after its retardance)
 //! from x towards y; the lines of a grating are per unit of length, along x and y of the sheet.
@@ -46,6 +50,7 @@
 //! irradiance has fallen to 1/e^2, and even without; its rays lie on a Fibonacci spiral, or with `random = true` anywhere.
 
 mod face;
+mod gradient;
 mod medium;
 mod sheet;
 mod source;

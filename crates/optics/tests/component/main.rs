@@ -9,4 +9,5 @@ mod prisms;
 mod probe;
 mod pyrayt;
 mod sheets;
+mod spectrum;
 mod torics;

@@ -39,10 +39,33 @@ fn word_or_table(words: &[&str], keys: Value) -> Value {
 
 fn material() -> Value {
     let index = json!({ "n": reference("number"), "k": reference("number") });
+    let place = json!({ "gradient": gradient(), "transform": reference("transform") });
+    let graded = |mut keys: Value, needed: &'static str| {
+        keys["gradient"] = place["gradient"].clone();
+        keys["transform"] = place["transform"].clone();
+        table("An index that may change from place to place.", keys, &[needed])
+    };
     json!({
         "description": "A material of the catalogue, an index, `mirror` or `absorber`.",
-        "anyOf": [reference("number"), table("A complex index.", index, &["n"])],
+        "anyOf": [
+            reference("number"),
+            graded(index, "n"),
+            graded(json!({ "glass": text("A material of the catalogue.") }), "glass"),
+        ],
     })
+}
+
+fn gradient() -> Value {
+    let coefficients = json!({ "type": "array", "items": reference("number"), "minItems": 1 });
+    let laws = json!({
+        "selfoc": reference("number"),
+        "squared": coefficients,
+        "radial": coefficients,
+        "axial": coefficients,
+        "fish_eye": reference("number"),
+        "luneburg": reference("number"),
+    });
+    with_one_of("By what the index is multiplied.", json!({}), &laws, &[])
 }
 
 fn finish() -> Value {
