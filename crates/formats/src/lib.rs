@@ -74,6 +74,7 @@ pub fn load(
     let path = path.as_ref();
     match format.or_else(|| Format::from_path(path)).unwrap_or(Format::Native) {
         Format::Native => rayweave_scene::load(path, overrides).map(native),
+        Format::Gdml => understand(gdml::source(path)?, Format::Gdml, overrides, options),
         other => understand(Source::read(path)?, other, overrides, options),
     }
 }

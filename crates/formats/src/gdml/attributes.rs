@@ -10,8 +10,8 @@ use rayweave_shape::primitive::ShapeError;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Steps of all loops of a file together.
-const MOST_STEPS: usize = 1_000_000;
+/// Elements that the loops of a file may stand for.
+const MOST_STEPS: usize = 2_000_000;
 
 /// Why something could not be made.
 #[derive(Clone, Debug, PartialEq)]
@@ -260,11 +260,12 @@ impl<'c> Numbers<'c> {
         }
         let mut value = from;
         while value <= to {
-            self.steps += 1;
+            self.steps += 1 + element.children.len();
             if self.steps > MOST_STEPS {
-                return Err(
-                    self.tell(Trouble::new(format!("loops take more than {MOST_STEPS} steps"), place))
-                );
+                return Err(self.tell(Trouble::new(
+                    format!("the loops stand for more than {MOST_STEPS} elements"),
+                    place,
+                )));
             }
             self.names.set(&variable, value);
             self.each(element, visit);

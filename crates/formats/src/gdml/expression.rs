@@ -370,7 +370,7 @@ mod tests {
         names.evaluate(text).unwrap_or(f64::NAN)
     }
 
-    /// The values are those that Geant4 11.3 gives.
+    /// The values are those that Geant4 11.4.1 gives.
     #[test]
     fn expressions_have_the_values_that_geant4_gives() {
         let table = [

@@ -1,5 +1,6 @@
 //! From the graph of volumes to regions.
 
+use super::materials::Material;
 use super::structure::{Graph, Volume};
 use super::table::table;
 use super::{Context, Trouble};
@@ -20,13 +21,13 @@ pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Optio
     };
     let media = Media::new(graph);
     let ancestry = Ancestry::new(graph, &order);
-    let (mut regions, mut taken) = (Vec::new(), HashSet::new());
+    let (mut regions, mut taken) = (Vec::new(), Taken::default());
     let mut names = HashMap::new();
     for &volume in &order {
         let Some(solid) = ancestry.in_world(graph, volume) else {
             continue;
         };
-        let name = free_name(graph.volumes[volume].bare_name(), &mut taken);
+        let name = taken.free(graph.volumes[volume].bare_name());
         names.insert(volume, name.clone());
         let medium = media.of(&graph.volumes[volume]);
         let colour = colour(&graph.volumes[volume], medium, regions.is_empty());
@@ -169,16 +170,26 @@ fn copies(solid: &Solid, maps: &Arc<[Affine]>) -> Solid {
     }
 }
 
-/// The first of name, name2, name3, .. that is free.
-pub(super) fn free_name(name: &str, taken: &mut HashSet<String>) -> String {
-    let name = if name.is_empty() { "volume" } else { name };
-    let mut candidate = name.to_owned();
-    let mut k = 2;
-    while !taken.insert(candidate.clone()) {
-        candidate = format!("{name}{k}");
-        k += 1;
+/// Names that are taken, and for each how many have asked for it: many volumes of one name are common.
+#[derive(Default)]
+struct Taken {
+    names: HashSet<String>,
+    counts: HashMap<String, usize>,
+}
+
+impl Taken {
+    /// The first of name, name2, name3, .. that is free.
+    fn free(&mut self, name: &str) -> String {
+        let name = if name.is_empty() { "volume" } else { name };
+        let count = self.counts.entry(name.to_owned()).or_insert(0);
+        loop {
+            *count += 1;
+            let candidate = if *count == 1 { name.to_owned() } else { format!("{name}{count}") };
+            if self.names.insert(candidate.clone()) {
+                return candidate;
+            }
+        }
     }
-    candidate
 }
 
 /// The media of the scene: that around the world, the materials, and one for volumes that name none.
@@ -194,10 +205,11 @@ const UNSPECIFIED: &str = "unspecified";
 impl Media {
     fn new(graph: &Graph) -> Media {
         let outside = Medium { name: "world".to_owned(), ..Medium::default() };
-        let mut taken = HashSet::from([outside.name.clone(), UNSPECIFIED.to_owned()]);
+        let mut taken = Taken::default();
+        taken.names.extend([outside.name.clone(), UNSPECIFIED.to_owned()]);
         let mut list = vec![outside];
-        let names: Vec<String> =
-            graph.materials.list.iter().map(|material| free_name(material.bare_name(), &mut taken)).collect();
+        let free = |material: &Material| taken.free(material.bare_name());
+        let names: Vec<String> = graph.materials.list.iter().map(free).collect();
         list.extend(
             graph.materials.list.iter().zip(&names).map(|(material, name)| material.medium(name.clone())),
         );

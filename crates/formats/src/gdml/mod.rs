@@ -124,7 +124,17 @@ impl Trouble {
     }
 }
 
-/// A file's text. Files in Latin-1 that say so are understood, too.
+/// The text of a GDML file. Files in Latin-1 that say so are understood, too.
+///
+/// # Errors
+///
+/// One problem: the file cannot be read, is too large, or is no text.
+pub(crate) fn source(path: &Path) -> Result<Source, Diagnostics> {
+    // what is wrong is said by the reader of all formats
+    Source::read(path).or_else(|problems| source_of(path).map_err(|_| problems))
+}
+
+/// The text of a file that another one names.
 fn source_of(path: &Path) -> Result<Source, String> {
     let file = File::open(path).map_err(|error| error.to_string())?;
     let mut bytes = Vec::new();

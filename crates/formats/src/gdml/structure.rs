@@ -28,6 +28,8 @@ pub(super) struct Graph {
     pub materials: Materials,
     pub surfaces: Surfaces,
     pub auxiliary: Vec<Auxiliary>,
+    /// How many copies replicas and divisions have made.
+    copies: usize,
     /// The volumes that included files gave, by path and name.
     included: BTreeMap<(PathBuf, String), Option<usize>>,
 }

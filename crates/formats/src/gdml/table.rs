@@ -144,11 +144,10 @@ impl Rows {
             let entry =
                 |(name, property): &(String, Property)| (name.as_str().into(), unplaced(datum(property)));
             // a property that is given twice counts as the last one says
-            let mut table: Table = Vec::new();
-            for property in properties {
-                table.retain(|(name, _)| name.value != property.0);
-                table.push(entry(property));
-            }
+            let last: HashMap<&str, usize> =
+                properties.iter().zip(0..).map(|((name, _), k)| (name.as_str(), k)).collect();
+            let kept = properties.iter().zip(0..).filter(|((name, _), k)| last.get(name.as_str()) == Some(k));
+            let table: Table = kept.map(|(property, _)| entry(property)).collect();
             self.put("properties", Datum::Table(table));
         }
     }

@@ -21,7 +21,7 @@ const MOST_REFERENCES: usize = 100_000;
 /// Bytes that texts of internal entities may take, every use counted.
 const MOST_EXPANDED: usize = 16 << 20;
 /// Bytes of external entities, every use counted.
-const MOST_INCLUDED: usize = 256 << 20;
+const MOST_INCLUDED: usize = 64 << 20;
 
 /// A place in one of the texts that a document is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

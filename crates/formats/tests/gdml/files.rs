@@ -114,3 +114,18 @@ fn entities_may_be_files() {
     assert!(problem.path().unwrap().ends_with("solids.xml"));
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn latin_1_is_read_where_it_is_declared() {
+    let text = outer("").replace("World", "W\u{e4}lt");
+    let declared = format!("<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>{text}");
+    let latin: Vec<u8> = declared.chars().map(|c| c as u32 as u8).collect();
+    let folder = scratch("latin", &[]);
+    let path = folder.join("main.gdml");
+    std::fs::write(&path, &latin).unwrap();
+    assert_eq!(read(&path).scene.regions[0].name, "W\u{e4}lt");
+    std::fs::write(&path, &latin[declared.find('>').unwrap() + 1..]).unwrap();
+    let problems = load(&path, None, &[], &Options::default()).unwrap_err();
+    assert!(problems.to_string().contains("UTF-8"));
+    std::fs::remove_dir_all(folder).unwrap();
+}

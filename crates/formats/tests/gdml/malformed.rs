@@ -114,7 +114,7 @@ fn loops_end() {
     let endless = "<variable name=\"i\" value=\"0\"/><loop for=\"i\" from=\"1\" to=\"2\" step=\"0\"><constant name=\"a\" value=\"1\"/></loop>";
     assert!(problems(&model(endless, BOX, WORLD))[0].2.contains("would not end"));
     let long = endless.replace("step=\"0\"", "step=\"1e-9\"");
-    assert!(problems(&model(&long, BOX, WORLD))[0].2.contains("more than 1000000 steps"));
+    assert!(problems(&model(&long, BOX, WORLD))[0].2.contains("more than 2000000 elements"));
 }
 
 #[test]

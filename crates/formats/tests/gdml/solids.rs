@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 const FILE: &str = include_str!("solids.gdml");
-/// By Geant4 11.3, through geant4-pybind 0.1.3: for each solid its `GetCubicVolume`, and rays with the times that
+/// By Geant4 11.4.1, through geant4-pybind 0.1.3: for each solid its `GetCubicVolume`, and rays with the times that
 /// `DistanceToIn` and `DistanceToOut` give in turn.
 const RAYS: &str = include_str!("solids.csv");
 

@@ -51,7 +51,7 @@ fn daughters_carve_their_mothers() {
     assert_eq!(names(&along(&imported, [-100.0, 0.1, 0.2], [1.0, 0.0, 0.0])), expected);
 }
 
-/// The places of the small cube's middle are those that Geant4 11.3 gives for this file.
+/// The places of the small cube's middle are those that Geant4 11.4.1 gives for this file.
 #[test]
 fn rotations_are_those_of_the_mothers_frame() {
     let turned = "<physvol><volumeref ref=\"Arm\"/><position x=\"10\" y=\"20\" z=\"30\"/>\
@@ -74,7 +74,7 @@ fn rotations_are_those_of_the_mothers_frame() {
 
 const TIP: [f64; 3] = [24.77211629518312, 6.295220222429869, 52.22529170584472];
 
-/// Volumes turned, mirrored, in assemblies, as replicas, divisions and copies with dimensions of their own, by Geant4 11.3 (its
+/// Volumes turned, mirrored, in assemblies, as replicas, divisions and copies with dimensions of their own, by Geant4 11.4.1 (its
 /// `G4Navigator`, through geant4-pybind 0.1.3).
 #[test]
 fn media_along_rays_are_those_of_geant4() {
@@ -241,7 +241,38 @@ fn what_light_needs_is_kept_in_a_table() {
     assert_eq!(keys, ["world", "volume", "material", "matrix", "surface", "skin"]);
 }
 
-/// Two hundred crates, twenty kinds of boards in them: two thousand lines that name four thousand placements.
+/// Addresses are taken off names, which then are numbered where they are equal.
+#[test]
+fn volumes_of_one_name_are_numbered() {
+    let mut text = String::new();
+    let mut places = String::new();
+    for k in 0..3000 {
+        text += &volume(&format!("Pixel0x{k:x}"), "cube", "");
+        places += &format!("<physvol><volumeref ref=\"Pixel0x{k:x}\"/><position x=\"{}\"/></physvol>", 3 * k);
+    }
+    let imported = parse(&model("", BOXES, &(text + &volume("World", "big", &places)))).unwrap();
+    let names: Vec<&str> = imported.scene.regions.iter().map(|region| region.name.as_str()).collect();
+    assert_eq!((names[0], names[1], names[2], names[3000]), ("World", "Pixel", "Pixel2", "Pixel3000"));
+}
+
+/// A million million copies are a few lines, and as few maps.
+#[test]
+fn copies_of_copies_take_no_more_room() {
+    let mut text = volume("L0", "cube", "");
+    for k in 1..7 {
+        let places: String = (0..100)
+            .map(|i| format!("<physvol><volumeref ref=\"L{}\"/><position x=\"{i}\"/></physvol>", k - 1))
+            .collect();
+        text += &format!("<assembly name=\"L{k}\">{places}</assembly>");
+    }
+    text += &volume("World", "big", "<physvol><volumeref ref=\"L6\"/></physvol>");
+    let imported = parse(&model("", BOXES, &text)).unwrap();
+    assert_eq!(imported.scene.regions.len(), 2);
+    // so many cannot be numbered; that is told, and nothing is tried before
+    assert!(Program::compile_regions(&imported.scene.model_regions()).is_err());
+}
+
+/// Twenty kinds of boards at four thousand places.
 #[test]
 fn many_placements_stay_small() {
     let mut text = String::new();

@@ -11,7 +11,11 @@ use rayweave_math::{Affine, Vec3};
 use std::collections::BTreeMap;
 
 /// Copies of one daughter.
-pub(super) const MOST: i64 = 10_000_000;
+pub(super) const MOST: i64 = 1_000_000;
+/// Copies of all daughters that are replicas or divisions.
+const MOST_ALTOGETHER: usize = 4_000_000;
+/// Copies of one daughter that have dimensions of their own, and therefore are volumes of their own.
+const MOST_VOLUMES: usize = 20_000;
 
 /// The direction of a row of copies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +82,7 @@ pub(super) fn spread(context: &mut Context, graph: &mut Graph, pending: &Pending
             Ok(maps.into_iter().zip(shapes.iter().cloned()).collect())
         }
     };
-    match copies {
+    match copies.and_then(|copies| within_limits(graph, copies)) {
         Ok(copies) => place(graph, pending, volume, copies),
         Err(failure) => {
             let daughter = &graph.volumes[pending.mother].daughters[pending.daughter];
@@ -91,6 +95,15 @@ pub(super) fn spread(context: &mut Context, graph: &mut Graph, pending: &Pending
 
 /// Maps, each with a solid where it is not the volume's own.
 type Spread = Vec<(Affine, Option<Shape>)>;
+
+fn within_limits(graph: &mut Graph, copies: Spread) -> Result<Spread, Failure> {
+    graph.copies += copies.len();
+    let volumes = copies.iter().filter(|(_, shape)| shape.is_some()).count();
+    match graph.copies > MOST_ALTOGETHER || volumes > MOST_VOLUMES {
+        true => Err(Failure::Refused("they are too many".to_owned())),
+        false => Ok(copies),
+    }
+}
 
 /// Puts the copies into the graph: those of the volume's own solid at its daughter, each other in a volume of its own.
 fn place(graph: &mut Graph, pending: &Pending, volume: usize, copies: Spread) {
