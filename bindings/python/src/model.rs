@@ -71,8 +71,8 @@ impl PyModel {
     }
 }
 
-/// Reads a model file: a native one (.toml), or one of another program (OpenSCAD's .csg). The ending tells the format, unless `format`
-/// names it: "native" or "openscad". `parameters` gives other values to some of the parameters of a native file: numbers, or arithmetic
+/// Reads a model file: a native one (.toml), or one of another program (OpenSCAD's .csg, Geant4's .gdml). The ending tells the
+/// format, unless `format` names it: "native", "openscad" or "gdml". `parameters` gives other values to some of the parameters of a native file: numbers, or arithmetic
 /// text. With `facets` round shapes are the facets that their own program makes of them, else they are truly round. What was
 /// approximated, dropped or refused is told by `warnings` of the model. `fonts` are files of fonts, and folders of them, in which those
 /// of texts are looked for before the system's.

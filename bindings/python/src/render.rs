@@ -36,7 +36,12 @@ impl Subject {
         let py = object.py();
         if let Ok(model) = object.cast::<PyModel>() {
             let (compiled, engine) = model.get().compiled(py)?;
-            let scene = model.get().scene().clone();
+            let (whole, scene) = (model.get().scene(), model.get().scene().clone().seen());
+            if scene.regions.len() < whole.regions.len() {
+                let compiled = Compiled::new(&scene).map_err(bad_value)?;
+                let evaluator = AnyEvaluator::new(None, compiled.program.clone()).map_err(bad_value)?;
+                return Ok(Subject { scene, compiled, evaluator });
+            }
             return Ok(Subject { scene, compiled: compiled.clone(), evaluator: engine.evaluator().clone() });
         }
         let Ok(solid) = object.cast::<PySolid>() else {

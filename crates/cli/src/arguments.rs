@@ -66,7 +66,7 @@ pub enum Command {
 /// A model file and the values of its parameters.
 #[derive(Args)]
 pub struct ModelArguments {
-    /// The model file: a native one (.toml), or one of OpenSCAD (.csg)
+    /// The model file: a native one (.toml), or one of OpenSCAD (.csg) or Geant4 (.gdml)
     pub model: PathBuf,
 
     /// Read the model file as one of this format [default: what its name says, or native]

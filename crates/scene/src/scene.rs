@@ -50,6 +50,15 @@ impl Scene {
         self.solids.iter().find(|(own, _)| own == name).map(|(_, solid)| solid)
     }
 
+    /// The scene as pictures show it: without the regions whose colour is wholly clear, unless all are. What is in them shows.
+    pub fn seen(mut self) -> Scene {
+        let is_seen = |region: &SceneRegion| region.colour.alpha > 0;
+        if self.regions.iter().any(is_seen) {
+            self.regions.retain(is_seen);
+        }
+        self
+    }
+
     /// The regions as they are compiled.
     pub fn model_regions(&self) -> Vec<Region> {
         let region = |region: &SceneRegion| Region {

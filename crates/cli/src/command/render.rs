@@ -73,7 +73,7 @@ const STYLES: [(&str, Style); 3] =
 impl Render {
     pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
         let out = self.out()?;
-        let scene = self.model.load()?;
+        let scene = self.model.load()?.seen();
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let (camera, settings) = arrange(&scene, &compiled, &self.wishes())?;

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Elements that the loops of a file may stand for.
-const MOST_STEPS: usize = 2_000_000;
+const MOST_STEPS: usize = 500_000;
 
 /// Why something could not be made.
 #[derive(Clone, Debug, PartialEq)]

@@ -117,7 +117,7 @@ impl Names {
         for index in inside.split(',') {
             let value = self.evaluate(index).map_err(|fault| shifted(fault, at))?;
             // Geant4 counts the elements of matrices from 1 and what it makes of them from 0
-            expanded += &format!("_{}", value as i64 - 1);
+            expanded += &format!("_{}", (value as i64).saturating_sub(1));
             at += index.len() + 1;
         }
         let rest = self.expand(after).map_err(|fault| shifted(fault, base + inside.len() + 1))?;
@@ -437,6 +437,7 @@ mod tests {
         assert_eq!(names.expand("pixel[i]").unwrap(), "pixel_2");
         assert_eq!(names.expand("a[i+1,2]b[i]").unwrap(), "a_3_1b_2");
         assert_eq!(names.expand("plain").unwrap(), "plain");
+        assert!(names.expand("a[-1e30]").unwrap().starts_with("a_-9"));
         assert!(names.expand("a[i").is_err());
         assert_eq!(names.expand("a[k]").unwrap_err().span.start, 2);
     }

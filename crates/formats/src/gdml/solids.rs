@@ -399,7 +399,7 @@ fn faceted(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
             let vertices = corners(numbers, e, "twoDimVertex", ["x", "y"])?;
             extruded(&vertices, &sections(numbers, e)?)
         }
-        _ => tessellated(numbers, e),
+        _ => facets(numbers, e),
     }
 }
 
@@ -445,7 +445,7 @@ fn section_of(numbers: &mut Numbers, child: &Element, unit: f64) -> Result<Secti
     Ok(Section { z: z? * unit, offset: [x? * unit, y? * unit], scale: scale? })
 }
 
-fn tessellated(numbers: &mut Numbers, e: &Element) -> Made {
+fn facets(numbers: &mut Numbers, e: &Element) -> Made {
     let (mut facets, mut failure) = (Vec::new(), None);
     numbers.each(e, &mut |numbers, child| match facet(numbers, child) {
         Ok(facet) => facets.push(facet),
@@ -454,7 +454,7 @@ fn tessellated(numbers: &mut Numbers, e: &Element) -> Made {
     match failure {
         Some(failure) => Err(failure),
         None if facets.len() < 4 => refused("it has fewer than 4 facets"),
-        None => convex_mesh(&facets),
+        None => tessellated(&facets),
     }
 }
 

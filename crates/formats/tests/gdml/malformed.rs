@@ -114,7 +114,16 @@ fn loops_end() {
     let endless = "<variable name=\"i\" value=\"0\"/><loop for=\"i\" from=\"1\" to=\"2\" step=\"0\"><constant name=\"a\" value=\"1\"/></loop>";
     assert!(problems(&model(endless, BOX, WORLD))[0].2.contains("would not end"));
     let long = endless.replace("step=\"0\"", "step=\"1e-9\"");
-    assert!(problems(&model(&long, BOX, WORLD))[0].2.contains("more than 2000000 elements"));
+    assert!(problems(&model(&long, BOX, WORLD))[0].2.contains("more than 500000 elements"));
+}
+
+/// Millions of faces from a few lines are refused before they are made.
+#[test]
+fn faces_of_polyhedra_have_a_limit() {
+    let planes = "<loop for=\"i\" from=\"0\" to=\"1000\"><zplane z=\"i\" rmax=\"1\"/></loop>";
+    let solid = format!("<polyhedra name=\"b\" numsides=\"4096\">{planes}</polyhedra>");
+    let imported = parse(&model("", &solid, WORLD)).unwrap();
+    assert!(imported.report.iter().next().unwrap().first.message().contains("too many faces"));
 }
 
 #[test]

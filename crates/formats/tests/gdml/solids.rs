@@ -143,6 +143,52 @@ fn stacks_have_no_seams() {
 }
 
 #[test]
+fn angles_beyond_the_pole_are_the_pole() {
+    let imported =
+        one("<sphere name=\"s\" rmax=\"2\" deltaphi=\"6.3\" starttheta=\"0.5\" deltatheta=\"3.2\"/>");
+    let program = Arc::new(Program::compile(&imported.scene.regions[0].solid).unwrap());
+    // a ball without the cone of 0.5 rad about +z: 2 pi r^3 (1 + cos 0.5) / 3
+    let expected = 2.0 * std::f64::consts::PI * 8.0 * (1.0 + 0.5f64.cos()) / 3.0;
+    assert!((volume(&program, 200) / expected - 1.0).abs() < 2e-3);
+}
+
+/// A box of 2 x 2 x 2 with a pyramid of height 1 taken out of its top, in facets.
+#[test]
+fn facets_that_are_not_convex_are_a_mesh() {
+    let corners = [
+        (-1, -1, -1),
+        (1, -1, -1),
+        (1, 1, -1),
+        (-1, 1, -1),
+        (-1, -1, 1),
+        (1, -1, 1),
+        (1, 1, 1),
+        (-1, 1, 1),
+        (0, 0, 0),
+    ];
+    let position = |(k, (x, y, z)): (usize, &(i32, i32, i32))| {
+        format!("<position name=\"p{k}\" x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
+    };
+    let define: String = corners.iter().enumerate().map(position).collect();
+    let quadrangles = [[3, 2, 1, 0], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    let facet = |tag: &str, corners: &[i32]| {
+        let vertices = corners.iter().zip(1..).map(|(corner, k)| format!(" vertex{k}=\"p{corner}\""));
+        format!("<{tag}{} type=\"ABSOLUTE\"/>", vertices.collect::<String>())
+    };
+    let mut facets: String = quadrangles.iter().map(|corners| facet("quadrangular", corners)).collect();
+    facets.extend([[4, 5, 8], [5, 6, 8], [6, 7, 8], [7, 4, 8]].map(|corners| facet("triangular", &corners)));
+    let world = "<volume name=\"World\"><materialref ref=\"Al\"/><solidref ref=\"s\"/></volume>";
+    let imported =
+        parse(&model(&define, &format!("<tessellated name=\"s\">{facets}</tessellated>"), world)).unwrap();
+    if rayweave_shape::primitive::manual("mesh").is_none() {
+        assert_eq!(imported.report.count(LossKind::Refused), 1);
+        return;
+    }
+    let program = Arc::new(Program::compile(&imported.scene.regions[0].solid).unwrap());
+    assert!((volume(&program, 100) - (8.0 - 4.0 / 3.0)).abs() < 1e-3);
+}
+
+#[test]
 fn twisted_solids_are_reported() {
     let imported = one("<twistedbox name=\"s\" PhiTwist=\"30\" x=\"2\" y=\"2\" z=\"5\" aunit=\"deg\"/>");
     let loss = imported.report.iter().next().unwrap();

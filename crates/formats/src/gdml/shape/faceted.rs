@@ -5,7 +5,7 @@ use super::{Made, Phi, loose_box, of, union_of};
 use crate::gdml::attributes::{Failure, refused};
 use rayweave_math::{Affine, Mat3, Vec3, sin_cos_degrees, unit_vector_degrees};
 use rayweave_model::Solid;
-use rayweave_shape::primitive::{CentredBox, Convex, Quadric};
+use rayweave_shape::primitive::{CentredBox, Convex, Quadric, Value, build};
 
 /// tan of an angle in degrees.
 fn tan(angle: f64) -> f64 {
@@ -205,7 +205,7 @@ pub(in crate::gdml) fn tetrahedron(corners: [Vec3; 4]) -> Made {
 /// `G4Polyhedra` from planes: the radii are distances of the side faces from the axis.
 pub(in crate::gdml) fn polyhedra(planes: &[ZPlane], sides: u32, phi: Phi) -> Made {
     in_order(planes)?;
-    let normals = side_normals(sides, phi)?;
+    let normals = side_normals(sides, phi, planes.len())?;
     let mut sections = Vec::new();
     for pair in planes.windows(2) {
         let (a, b) = (pair[0], pair[1]);
@@ -240,7 +240,7 @@ fn cut(whole: Solid, phi: Phi, sides: u32, corners: impl Iterator<Item = [f64; 2
 ///
 /// The symmetric difference of the frusta under the polygon's edges, as [`super::round::generic_polycone`].
 pub(in crate::gdml) fn generic_polyhedra(corners: &[[f64; 2]], sides: u32, phi: Phi) -> Made {
-    let normals = side_normals(sides, phi)?;
+    let normals = side_normals(sides, phi, corners.len())?;
     let (_, cos) = sin_cos_degrees(0.5 * phi.delta.min(360.0) / f64::from(sides));
     let mut frusta = Vec::new();
     for ([r1, z1], [r2, z2]) in edges(corners) {
@@ -253,8 +253,14 @@ pub(in crate::gdml) fn generic_polyhedra(corners: &[[f64; 2]], sides: u32, phi: 
     }
 }
 
-/// The outward directions of the sides around the z axis.
-fn side_normals(sides: u32, phi: Phi) -> Result<Vec<Vec3>, Failure> {
+/// Faces of one polyhedra.
+const MOST_FACES: usize = 1_000_000;
+
+/// The outward directions of the sides around the z axis, of a solid with so many planes.
+fn side_normals(sides: u32, phi: Phi, planes: usize) -> Result<Vec<Vec3>, Failure> {
+    if planes.saturating_mul(sides as usize) > MOST_FACES {
+        return refused(format!("too many faces (more than {MOST_FACES})"));
+    }
     let step = phi.delta.min(360.0) / f64::from(sides.max(1));
     if sides == 0 || step >= 180.0 {
         return refused("too few sides for its sector");
@@ -279,31 +285,55 @@ fn frustum(normals: &[Vec3], a: (f64, f64), b: (f64, f64)) -> Result<Option<Soli
     Ok(Some(of(Convex::new(normals.iter().map(side).chain(ends).collect())?)))
 }
 
-/// `G4TessellatedSolid` whose facets enclose a convex solid, as half-spaces.
-pub(in crate::gdml) fn convex_mesh(facets: &[Vec<Vec3>]) -> Made {
-    let centre = facets.iter().flatten().sum::<Vec3>() / facets.iter().flatten().count().max(1) as f64;
-    let size = facets.iter().flatten().fold(0.0f64, |size, p| size.max((*p - centre).length()));
+/// `G4TessellatedSolid`: as half-spaces if its facets enclose a convex solid, else as a mesh.
+pub(in crate::gdml) fn tessellated(facets: &[Vec<Vec3>]) -> Made {
+    match planes_of(facets) {
+        Some(planes) => Ok(of(Convex::new(planes)?)),
+        None => mesh(facets),
+    }
+}
+
+/// The planes of the facets, each once, if no corner is in front of one.
+fn planes_of(facets: &[Vec<Vec3>]) -> Option<Vec<[f64; 4]>> {
+    let corners = || facets.iter().flatten();
+    let centre = corners().sum::<Vec3>() / corners().count().max(1) as f64;
+    let size = corners().fold(0.0f64, |size, p| size.max((*p - centre).length()));
     let mut planes: Vec<[f64; 4]> = Vec::new();
     for facet in facets {
         let normal = newell(facet).normalize_or_zero();
-        let at = facet.iter().map(|p| normal.dot(*p)).sum::<f64>() / facet.len() as f64;
-        let (normal, at) = if normal.dot(centre) > at { (-normal, -at) } else { (normal, at) };
-        let is_behind = |p: &Vec3| normal.dot(*p) - at <= 1e-9 * size;
         if normal == Vec3::ZERO {
             continue;
         }
-        if !facets.iter().flatten().all(is_behind) {
-            return refused("it is not convex (meshes that are not are not supported yet)");
+        let at = facet.iter().map(|p| normal.dot(*p)).sum::<f64>() / facet.len() as f64;
+        let (normal, at) = if normal.dot(centre) > at { (-normal, -at) } else { (normal, at) };
+        if corners().any(|p| normal.dot(*p) - at > 1e-9 * size) {
+            return None;
         }
         let row = [normal.x, normal.y, normal.z, at];
-        let is_known = |other: &[f64; 4]| {
-            (0..3).all(|k| (other[k] - row[k]).abs() < 1e-9) && (other[3] - at).abs() <= 1e-9 * size
-        };
+        let is_near = |other: &[f64; 4], k: usize, tolerance: f64| (other[k] - row[k]).abs() <= tolerance;
+        let is_known =
+            |other: &[f64; 4]| (0..3).all(|k| is_near(other, k, 1e-9)) && is_near(other, 3, 1e-9 * size);
         if !planes.iter().any(is_known) {
             planes.push(row);
         }
     }
-    Ok(of(Convex::new(planes)?))
+    Some(planes)
+}
+
+/// The solid within facets, those of more corners cut into triangles from their first one.
+fn mesh(facets: &[Vec<Vec3>]) -> Made {
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for facet in facets {
+        let first = vertices.len();
+        vertices.extend(facet.iter().map(|corner| corner.to_array().to_vec()));
+        faces.extend(
+            (1..facet.len() - 1).map(|k| [first, first + k, first + k + 1].map(|n| n as f64).to_vec()),
+        );
+    }
+    let arguments = [("vertices", Value::Rows(vertices)), ("faces", Value::Rows(faces))];
+    build("mesh", &arguments)
+        .map(of)
+        .map_err(|error| Failure::Refused(format!("it is not convex, and no mesh: {error}")))
 }
 
 /// The normal of a polygon in space, its area as length (Newell's formula).

@@ -126,8 +126,9 @@ pub(in crate::gdml) fn sphere(rmin: f64, rmax: f64, phi: Phi, theta: Phi) -> Mad
     if rmin > 0.0 {
         ball = ball - of(Sphere::new(rmin)?);
     }
+    // Geant4 takes angles beyond the pole for the pole
     let end = theta.start + theta.delta;
-    if theta.start < 0.0 || theta.delta <= 0.0 || end > 180.0 + 1e-7 {
+    if !(0.0..180.0).contains(&theta.start) || theta.delta <= 0.0 {
         return refused("the polar angles are not between 0 and 180 degrees");
     }
     if end < 180.0 - 1e-7 {
