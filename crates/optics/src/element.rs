@@ -1,10 +1,10 @@
 //! What an optical system is made of: solids of a material with faces of some finish, and sheets.
 
-use crate::component::Sheet;
+use crate::component::{ComponentError, Sheet};
 use crate::interface::Film;
 use crate::medium::Medium;
 use num_complex::Complex64;
-use rayweave_math::Vec3;
+use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 
 /// What a solid is made of.
@@ -190,6 +190,40 @@ impl Element {
             faces.push((face.to_owned(), finish));
         }
         self
+    }
+
+    /// The same moved by a map.
+    ///
+    /// # Errors
+    /// A map that is singular or not finite.
+    pub fn apply(mut self, world_from_local: &Affine) -> Result<Element, ComponentError> {
+        match &mut self.body {
+            Body::Solid { solid, .. } => *solid = solid.apply(*world_from_local),
+            Body::Sheet { sheet, .. } => *sheet = sheet.apply(world_from_local)?,
+        }
+        Ok(self)
+    }
+
+    /// The same under another name.
+    pub fn named(mut self, name: &str) -> Element {
+        self.name = name.to_owned();
+        self
+    }
+
+    /// Its solid and what that is made of; `None` for sheets.
+    pub fn solid(&self) -> Option<(&Solid, &Material)> {
+        match &self.body {
+            Body::Solid { solid, material, .. } => Some((solid, material)),
+            Body::Sheet { .. } => None,
+        }
+    }
+
+    /// The sheet that it is; `None` for solids.
+    pub fn as_sheet(&self) -> Option<&Sheet> {
+        match &self.body {
+            Body::Sheet { sheet, .. } => Some(sheet),
+            Body::Solid { .. } => None,
+        }
     }
 
     /// What it is called.

@@ -398,11 +398,11 @@ wavelength_nm = { band = [700, 400] }
 27:24 `thin_lens` is 0 (it must be finite and not 0)
 28:14 the transform is singular (it flattens space, so that no point has one image) is a scale factor 0?
 30:8 `beam` has no `rays` (it is needed)
-30:23 unknown key `ray` in `beam` (the keys are rays, circle, rectangle, ellipse, waist, random) did you mean `rays`?
+30:23 unknown key `ray` in `beam` (the keys are rays, circle, rectangle, ellipse, waist, random, sampling) did you mean `rays`?
 31:18 unknown parameter `lambda` (it does not stand in [parameters])
 32:9 `power` is 0 (it must be finite and greater than 0)
-35:1 `wedge` is one too many (`optics.source` has one of beam, line, circle, cone, wedge, lamp, point)
-37:1 unknown key `baem` in `optics.source` (the keys are beam, line, circle, cone, wedge, lamp, point, wavelength_nm, power, seed, transform) did you mean `beam`?
+35:1 `wedge` is one too many (`optics.source` has one of beam, line, circle, cone, wedge, lamp, point, disc, rays)
+37:1 unknown key `baem` in `optics.source` (the keys are beam, line, circle, cone, wedge, lamp, point, disc, rays, wavelength_nm, power, stokes, seed, transform) did you mean `beam`?
 38:17 spectrum: 400 nm after 700 nm (wavelengths must increase) are they exchanged?
 ", rayweave_optics::glass::glasses().len());
     assert_eq!(problems(text), expected);
@@ -491,4 +491,176 @@ transform = [{{ rotate_x = -90 }}, {{ translate = [0, -20, 0] }}]
         let problems = read_with(&text(medium), &[]).unwrap_err().to_string();
         assert!(problems.contains(said), "{problems}");
     }
+}
+
+/// As many rays as a grid or rings have; a spiral and chance have any number.
+#[test]
+fn ways_of_sampling() {
+    let count = |way: &str| {
+        let text =
+            format!("[optics]\n[[optics.source]]\nbeam = {{ circle = 2, rays = 100, sampling = '{way}' }}");
+        let optics = read(&text);
+        let rays = optics.sources.rays(0..u64::MAX);
+        let squares = rays.origins[0].iter().zip(&rays.origins[1]).map(|(x, y)| x * x + y * y);
+        // the mean square distance from the middle of an even disc
+        let mean = squares.zip(&rays.power).map(|(square, power)| square * power).sum::<f64>();
+        assert!((mean - 0.5).abs() < if way == "random" { 0.12 } else { 0.03 }, "{way} {mean}");
+        rays.len()
+    };
+    assert_eq!(["fibonacci", "random", "grid", "hexapolar"].map(count), [100, 100, 100, 127]);
+    let twice =
+        "[optics]\n[[optics.source]]\npoint = { angle = 2, rays = 5, random = true, sampling = 'grid' }";
+    assert_eq!(problems(twice), "4:41 `random` is one too many (`sampling` says it)\n");
+    let unknown = "[optics]\n[[optics.source]]\npoint = { angle = 2, rays = 5, sampling = 'gird' }";
+    assert!(problems(unknown).contains("did you mean `grid`?"), "{}", problems(unknown));
+}
+
+/// Malus: light that swings along x goes through a polariser at an angle by the square of its cosine.
+#[test]
+fn polarised_sources() {
+    let through = |stokes: &str, degrees: f64| {
+        let text = format!(
+            "[optics]
+            polarised = true
+            [[optics.sheet]]
+            name = 'filter'
+            circle = 20
+            action = {{ polariser = {degrees} }}
+            transform = [{{ translate = [0, 0, 5] }}]
+            [[optics.sheet]]
+            name = 'screen'
+            circle = 20
+            action = 'absorb'
+            transform = [{{ translate = [0, 0, 9] }}]
+            [[optics.source]]
+            beam = {{ circle = 4, rays = 9 }}
+            stokes = {stokes}"
+        );
+        Run::new(&read(&text)).absorbed("screen")
+    };
+    for degrees in [0.0, 30.0, 45.0, 90.0] {
+        let cosine = f64::to_radians(degrees).cos();
+        close(through("[1, 1, 0, 0]", degrees), cosine * cosine);
+        close(through("[2, 0, 0, 2]", degrees), 0.5);
+    }
+    close(through("[1, 0, 1, 0]", 45.0), 1.0);
+    close(through("[1, 0, 1, 0]", -45.0), 0.0);
+    let bad = "[optics]\n[[optics.source]]\nline = { length = 2, rays = 5 }\nstokes = [1, 1, 1, 0]";
+    assert!(
+        problems(bad).starts_with("5:10 stokes is [1.0, 1.0, 1.0, 0.0] (i, q, u, v are finite"),
+        "{}",
+        problems(bad)
+    );
+}
+
+/// Light from the centre of a spherical screen arrives at right angles, after one radius.
+#[test]
+fn curved_sheets() {
+    let text = "[optics]
+        [[optics.sheet]]
+        name = 'screen'
+        circle = 30
+        radius = -20
+        action = 'absorb'
+        transform = [{ translate = [0, 0, 20] }]
+        [[optics.source]]
+        point = { angle = 40, rays = 100 }";
+    let rows = Run::new(&read(text)).at("screen");
+    assert_eq!(rows.len(), 100);
+    rows.iter().for_each(|row| close(row.end.length(), 20.0));
+    let bad = |keys: &str| {
+        problems(&format!("[optics]\n[[optics.sheet]]\nname = 'a'\ncircle = 30\naction = 'absorb'\n{keys}"))
+    };
+    assert_eq!(bad("conic = -1"), "7:9 a conic constant without a `radius` (the sheet is plane)\n");
+    assert_eq!(
+        bad("radius = 40\nopening = { circle = 2 }"),
+        "8:11 a curved sheet has no opening (stops are plane)\n"
+    );
+    assert!(bad("radius = 10").starts_with("3:1 sheet: "), "{}", bad("radius = 10"));
+}
+
+/// Lambert's law: half of the power is within 45 degrees; evenly, 1 - cos 45 degrees of a half space.
+#[test]
+fn light_from_an_outline() {
+    let within = |emission: &str| {
+        let text = format!(
+            "[optics]\n[[optics.source]]\ndisc = {{ rectangle = [2, 1], angle = 90, rays = 20000{emission} }}"
+        );
+        let rays = read(&text).sources.rays(0..u64::MAX);
+        assert!(
+            rays.origins[0].iter().all(|x| x.abs() <= 1.0) && rays.origins[1].iter().all(|y| y.abs() <= 0.5)
+        );
+        rays.directions[2].iter().filter(|&&z| z > 0.5_f64.sqrt()).count() as f64 / 20000.0
+    };
+    // four standard deviations are 0.014
+    assert!((within("") - 0.5).abs() < 0.014);
+    assert!((within(", emission = 'isotropic'") - (1.0 - 0.5_f64.sqrt())).abs() < 0.014);
+}
+
+/// A model in a folder of its own with other files.
+fn read_in_folder(name: &str, text: &str, files: &[(&str, &[u8])]) -> Result<OpticalScene, Diagnostics> {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("optics-file-{name}"));
+    std::fs::create_dir_all(&folder).unwrap();
+    files.iter().for_each(|(file, bytes)| std::fs::write(folder.join(file), bytes).unwrap());
+    let model = folder.join("model.toml");
+    std::fs::write(&model, format!("rayweave = 1\n{text}")).unwrap();
+    let (document, scene) = rayweave_scene::load(&model, &Vec::<(String, String)>::new())?;
+    rayweave_optics::file::optics_of(&document, &scene)
+}
+
+#[test]
+fn rays_from_files() {
+    let light = b"power,ox,oy,oz,dx,dy,dz,wavelength_nm\n3,0,0,0,0,0,2,486.1\n1,1,0,0,0,1,0,656.3\n";
+    let plain = b"ox,oy,oz,dx,dy,dz\n0,0,0,0,0,1\n0,5,0,0,0,1\n";
+    let text = "[optics]
+        [[optics.source]]
+        rays = { file = 'light.csv' }
+        [[optics.source]]
+        rays = { file = 'light.csv' }
+        power = 8
+        transform = [{ translate = [0, 0, 7] }]
+        [[optics.source]]
+        rays = { file = 'plain.csv' }
+        wavelength_nm = 500";
+    let files: [(&str, &[u8]); 2] = [("light.csv", light), ("plain.csv", plain)];
+    let rays = read_in_folder("rays", text, &files).unwrap().sources.rays(0..u64::MAX);
+    assert_eq!(rays.power, [3.0, 1.0, 6.0, 2.0, 0.5, 0.5]);
+    assert_eq!(rays.wavelength_nm, [486.1, 656.3, 486.1, 656.3, 500.0, 500.0]);
+    assert_eq!(rays.origins[2], [0.0, 0.0, 7.0, 7.0, 0.0, 0.0]);
+    assert_eq!(rays.directions[2], [1.0, 0.0, 1.0, 0.0, 1.0, 1.0]);
+    assert_eq!(rays.origins[1][5], 5.0);
+}
+
+#[test]
+fn problems_of_files_of_rays() {
+    let told = |source: &str, csv: &[u8]| {
+        let text = format!(
+            "[solid.a]\nsphere = {{ radius = 1 }}\n[optics.medium]\na = 'N-BK7'\n[[optics.source]]\n{source}"
+        );
+        read_in_folder("problems", &text, &[("rays.csv", csv)]).map(|_| ()).unwrap_err().to_string()
+    };
+    let rays = "rays = { file = 'rays.csv' }";
+    let missing = told("rays = { file = 'none.csv' }", b"");
+    assert!(missing.contains("none.csv") && missing.contains("7 |"), "{missing}");
+    assert!(told(rays, b"").contains("the file is empty"));
+    assert!(told(rays, b"ox,oy,oz,dx,dy,dz\n").contains("the file has no rays (nothing shines)"));
+    let bad = told(
+        rays,
+        b"ox,oy,oz,dx,dy,dz,power\n0,0,0,0,0,1,nan\n0,0,nan,0,0,1,1\n0,0,0,0,0,1,-2\n0,0,0,0,0,1\n",
+    );
+    for problem in [
+        "power is NaN",
+        "oz is NaN",
+        "power is -2 (it is finite and at least 0)",
+        "6 fields (a ray has seven)",
+    ] {
+        assert!(bad.contains(problem), "{bad}");
+    }
+    let own =
+        told(&format!("{rays}\nwavelength_nm = 500"), b"ox,oy,oz,dx,dy,dz,wavelength_nm\n0,0,0,0,0,1,500\n");
+    assert!(own.contains("the rays have wavelengths of their own"), "{own}");
+    let beyond = told(rays, b"ox,oy,oz,dx,dy,dz,wavelength_nm\n0,0,0,0,0,1,500\n0,0,0,0,0,1,5000\n");
+    assert!(beyond.contains("the source shines at 500 nm to 5000 nm"), "{beyond}");
+    let slip = told(rays, b"ox,oy,oz,dx,dy,dz,powr\n0,0,0,0,0,1,500\n");
+    assert!(slip.contains("did you mean power?"), "{slip}");
 }

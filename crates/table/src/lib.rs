@@ -36,6 +36,6 @@ mod writer;
 pub use atomic::AtomicFile;
 pub use chunk::{Chunk, Values};
 pub use error::{RayProblem, RayProblems, TableError};
-pub use rays::{Progress, RAY_COLUMNS, RAYS_PER_CHUNK, RayChunk, RayReader};
+pub use rays::{LIGHT_COLUMNS, Progress, RAY_COLUMNS, RAYS_PER_CHUNK, RayChunk, RayReader};
 pub use schema::{Column, DType, NO_NAME, Schema};
 pub use writer::TableWriter;

@@ -24,7 +24,7 @@
 //! [[optics.sheet]]          # made about the origin, with the normal along z
 //! name = "screen"
 //! circle = 40               # the diameter; or rectangle = [40, 30], ellipse = [40, 30]
-//! opening = { circle = 10 } # a hole in the middle, if there is one
+//! opening = { circle = 10 } # a hole in the middle, if there is one; or, of a curved sheet, radius = -80 and conic = 0
 //! action = "absorb"         # record, or { mirror = 0.9 }, { splitter = 0.5 }, { thin_lens = 50 }, { polariser = 30 },
 //!                           # { retarder = [90, 45] }, { grating = { lines = [600, 0], order = 1, reflects = true } }
 //! transform = [{ translate = [0, 0, 50] }]
@@ -33,6 +33,7 @@
 //! beam = { circle = 20, rays = 1000, waist = 5 }
 //! wavelength_nm = 587.6     # or [[486.1, 1], [656.3, 1]], { band = [400, 700] }, { black_body = [5772, 400, 700] }
 //! power = 1                 # of all rays together
+//! stokes = [1, 1, 0, 0]     # polarised along x; unpolarised if nothing is said
 //! seed = 0
 //! transform = [{ translate = [0, 0, -60] }]
 //! ```
@@ -47,7 +48,11 @@
 //! The other sources are `line = { length, rays }`, `circle = { diameter, rays }`, `cone = { angle, rays }`,
 //! `wedge = { angle, rays }`, `lamp = { width, height, angle, rays }` and `point = { angle, rays }`. The angle of a wedge is
 //! that between its outermost rays, all others are from the axis. A beam is Gaussian with a `waist`, the distance at which its
-//! irradiance has fallen to 1/e^2, and even without; its rays lie on a Fibonacci spiral, or with `random = true` anywhere.
+//! irradiance has fallen to 1/e^2, and even without; its rays, and those of a point, lie as `sampling` says: on a
+//! `"fibonacci"` spiral, at `"random"`, on a `"grid"` or on `"hexapolar"` rings, of the last two about as many as `rays` says.
+//! A `disc = { circle, angle, rays }` shines from random points of an outline by Lambert's law, or evenly with
+//! `emission = "isotropic"`. `rays = { file = "light.csv" }` are those of a file beside the model
+//! ([`ListedRays::read`](crate::source::ListedRays::read)), with their wavelengths and powers if it has them.
 
 mod face;
 mod gradient;
@@ -60,6 +65,7 @@ use crate::source::{Source, Sources};
 use crate::system::Assembly;
 use rayweave_scene::foreign::{Keys, Reader};
 use rayweave_scene::{Datum, Diagnostic, Diagnostics, Document, Scene, Span, Spanned};
+use std::path::Path;
 
 /// What the `[optics]` tables of a model say.
 #[derive(Clone, Debug)]
@@ -122,7 +128,8 @@ fn optics(reader: &mut Reader, document: &Document, scene: &Scene, mut keys: Key
     let elements = face::read(reader, scene, &media, &mut keys);
     let taken = scene.regions.iter().map(|region| region.name.clone()).collect();
     let sheets = sheet::read(reader, &mut keys, taken);
-    let sources = source::read(reader, &mut keys);
+    let folder = document.source.path().and_then(|path| path.parent()).unwrap_or(Path::new(""));
+    let sources = source::read(reader, &mut keys, folder);
     sources.iter().for_each(|source| check_wavelengths(reader, source, &media));
     reader.refuse_the_rest(keys);
     let world = media.world()?;

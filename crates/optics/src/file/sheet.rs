@@ -47,16 +47,40 @@ fn refuse_twin(reader: &mut Reader, name: &Spanned<String>, taken: &mut Vec<Stri
 fn sheet(reader: &mut Reader, keys: &mut Keys) -> Option<Sheet> {
     let span = keys.span();
     let outline = aperture(reader, keys);
-    let sheet = match keys.take("opening") {
-        None => Sheet::plane(outline?),
-        Some(datum) => {
-            let mut keys = reader.keys("opening", datum)?;
-            let opening = aperture(reader, &mut keys);
-            reader.refuse_the_rest(keys);
-            Sheet::stop(outline?, opening?)
+    let opening = keys.take("opening").map(|datum| (datum.span, opening(reader, datum)));
+    let curve = curve(reader, keys)?;
+    let sheet = match (opening, curve) {
+        (None, None) => Sheet::plane(outline?),
+        (Some((_, opening)), None) => Sheet::stop(outline?, opening?),
+        (None, Some([radius, conic])) => Sheet::conic(radius, conic, outline?),
+        (Some((span, _)), Some(_)) => {
+            let problem = Diagnostic::error("a curved sheet has no opening").why("stops are plane");
+            reader.report(problem, span);
+            return None;
         }
     };
     reader.accept(sheet, span)
+}
+
+fn opening(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Aperture> {
+    let mut keys = reader.keys("opening", datum)?;
+    let opening = aperture(reader, &mut keys);
+    reader.refuse_the_rest(keys);
+    opening
+}
+
+/// `radius` and `conic`, if the sheet is curved; `None` if one of them is wrong.
+fn curve(reader: &mut Reader, keys: &mut Keys) -> Option<Option<[f64; 2]>> {
+    let (radius, conic) = (keys.take("radius"), keys.take("conic"));
+    let Some(radius) = radius else {
+        let Some(datum) = conic else { return Some(None) };
+        let problem = Diagnostic::error("a conic constant without a `radius`");
+        reader.report(problem.why("the sheet is plane"), datum.span);
+        return None;
+    };
+    let radius = reader.number("radius", radius);
+    let conic = conic.map_or(Some(0.0), |datum| finite(reader, "conic", datum));
+    Some(Some([radius?, conic?]))
 }
 
 /// `circle = diameter`, `rectangle = [width, height]` or `ellipse = [width, height]`, with its own place for what is wrong.

@@ -2,33 +2,56 @@
 
 use super::sheet::{aperture, place};
 use super::{ReadSource, list, seed};
-use crate::source::{BeamProfile, Pattern, Power, Sampling, Source, Spectrum};
+use crate::source::{BeamProfile, Emission, ListedRays, Pattern, Power, Sampling, Source, Spectrum};
 use rayweave_scene::foreign::{Keys, Reader};
-use rayweave_scene::{Datum, Span, Spanned};
+use rayweave_scene::{Datum, Diagnostic, Span, Spanned};
+use std::path::Path;
 
-const PATTERNS: [&str; 7] = ["beam", "line", "circle", "cone", "wedge", "lamp", "point"];
+const PATTERNS: [&str; 9] = ["beam", "line", "circle", "cone", "wedge", "lamp", "point", "disc", "rays"];
 
-pub(super) fn read(reader: &mut Reader, keys: &mut Keys) -> Vec<ReadSource> {
+/// The sources; files of rays are looked for in a folder.
+pub(super) fn read(reader: &mut Reader, keys: &mut Keys, folder: &Path) -> Vec<ReadSource> {
     let Some(datum) = keys.take("source") else { return Vec::new() };
     let tables = reader.tables("optics.source", datum);
-    tables.into_iter().filter_map(|keys| source(reader, keys)).collect()
+    tables.into_iter().filter_map(|keys| source(reader, keys, folder)).collect()
 }
 
-fn source(reader: &mut Reader, mut keys: Keys) -> Option<ReadSource> {
+fn source(reader: &mut Reader, mut keys: Keys, folder: &Path) -> Option<ReadSource> {
     let span = keys.span();
-    let shining = shining(reader, &mut keys);
+    let shining = shining(reader, &mut keys, folder);
+    let own = shining.as_ref().and_then(|(_, listed)| listed.clone());
     let (spectrum, spectrum_at) = placed(reader, &mut keys, "wavelength_nm", Spectrum::default(), spectrum);
-    let (power, power_at) = placed(reader, &mut keys, "power", 1.0, power);
+    let own_range = own.as_ref().and_then(ListedRays::range_nm);
+    if own_range.is_some() && spectrum_at != span {
+        let problem = Diagnostic::error("the rays have wavelengths of their own");
+        reader.report(problem.why("the file has a column of them"), spectrum_at);
+    }
+    let all = own.as_ref().and_then(ListedRays::power).unwrap_or(1.0);
+    let (power, power_at) = placed(reader, &mut keys, "power", all, power);
+    let stokes = stokes(reader, &mut keys);
     let seed = seed(reader, &mut keys).unwrap_or(0);
     let map = place(reader, &mut keys);
     reader.refuse_the_rest(keys);
     // each of them is checked, whatever is wrong with the others
     let spectrum = spectrum.filter(|spectrum| reader.accept(spectrum.wavelengths(), spectrum_at).is_some());
-    let powered = shining.and_then(|source| reader.accept(source.power(Power::Total(power?)), power_at));
+    let powered = shining.and_then(|(source, _)| reader.accept(source.power(Power::Total(power?)), power_at));
     let (source, spectrum) = (powered?.seed(seed), spectrum?);
     let source = reader.accept(source.spectrum(&spectrum), spectrum_at)?;
+    let source = match stokes? {
+        Some((parameters, span)) => reader.accept(source.stokes(parameters), span)?,
+        None => source,
+    };
     let source = reader.accept(source.apply(&map?), span)?;
-    Some(ReadSource { source, range_nm: range_nm(&spectrum), span: spectrum_at })
+    let range_nm = own_range.unwrap_or_else(|| range_nm(&spectrum));
+    Some(ReadSource { source, range_nm, span: spectrum_at })
+}
+
+/// The parameters of Stokes and where they stand, if there are any; `None` if they are wrong.
+fn stokes(reader: &mut Reader, keys: &mut Keys) -> Option<Option<([f64; 4], Span)>> {
+    let Some(datum) = keys.take("stokes") else { return Some(None) };
+    let span = datum.span;
+    let parameters = reader.numbers("stokes", datum)?;
+    Some(Some((parameters, span)))
 }
 
 /// A value and where it stands; another one, which stands where the table does, if it is not there.
@@ -53,14 +76,26 @@ fn power(reader: &mut Reader, datum: Spanned<Datum>) -> Option<f64> {
     reader.checked("power", datum, "finite and greater than 0", holds)
 }
 
-/// The source of a pattern.
-fn shining(reader: &mut Reader, keys: &mut Keys) -> Option<Source> {
+/// The source of a pattern, and its rays if they are listed.
+fn shining(reader: &mut Reader, keys: &mut Keys, folder: &Path) -> Option<(Source, Option<ListedRays>)> {
     let (kind, datum) = reader.one_of(keys, &PATTERNS)?;
     let span = datum.span;
     let mut own = reader.keys(&kind.value, datum)?;
-    let pattern = pattern(reader, &kind.value, &mut own);
+    let pattern = match kind.value.as_str() {
+        "rays" => listed(reader, &mut own, folder),
+        kind => pattern(reader, kind, &mut own),
+    };
     reader.refuse_the_rest(own);
-    reader.accept(Source::new(pattern?), span)
+    let pattern = pattern?;
+    let listed = if let Pattern::Rays(rays) = &pattern { Some(rays.clone()) } else { None };
+    Some((reader.accept(Source::new(pattern), span)?, listed))
+}
+
+/// The rays of a file beside the model.
+fn listed(reader: &mut Reader, keys: &mut Keys, folder: &Path) -> Option<Pattern> {
+    let datum = reader.need(keys, "file")?;
+    let file = reader.text("file", datum)?;
+    reader.accept(ListedRays::read(folder.join(&file.value)), file.span).map(Pattern::Rays)
 }
 
 fn pattern(reader: &mut Reader, kind: &str, keys: &mut Keys) -> Option<Pattern> {
@@ -86,8 +121,22 @@ fn pattern(reader: &mut Reader, kind: &str, keys: &mut Keys) -> Option<Pattern> 
             let sampling = sampling(reader, keys, rays);
             Some(Pattern::Point { half_angle_degrees: angle?, sampling: sampling? })
         }
+        "disc" => disc(reader, keys, rays),
         _ => beam(reader, keys, rays),
     }
+}
+
+/// Rays from random points of an outline, by Lambert's law or evenly.
+fn disc(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<Pattern> {
+    let aperture = aperture(reader, keys);
+    let angle = reader.need(keys, "angle").and_then(|datum| reader.number("angle", datum));
+    let ways = [(Emission::Lambert, "lambert"), (Emission::Isotropic, "isotropic")];
+    let emission = match keys.take("emission") {
+        Some(datum) => reader.choice("emission", datum, &ways),
+        None => Some(Emission::Lambert),
+    };
+    let (aperture, emission, half_angle_degrees, count) = (aperture?, emission?, angle?, rays?);
+    Some(Pattern::Extended { aperture, emission, half_angle_degrees, count })
 }
 
 fn beam(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<Pattern> {
@@ -100,13 +149,23 @@ fn beam(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<Patte
     Some(Pattern::Beam { aperture: aperture?, profile: profile?, sampling: sampling? })
 }
 
+/// `sampling`, or `random = true`; on a spiral if nothing is said.
 fn sampling(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<Sampling> {
-    let is_random = match keys.take("random") {
-        Some(datum) => reader.truth("random", datum)?,
-        None => false,
+    let ways = Sampling::NAMES.map(|name| (name, name));
+    let random = keys.take("random");
+    let name = match (keys.take("sampling"), random) {
+        (Some(_), Some(random)) => {
+            let problem = Diagnostic::error("`random` is one too many").why("`sampling` says it");
+            reader.report(problem, random.span);
+            None
+        }
+        (Some(datum), None) => reader.choice("sampling", datum, &ways),
+        (None, Some(datum)) => {
+            reader.truth("random", datum).map(|is_random| if is_random { "random" } else { "fibonacci" })
+        }
+        (None, None) => Some("fibonacci"),
     };
-    let count = rays?;
-    Some(if is_random { Sampling::Random { count } } else { Sampling::Fibonacci { count } })
+    Sampling::named(name?, rays?)
 }
 
 fn spectrum(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Spectrum> {

@@ -66,6 +66,18 @@ pub enum SourceError {
         /// What should.
         why: &'static str,
     },
+    /// A file of rays that is wrong, or cannot be read.
+    #[error("{problem}")]
+    File {
+        /// What is wrong with it, a line for each problem.
+        problem: String,
+    },
+    /// A state of polarisation that is none.
+    #[error("stokes is {parameters:?} (i, q, u, v are finite, with i > 0 and q^2 + u^2 + v^2 <= i^2)")]
+    Stokes {
+        /// The parameters.
+        parameters: [f64; 4],
+    },
     /// A wavelength that is none.
     #[error("spectrum: wavelength {value} nm (wavelengths are in nanometres, finite and greater than 0)")]
     Wavelength {

@@ -3,6 +3,8 @@
 use super::SourceError;
 use super::pattern::LocalRay;
 use rayweave_math::Vec3;
+use rayweave_table::{RAYS_PER_CHUNK, RayChunk, RayReader, TableError};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Rays given one by one, with wavelengths and powers of their own if wanted.
@@ -65,6 +67,46 @@ impl ListedRays {
         }
         let directions = directions.into_iter().map(rayweave_math::unit).collect();
         Ok(ListedRays(Arc::new(Columns { origins, directions, wavelength_nm, power, mean_power })))
+    }
+
+    /// The rays of a file, `.csv` with the columns `ox,oy,oz,dx,dy,dz` and, where wanted, `wavelength_nm` and `power`, or
+    /// `.npy` of the shape (N, 6), (N, 7) with wavelengths or (N, 8) with both.
+    ///
+    /// # Errors
+    /// [`SourceError::File`] with all problems of the file, and their lines; [`SourceError::Unfit`] for a file without rays.
+    pub fn read(path: impl AsRef<Path>) -> Result<ListedRays, SourceError> {
+        let unreadable = |error: TableError| SourceError::File { problem: error.to_string() };
+        let mut reader = RayReader::open_light(path).map_err(unreadable)?;
+        let (mut chunk, mut all) = (RayChunk::default(), RayChunk::default());
+        let (mut origins, mut directions) = (Vec::new(), Vec::new());
+        while reader.read(&mut chunk, RAYS_PER_CHUNK).map_err(unreadable)? > 0 {
+            let vector =
+                |columns: &[Vec<f64>; 3], k: usize| Vec3::new(columns[0][k], columns[1][k], columns[2][k]);
+            origins.extend((0..chunk.len()).map(|k| vector(&chunk.origin, k)));
+            directions.extend((0..chunk.len()).map(|k| vector(&chunk.direction, k)));
+            all.wavelength_nm.append(&mut chunk.wavelength_nm);
+            all.power.append(&mut chunk.power);
+        }
+        if origins.is_empty() {
+            return Err(SourceError::Unfit {
+                part: "rays",
+                problem: "the file has no rays (nothing shines)",
+            });
+        }
+        let given = |column: Vec<f64>| (!column.is_empty()).then_some(column);
+        ListedRays::new(origins, directions, given(all.wavelength_nm), given(all.power))
+    }
+
+    /// The shortest and the longest wavelength in nanometres, if the rays have wavelengths of their own.
+    pub fn range_nm(&self) -> Option<[f64; 2]> {
+        let lengths = self.0.wavelength_nm.as_ref()?;
+        let grow = |[lo, hi]: [f64; 2], &nm: &f64| [lo.min(nm), hi.max(nm)];
+        Some(lengths.iter().fold([f64::INFINITY, f64::NEG_INFINITY], grow))
+    }
+
+    /// The sum of the powers, if the rays have powers of their own.
+    pub fn power(&self) -> Option<f64> {
+        self.0.power.as_ref().map(|column| column.iter().sum())
     }
 
     /// The number of rays.

@@ -50,11 +50,12 @@ pub use rays::SourceRays;
 pub use sampling::Sampling;
 pub use spectrum::{Cumulative, Spectrum, Wavelengths, planck};
 
+use crate::interface::Stokes;
 use crate::{Beam, Emitter, Light};
 use error::positive;
 use pattern::Prepared;
 use random::{NUMBERS, Numbers, RayNumbers};
-use rayweave_math::{Affine, Mat3};
+use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_shape::Ray;
 use std::ops::Range;
 
@@ -76,6 +77,8 @@ pub struct Source {
     unit_power: f64,
     seed: u64,
     place: Affine,
+    /// The parameters of Stokes, about x; unpolarised if there are none.
+    stokes: Option<[f64; 4]>,
     /// The linear part of `place` over its size, so that images of directions are neither tiny nor huge.
     turn: Mat3,
 }
@@ -93,6 +96,7 @@ impl Source {
             unit_power: if has_powers { 1.0 } else { 100.0 },
             seed: 0,
             place: Affine::IDENTITY,
+            stokes: None,
             turn: Mat3::IDENTITY,
         })
     }
@@ -118,6 +122,20 @@ impl Source {
             }
         };
         Ok(Source { unit_power, ..self })
+    }
+
+    /// The same with polarised light: the parameters of Stokes i, q, u, v, of which only the proportions count. Light of q > 0
+    /// swings along the x axis of the source, as far as that lies across each ray; u > 0 leans from x towards y.
+    ///
+    /// # Errors
+    /// [`SourceError::Stokes`] for parameters of no light: more polarised than there is power.
+    pub fn stokes(self, parameters: [f64; 4]) -> Result<Source, SourceError> {
+        let [i, q, u, v] = parameters;
+        let is_light = i > 0.0 && i.is_finite() && (q * q + u * u + v * v).sqrt() <= i * (1.0 + 1e-12);
+        match is_light {
+            true => Ok(Source { stokes: Some(parameters), ..self }),
+            false => Err(SourceError::Stokes { parameters }),
+        }
     }
 
     /// The same with other random numbers; the seed is 0 unless one is given.
@@ -167,13 +185,21 @@ impl Source {
             _ => None,
         };
         let direction = self.turn * local.direction;
+        let direction = direction / direction.length();
         Light {
-            ray: Ray::new(self.place.point(local.origin), direction / direction.length()),
+            ray: Ray::new(self.place.point(local.origin), direction),
             wavelength_nm: listed.unwrap_or_else(|| self.wavelengths.at(numbers[4])),
             power: self.unit_power * local.weight,
             source,
-            stokes: None,
+            stokes: self.stokes.map(|parameters| self.polarisation(parameters, direction)),
         }
+    }
+
+    /// The parameters about the axis across a ray that is nearest to x.
+    fn polarisation(&self, parameters: [f64; 4], direction: Vec3) -> Stokes {
+        let x = self.turn * Vec3::X;
+        let across = (x - direction * x.dot(direction)).try_normalize();
+        Stokes { parameters, axis: across.unwrap_or_else(|| direction.any_orthonormal_vector()) }
     }
 }
 

@@ -46,6 +46,26 @@ pub(super) struct Place {
 }
 
 impl Sampling {
+    /// The names of the ways.
+    pub const NAMES: [&str; 4] = ["fibonacci", "random", "grid", "hexapolar"];
+
+    /// The way of this name with about so many rays: as many as there are in the nearest square grid, or the nearest number
+    /// of rings. `None` for another name.
+    pub fn named(name: &str, about: u64) -> Option<Sampling> {
+        let root = (about as f64).sqrt();
+        match name {
+            "fibonacci" => Some(Sampling::Fibonacci { count: about }),
+            "random" => Some(Sampling::Random { count: about }),
+            "grid" => {
+                let side = root.round().max(1.0) as u32;
+                Some(Sampling::Grid { columns: side, rows: side })
+            }
+            // 3 r (r + 1) + 1 rays
+            "hexapolar" => Some(Sampling::Hexapolar { rings: (root / 3f64.sqrt()).round().max(1.0) as u32 }),
+            _ => None,
+        }
+    }
+
     /// The number of rays.
     pub fn count(&self) -> u64 {
         match *self {

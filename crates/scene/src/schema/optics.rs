@@ -119,16 +119,24 @@ fn sheet() -> Value {
     let own = json!({
         "name": text("What it is called."),
         "opening": with_one_of("A hole in the middle.", json!({}), &outline(), &[]),
+        "radius": reference("number"),
+        "conic": reference("number"),
         "action": action(),
         "transform": reference("transform"),
     });
-    with_one_of("A piece of the plane z = 0.", own, &outline(), &["name", "action"])
+    with_one_of(
+        "A piece of the plane z = 0, or of a conic of revolution.",
+        own,
+        &outline(),
+        &["name", "action"],
+    )
 }
 
 fn source() -> Value {
     let own = json!({
         "wavelength_nm": wavelength(),
         "power": reference("number"),
+        "stokes": list("number", 4),
         "seed": reference("number"),
         "transform": reference("transform"),
     });
@@ -142,11 +150,19 @@ fn patterns() -> Value {
         table(description, keys, &[sizes, &["rays"]].concat())
     };
     let mut point = rays("Rays into a cone.", &["angle"]);
+    let sampling = json!({ "enum": ["fibonacci", "random", "grid", "hexapolar"] });
     point["properties"]["random"] = json!({ "type": "boolean" });
+    point["properties"]["sampling"] = sampling.clone();
     let beam = json!({
         "rays": reference("number"),
         "waist": reference("number"),
         "random": { "type": "boolean" },
+        "sampling": sampling,
+    });
+    let disc = json!({
+        "angle": reference("number"),
+        "rays": reference("number"),
+        "emission": { "enum": ["lambert", "isotropic"] },
     });
     json!({
         "beam": with_one_of("Parallel rays over an outline.", beam, &outline(), &["rays"]),
@@ -156,6 +172,8 @@ fn patterns() -> Value {
         "wedge": rays("Rays in a plane.", &["angle"]),
         "lamp": rays("A Lambertian rectangle.", &["width", "height", "angle"]),
         "point": point,
+        "disc": with_one_of("Light from an outline.", disc, &outline(), &["angle", "rays"]),
+        "rays": table("The rays of a file.", json!({ "file": text("Its name, beside the model.") }), &["file"]),
     })
 }
 

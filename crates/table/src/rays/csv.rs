@@ -7,7 +7,9 @@ use std::io::{self, BufRead, BufReader, Read};
 
 use csv_core::ReadRecordResult;
 
-use super::{Findings, Place, Progress, RAY_COLUMNS, RayChunk, RaySource, check_ray};
+use super::{
+    COLUMNS, Findings, Has, Kind, Place, Progress, RAY_COLUMNS, RayChunk, RaySource, Row, check_row,
+};
 use crate::error::RayProblem;
 use crate::npy_header;
 
@@ -21,16 +23,21 @@ const MAX_FIELDS: usize = 64;
 pub(super) struct CsvRays {
     lines: Lines,
     fields: Fields,
-    /// Field of the line that holds each of [`RAY_COLUMNS`].
-    field_of: [usize; 6],
+    /// Field of the line that holds each of [`COLUMNS`].
+    field_of: FieldOf,
+    has: Has,
     total: Option<u64>,
 }
+
+/// Which field holds a column, if there is one.
+type FieldOf = [Option<usize>; COLUMNS.len()];
 
 impl CsvRays {
     /// Reads the header; `None` if it has problems.
     pub(super) fn open(
         source: impl Read + Send + 'static,
         total: Option<u64>,
+        kind: Kind,
         found: &mut Findings,
     ) -> io::Result<Option<Self>> {
         let mut lines = Lines::new(Box::new(source));
@@ -41,13 +48,16 @@ impl CsvRays {
         };
         let header = check_start(&line).and_then(|()| fields.split(&line));
         let field_of = match header {
-            Ok(()) => read_header(&fields, line.number, found),
+            Ok(()) => read_header(&fields, line.number, kind, found),
             Err(message) => {
                 found.add(header_problem(line.number, message));
                 None
             }
         };
-        Ok(field_of.map(|field_of| Self { lines, fields, field_of, total }))
+        Ok(field_of.map(|field_of| {
+            let has = field_of.map(|field| field.is_some());
+            Self { lines, fields, field_of, has, total }
+        }))
     }
 }
 
@@ -68,8 +78,10 @@ impl RaySource for CsvRays {
             match self.fields.split(&line) {
                 Err(message) => found.add(place.problem(None, message)),
                 Ok(()) => {
-                    if let Some(ray) = read_ray(&self.fields, &self.field_of, place, found) {
-                        chunk.push(&ray);
+                    if let Some(row) = read_row(&self.fields, &self.field_of, place, found)
+                        && check_row(&row, &self.has, place, found)
+                    {
+                        chunk.push(&row, &self.has);
                     }
                 }
             }
@@ -87,35 +99,39 @@ impl RaySource for CsvRays {
     }
 }
 
-fn read_ray(fields: &Fields, field_of: &[usize; 6], place: Place, found: &mut Findings) -> Option<[f64; 6]> {
-    if fields.count != 6 {
-        found.add(place.problem(None, wrong_count(fields.count)));
+/// The numbers of a line; those of columns that the file does not have stay 0.
+fn read_row(fields: &Fields, field_of: &FieldOf, place: Place, found: &mut Findings) -> Option<Row> {
+    let wanted = field_of.iter().flatten().count();
+    if fields.count != wanted {
+        found.add(place.problem(None, wrong_count(fields.count, wanted)));
         return None;
     }
-    let mut ray = [0.0; 6];
+    let mut row = Row::default();
     let mut all_numbers = true;
-    for column in 0..6 {
-        let field = fields.get(field_of[column]);
+    for (column, field) in field_of.iter().enumerate().filter_map(|(column, field)| Some((column, (*field)?)))
+    {
+        let field = fields.get(field);
         match parse(field) {
-            Some(x) => ray[column] = x,
+            Some(x) => row[column] = x,
             None => {
-                let message = format!("{} is {} (not a number)", RAY_COLUMNS[column], shown(field));
+                let message = format!("{} is {} (not a number)", COLUMNS[column], shown(field));
                 found.add(place.problem(Some(column), message));
                 all_numbers = false;
             }
         }
     }
-    (all_numbers && check_ray(&ray, place, found)).then_some(ray)
+    all_numbers.then_some(row)
 }
 
-fn wrong_count(count: usize) -> String {
+fn wrong_count(count: usize, wanted: usize) -> String {
     let suggestion = match count {
-        0..6 => "; is the file cut off?",
-        12 => "; write decimals with a point, not a comma",
+        _ if count < wanted => "; is the file cut off?",
+        _ if count == 2 * wanted => "; write decimals with a point, not a comma",
         _ => "",
     };
     let plural = if count == 1 { "" } else { "s" };
-    format!("{count} field{plural} (a ray has six){suggestion}")
+    let wanted = ["six", "seven", "eight"].get(wanted.wrapping_sub(6)).copied().unwrap_or("more");
+    format!("{count} field{plural} (a ray has {wanted}){suggestion}")
 }
 
 fn parse(field: &[u8]) -> Option<f64> {
@@ -147,23 +163,29 @@ fn header_problem(line: u64, message: String) -> RayProblem {
     RayProblem { line: Some(line), ..RayProblem::whole(message) }
 }
 
-/// The field of each column, if the header names exactly the six columns.
-fn read_header(fields: &Fields, line: u64, found: &mut Findings) -> Option<[usize; 6]> {
+/// The field of each column, if the header names the six columns, and no others but those that the file may have.
+fn read_header(fields: &Fields, line: u64, kind: Kind, found: &mut Findings) -> Option<FieldOf> {
     if let Some(message) = not_a_header(fields) {
         found.add(header_problem(line, message));
         return None;
     }
     let names: Vec<_> = (0..fields.count).map(|i| fields.get(i)).collect();
-    let places = RAY_COLUMNS.map(|column| names.iter().position(|name| *name == column.as_bytes()));
-    let missing: Vec<_> = (0..6).filter(|&c| places[c].is_none()).map(|c| RAY_COLUMNS[c]).collect();
+    let known = kind.columns();
+    let is_known = |column: &str| known.contains(&column);
+    let place = |column: &str| names.iter().position(|name| is_known(column) && *name == column.as_bytes());
+    let places = COLUMNS.map(place);
+    let needed = RAY_COLUMNS.iter().zip(&places);
+    let missing: Vec<_> = needed.filter(|(_, place)| place.is_none()).map(|(column, _)| *column).collect();
+    let open: Vec<_> =
+        known.iter().zip(&places).filter(|(_, place)| place.is_none()).map(|(c, _)| *c).collect();
 
     let mut messages = Vec::new();
     for (i, name) in names.iter().enumerate() {
-        let column = RAY_COLUMNS.iter().position(|column| column.as_bytes() == *name);
+        let column = known.iter().position(|column| column.as_bytes() == *name);
         match column {
-            None => messages.push(unknown_column(name, &missing)),
+            None => messages.push(unknown_column(name, &open)),
             Some(column) if places[column] != Some(i) => {
-                messages.push(format!("column {} occurs twice", RAY_COLUMNS[column]));
+                messages.push(format!("column {} occurs twice", COLUMNS[column]));
             }
             Some(_) => {}
         }
@@ -173,7 +195,7 @@ fn read_header(fields: &Fields, line: u64, found: &mut Findings) -> Option<[usiz
     }
     let is_good = messages.is_empty();
     messages.into_iter().for_each(|message| found.add(header_problem(line, message)));
-    is_good.then(|| places.map(Option::unwrap_or_default))
+    is_good.then_some(places)
 }
 
 /// A first line of another kind, and what to do.

@@ -15,6 +15,18 @@ pub use chunk::RayChunk;
 /// The six columns of a file of rays: origin, then direction.
 pub const RAY_COLUMNS: [&str; 6] = ["ox", "oy", "oz", "dx", "dy", "dz"];
 
+/// The columns that a file of light may have besides: the vacuum wavelength in nanometres, and the power.
+pub const LIGHT_COLUMNS: [&str; 2] = ["wavelength_nm", "power"];
+
+/// All of them, in the order of NPY.
+const COLUMNS: [&str; 8] = ["ox", "oy", "oz", "dx", "dy", "dz", "wavelength_nm", "power"];
+
+/// The values of a row, whatever the file has.
+type Row = [f64; COLUMNS.len()];
+
+/// Which of the columns a file has.
+type Has = [bool; COLUMNS.len()];
+
 /// A good size of chunk: 768 KiB of coordinates, enough work to share among threads.
 pub const RAYS_PER_CHUNK: usize = 1 << 14;
 
@@ -67,9 +79,36 @@ impl RayReader {
     /// [`TableError::Format`] for another extension, [`TableError::Io`] if the file cannot be read, and
     /// [`TableError::Rays`] for an empty file, a bad header, wrong shape or type, or an array that is cut off.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, TableError> {
-        let path = path.as_ref();
+        Self::open_as(path.as_ref(), Kind::Rays)
+    }
+
+    /// Opens a file of light: rays that may have wavelengths and powers of their own, [`LIGHT_COLUMNS`].
+    ///
+    /// In CSV their columns are named, in any order; NPY has the shape (N, 6), (N, 7) with wavelengths, or (N, 8) with both.
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open).
+    ///
+    /// ```
+    /// use rayweave_table::{RayChunk, RayReader};
+    ///
+    /// let text = "power,ox,oy,oz,dx,dy,dz,wavelength_nm\n0.5,0,0,-10,0,0,1,633\n";
+    /// let mut reader = RayReader::light_from_csv(text.as_bytes(), "light.csv")?;
+    /// let mut chunk = RayChunk::default();
+    /// assert_eq!(reader.read(&mut chunk, 100)?, 1);
+    /// assert_eq!((chunk.wavelength_nm, chunk.power), (vec![633.0], vec![0.5]));
+    /// # Ok::<(), rayweave_table::TableError>(())
+    /// ```
+    pub fn open_light(path: impl AsRef<Path>) -> Result<Self, TableError> {
+        Self::open_as(path.as_ref(), Kind::Light)
+    }
+
+    fn open_as(path: &Path, kind: Kind) -> Result<Self, TableError> {
         if path == Path::new("-") {
-            return Self::from_csv(io::stdin(), "stdin");
+            return Self::start("stdin".to_owned(), |found| {
+                csv::CsvRays::open(io::stdin(), None, kind, found)
+            });
         }
         let extension = extension(path);
         if extension != "csv" && extension != "npy" {
@@ -82,8 +121,8 @@ impl RayReader {
         let size = metadata.is_file().then_some(metadata.len());
         let name = path.display().to_string();
         match extension.as_str() {
-            "csv" => Self::start(name, |found| csv::CsvRays::open(file, size, found)),
-            _ => Self::start(name, |found| npy::NpyRays::open(file, size, found)),
+            "csv" => Self::start(name, |found| csv::CsvRays::open(file, size, kind, found)),
+            _ => Self::start(name, |found| npy::NpyRays::open(file, size, kind, found)),
         }
     }
 
@@ -93,7 +132,19 @@ impl RayReader {
     ///
     /// As [`open`](Self::open).
     pub fn from_csv(source: impl Read + Send + 'static, name: impl Into<String>) -> Result<Self, TableError> {
-        Self::start(name.into(), |found| csv::CsvRays::open(source, None, found))
+        Self::start(name.into(), |found| csv::CsvRays::open(source, None, Kind::Rays, found))
+    }
+
+    /// Reads CSV of light from any source; see [`open_light`](Self::open_light).
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open).
+    pub fn light_from_csv(
+        source: impl Read + Send + 'static,
+        name: impl Into<String>,
+    ) -> Result<Self, TableError> {
+        Self::start(name.into(), |found| csv::CsvRays::open(source, None, Kind::Light, found))
     }
 
     fn start<S: RaySource + 'static>(
@@ -168,6 +219,25 @@ impl std::fmt::Debug for RayReader {
     }
 }
 
+/// What a file may hold.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// [`RAY_COLUMNS`].
+    Rays,
+    /// [`LIGHT_COLUMNS`] besides.
+    Light,
+}
+
+impl Kind {
+    /// The columns that a file may have.
+    fn columns(self) -> &'static [&'static str] {
+        match self {
+            Kind::Rays => &COLUMNS[..RAY_COLUMNS.len()],
+            Kind::Light => &COLUMNS,
+        }
+    }
+}
+
 /// One format of rays.
 trait RaySource: Send {
     /// Appends at most `max_rays` rows to the chunk, the first of them being row `first`. Returns the number of rows
@@ -234,7 +304,7 @@ impl Place {
         RayProblem {
             line: self.line,
             row: Some(self.row),
-            column: column.map(|column| RAY_COLUMNS[column]),
+            column: column.map(|column| COLUMNS[column]),
             message,
         }
     }
@@ -244,9 +314,33 @@ impl Place {
 /// such numbers, and of their inverses, are far from the ends of the range of f64.
 const HUGE: f64 = 1e100;
 
+/// Reports every number that is out of range. Returns whether the row is good.
+fn check_row(row: &Row, has: &Has, place: Place, found: &mut Findings) -> bool {
+    let is_ray = check_ray(&row[..RAY_COLUMNS.len()], place, found);
+    let is_light = check_light(row, has, place, found);
+    is_ray && is_light
+}
+
+/// Reports wavelengths and powers that are none.
+fn check_light(row: &Row, has: &Has, place: Place, found: &mut Findings) -> bool {
+    let [wavelength, power] = [6, 7];
+    let is_sound = |column: usize| match column == wavelength {
+        true => row[column] > 0.0 && row[column].is_finite(),
+        false => row[column] >= 0.0 && row[column].is_finite(),
+    };
+    let bad = [wavelength, power].into_iter().filter(|&column| has[column] && !is_sound(column));
+    let bad: Vec<usize> = bad.collect();
+    for &column in &bad {
+        let range = if column == wavelength { "greater than 0" } else { "at least 0" };
+        let message = format!("{} is {} (it is finite and {range})", COLUMNS[column], row[column]);
+        found.add(place.problem(Some(column), message));
+    }
+    bad.is_empty()
+}
+
 /// Reports every number that is not finite or too large, or else a direction that is zero or too small. Returns
 /// whether the ray is good.
-fn check_ray(ray: &[f64; 6], place: Place, found: &mut Findings) -> bool {
+fn check_ray(ray: &[f64], place: Place, found: &mut Findings) -> bool {
     let in_range = |x: &f64| (-HUGE..=HUGE).contains(x);
     let longest = ray[3..].iter().fold(0.0f64, |most, x| most.max(x.abs()));
     let is_in_range = ray.iter().all(in_range);

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 
-use super::{Findings, Place, Progress, RayChunk, RaySource, check_ray};
+use super::{COLUMNS, Findings, Kind, Place, Progress, RAY_COLUMNS, RayChunk, RaySource, Row, check_row};
 use crate::error::RayProblem;
 use crate::npy_header::{self, NpyHeader};
 
@@ -60,6 +60,8 @@ pub(super) struct NpyRays {
     number: Number,
     fortran_order: bool,
     rows: u64,
+    /// Columns: the first of [`COLUMNS`].
+    columns: usize,
     /// Rows read so far.
     next: u64,
     is_file: bool,
@@ -68,7 +70,12 @@ pub(super) struct NpyRays {
 
 impl NpyRays {
     /// Reads the header; `None` if it has problems. `size` is that of a regular file.
-    pub(super) fn open(mut file: File, size: Option<u64>, found: &mut Findings) -> io::Result<Option<Self>> {
+    pub(super) fn open(
+        mut file: File,
+        size: Option<u64>,
+        kind: Kind,
+        found: &mut Findings,
+    ) -> io::Result<Option<Self>> {
         let header = match npy_header::read(&mut file)? {
             Ok(header) => header,
             Err(message) => {
@@ -76,11 +83,11 @@ impl NpyRays {
                 return Ok(None);
             }
         };
-        let (number, rows) = (check_dtype(&header, found), check_shape(&header.shape, found));
-        let (Some(number), Some(rows)) = (number, rows) else {
+        let (number, shape) = (check_dtype(&header, found), check_shape(&header.shape, kind, found));
+        let (Some(number), Some((rows, columns))) = (number, shape) else {
             return Ok(None);
         };
-        if let Some(message) = check_length(&header, number, rows, size) {
+        if let Some(message) = check_length(&header, number.size() * columns, rows, size) {
             found.add(RayProblem::whole(message));
             return Ok(None);
         }
@@ -90,6 +97,7 @@ impl NpyRays {
             number,
             fortran_order: header.fortran_order,
             rows,
+            columns,
             next: 0,
             is_file: size.is_some(),
             block: Vec::new(),
@@ -99,7 +107,7 @@ impl NpyRays {
     /// Reads rows `next..next + rows` into the block, row by row or column by column as the file has them.
     fn read_block(&mut self, rows: usize) -> io::Result<()> {
         let column_size = rows * self.number.size();
-        self.block.resize(6 * column_size, 0);
+        self.block.resize(self.columns * column_size, 0);
         if !self.fortran_order {
             return self.file.read_exact(&mut self.block);
         }
@@ -112,12 +120,14 @@ impl NpyRays {
     }
 
     /// One ray of the block, which holds `rows` rays.
-    fn ray(&self, row: usize, rows: usize) -> [f64; 6] {
+    fn row(&self, row: usize, rows: usize) -> Row {
         let size = self.number.size();
-        std::array::from_fn(|column| {
-            let index = if self.fortran_order { column * rows + row } else { 6 * row + column };
-            self.number.decode(&self.block[index * size..][..size])
-        })
+        let mut values = Row::default();
+        for (column, value) in values.iter_mut().take(self.columns).enumerate() {
+            let index = if self.fortran_order { column * rows + row } else { self.columns * row + column };
+            *value = self.number.decode(&self.block[index * size..][..size]);
+        }
+        values
     }
 }
 
@@ -129,6 +139,7 @@ impl RaySource for NpyRays {
         max_rays: usize,
         found: &mut Findings,
     ) -> io::Result<u64> {
+        let has = std::array::from_fn(|column| column < self.columns);
         let end = self.rows.min(first.saturating_add(max_rays as u64));
         while self.next < end && !found.is_full() {
             let rows = (end - self.next).min(ROWS_PER_BLOCK as u64) as usize;
@@ -142,10 +153,10 @@ impl RaySource for NpyRays {
                 result => result?,
             }
             for row in 0..rows {
-                let ray = self.ray(row, rows);
+                let values = self.row(row, rows);
                 let place = Place { line: None, row: self.next + row as u64 };
-                if check_ray(&ray, place, found) {
-                    chunk.push(&ray);
+                if check_row(&values, &has, place, found) {
+                    chunk.push(&values, &has);
                 }
             }
             self.next += rows as u64;
@@ -154,7 +165,7 @@ impl RaySource for NpyRays {
     }
 
     fn progress(&self) -> Progress {
-        let row_size = 6 * self.number.size() as u64;
+        let row_size = (self.columns * self.number.size()) as u64;
         Progress {
             done: self.data_offset + self.next * row_size,
             total: self.is_file.then_some(self.data_offset + self.rows * row_size),
@@ -182,10 +193,12 @@ fn check_dtype(header: &NpyHeader, found: &mut Findings) -> Option<Number> {
     number
 }
 
-/// The number of rays.
-fn check_shape(shape: &[u64], found: &mut Findings) -> Option<u64> {
+/// The number of rays, and that of their columns.
+fn check_shape(shape: &[u64], kind: Kind, found: &mut Findings) -> Option<(u64, usize)> {
+    let most = kind.columns().len();
+    let is_width = |columns: u64| (RAY_COLUMNS.len() as u64..=most as u64).contains(&columns);
     let suggestion = match *shape {
-        [rows, 6] => return Some(rows),
+        [rows, columns] if is_width(columns) => return Some((rows, columns as usize)),
         [6, _] => "; transpose it",
         [6] => "; reshape it to (1, 6)",
         [_, 2, 3] => "; reshape it to (-1, 6)",
@@ -195,14 +208,16 @@ fn check_shape(shape: &[u64], found: &mut Findings) -> Option<u64> {
         [length] => format!("({length},)"),
         _ => format!("({})", shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
     };
-    let message = format!("shape is {shape} (rays have shape (N, 6): ox, oy, oz, dx, dy, dz){suggestion}");
+    let widths = if kind == Kind::Rays { "(N, 6)" } else { "(N, 6) to (N, 8)" };
+    let columns = COLUMNS[..most].join(", ");
+    let message = format!("shape is {shape} (rays have shape {widths}: {columns}){suggestion}");
     found.add(RayProblem::whole(message));
     None
 }
 
 /// Compares the promised length with the file's, if that is known.
-fn check_length(header: &NpyHeader, number: Number, rows: u64, size: Option<u64>) -> Option<String> {
-    let promised = rows.checked_mul(6 * number.size() as u64);
+fn check_length(header: &NpyHeader, row_size: usize, rows: u64, size: Option<u64>) -> Option<String> {
+    let promised = rows.checked_mul(row_size as u64);
     let Some(promised) = promised.filter(|&bytes| bytes <= i64::MAX as u64) else {
         return Some(format!("the NPY header is damaged (it promises {rows} rays)"));
     };
