@@ -8,10 +8,10 @@ use crate::terminal::{self, Unit, short};
 use clap::{Args, ValueEnum};
 use rayweave::Packets;
 use rayweave::detector::{IrradianceMap, SpotDiagram};
-use rayweave::files::{LightSummary, trace_light};
+use rayweave::files::{self, LightSummary, trace_light};
 use rayweave::layout::{Layout, RayColour, ViewPlane, Wishes};
 use rayweave::optics::file::{OpticalScene, optics_of};
-use rayweave::optics::{Balance, Branches, Segments, System, Tracer};
+use rayweave::optics::{Balance, Branches, Paths, Segments, System, Tracer};
 use rayweave::scene::{Diagnostic, Diagnostics, Document};
 use rayweave::{Affine, Vec3};
 use serde_json::{Value, json};
@@ -33,7 +33,8 @@ Examples:
   rayweave optics doublet.toml -D R3=120 --branches both --out segments.csv
   rayweave optics doublet.toml --layout doublet.svg
   rayweave optics doublet.toml --layout doublet.png --plane xz --rays 21 --colour source
-  rayweave optics doublet.toml --spot spot.svg --map map.png --detector screen")]
+  rayweave optics doublet.toml --spot spot.svg --map map.png --detector screen
+  rayweave optics doublet.toml --branches both --paths ghosts.csv")]
 pub struct Optics {
     #[command(flatten)]
     model: ModelArguments,
@@ -73,6 +74,10 @@ pub struct Optics {
     /// At most so many cells along each side of the map
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u16).range(1..=512))]
     bins: u16,
+
+    /// The ways that light took, as a table: which elements it met, where it was thrown back (ghosts), how many rays, with which power
+    #[arg(long, value_name = "TABLE")]
+    paths: Option<PathBuf>,
 
     /// Where light is both reflected and transmitted, follow the one without losses, both, or one at random [default: what the model says]
     #[arg(long, value_name = "WAY")]
@@ -129,11 +134,7 @@ impl From<Colours> for RayColour {
 
 impl Optics {
     pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
-        let is_piped = self.out.as_deref() == Some(Path::new("-"));
-        if is_piped && self.json {
-            let problem = "the table and the summary both go to standard output (--out - and --json)";
-            return Err(Failure::Usage(format!("{problem} give the table a file?")));
-        }
+        let is_piped = self.is_piped()?;
         let drawings = [&self.layout, &self.spot, &self.map];
         drawings.into_iter().flatten().try_for_each(|path| drawing::check(path))?;
         let (document, scene) = self.model.load_document()?;
@@ -144,16 +145,29 @@ impl Optics {
         let (unit, system) = (scene.unit.symbol(), optics.assembly.compile()?);
         let mut spots = Spots::new(&system, self.map.is_some());
         let detector = self.detector(&spots)?;
-        let summary = self.trace(cli, &optics, &system, unit, &mut spots)?;
-        if let Some(path) = &self.layout {
-            self.draw_layout(path, &optics, &system, unit)?;
-        }
+        let mut paths = self.paths.is_some().then(Paths::default);
+        let summary = self.trace(cli, &optics, &system, unit, (&mut spots, &mut paths))?;
+        self.draw_layout(&optics, &system, unit)?;
         self.draw_detector(&spots, detector, &summary.balance, unit)?;
+        self.write_paths(paths.as_ref(), &system, &summary.balance)?;
         let told = Told { name: self.model.name(), unit, system: &system, summary, spots };
         match self.json {
             true => terminal::print(&format!("{:#}\n", told.as_json())),
             false if cli.quiet || is_piped => Ok(()),
             false => terminal::print(&told.as_text()),
+        }
+    }
+
+    /// Whether something is written to standard output instead of the summary; there is room for one thing alone.
+    fn is_piped(&self) -> Result<bool, Failure> {
+        let all = [&self.out, &self.layout, &self.spot, &self.map, &self.paths];
+        let piped = all.into_iter().flatten().filter(|path| path.as_path() == Path::new("-")).count();
+        match piped + usize::from(self.json) {
+            0 | 1 => Ok(piped > 0),
+            _ => {
+                let problem = "several things go to standard output (one can: `-` is given more than once, or with --json)";
+                Err(Failure::Usage(format!("{problem} give the others files?")))
+            }
         }
     }
 
@@ -168,13 +182,8 @@ impl Optics {
         Ok(optics)
     }
 
-    fn draw_layout(
-        &self,
-        path: &Path,
-        optics: &OpticalScene,
-        system: &System,
-        unit: &str,
-    ) -> Result<(), Failure> {
+    fn draw_layout(&self, optics: &OpticalScene, system: &System, unit: &str) -> Result<(), Failure> {
+        let Some(path) = &self.layout else { return Ok(()) };
         let wishes = Wishes { plane: self.plane, rays: self.rays, colour: self.colour.into() };
         let layout = Layout::new(system, &optics.sources, &optics.settings, &wishes)?;
         drawing::save(path, &layout.to_svg(&self.model.name(), unit))
@@ -227,19 +236,29 @@ impl Optics {
         }
     }
 
+    fn write_paths(&self, paths: Option<&Paths>, system: &System, balance: &Balance) -> Result<(), Failure> {
+        if let (Some(out), Some(paths)) = (&self.paths, paths) {
+            files::write_paths(out, paths, system.element_names(), balance.emitted)?;
+        }
+        Ok(())
+    }
+
     fn trace(
         &self,
         cli: &Cli,
         optics: &OpticalScene,
         system: &System,
         unit: &str,
-        spots: &mut Spots,
+        (spots, paths): (&mut Spots, &mut Option<Paths>),
     ) -> Result<LightSummary, Failure> {
         let bar = terminal::progress_bar(Some(optics.sources.count()), Unit::Percent, cli.quiet);
         let tracer = Tracer::new(system, Packets::new);
         let out = self.out.as_deref().map(|path| (path, unit));
         let look = |segments: &Segments| {
             spots.add(segments);
+            if let Some(paths) = paths {
+                paths.add(segments);
+            }
             bar.set_position(segments.id.iter().max().map_or(0, |&last| last as u64 + 1));
         };
         let traced = trace_light(&tracer, system, &optics.sources, &optics.settings, out, look);

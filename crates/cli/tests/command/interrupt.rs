@@ -97,3 +97,27 @@ fn a_picture_leaves_nothing() {
     interrupt(&child);
     assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
 }
+
+/// A ball lens with more light than anybody waits for.
+const LIGHT: &str = "rayweave = 1
+[solid.ball]
+sphere = { radius = 10 }
+[optics.medium]
+ball = 'N-BK7'
+[[optics.source]]
+beam = { circle = 10, rays = 2000000000 }
+transform = [{ translate = [0, 0, -50] }]
+";
+
+#[test]
+fn light_without_end_leaves_nothing() {
+    let bench = Bench::new();
+    bench.write("ball.toml", LIGHT);
+    let arguments = ["optics", "ball.toml", "--out", "light.csv", "--layout", "ball.svg", "--map", "map.svg"];
+    let child = bench.command(&arguments).spawn().unwrap();
+    let folder = bench.path("");
+    wait_until(|| holds(&folder, ".light.csv."));
+    std::thread::sleep(Duration::from_millis(200));
+    interrupt(&child);
+    assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
+}

@@ -126,6 +126,33 @@ fn drawings_of_what_is_asked_for() {
     assert!(!bench.path("a.svg").exists());
 }
 
+/// The ways through a plate whose faces reflect the part r: straight, and with a pair of reflections more each time.
+#[test]
+fn ghosts() {
+    let bench = bench();
+    bench.says(&["optics", "plate.toml", "--branches", "both", "--paths", "paths.csv", "--quiet"]);
+    let table = bench.read("paths.csv");
+    assert_eq!(table.lines().next(), Some("path,reflections,end,rays,power,part"));
+    let rows = rows(&table);
+    let r: f64 = 0.04;
+    let through = |reflections: i32| 2.0 * (1.0 - r).powi(2) * r.powi(reflections);
+    for (path, reflections) in [
+        ("plate plate lens screen", 0),
+        ("plate plate* plate* plate lens screen", 2),
+        ("plate plate* plate* plate* plate* plate lens screen", 4),
+    ] {
+        let row = rows.iter().find(|row| row[0] == path).unwrap_or_else(|| panic!("{path} in\n{table}"));
+        assert_eq!(row[1..4], [reflections.to_string().as_str(), "screen", "5000"]);
+        assert!((number(row[4]) / through(reflections) - 1.0).abs() < 1e-9, "{row:?}");
+        assert!((number(row[5]) - 0.5 * number(row[4])).abs() < 1e-15);
+    }
+    // the first face sends light back, which escapes
+    let back = rows.iter().find(|row| row[0] == "plate* -").unwrap();
+    assert_eq!(back[1..4], ["1", "", "5000"]);
+    assert!((number(back[4]) - 2.0 * r).abs() < 1e-12);
+    assert!(rows.windows(2).all(|pair| number(pair[0][4]) >= number(pair[1][4])));
+}
+
 /// Two faces of reflectance r let (1 - r) / (1 + r) through.
 #[test]
 fn options_win_over_the_file() {
@@ -220,8 +247,10 @@ fn what_can_be_wrong() {
         "the source shines at 5500 nm (the index of `N-BK7` is known from",
         ":33:17",
     );
+    let twice = bench.fails(2, &["optics", "plate.toml", "--layout", "-", "--out", "-"]);
+    assert!(twice.contains("several things go to standard output"), "{twice}");
     let usage = bench.fails(2, &["optics", "plate.toml", "--json", "--out", "-"]);
-    assert!(usage.contains("give the table a file?"), "{usage}");
+    assert!(usage.contains("give the others files?"), "{usage}");
     assert!(bench.fails(2, &["optics", "plate.toml", "--branches", "none"]).contains("ideal"));
     assert!(bench.fails(2, &["optics", "plate.toml", "-o", "table.txt"]).contains("unknown table format"));
 }

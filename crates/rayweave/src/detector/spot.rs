@@ -143,7 +143,7 @@ impl SpotDiagram {
         chart.draw(&mut svg, [&title, &subject], unit);
         let [left, top, width, height] = chart.frame();
         let lights = Lights::of(self.points.iter().map(|point| point.wavelength_nm));
-        let right = left + width + MARGIN;
+        let right = (left + width + MARGIN).max(2.0 * MARGIN + 6.0 * subject.chars().count() as f64);
         let bottom = legend::draw(&mut svg, &lights.entries(), top + height + BELOW + 4.0, right);
         svg.finish([right, bottom], &title, &subject, STYLE)
     }
@@ -152,11 +152,11 @@ impl SpotDiagram {
         if self.count == 0 {
             return "no light arrives".to_owned();
         }
-        let resolution = 1e-4 * (window.hi[0] - window.lo[0]);
+        let resolution = 1e-3 * (window.hi[0] - window.lo[0]);
         let [x, y] = self.centroid.map(|place| number(place, resolution));
         let radius = number(self.rms_radius(), 1e-4 * self.rms_radius().max(f64::MIN_POSITIVE));
         let text = format!("{} rays, centroid ({x}, {y}) {unit}, RMS radius {radius} {unit}", self.count);
-        match window.beside > 0.0 {
+        match window.beside > 5e-5 {
             true => format!("{text}; {} % of the power beside", number(100.0 * window.beside, 1e-2)),
             false => text,
         }

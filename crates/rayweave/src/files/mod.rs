@@ -2,10 +2,12 @@
 
 mod contours;
 mod hits;
+mod paths;
 mod segments;
 
 pub use contours::{ContourProblems, read_region};
 pub use hits::HitTable;
+pub use paths::write_paths;
 pub use segments::{LightSummary, SegmentTable, trace_light};
 
 use crate::{Compiled, Error};
