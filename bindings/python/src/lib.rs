@@ -53,11 +53,15 @@ mod _core {
     #[pymodule_export]
     use crate::optics::component::{PySheet, lensmaker, optical_component};
     #[pymodule_export]
+    use crate::optics::file::{PyElement, load_optics, loads_optics};
+    #[pymodule_export]
     use crate::optics::glass::{PyGlass, glass_names};
     #[pymodule_export]
     use crate::optics::prescription::{PyPrescription, pupil_points};
     #[pymodule_export]
     use crate::optics::source::PySource;
+    #[pymodule_export]
+    use crate::optics::stream::PyStream;
     #[pymodule_export]
     use crate::optics::system::{PySystem, event_names};
     #[pymodule_export]

@@ -107,7 +107,8 @@ pub fn loads(py: Python<'_>, text: &str, parameters: Option<&Bound<'_, PyDict>>)
     PyModel::new(py.detach(|| parse_with(text, &overrides)), !overrides.is_empty())
 }
 
-fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, String)>> {
+/// Values of parameters as the readers of model files take them.
+pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, String)>> {
     let text = |name: &str, value: &Bound<'_, PyAny>| match value.cast::<PyString>() {
         Ok(text) => Ok(text.to_str()?.to_owned()),
         Err(_) => match value.extract::<f64>() {

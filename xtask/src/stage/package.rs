@@ -13,7 +13,7 @@ const STUBTEST_ALLOWLIST: &str = "bindings/python/stubtest-allowlist.txt";
 
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     workshop.python.install_package()?;
-    workshop.python.install(&["pytest", "numpy", "mypy", "matplotlib", "pandas", "pyarrow"])?;
+    workshop.python.install(&["pytest", "numpy", "mypy", "matplotlib", "pandas", "pyarrow", "polars"])?;
     let outcomes = [tests(workshop, counts), types(workshop, counts), stubs(workshop, counts)];
     let failures: Vec<String> = outcomes.into_iter().filter_map(Result::err).collect();
     if failures.is_empty() { Ok(()) } else { Err(failures.join("\n")) }

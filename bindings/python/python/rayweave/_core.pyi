@@ -1,4 +1,4 @@
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, Self, final, overload
 
@@ -27,7 +27,9 @@ __all__ = [
     "Parabola",
     "Polygons",
     "RayweaveError",
+    "ReadElement",
     "RootRay",
+    "SegmentStream",
     "Sheet",
     "Solid",
     "SpaceSolid",
@@ -41,7 +43,9 @@ __all__ = [
     "intersection",
     "lensmaker",
     "load",
+    "load_optics",
     "loads",
+    "loads_optics",
     "manuals",
     "min_sep",
     "notebook_png",
@@ -556,6 +560,18 @@ class LightSource:
         outline: _Outline | None,
         sampling: str,
     ) -> LightSource: ...
+    @staticmethod
+    def listed(
+        origins: ArrayLike,
+        directions: ArrayLike,
+        wavelength_nm: Sequence[float] | None = None,
+        power: Sequence[float] | None = None,
+    ) -> LightSource: ...
+    @staticmethod
+    def from_file(path: str | PathLike[str]) -> LightSource: ...
+    def with_spectrum(self, spectrum: _Spec) -> LightSource: ...
+    def with_power(self, power: float, is_total: bool) -> LightSource: ...
+    def with_stokes(self, parameters: tuple[float, float, float, float]) -> LightSource: ...
     def apply(self, world_from_local: ArrayLike) -> LightSource: ...
     @property
     def count(self) -> int: ...
@@ -625,16 +641,51 @@ class CompiledSystem:
         power: ArrayLike,
         source: ArrayLike,
         stokes: ArrayLike | None,
-        *,
-        branches: str,
-        polarised: bool,
-        generation_limit: int,
-        threshold: float,
-        keep_escaped: bool,
-        seed: int,
-        threads: int | None,
+        settings: dict[str, Any],
+        progress: Callable[[int, int], object] | None = None,
     ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]: ...
+    def trace_sources(
+        self,
+        sources: Sequence[LightSource],
+        settings: dict[str, Any],
+        progress: Callable[[int, int], object] | None = None,
+    ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]: ...
+    def stream(
+        self, sources: Sequence[LightSource], settings: dict[str, Any], rows: int
+    ) -> SegmentStream: ...
+    def trace_to(
+        self,
+        path: str | PathLike[str],
+        unit: str,
+        sources: Sequence[LightSource],
+        settings: dict[str, Any],
+        progress: Callable[[int, int], object] | None = None,
+    ) -> dict[str, Any]: ...
 
+@final
+class SegmentStream:
+    def __iter__(self) -> SegmentStream: ...
+    def __next__(self) -> dict[str, NDArray[Any]]: ...
+    def cancel(self) -> None: ...
+    @property
+    def rays(self) -> int: ...
+    @property
+    def balance(self) -> dict[str, Any] | None: ...
+
+@final
+class ReadElement:
+    def parts(self) -> tuple[str, Solid | Sheet, str, NDArray[np.float64]]: ...
+    def apply(self, world_from_local: ArrayLike) -> ReadElement: ...
+    def with_finish(self, finish: _Spec, face: str | None = None) -> ReadElement: ...
+
+_LoadedOptics = tuple[
+    CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]
+]
+
+def load_optics(
+    path: str | PathLike[str], parameters: dict[str, float | str] | None = None
+) -> _LoadedOptics: ...
+def loads_optics(text: str, parameters: dict[str, float | str] | None = None) -> _LoadedOptics: ...
 def optical_component(
     kind: str,
     numbers: Sequence[float],

@@ -2,9 +2,11 @@
 
 pub mod arrivals;
 pub mod component;
+pub mod file;
 pub mod glass;
 pub mod parts;
 pub mod prescription;
 pub mod source;
+pub mod stream;
 pub mod system;
 pub mod zernike;

@@ -1,12 +1,16 @@
 //! Sources of light.
 
+use std::path::PathBuf;
+
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use rayweave::optics::source::{BeamProfile, Emission, Pattern, Power, Sampling, Source, Spectrum};
+use rayweave::optics::source::{
+    BeamProfile, Emission, ListedRays, Pattern, Power, Sampling, Source, Spectrum,
+};
 
 use crate::error::bad_value;
 use crate::optics::component::Outline;
-use crate::optics::system::Spec;
+use crate::optics::system::{Spec, vectors};
 use crate::vectors::matrix;
 
 /// Origins, directions, wavelengths and powers.
@@ -42,6 +46,47 @@ impl PySource {
         let spectrum = spectrum_of(&spectrum)?;
         let source = Source::new(pattern).and_then(|source| source.spectrum(&spectrum)?.power(power));
         source.map(|source| PySource(source.seed(seed))).map_err(bad_value)
+    }
+
+    /// Rays given one by one, with wavelengths and powers of their own if wanted.
+    #[staticmethod]
+    #[pyo3(signature = (origins, directions, wavelength_nm=None, power=None))]
+    fn listed(
+        origins: &Bound<'_, PyAny>,
+        directions: &Bound<'_, PyAny>,
+        wavelength_nm: Option<Vec<f64>>,
+        power: Option<Vec<f64>>,
+    ) -> PyResult<Self> {
+        let (origins, directions) = (vectors(origins, "origins")?, vectors(directions, "directions")?);
+        let rays = ListedRays::new(origins, directions, wavelength_nm, power).map_err(bad_value)?;
+        Source::new(Pattern::Rays(rays)).map(PySource).map_err(bad_value)
+    }
+
+    /// The rays of a file.
+    #[staticmethod]
+    #[pyo3(signature = (path))]
+    fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let read = || ListedRays::read(&path).and_then(|rays| Source::new(Pattern::Rays(rays)));
+        py.detach(read).map(PySource).map_err(bad_value)
+    }
+
+    /// The source with another spectrum.
+    #[pyo3(signature = (spectrum))]
+    fn with_spectrum(&self, spectrum: Spec) -> PyResult<Self> {
+        self.0.clone().spectrum(&spectrum_of(&spectrum)?).map(PySource).map_err(bad_value)
+    }
+
+    /// The source with another power, of each ray or of all together.
+    #[pyo3(signature = (power, is_total))]
+    fn with_power(&self, power: f64, is_total: bool) -> PyResult<Self> {
+        let power = if is_total { Power::Total(power) } else { Power::PerRay(power) };
+        self.0.clone().power(power).map(PySource).map_err(bad_value)
+    }
+
+    /// The source with polarised light: the parameters of Stokes.
+    #[pyo3(signature = (parameters))]
+    fn with_stokes(&self, parameters: [f64; 4]) -> PyResult<Self> {
+        self.0.clone().stokes(parameters).map(PySource).map_err(bad_value)
     }
 
     /// The source moved by an affine map, a 4 x 4 matrix.
@@ -115,22 +160,9 @@ fn pattern(
 
 /// About so many rays: grids and rings have numbers of their own.
 fn sampling_named(name: &str, count: u64) -> PyResult<Sampling> {
-    Ok(match name {
-        "fibonacci" => Sampling::Fibonacci { count },
-        "random" => Sampling::Random { count },
-        "grid" => {
-            let side = (count as f64).sqrt().round().max(1.0) as u32;
-            Sampling::Grid { columns: side, rows: side }
-        }
-        "hexapolar" => {
-            // 3 r (r + 1) + 1 rays
-            let rings = ((4.0 * count as f64 / 3.0).sqrt() / 2.0).round().max(1.0) as u32;
-            Sampling::Hexapolar { rings }
-        }
-        other => {
-            let kinds = "\"fibonacci\", \"random\", \"grid\" or \"hexapolar\"";
-            return Err(bad_value(format!("sampling is {other:?} (it can be {kinds})")));
-        }
+    Sampling::named(name, count).ok_or_else(|| {
+        let kinds = "\"fibonacci\", \"random\", \"grid\" or \"hexapolar\"";
+        bad_value(format!("sampling is {name:?} (it can be {kinds})"))
     })
 }
 

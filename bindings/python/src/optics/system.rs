@@ -1,14 +1,20 @@
 //! Optical systems and light through them.
 
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayweave::files::trace_light;
 use rayweave::math::Vec3;
 use rayweave::optics::interface::{Film, Stokes};
+use rayweave::optics::source::Sources;
 use rayweave::optics::{
-    Action, Assembly, Balance, Beam, Branches, Element, Event, Finish, Light, Material, Medium, OpticsError,
-    Segments, Settings, System, Tracer,
+    Action, Assembly, Balance, Beam, Branches, Element, Emitter, Event, Finish, Light, Material, Medium,
+    OpticsError, Segments, Settings, System, Tracer,
 };
 use rayweave::{Packets, Ray};
 
@@ -16,7 +22,10 @@ use crate::arrays::{double_array, list, shape_text};
 use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::optics::component::PySheet;
+use crate::optics::file::PyElement;
 use crate::optics::glass::PyGlass;
+use crate::optics::source::PySource;
+use crate::optics::stream::PyStream;
 use crate::solid::PySolid;
 
 /// A glass, or a constant index n + i k.
@@ -53,7 +62,8 @@ impl Spec {
         &self.1
     }
 
-    fn finish(&self) -> PyResult<Finish> {
+    /// The finish.
+    pub fn finish(&self) -> PyResult<Finish> {
         Ok(match (self.0.as_str(), self.1.as_slice()) {
             ("polished", []) => Finish::Polished,
             ("absorber", []) => Finish::Absorber,
@@ -99,11 +109,14 @@ fn unknown(what: &str, kind: &str, numbers: &[f64]) -> PyErr {
 pub enum Part<'py> {
     Solid(String, PyRef<'py, PySolid>, String, Option<Substance<'py>>, Spec, Vec<(String, Spec)>),
     Sheet(String, PyRef<'py, PySheet>, Spec),
+    /// As a model file says it.
+    Read(String, PyRef<'py, PyElement>),
 }
 
 impl Part<'_> {
     fn element(&self) -> PyResult<Element> {
         match self {
+            Part::Read(name, element) => Ok(element.0.clone().named(name)),
             Part::Sheet(name, sheet, action) => Ok(Element::sheet(name, sheet.0.clone(), action.action()?)),
             Part::Solid(name, solid, kind, substance, finish, faces) => {
                 let medium = substance.as_ref().map(Substance::medium).transpose()?;
@@ -125,7 +138,7 @@ impl Part<'_> {
 /// An optical system, compiled: see `rayweave.optics.System`.
 #[pyclass(frozen, module = "rayweave.optics", name = "CompiledSystem")]
 pub struct PySystem {
-    system: System,
+    pub system: Arc<System>,
 }
 
 #[pymethods]
@@ -137,7 +150,7 @@ impl PySystem {
         let assembly =
             parts.iter().try_fold(assembly, |all, part| Ok::<Assembly, PyErr>(all.add(part.element()?)))?;
         let system = py.detach(|| assembly.compile()).map_err(bad_value)?;
-        Ok(PySystem { system })
+        Ok(PySystem { system: Arc::new(system) })
     }
 
     /// The names of the elements.
@@ -152,11 +165,8 @@ impl PySystem {
         self.system.surfaces().map(|surface| self.system.surface_name(surface).to_owned()).collect()
     }
 
-    /// Traces light: columns by name, and the balance of power.
-    #[pyo3(signature = (
-        origins, directions, wavelength_nm, power, source, stokes, *, branches, polarised, generation_limit, threshold,
-        keep_escaped, seed, threads
-    ))]
+    /// Traces rays: columns by name, and the balance of power.
+    #[pyo3(signature = (origins, directions, wavelength_nm, power, source, stokes, settings, progress=None))]
     #[allow(clippy::too_many_arguments)] // those of the function in Python
     fn trace<'py>(
         &self,
@@ -166,40 +176,172 @@ impl PySystem {
         power: &Bound<'py, PyAny>,
         source: Vec<u32>,
         stokes: Option<Vec<[f64; 7]>>,
-        branches: &str,
-        polarised: bool,
-        generation_limit: u32,
-        threshold: f64,
-        keep_escaped: bool,
-        seed: u64,
-        threads: Option<&Bound<'py, PyAny>>,
+        settings: Wishes<'py>,
+        progress: Option<Py<PyAny>>,
     ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
         let py = origins.py();
         let beam = beam([origins, directions], [wavelength_nm, power], source, stokes)?;
-        let settings = Settings {
-            branches: branches_named(branches)?,
-            polarised,
-            generation_limit,
-            threshold,
-            keep_escaped,
-            seed,
-            threads: threads.map(thread_argument).transpose()?,
-            ..Settings::default()
-        };
-        let (segments, balance) = py.detach(|| self.run(&beam, &settings))?;
+        let settings = settings.settings()?;
+        let (segments, balance) = py.detach(|| self.run(&beam, &settings, progress))?;
         Ok((columns(py, segments)?, accounts(py, &balance)?))
+    }
+
+    /// Traces the light of sources: columns by name, and the balance of power.
+    #[pyo3(signature = (sources, settings, progress=None))]
+    fn trace_sources<'py>(
+        &self,
+        py: Python<'py>,
+        sources: Vec<PyRef<'py, PySource>>,
+        settings: Wishes<'py>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+        let (light, settings) = (all(&sources), settings.settings()?);
+        let (segments, balance) = py.detach(|| self.run(&light, &settings, progress))?;
+        Ok((columns(py, segments)?, accounts(py, &balance)?))
+    }
+
+    /// Traces the light of sources in the background, in tables of at least so many rows.
+    #[pyo3(signature = (sources, settings, rows))]
+    fn stream(
+        &self,
+        sources: Vec<PyRef<'_, PySource>>,
+        settings: Wishes<'_>,
+        rows: usize,
+    ) -> PyResult<PyStream> {
+        Ok(PyStream::start(self.system.clone(), all(&sources), settings.settings()?, rows.max(1)))
+    }
+
+    /// Traces the light of sources into a file, `.csv` or `.npy`; lengths are in a unit. The balance of power.
+    #[pyo3(signature = (path, unit, sources, settings, progress=None))]
+    fn trace_to<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        unit: &str,
+        sources: Vec<PyRef<'py, PySource>>,
+        settings: Wishes<'py>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (light, settings) = (all(&sources), settings.settings()?);
+        let balance = py.detach(|| self.write((&path, unit), &light, &settings, progress))?;
+        accounts(py, &balance)
+    }
+}
+
+/// Several sources as one.
+fn all(sources: &[PyRef<'_, PySource>]) -> Sources {
+    Sources::new(sources.iter().map(|source| source.0.clone()).collect())
+}
+
+/// Settings as Python has them.
+#[derive(FromPyObject)]
+pub struct Wishes<'py> {
+    #[pyo3(item)]
+    branches: String,
+    #[pyo3(item)]
+    polarised: bool,
+    #[pyo3(item)]
+    generation_limit: u32,
+    #[pyo3(item)]
+    threshold: f64,
+    #[pyo3(item)]
+    keep_escaped: bool,
+    #[pyo3(item)]
+    seed: u64,
+    #[pyo3(item)]
+    threads: Option<Bound<'py, PyAny>>,
+}
+
+impl Wishes<'_> {
+    fn settings(&self) -> PyResult<Settings> {
+        Ok(Settings {
+            branches: branches_named(&self.branches)?,
+            polarised: self.polarised,
+            generation_limit: self.generation_limit,
+            threshold: self.threshold,
+            keep_escaped: self.keep_escaped,
+            seed: self.seed,
+            threads: self.threads.as_ref().map(thread_argument).transpose()?,
+            ..Settings::default()
+        })
     }
 }
 
 impl PySystem {
-    fn run(&self, beam: &Beam, settings: &Settings) -> PyResult<(Segments, Balance)> {
+    fn run(
+        &self,
+        light: &impl Emitter,
+        settings: &Settings,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(Segments, Balance)> {
         let tracer = Tracer::new(&self.system, Packets::new);
-        let mut segments = Segments::default();
-        let balance = tracer.run(beam, settings, |part| {
+        let (mut segments, mut watch) = (Segments::default(), Watch::new(light, progress));
+        let balance = tracer.run(light, settings, |part| {
             segments.append(&part);
-            Python::attach(|py| py.check_signals()).map_err(Halt::Raised)
+            watch.look(&part).map_err(Halt::Raised)
         });
-        Ok((segments, balance.map_err(Halt::into_error)?))
+        let balance = balance.map_err(Halt::into_error)?;
+        watch.end()?;
+        Ok((segments, balance))
+    }
+
+    /// The table of segments as a file; after an interrupt there is none.
+    fn write(
+        &self,
+        out: (&Path, &str),
+        light: &impl Emitter,
+        settings: &Settings,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Balance> {
+        let tracer = Tracer::new(&self.system, Packets::new);
+        let (mut watch, mut raised) = (Watch::new(light, progress), None);
+        let written = trace_light(&tracer, &self.system, light, settings, Some(out), |part: &Segments| {
+            if raised.is_none() {
+                raised = watch.look(part).inspect_err(|_| settings.cancel.cancel()).err();
+            }
+        });
+        match (raised, written) {
+            (Some(error), _) => Err(error),
+            (None, Ok(summary)) => watch.end().map(|()| summary.balance),
+            (None, Err(error)) => Err(bad_value(error)),
+        }
+    }
+}
+
+/// Tells Python how far a run is, and looks at its signals.
+struct Watch {
+    progress: Option<Py<PyAny>>,
+    total: usize,
+    last: Instant,
+}
+
+/// So often progress is told.
+const TELL: Duration = Duration::from_millis(100);
+
+impl Watch {
+    fn new(light: &impl Emitter, progress: Option<Py<PyAny>>) -> Watch {
+        Watch { progress, total: light.count(), last: Instant::now() }
+    }
+
+    /// Called chunk by chunk.
+    fn look(&mut self, part: &Segments) -> PyResult<()> {
+        let done = part.id.iter().max().map_or(0, |&last| last + 1);
+        Python::attach(|py| {
+            py.check_signals()?;
+            match &self.progress {
+                Some(progress) if self.last.elapsed() >= TELL => {
+                    self.last = Instant::now();
+                    progress.call1(py, (done, self.total)).map(|_| ())
+                }
+                _ => Ok(()),
+            }
+        })
+    }
+
+    /// All is done.
+    fn end(&self) -> PyResult<()> {
+        let Some(progress) = &self.progress else { return Ok(()) };
+        Python::attach(|py| progress.call1(py, (self.total, self.total)).map(|_| ()))
     }
 }
 
@@ -272,7 +414,8 @@ fn polarisation(&[i, q, u, v, x, y, z]: &[f64; 7]) -> Stokes {
     Stokes { parameters: [i, q, u, v], axis: Vec3::new(x, y, z) }
 }
 
-fn vectors(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
+/// The rows of an array (N, 3).
+pub fn vectors(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
     let array = double_array(object, name)?;
     let [_, 3] = *array.shape() else {
         return Err(bad_value(format!("{name} has shape {} ((N, 3) is needed)", shape_text(array.shape()))));
@@ -283,7 +426,8 @@ fn vectors(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
     Ok(view.rows().into_iter().map(row).collect())
 }
 
-fn columns(py: Python<'_>, segments: Segments) -> PyResult<Bound<'_, PyDict>> {
+/// The columns of segments by their names.
+pub fn columns(py: Python<'_>, segments: Segments) -> PyResult<Bound<'_, PyDict>> {
     let table = PyDict::new(py);
     table.set_item("id", PyArray1::from_vec(py, segments.id))?;
     table.set_item("parent", PyArray1::from_vec(py, segments.parent))?;
@@ -309,7 +453,8 @@ fn columns(py: Python<'_>, segments: Segments) -> PyResult<Bound<'_, PyDict>> {
     Ok(table)
 }
 
-fn accounts<'py>(py: Python<'py>, balance: &Balance) -> PyResult<Bound<'py, PyDict>> {
+/// A balance as a table.
+pub fn accounts<'py>(py: Python<'py>, balance: &Balance) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     table.set_item("emitted", balance.emitted)?;
     table.set_item("absorbed", balance.absorbed.clone())?;

@@ -47,6 +47,7 @@ from rayweave.optics._elements import (
     toric_lens,
     wave_plate,
 )
+from rayweave.optics._file import OpticalModel, load, loads
 from rayweave.optics._images import (
     Distortion,
     Energy,
@@ -73,8 +74,11 @@ from rayweave.optics._sources import (
     lamp,
     line_of_rays,
     point_source,
+    source_from_file,
+    source_of_rays,
     wedge_of_rays,
 )
+from rayweave.optics._stream import Stream
 from rayweave.optics._system import Balance, System, Trace
 
 
@@ -99,6 +103,7 @@ __all__ = [
     "LateralColour",
     "Material",
     "Modulation",
+    "OpticalModel",
     "Path",
     "Prescription",
     "Pupil",
@@ -110,6 +115,7 @@ __all__ = [
     "Spot",
     "SpotSize",
     "Spots",
+    "Stream",
     "Surface",
     "System",
     "ThroughFocus",
@@ -145,6 +151,8 @@ __all__ = [
     "lenslet_array",
     "lensmaker",
     "line_of_rays",
+    "load",
+    "loads",
     "parabolic_mirror",
     "plane_mirror",
     "plano_convex_lens",
@@ -155,6 +163,8 @@ __all__ = [
     "pupil_grid",
     "reflecting",
     "rough",
+    "source_from_file",
+    "source_of_rays",
     "spherical_mirror",
     "splitting",
     "thin_lens",

@@ -86,6 +86,8 @@ class Element(Placed):
     faces: tuple[tuple[str, Finish], ...] = ()
     action: Finish | None = None
     place: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+    #: The element as a model file says it, which holds more than the fields above.
+    read: _core.ReadElement | None = None
 
     def named(self, name: str) -> Self:
         """The same under another name, by which it is called in results."""
@@ -95,6 +97,8 @@ class Element(Placed):
         """The same with a finish on the faces of this name ("front", "front.side", ...), or on all that have none of their own."""
         if self.action is not None:
             raise _core.RayweaveError(f"{self.name} is a sheet (it has an action, not a finish)")
+        if self.read is not None:
+            return replace(self, read=self.read.with_finish(finish._spec(), face))
         if face is None:
             return replace(self, finish=finish)
         return replace(self, faces=(*self.faces, (face, finish)))
@@ -102,9 +106,12 @@ class Element(Placed):
     def transform(self, matrix: ArrayLike) -> Self:
         """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns."""
         body = self.body.apply(matrix) if isinstance(self.body, Sheet) else self.body.transform(matrix)
-        return replace(self, body=body, place=np.asarray(matrix, float) @ self.place)
+        read = None if self.read is None else self.read.apply(matrix)
+        return replace(self, body=body, place=np.asarray(matrix, float) @ self.place, read=read)
 
     def _part(self) -> tuple[Any, ...]:
+        if self.read is not None:
+            return self.name, self.read
         if isinstance(self.body, Sheet):
             return self.name, self.body, (self.action or Finish("absorb"))._spec()
         kind, substance, finish = _substance(self.material, self.finish)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from os import PathLike
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -31,18 +32,14 @@ class Source(Placed):
     def __len__(self) -> int:
         return self.compiled.count
 
+    def polarised(self, i: float, q: float, u: float, v: float) -> Self:
+        """The same with polarised light: the parameters of Stokes, of which only the proportions count. Light of q > 0 swings along
+        the x axis of the source, as far as that lies across each ray; u > 0 leans from x towards y."""
+        return replace(self, compiled=self.compiled.with_stokes((float(i), float(q), float(u), float(v))))
+
     def rays(self) -> tuple[NDArray[np.float64], ...]:
         """Origins (N, 3), unit directions (N, 3), wavelengths in nanometres (N,) and powers (N,)."""
         return self.compiled.rays()
-
-
-def _gathered(sources: list[Source]) -> tuple[NDArray[Any], ...]:
-    if not sources:
-        raise _core.RayweaveError("sources is empty (light has to come from somewhere)")
-    parts = [source.rays() for source in sources]
-    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    numbers = np.repeat(np.arange(len(sources)), [len(source) for source in sources])
-    return (*columns, numbers)
 
 
 def _source(
@@ -55,19 +52,12 @@ def _source(
     outline: Aperture | None = None,
     sampling: str = "fibonacci",
 ) -> Source:
-    match wavelength_nm:
-        case dict() as lines:
-            spectrum = ("lines", [float(x) for line in lines.items() for x in line])
-        case (str() as name, *rest):
-            spectrum = (name, [float(x) for x in rest])
-        case single:
-            spectrum = ("line", [float(single)])
     total, amount = (True, power[1]) if isinstance(power, tuple) else (False, power)
     compiled = _core.LightSource(
         kind,
         [float(number) for number in numbers],
         count,
-        spectrum,
+        _spectrum(wavelength_nm),
         float(amount),
         total,
         seed,
@@ -75,6 +65,16 @@ def _source(
         sampling,
     )
     return Source(compiled)
+
+
+def _spectrum(wavelength_nm: Spectrum) -> tuple[str, list[float]]:
+    match wavelength_nm:
+        case dict() as lines:
+            return "lines", [float(x) for line in lines.items() for x in line]
+        case (str() as name, *rest):
+            return name, [float(x) for x in rest]
+        case single:
+            return "line", [float(single)]
 
 
 _Power = float | tuple[Literal["total"], float]
@@ -148,3 +148,48 @@ def point_source(
 ) -> Source:
     """Rays from the origin, uniform in solid angle in a cone about +z."""
     return _source("point", (half_angle_degrees,), count, wavelength_nm, power, seed)
+
+
+def source_of_rays(
+    origins: ArrayLike,
+    directions: ArrayLike,
+    *,
+    wavelength_nm: ArrayLike | Spectrum = 633.0,
+    power: ArrayLike | tuple[Literal["total"], float] = 1.0,
+) -> Source:
+    """Rays given one by one: origins (N, 3), and directions (N, 3) of any length but 0. Wavelengths are one for each ray (N,), or a
+    spectrum from which they are drawn; powers (N,), one for all, or ("total", power)."""
+    lengths = _column(wavelength_nm)
+    powers = _column(power)
+    compiled = _core.LightSource.listed(origins, directions, lengths, powers)
+    if lengths is None:
+        compiled = compiled.with_spectrum(_spectrum(wavelength_nm))  # type: ignore[arg-type]
+    return Source(compiled if powers is not None else _powered(compiled, power))
+
+
+def source_from_file(
+    path: str | PathLike[str],
+    *,
+    wavelength_nm: Spectrum | None = None,
+    power: float | tuple[Literal["total"], float] | None = None,
+) -> Source:
+    """The rays of a file: `.csv` with the columns ox, oy, oz, dx, dy, dz and, where wanted, wavelength_nm and power; or `.npy` of
+    the shape (N, 6), (N, 7) with wavelengths or (N, 8) with both. `wavelength_nm` is for files that have none (633 nm), `power`
+    that of each ray, or a factor to its own (1)."""
+    compiled = _core.LightSource.from_file(path)
+    if wavelength_nm is not None:
+        compiled = compiled.with_spectrum(_spectrum(wavelength_nm))
+    return Source(_powered(compiled, 1.0 if power is None else power))
+
+
+def _column(given: Any) -> list[float] | None:
+    """A number for each ray; none for a number, a spectrum or a total."""
+    if isinstance(given, (dict, tuple)):
+        return None
+    array = np.asarray(given, float)
+    return array.tolist() if array.ndim > 0 else None
+
+
+def _powered(compiled: _core.LightSource, power: Any) -> _core.LightSource:
+    is_total = isinstance(power, tuple)
+    return compiled.with_power(float(power[1] if is_total else power), is_total)

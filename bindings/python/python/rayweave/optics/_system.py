@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from os import PathLike
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -14,7 +16,8 @@ from rayweave import _core
 from rayweave._core import Glass
 from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
 from rayweave.optics._elements import Element, _medium
-from rayweave.optics._sources import Source, _gathered
+from rayweave.optics._sources import Source
+from rayweave.optics._stream import Progress, Stream, record_batch, reporter, write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,7 +63,18 @@ class System:
         if unit not in _UNIT_NM:
             raise _core.RayweaveError(f"unit is {unit!r} (it can be {', '.join(_UNIT_NM)})")
         self.elements = tuple(flat)
+        self.unit: str = unit
         self._compiled = _core.CompiledSystem([part._part() for part in flat], _medium(world), _UNIT_NM[unit])
+
+    @classmethod
+    def _of(cls, compiled: _core.CompiledSystem, elements: list[Element], unit: str) -> System:
+        system = cls.__new__(cls)
+        system.elements, system.unit, system._compiled = tuple(elements), unit, compiled
+        return system
+
+    def _balance(self, accounts: dict[str, Any]) -> Balance:
+        absorbed = dict(zip(self.element_names, accounts["absorbed"], strict=True))
+        return Balance(**(accounts | {"absorbed": absorbed}))
 
     @property
     def element_names(self) -> list[str]:
@@ -83,25 +97,65 @@ class System:
         keep_escaped: bool = True,
         seed: int = 0,
         threads: int | None = None,
+        progress: Progress = None,
     ) -> Trace:
         """Follows the light of sources through the system.
 
         `branches` says which way it goes where part of it is reflected: "ideal" through without losses, back only by total
         reflection; "both" ways with their parts of the power by Fresnel's formulas; "random" one of them with all the power.
-        Rays end after `generation_limit` events or below the power `threshold`. Results do not depend on `threads`.
+        Rays end after `generation_limit` events or below the power `threshold`. Results do not depend on `threads`. `progress` is
+        called with the number of rays that are done and that of all; True draws a bar on standard error.
         """
-        given = [sources] if isinstance(sources, Source) else list(sources)
-        _all_are(Source, given, "sources")
-        return self.trace_rays(
-            *_gathered(given),
-            branches=branches,
-            polarised=polarised,
-            generation_limit=generation_limit,
-            threshold=threshold,
-            keep_escaped=keep_escaped,
-            seed=seed,
-            threads=threads,
-        )
+        settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
+        compiled = [source.compiled for source in _all_sources(sources)]
+        columns, accounts = self._compiled.trace_sources(compiled, settings, _told(progress))
+        return Trace(self, columns, self._balance(accounts))
+
+    def stream(
+        self,
+        sources: Source | Iterable[Source],
+        *,
+        rows: int = 1 << 17,
+        branches: Literal["ideal", "both", "random"] = "ideal",
+        polarised: bool = False,
+        generation_limit: int = 1000,
+        threshold: float = 0.0,
+        keep_escaped: bool = True,
+        seed: int = 0,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Stream:
+        """Follows the light of sources batch by batch, each of at least `rows` rows but for the last one, in memory that does not
+        grow with the number of rays. The rows of all batches are those of `trace`."""
+        settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
+        return self._stream(_all_sources(sources), settings, rows, progress)
+
+    def _stream(self, given: list[Source], settings: dict[str, Any], rows: int, progress: Progress) -> Stream:
+        if rows < 1:
+            raise _core.RayweaveError(f"rows is {rows} (a batch has at least one)")
+        compiled = self._compiled.stream([source.compiled for source in given], settings, rows)
+        return Stream(self, compiled, sum(len(source) for source in given), progress)
+
+    def trace_to(
+        self,
+        path: str | PathLike[str],
+        sources: Source | Iterable[Source],
+        *,
+        rows: int = 1 << 17,
+        branches: Literal["ideal", "both", "random"] = "ideal",
+        polarised: bool = False,
+        generation_limit: int = 1000,
+        threshold: float = 0.0,
+        keep_escaped: bool = True,
+        seed: int = 0,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Balance:
+        """Follows the light of sources into a table of segments, `.parquet` (by pyarrow, in row groups of at least `rows` rows),
+        `.csv` or `.npy` (with the names beside it), in memory that does not grow with the number of rays. The file appears under
+        its name when it is complete; elements, surfaces and events have names in it."""
+        settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
+        return write(self, _all_sources(sources), FilePath(path), settings, rows, progress)
 
     def trace_rays(
         self,
@@ -119,6 +173,7 @@ class System:
         keep_escaped: bool = True,
         seed: int = 0,
         threads: int | None = None,
+        progress: Progress = None,
     ) -> Trace:
         """Follows rays, (N, 3) or (3,), broadcast against each other, with wavelengths in nanometres and powers (N,).
 
@@ -127,8 +182,7 @@ class System:
         """
         starts, ways = _rays(origins, directions)
         count = len(starts)
-        if not 0 <= generation_limit < 2**32:
-            raise _core.RayweaveError(f"generation_limit is {generation_limit} (it can be 0 to 2^32 - 1)")
+        settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
         columns, accounts = self._compiled.trace(
             starts,
             ways,
@@ -136,16 +190,46 @@ class System:
             _column("power", power, (count,)),
             _column("source", source, (count,)).astype(np.uint32),
             None if stokes is None else _column("stokes", stokes, (count, 7)).tolist(),
-            branches=branches,
-            polarised=polarised,
-            generation_limit=generation_limit,
-            threshold=threshold,
-            keep_escaped=keep_escaped,
-            seed=seed,
-            threads=threads,
+            settings,
+            _told(progress),
         )
-        absorbed = dict(zip(self.element_names, accounts.pop("absorbed"), strict=True))
-        return Trace(self, columns, Balance(absorbed=absorbed, **accounts))
+        return Trace(self, columns, self._balance(accounts))
+
+
+def _settings(
+    branches: str,
+    polarised: bool,
+    generation_limit: int,
+    threshold: float,
+    keep_escaped: bool,
+    seed: int,
+    threads: int | None,
+) -> dict[str, Any]:
+    if not 0 <= generation_limit < 2**32:
+        raise _core.RayweaveError(f"generation_limit is {generation_limit} (it can be 0 to 2^32 - 1)")
+    if not threshold >= 0.0:
+        raise _core.RayweaveError(f"threshold is {threshold} (it is a power, at least 0)")
+    return {
+        "branches": branches,
+        "polarised": polarised,
+        "generation_limit": generation_limit,
+        "threshold": threshold,
+        "keep_escaped": keep_escaped,
+        "seed": seed,
+        "threads": threads,
+    }
+
+
+def _all_sources(sources: Source | Iterable[Source]) -> list[Source]:
+    given = [sources] if isinstance(sources, Source) else list(sources)
+    _all_are(Source, given, "sources")
+    if not given:
+        raise _core.RayweaveError("sources is empty (light has to come from somewhere)")
+    return given
+
+
+def _told(progress: Progress) -> Any:
+    return reporter(progress) if progress else None
 
 
 class Trace(Mapping[str, NDArray[Any]]):
@@ -157,10 +241,17 @@ class Trace(Mapping[str, NDArray[Any]]):
     path from the source; `element`, `surface` and `event` say what happens at the end.
     """
 
-    def __init__(self, system: System, columns: dict[str, NDArray[Any]], balance: Balance) -> None:
+    def __init__(self, system: System, columns: dict[str, NDArray[Any]], balance: Balance | None) -> None:
         self.system = system
         self.columns = columns
-        self.balance = balance
+        self._balance = balance
+
+    @property
+    def balance(self) -> Balance:
+        """Where the power went; a batch of a stream has none."""
+        if self._balance is None:
+            raise _core.RayweaveError("a batch has no balance (the stream has, once all batches have been taken)")
+        return self._balance
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.columns[name]
@@ -190,7 +281,7 @@ class Trace(Mapping[str, NDArray[Any]]):
             if event not in events:
                 raise _core.RayweaveError(f"there is no event {event!r} (there are {', '.join(events)})")
             chosen &= self.columns["event"] == events.index(event)
-        return Trace(self.system, {name: column[chosen] for name, column in self.columns.items()}, self.balance)
+        return Trace(self.system, {name: column[chosen] for name, column in self.columns.items()}, self._balance)
 
     def spot(self, element: str) -> Spot:
         """Where the light arrives at an element, in the coordinates in which it was made, with the power that it has where its last
@@ -231,10 +322,16 @@ class Trace(Mapping[str, NDArray[Any]]):
         """The columns as a pandas DataFrame; surfaces, elements and events by number, names in the system."""
         return import_module("pandas").DataFrame(self.columns, copy=False)
 
-    def to_arrow(self) -> Any:
-        """The columns as an Arrow table, without copies."""
+    def to_arrow(self, *, names: bool = False) -> Any:
+        """The columns as an Arrow table, without copies; or, with `names`, elements, surfaces and events by name."""
         pyarrow = import_module("pyarrow")
+        if names:
+            return pyarrow.Table.from_batches([record_batch(self)])
         return pyarrow.table({name: pyarrow.array(column) for name, column in self.columns.items()})
+
+    def to_polars(self) -> Any:
+        """The columns as a polars DataFrame, without copies; surfaces, elements and events by number, names in the system."""
+        return import_module("polars").from_arrow(self.to_arrow(), rechunk=False)
 
     def show(
         self,

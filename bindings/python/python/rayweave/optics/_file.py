@@ -1,0 +1,64 @@
+"""Optical systems from model files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+from rayweave import _core
+from rayweave.optics._elements import Element
+from rayweave.optics._sources import Source
+from rayweave.optics._stream import Progress, Stream
+from rayweave.optics._system import Balance, System, Trace
+
+
+@dataclass(frozen=True, eq=False)
+class OpticalModel:
+    """What the `[optics]` tables of a model file say: a system, its sources, and how light is followed.
+
+    `settings` are arguments of `System.trace`; `trace`, `stream` and `trace_to` use them, and others where they are given.
+    """
+
+    system: System
+    sources: tuple[Source, ...]
+    settings: dict[str, Any]
+    warnings: tuple[str, ...] = ()
+
+    def trace(self, **changes: Any) -> Trace:
+        """Follows the light of all sources: see `System.trace`."""
+        return self.system.trace(self.sources, **(self.settings | changes))
+
+    def stream(self, *, rows: int = 1 << 17, progress: Progress = None, **changes: Any) -> Stream:
+        """Follows the light batch by batch: see `System.stream`."""
+        return self.system.stream(self.sources, rows=rows, progress=progress, **(self.settings | changes))
+
+    def trace_to(
+        self, path: str | PathLike[str], *, rows: int = 1 << 17, progress: Progress = None, **changes: Any
+    ) -> Balance:
+        """Follows the light into a file: see `System.trace_to`."""
+        wishes = self.settings | changes
+        return self.system.trace_to(path, self.sources, rows=rows, progress=progress, **wishes)
+
+
+def load(path: str | PathLike[str], parameters: Mapping[str, float | str] | None = None) -> OpticalModel:
+    """The `[optics]` tables of a model file. `parameters` gives other values to some of its parameters: numbers, or arithmetic
+    text. All problems are told at once, each with its file, line and column."""
+    return _model(_core.load_optics(path, None if parameters is None else dict(parameters)))
+
+
+def loads(text: str, parameters: Mapping[str, float | str] | None = None) -> OpticalModel:
+    """As `load`, from the text of a model file. Files that it names are looked for in the current folder."""
+    return _model(_core.loads_optics(text, None if parameters is None else dict(parameters)))
+
+
+def _model(read: tuple[Any, ...]) -> OpticalModel:
+    compiled, elements, sources, settings, unit, warnings = read
+    system = System._of(compiled, [_element(element) for element in elements], unit)
+    return OpticalModel(system, tuple(Source(source) for source in sources), settings, tuple(warnings))
+
+
+def _element(read: _core.ReadElement) -> Element:
+    name, body, material, place = read.parts()
+    return Element(name, body, material or "absorber", place=place, read=read)

@@ -1,0 +1,159 @@
+"""Traces of any length in bounded memory: batch by batch, or into files."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rayweave import _core
+
+if TYPE_CHECKING:
+    from rayweave.optics._sources import Source
+    from rayweave.optics._system import Balance, System, Trace
+
+#: Called with the number of rays that are done and that of all; True draws a bar on standard error.
+Progress = Callable[[int, int], object] | bool | None
+
+_NAMED = ("element", "surface", "event")
+
+
+class Stream:
+    """The segments of a run as an iterator of traces, each of at least so many rows but for the last one.
+
+    The rows are those of `System.trace`, in the same order; `parent` counts the rows of the whole run. Light is traced in the
+    background, a few batches ahead. After the last batch `balance` says where the power went. Leaving early (`close`, a `with`
+    block, or no longer holding the stream) stops the run.
+    """
+
+    def __init__(self, system: System, compiled: _core.SegmentStream, total: int, progress: Progress) -> None:
+        self.system = system
+        self._compiled = compiled
+        self._total = total
+        self._tell = reporter(progress)
+
+    def __iter__(self) -> Iterator[Trace]:
+        from rayweave.optics._system import Trace
+
+        for columns in self._compiled:
+            self._tell(min(self._compiled.rays, self._total), self._total)
+            yield Trace(self.system, columns, None)
+        self._tell(self._total, self._total)
+
+    @property
+    def balance(self) -> Balance:
+        """Where the power went, once all batches have been taken."""
+        accounts = self._compiled.balance
+        if accounts is None:
+            raise _core.RayweaveError("the balance is not known yet (take all batches first)")
+        return self.system._balance(accounts)
+
+    def to_arrow(self) -> Iterator[Any]:
+        """The batches as record batches of pyarrow, with the names of elements, surfaces and events."""
+        for trace in self:
+            yield record_batch(trace)
+
+    def close(self) -> None:
+        """Stops the run."""
+        self._compiled.cancel()
+
+    def __enter__(self) -> Stream:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def reporter(progress: Progress) -> Callable[[int, int], object]:
+    """What is called with the number of rays that are done and that of all."""
+    if callable(progress):
+        return progress
+    return _Bar() if progress else lambda done, total: None
+
+
+class _Bar:
+    """A bar on standard error."""
+
+    def __init__(self) -> None:
+        self._begin = time.monotonic()
+
+    def __call__(self, done: int, total: int) -> None:
+        part = done / total if total else 1.0
+        filled = round(30 * part)
+        seconds = time.monotonic() - self._begin
+        left = f"{seconds / part - seconds:.0f} s left" if 0 < part < 1 else f"{seconds:.1f} s"
+        end = "\n" if done >= total else ""
+        bar = "#" * filled + "-" * (30 - filled)
+        print(f"\r[{bar}] {100 * part:3.0f} % {left}   ", end=end, file=sys.stderr, flush=True)
+
+
+def record_batch(trace: Trace) -> Any:
+    """A record batch of a trace: numbers without copies, names as dictionaries."""
+    pyarrow = import_module("pyarrow")
+    system = trace.system
+    names = {
+        "element": system.element_names,
+        "surface": system.surface_names,
+        "event": _core.event_names(),
+    }
+    arrays = {}
+    for name, column in trace.items():
+        arrays[name] = _dictionary(column, names[name]) if name in _NAMED else pyarrow.array(column)
+    return pyarrow.record_batch(arrays)
+
+
+def _dictionary(numbers: NDArray[Any], names: list[str]) -> Any:
+    pyarrow = import_module("pyarrow")
+    indices = pyarrow.array(numbers.astype(np.int32), mask=numbers.astype(np.int32) < 0)
+    return pyarrow.DictionaryArray.from_arrays(indices, pyarrow.array(names, pyarrow.string()))
+
+
+def write(
+    system: System, sources: list[Source], path: Path, settings: dict[str, Any], rows: int, progress: Progress
+) -> Balance:
+    if path.suffix.lower() != ".parquet":
+        # by the writer that the command uses, in the same columns
+        tell = reporter(progress) if progress else None
+        compiled = [source.compiled for source in sources]
+        return system._balance(system._compiled.trace_to(path, system.unit, compiled, settings, tell))
+    return _write_parquet(system, sources, path, settings, rows, progress)
+
+
+def _write_parquet(
+    system: System, sources: list[Source], path: Path, settings: dict[str, Any], rows: int, progress: Progress
+) -> Balance:
+    parquet = import_module("pyarrow.parquet")
+    stream = system._stream(sources, settings, rows, progress)
+    # beside its target, and renamed when complete
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    writer = None
+    try:
+        with stream:
+            for batch in stream.to_arrow():
+                if writer is None:
+                    schema = batch.schema.with_metadata(_units(system.unit))
+                    writer = parquet.ParquetWriter(unfinished, schema, compression="snappy")
+                writer.write_batch(batch.replace_schema_metadata(_units(system.unit)))
+            balance = stream.balance
+        if writer is None:
+            raise _core.RayweaveError("no segment to write (nothing shines)")
+        writer.close()
+        writer = None
+        os.replace(unfinished, path)
+        return balance
+    finally:
+        if writer is not None:
+            writer.close()
+        unfinished.unlink(missing_ok=True)
+
+
+def _units(unit: str) -> dict[str, str]:
+    lengths = ("x0", "y0", "z0", "x1", "y1", "z1", "path")
+    return {"unit.wavelength_nm": "nm"} | {f"unit.{name}": unit for name in lengths}

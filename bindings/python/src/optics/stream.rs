@@ -1,0 +1,145 @@
+//! Light traced in the background, batch by batch in bounded memory.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayweave::Packets;
+use rayweave::model::drive::Cancel;
+use rayweave::optics::source::Sources;
+use rayweave::optics::{Balance, OpticsError, Segments, Settings, System, Tracer};
+
+use crate::error::bad_value;
+use crate::optics::system::{accounts, columns};
+
+/// How often a waiting reader looks whether Python was interrupted.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Chunks of a few thousand rays that may wait to be taken.
+const WAITING: usize = 8;
+
+enum Message {
+    Part(Box<Segments>),
+    End(Result<Balance, OpticsError>),
+}
+
+/// The segments of a run as an iterator of tables: see `rayweave.optics.Stream`.
+#[pyclass(frozen, module = "rayweave.optics", name = "SegmentStream")]
+pub struct PyStream {
+    messages: Mutex<Receiver<Message>>,
+    cancel: Cancel,
+    /// At least so many rows a table, but for the last one.
+    rows: usize,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    /// Rows that have been given away.
+    before: i64,
+    /// Rays that have been traced.
+    rays: u64,
+    balance: Option<Balance>,
+}
+
+impl PyStream {
+    /// Begins the run on threads of its own.
+    pub fn start(system: Arc<System>, light: Sources, settings: Settings, rows: usize) -> PyStream {
+        let cancel = settings.cancel.clone();
+        let (sender, messages) = sync_channel(WAITING);
+        // not joined: it ends when the receiver is dropped
+        thread::spawn(move || {
+            let tracer = Tracer::new(&system, Packets::new);
+            let traced = tracer.run(&light, &settings, |part| {
+                sender.send(Message::Part(Box::new(part))).map_err(|_| OpticsError::Cancelled)
+            });
+            // nobody may be there any more to be told
+            let _ = sender.send(Message::End(traced));
+        });
+        PyStream { messages: Mutex::new(messages), cancel, rows, state: Mutex::default() }
+    }
+
+    /// The next message; none if Python is to look at its signals first.
+    fn receive(&self) -> Option<Message> {
+        let messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
+        match messages.recv_timeout(LOOK) {
+            Ok(message) => Some(message),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => Some(Message::End(Err(OpticsError::Cancelled))),
+        }
+    }
+
+    /// Rows for a table; none at the end.
+    fn gather(&self, py: Python<'_>) -> PyResult<Segments> {
+        let mut gathered = Segments::default();
+        while gathered.len() < self.rows {
+            match py.detach(|| self.receive()) {
+                None => {}
+                Some(Message::Part(part)) => gathered.append(&part),
+                Some(Message::End(ended)) => {
+                    self.state().balance = Some(ended.map_err(bad_value)?);
+                    break;
+                }
+            }
+            py.check_signals().inspect_err(|_| self.cancel.cancel())?;
+        }
+        Ok(gathered)
+    }
+
+    fn state(&self) -> std::sync::MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl PyStream {
+    fn __iter__(slf: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        slf
+    }
+
+    /// The next table, whose parents are rows of the whole run.
+    fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        if self.state().balance.is_some() {
+            return Ok(None);
+        }
+        let mut segments = self.gather(py)?;
+        if segments.is_empty() {
+            return Ok(None);
+        }
+        {
+            let mut state = self.state();
+            let before = state.before;
+            segments.parent.iter_mut().filter(|parent| **parent >= 0).for_each(|parent| *parent += before);
+            state.before += segments.len() as i64;
+            state.rays = segments.id.last().map_or(state.rays, |&last| last as u64 + 1);
+        }
+        columns(py, segments).map(Some)
+    }
+
+    /// Stops the run.
+    fn cancel(&self) {
+        self.cancel.cancel();
+    }
+
+    /// About how many rays have been traced.
+    #[getter]
+    fn rays(&self) -> u64 {
+        self.state().rays
+    }
+
+    /// The balance of power, once the run is over.
+    #[getter]
+    fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let balance = self.state().balance.clone();
+        balance.map(|balance| accounts(py, &balance)).transpose()
+    }
+}
+
+impl Drop for PyStream {
+    fn drop(&mut self) {
+        self.cancel.cancel();
+    }
+}
