@@ -241,6 +241,8 @@ enum Formula {
     /// Rows (n, d): n . p < d.
     Planes(Vec<([f64; 3], f64)>),
     AnyPlane(Vec<([f64; 3], f64)>),
+    /// The corners of the triangles of a closed mesh.
+    Triangles(Vec<[[f64; 3]; 3]>),
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -307,6 +309,11 @@ impl Formula {
                 let rows = list("planes");
                 Formula::Planes(rows.chunks(4).map(|r| (triple(r), r[3])).collect())
             }
+            "mesh" => {
+                let (vertices, faces) = (list("vertices"), list("faces"));
+                let corner = |k: f64| triple(&vertices[3 * k as usize..3 * k as usize + 3]);
+                Formula::Triangles(faces.chunks(3).map(|face| triple(face).map(corner)).collect())
+            }
             other => panic!("the oracle has no formula for {other}: write one"),
         }
     }
@@ -322,6 +329,7 @@ impl Formula {
             Formula::Torus(major, minor) => major + minor,
             Formula::Paraboloid(focal, height) => finite(&[*focal, *height]),
             Formula::Quadric(_) => 1.0,
+            Formula::Triangles(all) => all.iter().flatten().flatten().fold(0.0, |most, x| x.abs().max(most)),
             Formula::Planes(rows) | Formula::AnyPlane(rows) => {
                 rows.iter().map(|(n, d)| d.abs() / dot(*n, *n).sqrt()).fold(0.0, f64::max)
             }
@@ -372,8 +380,50 @@ impl Formula {
             }
             Formula::Planes(rows) => rows.iter().map(plane).min().unwrap_or(Side::Inside),
             Formula::AnyPlane(rows) => rows.iter().map(plane).max().unwrap_or(Side::Outside),
+            Formula::Triangles(all) => {
+                let distance = all.iter().map(|t| distance(*t, p)).fold(f64::INFINITY, f64::min);
+                let turns: f64 = all.iter().map(|t| solid_angle(*t, p)).sum::<f64>() / std::f64::consts::TAU;
+                // a whole turn is 2 of these; shells within shells make more of them
+                let is_inside = (0.5 * turns).round().rem_euclid(2.0) == 1.0;
+                Side::of(if is_inside { distance } else { -distance }, tolerance)
+            }
         }
     }
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+/// The angle that a triangle fills, seen from a point, with the sign of its turn: the formula of A. Van Oosterom and J. Strackee
+/// (1983).
+fn solid_angle(triangle: [[f64; 3]; 3], p: [f64; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|corner| minus(corner, p));
+    let [x, y, z] = [a, b, c].map(|v| dot(v, v).sqrt());
+    let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+    2.0 * libm::atan2(dot(a, cross), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y)
+}
+
+/// The distance of a point from a triangle: the least of those from its edges and, above its inside, from its plane.
+fn distance(triangle: [[f64; 3]; 3], p: [f64; 3]) -> f64 {
+    let to_edge = |k: usize| {
+        let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
+        let (edge, away) = (minus(b, a), minus(p, a));
+        let part = (dot(edge, away) / dot(edge, edge)).clamp(0.0, 1.0);
+        let foot = std::array::from_fn(|k| away[k] - part * edge[k]);
+        dot(foot, foot).sqrt()
+    };
+    let [a, b, c] = triangle;
+    let (u, v, away) = (minus(b, a), minus(c, a), minus(p, a));
+    let (uu, uv, vv) = (dot(u, u), dot(u, v), dot(v, v));
+    let (up, vp, det) = (dot(u, away), dot(v, away), uu * vv - uv * uv);
+    let (s, t) = ((vv * up - uv * vp) / det, (uu * vp - uv * up) / det);
+    let edges = (0..3).map(to_edge).fold(f64::INFINITY, f64::min);
+    if s > 0.0 && t > 0.0 && s + t < 1.0 {
+        let foot: [f64; 3] = std::array::from_fn(|k| away[k] - s * u[k] - t * v[k]);
+        return edges.min(dot(foot, foot).sqrt());
+    }
+    edges
 }
 
 /// To the left of the first ray and to the right of the second; one of the two is enough beyond 180 degrees.

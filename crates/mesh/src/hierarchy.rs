@@ -24,7 +24,7 @@ const STACK: usize = 256;
 const MARGIN: f64 = 2e-6;
 
 /// Eight boxes and what is in them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     lo: [[f32; WIDTH]; 3],
     hi: [[f32; WIDTH]; 3],
@@ -49,7 +49,7 @@ impl Child {
 }
 
 /// The hierarchy over the triangles of a mesh, which it puts into an order of its own.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hierarchy {
     nodes: Vec<Node>,
     middle: Vec3,

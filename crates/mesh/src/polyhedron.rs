@@ -1,5 +1,6 @@
 //! The solid within a closed mesh.
 
+use crate::diagnosis::shells::Shells;
 use crate::hierarchy::Hierarchy;
 use crate::line::{Aside, Crossing, Line, Shear, holds_origin, is_edge_on};
 use crate::topology::{EdgeUse, SignedSets, by_edge, edge_uses};
@@ -11,7 +12,7 @@ use rayweave_math::{Bounds, Vec3};
 ///
 /// Nothing can be changed after it was made, and nothing it is asked can fail. What it holds grows with the number of
 /// triangles, by about 45 bytes each ([`Polyhedron::bytes`]).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
     vertices: Vec<Vec3>,
     /// In the order of the hierarchy, as all that follows.
@@ -22,8 +23,27 @@ pub struct Polyhedron {
     places: Vec<u32>,
     /// For each triangle the largest of those that lie in its plane and hang together with it: its plane is that of all.
     faces: Vec<u32>,
+    /// Whether each turns counter-clockwise seen from outside.
+    outward: Vec<bool>,
     hierarchy: Hierarchy,
     bounds: Bounds,
+}
+
+impl Default for Polyhedron {
+    /// Nothing.
+    fn default() -> Polyhedron {
+        let (hierarchy, numbers) = Hierarchy::new(&Mesh::default());
+        Polyhedron {
+            vertices: Vec::new(),
+            triangles: Vec::new(),
+            places: Vec::new(),
+            faces: Vec::new(),
+            outward: Vec::new(),
+            bounds: Bounds::EMPTY,
+            numbers,
+            hierarchy,
+        }
+    }
 }
 
 /// The point of a mesh that is nearest to another.
@@ -53,6 +73,7 @@ impl Polyhedron {
         let uses = edge_uses(&mesh);
         check_closed(&mesh, &uses)?;
         let face_of = faces(&mesh, &uses);
+        let shells = Shells::new(&mesh, &uses);
         drop(uses);
         let (hierarchy, numbers) = Hierarchy::new(&mesh);
         let mut places = vec![0; numbers.len()];
@@ -63,7 +84,43 @@ impl Polyhedron {
         let triangles = numbers.iter().map(|&number| mesh.triangles()[number as usize]).collect();
         let bounds = mesh.bounds();
         let (vertices, _) = mesh.into_parts();
-        Ok(Polyhedron { vertices, triangles, numbers, places, faces, hierarchy, bounds })
+        let outward = Vec::new();
+        let mut solid =
+            Polyhedron { vertices, triangles, numbers, places, faces, outward, hierarchy, bounds };
+        solid.outward = solid.turns(&shells);
+        Ok(solid)
+    }
+
+    /// Which triangles turn counter-clockwise seen from outside, by one line through each shell. Of shells that go through
+    /// others, or have one side only, this holds for some.
+    fn turns(&self, shells: &Shells) -> Vec<bool> {
+        let mut outward: Vec<Option<bool>> = vec![None; shells.count()];
+        let largest = shells.largest(|triangle| {
+            triangle::cross(self.corners(self.places[triangle as usize] as usize)).length_squared()
+        });
+        for (shell, &triangle) in largest.iter().enumerate() {
+            let turned = shells.is_flipped[triangle as usize];
+            outward[shell] = self.turns_outward(triangle).map(|outward| outward ^ turned);
+        }
+        let of = |&number: &u32| {
+            let outward = outward[shells.of[number as usize] as usize].unwrap_or(true);
+            outward ^ shells.is_flipped[number as usize]
+        };
+        self.numbers.iter().map(of).collect()
+    }
+
+    /// Whether a triangle turns counter-clockwise seen from outside, by the line across its middle; `None` if that misses it.
+    fn turns_outward(&self, triangle: u32) -> Option<bool> {
+        let corners = self.corners(self.places[triangle as usize] as usize);
+        let line = Line { origin: triangle::middle(corners), direction: triangle::normal(corners) };
+        if !line.direction.is_finite() {
+            return None;
+        }
+        let mut found = Vec::new();
+        self.crossings(&line, &[Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
+        let rank = found.iter().position(|crossing| crossing.triangle == triangle)?;
+        // along its normal it is the way out
+        Some(rank % 2 == 1)
     }
 
     /// The mesh, in its own order, with equal points as one.
@@ -82,7 +139,7 @@ impl Polyhedron {
 
     /// The bytes that it holds.
     pub fn bytes(&self) -> usize {
-        let per_triangle = size_of::<[u32; 3]>() + 3 * size_of::<u32>();
+        let per_triangle = size_of::<[u32; 3]>() + 3 * size_of::<u32>() + size_of::<bool>();
         self.vertices.len() * size_of::<Vec3>() + self.triangles.len() * per_triangle + self.hierarchy.bytes()
     }
 
@@ -195,6 +252,27 @@ impl Polyhedron {
     /// counter-clockwise; NaN if the corners lie on a line.
     pub fn normal(&self, triangle: u32) -> Vec3 {
         self.face_normal(self.places[triangle as usize] as usize)
+    }
+
+    /// The unit normal of a triangle that points out of the solid; NaN if the corners lie on a line. (Where shells go through
+    /// each other it may point in.)
+    pub fn outward_normal(&self, triangle: u32) -> Vec3 {
+        let place = self.places[triangle as usize] as usize;
+        // the triangle that stands for the face may turn the other way
+        let normal = self.face_normal(place);
+        let own = triangle::cross(self.corners(place));
+        if (normal.dot(own) >= 0.0) == self.outward[place] { normal } else { -normal }
+    }
+
+    /// The distance of a point from the triangle of this number.
+    pub fn distance_from(&self, triangle: u32, point: Vec3) -> f64 {
+        let corners = self.corners(self.places[triangle as usize] as usize);
+        (triangle::closest_point(corners, point) - point).length()
+    }
+
+    /// The corners of a triangle.
+    pub fn triangle(&self, number: u32) -> [Vec3; 3] {
+        self.corners(self.places[number as usize] as usize)
     }
 
     /// The number of the largest triangle among those that lie in one plane with this one, exactly, and hang together.

@@ -101,7 +101,7 @@ impl<'a> GroupRay<'a> {
             Some(start) => entry.surface.few_crossings_from(&self.ray, start.inside, &self.chord.aside),
             None => match self.chord.lies_in(&entry.surface, entry.reach + self.reach, &self.ray) {
                 Some(inside) => Some(SurfaceCrossings::constant(inside)),
-                None => entry.surface.few_crossings(&self.ray),
+                None => entry.surface.few_crossings_in(&self.ray, &self.chord.aside),
             },
         };
         if facet.inside() { crossings } else { crossings.map(Crossings::negated) }
@@ -121,7 +121,7 @@ impl<'a> GroupRay<'a> {
             }
             None => match self.chord.lies_in(&entry.surface, entry.reach + self.reach, &self.ray) {
                 Some(inside) => inside,
-                None => entry.surface.all_crossings(&self.ray, flip),
+                None => entry.surface.all_crossings_in(&self.ray, &self.chord.aside, flip),
             },
         };
         inside == facet.inside()

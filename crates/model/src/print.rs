@@ -124,12 +124,16 @@ fn infix<'a>(
     Ok(())
 }
 
+/// Above so many rows, in meshes, the first has to do.
+const MOST_ROWS: usize = 256;
+
 /// A shape as a call with named arguments, as it would be written in Python.
 fn primitive_text(primitive: &Primitive) -> String {
     let value = |value: &Value| match value {
         Value::Number(number) => format!("{number}"),
         Value::Vector(list) => format!("{list:?}"),
-        Value::Rows(rows) => format!("{rows:?}"),
+        Value::Rows(rows) if rows.len() <= MOST_ROWS => format!("{rows:?}"),
+        Value::Rows(rows) => format!("[{:?}, ...]", rows[0]),
     };
     let arguments: Vec<_> =
         primitive.arguments().iter().map(|(name, v)| format!("{name}={}", value(v))).collect();

@@ -19,6 +19,8 @@ enum Object {
     Torus(f64, f64),
     /// Squares, mixed products (xy, xz, yz), linear factors, constant.
     Quadric([Vec3; 3], f64),
+    /// Corners of triangles.
+    Mesh(Vec<[Vec3; 3]>),
     Union(Vec<Object>),
     Intersection(Vec<Object>),
     Difference(Vec<Object>),
@@ -44,6 +46,7 @@ impl Object {
                 let products = Vec3::new(p.x * p.y, p.x * p.z, p.y * p.z);
                 squares.dot(p * p) + mixed.dot(products) + linear.dot(p) + constant < 0.0
             }
+            Object::Mesh(triangles) => winding(triangles, p).rem_euclid(2.0) == 1.0,
             Object::Union(all) => all.iter().any(|one| one.holds(p)),
             Object::Intersection(all) => all.iter().all(|one| one.holds(p)),
             Object::Difference(all) => all[0].holds(p) && !all[1..].iter().any(|one| one.holds(p)),
@@ -53,13 +56,25 @@ impl Object {
     }
 }
 
+/// How often triangles go round a point, by their solid angles (A. Van Oosterom, J. Strackee, 1983).
+fn winding(triangles: &[[Vec3; 3]], p: Vec3) -> f64 {
+    let angle = |corners: &[Vec3; 3]| {
+        let [a, b, c] = corners.map(|corner| corner - p);
+        let [x, y, z] = [a, b, c].map(Vec3::length);
+        let below = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+        2.0 * a.dot(b.cross(c)).atan2(below)
+    };
+    (triangles.iter().map(angle).sum::<f64>() / (2.0 * std::f64::consts::TAU)).round()
+}
+
 /// Words, numbers and braces.
 struct Reader<'a> {
     words: Vec<&'a str>,
     at: usize,
 }
 
-const KINDS: [&str; 11] = [
+const KINDS: [&str; 12] = [
+    "mesh2",
     "object",
     "sphere",
     "box",
@@ -108,6 +123,7 @@ impl<'a> Reader<'a> {
             "cone" => Object::Cone([(self.vector(), self.number()), (self.vector(), self.number())]),
             "torus" => Object::Torus(self.number(), self.number()),
             "quadric" => Object::Quadric([self.vector(), self.vector(), self.vector()], self.number()),
+            "mesh2" => self.mesh(),
             "object" => self.object(),
             "union" => Object::Union(self.objects()),
             "intersection" => Object::Intersection(self.objects()),
@@ -115,6 +131,20 @@ impl<'a> Reader<'a> {
             _ => panic!("{kind} is no object"),
         };
         self.modified(own)
+    }
+
+    fn mesh(&mut self) -> Object {
+        let list = |reader: &mut Self, name: &str| {
+            assert!(reader.next() == name && reader.next() == "{");
+            let count = reader.number() as usize;
+            let all: Vec<Vec3> = (0..count).map(|_| reader.vector()).collect();
+            assert_eq!(reader.next(), "}");
+            all
+        };
+        let (points, faces) = (list(self, "vertex_vectors"), list(self, "face_indices"));
+        assert_eq!(self.next(), "inside_vector");
+        self.vector();
+        Object::Mesh(faces.iter().map(|face| face.to_array().map(|k| points[k as usize])).collect())
     }
 
     fn objects(&mut self) -> Vec<Object> {

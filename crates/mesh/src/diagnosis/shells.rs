@@ -92,6 +92,23 @@ impl Shells {
         }
     }
 
+    /// How many components there are.
+    pub fn count(&self) -> usize {
+        self.firsts.len()
+    }
+
+    /// For each component the largest of its triangles.
+    pub fn largest(&self, area: impl Fn(u32) -> f64) -> Vec<u32> {
+        let mut largest = self.firsts.clone();
+        for (triangle, &shell) in self.of.iter().enumerate() {
+            let best = &mut largest[shell as usize];
+            if area(triangle as u32) > area(*best) {
+                *best = triangle as u32;
+            }
+        }
+        largest
+    }
+
     /// The triangles of each component.
     fn members(&self) -> Vec<Vec<usize>> {
         let mut members = vec![Vec::new(); self.firsts.len()];

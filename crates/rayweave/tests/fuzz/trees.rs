@@ -132,12 +132,21 @@ fn argument(bytes: &mut Bytes<'_>, parameter: &Parameter) -> Value {
         ParameterKind::Vector3 => point(bytes).into(),
         ParameterKind::NumberOrVector3 => Vec3::new(size(bytes), size(bytes), size(bytes)).into(),
         ParameterKind::Planes => rows(bytes, 7),
+        ParameterKind::Triples => triples(bytes, parameter.unit == Unit::Count),
         ParameterKind::Matrix4 => rows(bytes, 4),
     }
 }
 
 fn size(bytes: &mut Bytes<'_>) -> f64 {
     bytes.number(&SIZES)
+}
+
+/// Up to seven points, or up to seven triangles among the first few of them.
+fn triples(bytes: &mut Bytes<'_>, is_whole: bool) -> Value {
+    let number =
+        |bytes: &mut Bytes<'_>| if is_whole { f64::from(bytes.byte() % 5) } else { bytes.number(&PLACES) };
+    let count = bytes.below(8);
+    Value::Rows((0..count).map(|_| (0..3).map(|_| number(bytes)).collect()).collect())
 }
 
 fn rows(bytes: &mut Bytes<'_>, most: usize) -> Value {

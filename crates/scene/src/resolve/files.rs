@@ -6,6 +6,8 @@ use crate::diagnostic::Diagnostic;
 use crate::source::Spanned;
 use npyz::{DType, NpyFile, Order};
 use rayweave_math::{Affine, Vec3};
+use rayweave_mesh::files::{FileError, ReadOptions};
+use rayweave_shape::primitive::Mesh;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -15,9 +17,7 @@ const MOST_NUMBERS: u64 = 1 << 26;
 
 /// Reads the maps of a file beside the model file: float64, (N, 3) translations or (N, 4, 4) matrices.
 pub(super) fn transforms(context: &mut Context, file: &Spanned<String>) -> Option<Vec<Affine>> {
-    let folder = context.document.source.path().and_then(|path| path.parent().map(Path::to_owned));
-    let path = folder.unwrap_or_default().join(&file.value);
-    match read(&path).and_then(|(numbers, shape)| to_maps(&numbers, &shape)) {
+    match read(&beside(context, file)).and_then(|(numbers, shape)| to_maps(&numbers, &shape)) {
         Ok(maps) => Some(maps),
         Err(reason) => {
             let problem = Diagnostic::error(format!("the placements in `{}` cannot be used", file.value));
@@ -49,6 +49,52 @@ fn read(path: &PathBuf) -> Result<(Vec<f64>, Vec<u64>), String> {
     let numbers = array.data::<f64>().map_err(|error| error.to_string())?;
     let numbers: Result<Vec<f64>, _> = numbers.collect();
     Ok((numbers.map_err(|error| reason(&error))?, shape))
+}
+
+/// The solid within a mesh in a file beside the model file; what is doubtful about it is told.
+pub(super) fn mesh(context: &mut Context, file: &Spanned<String>) -> Option<Mesh> {
+    let path = beside(context, file);
+    let found = match rayweave_mesh::files::read(&path, None, &ReadOptions::default()) {
+        Ok(found) => found,
+        Err(error) => {
+            let why = match &error {
+                FileError::Io(error) => reason(error),
+                error => error.to_string(),
+            };
+            let problem = Diagnostic::error(format!("the mesh in `{}` cannot be used", file.value));
+            context.push(problem.why(why), file.span);
+            return None;
+        }
+    };
+    for warning in found.warnings {
+        context.push(Diagnostic::warning(format!("`{}`: {warning}", file.value)), file.span);
+    }
+    diagnosed(context, file, &found.mesh)
+}
+
+fn diagnosed(context: &mut Context, file: &Spanned<String>, mesh: &rayweave_mesh::Mesh) -> Option<Mesh> {
+    let diagnosis = mesh.diagnose();
+    match Mesh::new(mesh) {
+        Ok(solid) => {
+            if !diagnosis.is_sound() {
+                let doubt = format!("the mesh in `{}` may not be what was meant: {diagnosis}", file.value);
+                let why = "inside is where a line from infinity has crossed it an odd number of times";
+                context.push(Diagnostic::warning(doubt).why(why), file.span);
+            }
+            Some(solid)
+        }
+        Err(error) => {
+            let problem = Diagnostic::error(format!("the mesh in `{}` is no solid: {error}", file.value));
+            context.push(problem.why(diagnosis.to_string()), file.span);
+            None
+        }
+    }
+}
+
+/// The path of a file that is named in the model file.
+fn beside(context: &Context, file: &Spanned<String>) -> PathBuf {
+    let folder = context.document.source.path().and_then(|path| path.parent().map(Path::to_owned));
+    folder.unwrap_or_default().join(&file.value)
 }
 
 /// An error of the operating system in words that do not differ between systems.

@@ -11,7 +11,7 @@ use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
 use rayweave_math::{Affine, SingularError, Vec3};
 use rayweave_model::Solid;
-use rayweave_shape::primitive::{ShapeError, Value, build as build_shape};
+use rayweave_shape::primitive::{Primitive, ShapeError, Value, build as build_shape};
 use std::collections::HashMap;
 
 /// The most copies of one placement.
@@ -232,6 +232,11 @@ fn shape(
     keyword: &Spanned<String>,
     arguments: &Table,
 ) -> Option<Solid> {
+    if let Some((_, file)) =
+        arguments.iter().find(|(name, _)| keyword.value == "mesh" && name.value == "file")
+    {
+        return mesh(context, keyword, arguments, file);
+    }
     let mut values = Vec::new();
     let mut complete = true;
     for (name, datum) in arguments {
@@ -250,6 +255,24 @@ fn shape(
             None
         }
     }
+}
+
+/// A mesh from a file, which is named instead of all parameters.
+fn mesh(
+    context: &mut Context,
+    keyword: &Spanned<String>,
+    arguments: &Table,
+    file: &Spanned<Datum>,
+) -> Option<Solid> {
+    let Datum::Text(name) = &file.value else {
+        return wrong_type(context, "file", &file.value, "the name of a file", file.span);
+    };
+    if arguments.len() > 1 {
+        let problem = Diagnostic::error("the mesh has a file and something else");
+        context.push(problem.why("its points and faces stand in the file, or here"), keyword.span);
+        return None;
+    }
+    files::mesh(context, &Spanned::new(name.clone(), file.span)).map(|mesh| Primitive::from(mesh).into())
 }
 
 /// Where the argument, or the part of it, stands that an error is about.

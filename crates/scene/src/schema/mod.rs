@@ -119,7 +119,18 @@ fn shape(manual: &Manual) -> Value {
         .collect();
     let needed = manual.parameters.iter().filter(|parameter| parameter.default.is_none());
     let needed: Vec<&str> = needed.map(|parameter| parameter.name).collect();
-    table(manual.summary, properties.into(), &needed)
+    match manual.name {
+        "mesh" => mesh(manual.summary, properties, &needed),
+        _ => table(manual.summary, properties.into(), &needed),
+    }
+}
+
+/// A mesh stands in the model file, or beside it in a file of its own.
+fn mesh(summary: &str, mut properties: Map<String, Value>, needed: &[&str]) -> Value {
+    properties.insert("file".into(), text("A file beside the model: STL, OBJ, PLY or OFF."));
+    let mut schema = table(summary, properties.into(), &[]);
+    schema["oneOf"] = json!([{ "required": needed }, { "required": ["file"] }]);
+    schema
 }
 
 fn parameter_schema(parameter: &Parameter) -> Value {
@@ -128,6 +139,7 @@ fn parameter_schema(parameter: &Parameter) -> Value {
         ParameterKind::Vector3 => reference("vector"),
         ParameterKind::NumberOrVector3 => json!({ "anyOf": [reference("number"), reference("vector")] }),
         ParameterKind::Planes => json!({ "type": "array", "items": reference("row"), "minItems": 1 }),
+        ParameterKind::Triples => json!({ "type": "array", "items": reference("vector"), "minItems": 1 }),
         ParameterKind::Matrix4 => reference("matrix"),
     };
     schema["description"] = format!("{} ({}, {})", parameter.summary, parameter.unit, parameter.range).into();

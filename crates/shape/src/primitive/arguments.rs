@@ -61,6 +61,15 @@ impl Arguments {
         }
     }
 
+    /// Rows of three numbers.
+    pub fn triples(&self, name: &str) -> Vec<[f64; 3]> {
+        let three = |row: &Vec<f64>| row.as_slice().try_into().unwrap_or([f64::NAN; 3]);
+        match self.value(name) {
+            Some(Value::Rows(rows)) => rows.iter().map(three).collect(),
+            _ => Vec::new(),
+        }
+    }
+
     /// A 4 x 4 matrix.
     pub fn matrix(&self, name: &str) -> [[f64; 4]; 4] {
         self.rows(name).try_into().unwrap_or([[f64::NAN; 4]; 4])

@@ -2,6 +2,7 @@
 
 use super::parameter::{ParameterKind, Range};
 use super::value::short;
+use rayweave_mesh::MeshError;
 
 /// Why a primitive cannot be made; the message reads "problem (why) suggestion?".
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -138,6 +139,14 @@ pub enum ShapeError {
         /// The entry at (column, row).
         mirrored: f64,
     },
+    /// Points and triangles that are no closed mesh.
+    #[error("{shape}: {error}")]
+    Mesh {
+        /// The primitive.
+        shape: &'static str,
+        /// Why not.
+        error: MeshError,
+    },
 }
 
 impl ShapeError {
@@ -145,6 +154,8 @@ impl ShapeError {
     pub fn parameter(&self) -> Option<&str> {
         match self {
             ShapeError::UnknownShape { .. } | ShapeError::MissingParameter { .. } => None,
+            ShapeError::Mesh { error: MeshError::Coordinate { .. }, .. } => Some("vertices"),
+            ShapeError::Mesh { .. } => Some("faces"),
             ShapeError::UnknownParameter { name, .. } => Some(name),
             ShapeError::RepeatedParameter { parameter, .. }
             | ShapeError::WrongKind { parameter, .. }
@@ -166,7 +177,10 @@ impl ShapeError {
             | ShapeError::ZeroNormal { index, .. }
             | ShapeError::NotIncreasing { index, .. } => index.clone(),
             ShapeError::NotSymmetric { row, column, .. } => vec![*row, *column],
-            ShapeError::UnknownShape { .. }
+            ShapeError::Mesh { error: MeshError::Coordinate { index, .. }, .. } => vec![*index],
+            ShapeError::Mesh { error: MeshError::Index { triangle, .. }, .. } => vec![*triangle],
+            ShapeError::Mesh { .. }
+            | ShapeError::UnknownShape { .. }
             | ShapeError::UnknownParameter { .. }
             | ShapeError::MissingParameter { .. }
             | ShapeError::RepeatedParameter { .. }

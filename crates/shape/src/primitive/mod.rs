@@ -22,6 +22,7 @@ pub mod convex;
 pub mod cylinder;
 pub mod ellipsoid;
 pub mod half_space;
+pub mod mesh;
 pub mod paraboloid;
 pub mod prism;
 pub mod quadric;
@@ -129,6 +130,7 @@ primitives! {
     wedge::Wedge,
     prism::Prism,
     convex::Convex,
+    mesh::Mesh,
 }
 
 impl Primitive {

@@ -34,8 +34,17 @@ pub enum ParameterKind {
     NumberOrVector3,
     /// One row or more of four numbers (a, b, c, d): a plane a x + b y + c z = d.
     Planes,
+    /// Rows of three numbers: points, or triangles.
+    Triples,
     /// Four rows of four numbers.
     Matrix4,
+}
+
+impl ParameterKind {
+    /// How many numbers a row has, of what has rows.
+    fn columns(self) -> usize {
+        if self == ParameterKind::Triples { 3 } else { 4 }
+    }
 }
 
 impl fmt::Display for ParameterKind {
@@ -46,6 +55,7 @@ impl fmt::Display for ParameterKind {
             ParameterKind::Vector3 => "a list of 3 numbers",
             ParameterKind::NumberOrVector3 => "a number or a list of 3 numbers",
             ParameterKind::Planes => "1 row or more of 4 numbers",
+            ParameterKind::Triples => "rows of 3 numbers",
             ParameterKind::Matrix4 => "4 rows of 4 numbers",
         })
     }
@@ -184,13 +194,13 @@ impl Parameter {
                 Value::Number(_),
             ) => true,
             (ParameterKind::Vector3 | ParameterKind::NumberOrVector3, Value::Vector(list)) => list.len() == 3,
-            (ParameterKind::Planes, Value::Rows(rows)) => !rows.is_empty(),
+            (ParameterKind::Planes | ParameterKind::Triples, Value::Rows(rows)) => !rows.is_empty(),
             (ParameterKind::Matrix4, Value::Rows(rows)) => rows.len() == 4,
             _ => false,
         };
         match value {
             _ if !good => wrong(Vec::new(), value.description()),
-            Value::Rows(rows) => match rows.iter().position(|row| row.len() != 4) {
+            Value::Rows(rows) => match rows.iter().position(|row| row.len() != self.kind.columns()) {
                 Some(i) => wrong(vec![i], Value::Vector(rows[i].clone()).description()),
                 None => Ok(()),
             },

@@ -246,6 +246,6 @@ fn poison(value: &mut Value) {
     match value {
         Value::Number(number) => *number = f64::NAN,
         Value::Vector(list) => *list.last_mut().unwrap() = f64::NAN,
-        Value::Rows(rows) => rows[0][3] = f64::NAN,
+        Value::Rows(rows) => *rows[0].last_mut().unwrap() = f64::NAN,
     }
 }

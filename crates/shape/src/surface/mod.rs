@@ -16,6 +16,7 @@ mod affine_torus;
 mod along;
 mod cone;
 mod cylinder;
+mod mesh;
 pub mod object;
 mod plane;
 mod quadric;
@@ -30,6 +31,7 @@ pub use affine_torus::AffineTorus;
 pub use along::quadratic_crossings;
 pub use cone::Cone;
 pub use cylinder::Cylinder;
+pub use mesh::MeshForm;
 pub use object::{Form, Object};
 pub use plane::Plane;
 pub use quadric::Quadric;
@@ -134,22 +136,32 @@ impl Surface {
             Surface::Quadric(s) => s.crossings(ray).widen(),
             Surface::Torus(s) => s.crossings(ray),
             Surface::AffineTorus(s) => s.crossings(ray),
-            Surface::Object(s) => object::first_four(|flip| s.crossings(ray, flip)).0,
+            Surface::Object(s) => object::first_four(|flip| s.crossings(ray, &Aside::WORLD, flip)).0,
         }
     }
 
     /// Where the ray crosses the surface, or `None` if it does so more than four times.
-    #[inline]
     pub fn few_crossings(&self, ray: &Ray) -> Option<SurfaceCrossings> {
+        self.few_crossings_in(ray, &Aside::WORLD)
+    }
+
+    /// [`Surface::few_crossings`] in a frame that is not the world's.
+    #[inline]
+    pub fn few_crossings_in(&self, ray: &Ray, aside: &Aside) -> Option<SurfaceCrossings> {
         let Surface::Object(object) = self else { return Some(self.crossings(ray)) };
-        let (crossings, is_all) = object::first_four(|flip| object.crossings(ray, flip));
+        let (crossings, is_all) = object::first_four(|flip| object.crossings(ray, aside, flip));
         is_all.then_some(crossings)
     }
 
     /// Passes all times at which the ray crosses the surface to `flip`, in order; true if it is inside at -inf.
-    pub fn all_crossings(&self, ray: &Ray, mut flip: impl FnMut(f64)) -> bool {
+    pub fn all_crossings(&self, ray: &Ray, flip: impl FnMut(f64)) -> bool {
+        self.all_crossings_in(ray, &Aside::WORLD, flip)
+    }
+
+    /// [`Surface::all_crossings`] in a frame that is not the world's.
+    pub fn all_crossings_in(&self, ray: &Ray, aside: &Aside, mut flip: impl FnMut(f64)) -> bool {
         if let Surface::Object(object) = self {
-            return object.crossings(ray, flip);
+            return object.crossings(ray, aside, flip);
         }
         let crossings = self.crossings(ray);
         crossings.times().iter().for_each(|&t| flip(t));

@@ -22,6 +22,12 @@ pub trait Form: Any + Debug + Send + Sync {
     /// as t -> -inf. The direction is of a length between 1e-90 and 1e90.
     fn crossings(&self, ray: &Ray, flip: &mut dyn FnMut(f64)) -> bool;
 
+    /// The same in a frame in which the directions aside are not those of the world: for a form that settles itself on which side
+    /// of its faces a ray is that lies in them.
+    fn crossings_aside(&self, ray: &Ray, _aside: &Aside, flip: &mut dyn FnMut(f64)) -> bool {
+        self.crossings(ray, flip)
+    }
+
     /// The same for a ray that starts *on* the surface, for t >= 0: see
     /// [`Surface::crossings_from`](super::Surface::crossings_from). The side just after the start is
     /// [`Departing::inside_after`]; if the direction leads to the other one, the first time is 0.
@@ -60,6 +66,8 @@ pub struct Departing<'a> {
     pub ray: Ray,
     /// The side just after the start, as the start list says.
     pub inside_after: bool,
+    /// The directions aside in the form's frame.
+    pub aside: Aside,
     /// Whether the ray would be inside if it lay in the surface.
     pub led_inside: &'a dyn Fn() -> bool,
 }
@@ -104,16 +112,19 @@ impl Object {
     }
 
     /// Passes all times at which f changes sign along the ray to `flip`, in order; true if f is negative at -inf.
-    pub fn crossings(&self, ray: &Ray, mut flip: impl FnMut(f64)) -> bool {
+    pub fn crossings(&self, ray: &Ray, aside: &Aside, mut flip: impl FnMut(f64)) -> bool {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
-        self.form.crossings(&self.local(&ray), &mut |t| finite(t * rate, &mut flip))
+        let aside = aside.mapped(&self.local_from_world);
+        self.form.crossings_aside(&self.local(&ray), &aside, &mut |t| finite(t * rate, &mut flip))
     }
 
     /// The same for a ray that starts on the surface: see [`Surface::crossings_from`](super::Surface::crossings_from).
     pub fn crossings_from(&self, ray: &Ray, inside_after: bool, aside: &Aside, mut flip: impl FnMut(f64)) {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
         let led_inside = || aside.leads_inside(self.value_and_gradient(ray.origin).1);
-        let start = Departing { ray: self.local(&ray), inside_after, led_inside: &led_inside };
+        let local_aside = aside.mapped(&self.local_from_world);
+        let ray = self.local(&ray);
+        let start = Departing { ray, inside_after, aside: local_aside, led_inside: &led_inside };
         self.form.crossings_from(&start, &mut |t| finite(t * rate, &mut flip));
     }
 

@@ -2,7 +2,7 @@
 
 use super::Surface;
 use crate::Ray;
-use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
+use rayweave_math::{Affine, Mat3, UNIT_ROUNDOFF, Vec3};
 
 /// The fixed direction into which a ray that lies in a surface is moved in thought: `w_k = g^(1-k)` with g
 /// the real root > 1 of `g^3 = g + 1`, which no plane of a man-made model is likely to contain.
@@ -22,6 +22,16 @@ impl Aside {
     /// The same directions in another frame.
     pub fn transformed(&self, local_from_world: &Affine) -> Aside {
         Aside(self.0.map(|v| local_from_world.vector(v)))
+    }
+
+    /// The directions, the first that leaves a surface counts.
+    pub fn directions(&self) -> [Vec3; 4] {
+        self.0
+    }
+
+    /// The same directions after a linear map.
+    pub(super) fn mapped(&self, map: &Mat3) -> Aside {
+        Aside(self.0.map(|v| *map * v))
     }
 
     /// True (inside) if moving aside makes a function with this gradient negative.

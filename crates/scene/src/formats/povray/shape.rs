@@ -2,8 +2,9 @@
 
 use crate::number::written;
 use rayweave_math::{Affine, Bounds, Mat3, Transform, Vec3};
+use rayweave_mesh::Polyhedron;
 use rayweave_shape::primitive::{Facet, Primitive, Value};
-use rayweave_shape::surface::{Quadric, Surface, Torus};
+use rayweave_shape::surface::{LIE_DIRECTION, Quadric, Surface, Torus};
 
 /// Nothing: two spheres that do not meet.
 pub(super) const NOTHING: &str = "intersection { sphere { <0, 0, 0>, 1 } sphere { <4, 0, 0>, 1 } }";
@@ -14,7 +15,7 @@ pub(super) const NOTHING: &str = "intersection { sphere { <0, 0, 0>, 1 } sphere 
 /// written as what it is made of: an intersection of sides of planes and quadrics.
 pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
     let transform = Transform::from_affine(*place).ok()?;
-    let arguments = primitive.arguments();
+    let arguments = if matches!(primitive, Primitive::Mesh(_)) { Vec::new() } else { primitive.arguments() };
     let number = |name: &str| match arguments.iter().find(|(own, _)| *own == name)? {
         (_, Value::Number(number)) => number.is_finite().then_some(*number),
         _ => None,
@@ -32,12 +33,28 @@ pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
             let [lo, hi] = ends(height);
             Some(format!("cone {{ {lo}, {bottom}, {hi}, {top} }}"))
         }),
+        Primitive::Mesh(mesh) => Some(triangles(mesh.solid())),
         _ => None,
     };
     match own {
         Some(own) => Some(placed(own, place)),
         None => faces(primitive, &transform),
     }
+}
+
+/// A mesh. POV-Ray tells inside from outside, as here, by the parity of crossings, along a direction that has to be named.
+fn triangles(solid: &Polyhedron) -> String {
+    let mesh = solid.to_mesh();
+    let points: Vec<String> = mesh.vertices().iter().map(|point| vector(*point)).collect();
+    let faces: Vec<String> = mesh.triangles().iter().map(|[a, b, c]| format!("<{a}, {b}, {c}>")).collect();
+    format!(
+        "mesh2 {{ vertex_vectors {{ {}, {} }} face_indices {{ {}, {} }} inside_vector {} }}",
+        points.len(),
+        points.join(", "),
+        faces.len(),
+        faces.join(", "),
+        vector(LIE_DIRECTION)
+    )
 }
 
 fn ends(height: f64) -> [String; 2] {
