@@ -309,7 +309,9 @@ fn build(items: &mut [Item]) -> Vec<Node> {
     nodes.push(Node::EMPTY);
     let mut waiting = vec![(0, 0, 0..items.len())];
     while let Some((index, depth, range)) = waiting.pop() {
-        for (k, part) in parts(items, range, depth >= DEEP).into_iter().enumerate() {
+        // the last levels are filled evenly: fewer nodes
+        let halve = depth >= DEEP || range.len() <= WIDTH * LEAF;
+        for (k, part) in parts(items, range, halve).into_iter().enumerate() {
             let child = match part.range.len() <= LEAF {
                 true => Child::leaf(&part.range),
                 false => {

@@ -3,7 +3,7 @@
 //! - [`Mesh`]: points and triangles as they were given, each index in range and each number finite.
 //! - [`Mesh::diagnose`]: what is wrong with it, where and how often; [`Mesh::repaired`]: what can safely be mended.
 //! - [`Polyhedron`]: the solid within a closed mesh: crossings along lines, points inside, the nearest triangle.
-//! - [`files`]: STL, OBJ, PLY and OFF, read and written.
+//! - [`files`]: STL, OBJ, PLY, OFF, 3MF and glTF, read and written.
 //!
 //! # What is inside
 //!

@@ -81,9 +81,8 @@ impl Polyhedron {
             places[number as usize] = place as u32;
         }
         let faces = numbers.iter().map(|&number| places[face_of[number as usize] as usize]).collect();
-        let triangles = numbers.iter().map(|&number| mesh.triangles()[number as usize]).collect();
         let bounds = mesh.bounds();
-        let (vertices, _) = mesh.into_parts();
+        let (vertices, triangles) = in_order(&mesh, &numbers);
         let outward = Vec::new();
         let mut solid =
             Polyhedron { vertices, triangles, numbers, places, faces, outward, hierarchy, bounds };
@@ -129,7 +128,7 @@ impl Polyhedron {
         for (&number, &corners) in self.numbers.iter().zip(&self.triangles) {
             triangles[number as usize] = corners;
         }
-        Mesh::new(self.vertices.clone(), triangles).unwrap_or_default()
+        Mesh::new(self.vertices.clone(), triangles).unwrap_or_default().welded()
     }
 
     /// The number of triangles.
@@ -292,6 +291,22 @@ impl Polyhedron {
     fn face_normal(&self, place: usize) -> Vec3 {
         triangle::normal(self.corners(self.faces[place] as usize))
     }
+}
+
+/// Triangles in another order, and their corners in the order in which these need them: neighbours lie together.
+fn in_order(mesh: &Mesh, numbers: &[u32]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let mut new = vec![u32::MAX; mesh.vertices().len()];
+    let mut vertices = Vec::with_capacity(new.len());
+    let mut renumbered = |vertex: u32| {
+        let number = &mut new[vertex as usize];
+        if *number == u32::MAX {
+            *number = vertices.len() as u32;
+            vertices.push(mesh.vertices()[vertex as usize]);
+        }
+        *number
+    };
+    let triangles = numbers.iter().map(|&k| mesh.triangles()[k as usize].map(&mut renumbered)).collect();
+    (vertices, triangles)
 }
 
 fn longer(a: Vec3, b: Vec3) -> Vec3 {

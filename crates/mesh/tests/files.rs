@@ -35,7 +35,8 @@ fn what_is_written_reads_back_to_the_bit() {
     let single = mesh.mapped(|p| p.as_vec3().as_dvec3()).unwrap();
     for format in MeshFormat::ALL {
         for text in [false, true] {
-            let is_single = format == MeshFormat::Stl && !text;
+            let is_single =
+                matches!(format, MeshFormat::Gltf | MeshFormat::Glb) || format == MeshFormat::Stl && !text;
             let mesh = if is_single { &single } else { &mesh };
             let back = loaded(&written(mesh, format, text), format).unwrap();
             assert_eq!(corners(&back.mesh), corners(mesh), "{format:?} {text}");
@@ -145,6 +146,66 @@ fn errors_name_their_lines() {
         let found = refused(text, format);
         assert!(found.starts_with(wanted), "{text:?}: {found}");
     }
+}
+
+/// An archive with a model in it, as other programs write it.
+fn archive(model: &str) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default();
+    archive.start_file("3D/3dmodel.model", options).unwrap();
+    std::io::Write::write_all(&mut archive, model.as_bytes()).unwrap();
+    archive.finish().unwrap().into_inner()
+}
+
+const TETRAHEDRON: &str = r#"<object id="1"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>
+    <vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/>
+    <triangle v1="0" v2="1" v3="3"/><triangle v1="1" v2="2" v3="3"/><triangle v1="0" v2="3" v3="2"/></triangles></mesh></object>"#;
+
+#[test]
+fn components_of_3mf_are_put_in_place() {
+    let model = format!(
+        r#"<model unit="inch"><resources>{TETRAHEDRON}<object id="2"><components>
+        <component objectid="1"/><component objectid="1" transform="2 0 0 0 2 0 0 0 2 5 0 0"/></components></object></resources>
+        <build><item objectid="2" transform="0 1 0 -1 0 0 0 0 1 0 0 10"/></build></model>"#
+    );
+    let found = loaded(&archive(&model), MeshFormat::ThreeMf).unwrap();
+    assert_eq!(found.unit.as_deref(), Some("inch"));
+    assert!((found.mesh.volume() - 9.0 / 6.0).abs() < 1e-14);
+    let bounds = found.mesh.bounds();
+    assert_eq!((bounds.lo, bounds.hi), (Vec3::new(-2.0, 0.0, 10.0), Vec3::new(0.0, 7.0, 12.0)));
+    let refused = |from: &str, to: &str| {
+        loaded(&archive(&model.replace(from, to)), MeshFormat::ThreeMf).unwrap_err().to_string()
+    };
+    assert!(refused("objectid=\"2\"", "objectid=\"7\"").contains("there is no object 7"));
+    assert!(refused("objectid=\"1\"/>", "objectid=\"2\"/>").contains("do they hold each other?"));
+    assert!(refused("x=\"1\"", "x=\"1e400\"").contains("x is `1e400` (it must be a finite number)"));
+    assert!(refused("v1=\"1\"", "v1=\"4\"").contains("names vertex 4"));
+    assert!(refused("</model>", "").contains("ends before `</model>`"));
+    assert!(refused("2 0 0 0 2", "2 0 0 0").contains("12 finite numbers"));
+}
+
+#[test]
+fn nodes_of_gltf_are_put_in_place() {
+    let mesh = cuboid(Vec3::ZERO, Vec3::ONE);
+    let text = String::from_utf8(written(&mesh, MeshFormat::Gltf, false)).unwrap();
+    let nodes = r#""nodes":[{"children":[1,2]},{"mesh":0,"scale":[2,1,1],"rotation":[0,0,0.7071067811865476,0.7071067811865476],"translation":[0,0,5]},
+        {"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,7,0,0,1]}],"scene""#;
+    let tree = text.replace(r#""nodes":[{"mesh":0}],"scene""#, nodes);
+    assert_ne!(tree, text);
+    let found = loaded(tree.as_bytes(), MeshFormat::Gltf).unwrap();
+    assert!((found.mesh.volume() - 3.0).abs() < 1e-14);
+    let bounds = found.mesh.bounds();
+    assert!((bounds.lo - Vec3::new(-1.0, 0.0, 0.0)).length() < 1e-15, "{bounds:?}");
+    assert!((bounds.hi - Vec3::new(8.0, 2.0, 6.0)).length() < 1e-15, "{bounds:?}");
+    let refused = |from: &str, to: &str| {
+        assert!(tree.contains(from), "{from}");
+        loaded(tree.replace(from, to).as_bytes(), MeshFormat::Gltf).unwrap_err().to_string()
+    };
+    assert!(refused("\"children\":[1,2]", "\"children\":[1,0]").contains("a child of two, or of itself"));
+    assert!(refused("\"count\":36", "\"count\":37").contains("accessor 1: it goes beyond its buffer"));
+    assert!(refused("\"count\":36", "\"count\":36000000000").contains("at most 20000000"));
+    assert!(refused("base64,", "base64,!").contains("buffer 0 is no base64"));
+    assert!(refused("data:application", "../data").contains("is not beside the file"));
 }
 
 /// A header may promise whatever it likes: nothing is allocated for it.

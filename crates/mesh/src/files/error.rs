@@ -26,7 +26,7 @@ impl fmt::Display for Place {
 pub enum FileError {
     /// Neither the name's ending nor anything else says what it is.
     #[error(
-        "{name}: of no known format (the formats are stl, obj, ply, off) does the name end as it should?"
+        "{name}: of no known format (the formats are stl, obj, ply, off, 3mf, gltf, glb) does the name end as it should?"
     )]
     UnknownFormat {
         /// The file.

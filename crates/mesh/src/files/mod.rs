@@ -10,12 +10,16 @@
 //! | OBJ | vertices and faces of all groups | vertices and triangles | none |
 //! | PLY | text, binary of both byte orders | binary, `f64`, or text | none |
 //! | OFF | `OFF`, `COFF`, `NOFF`, `STOFF` and their mixtures | text | none |
+//! | 3MF | the objects of the build, with components | one object | the file's; written in mm |
+//! | glTF, GLB | the scene's triangles, under the maps of its nodes | one mesh (coordinates as `f32`) | m |
 
 mod error;
+mod gltf;
 mod obj;
 mod off;
 mod ply;
 mod stl;
+mod threemf;
 mod words;
 
 pub use error::{FileError, Place};
@@ -24,7 +28,7 @@ use crate::mesh::Welder;
 use crate::{Mesh, MeshError};
 use rayweave_math::Vec3;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, BufWriter, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, Cursor, Seek, Write};
 use std::path::Path;
 
 /// A format of files of meshes.
@@ -38,11 +42,25 @@ pub enum MeshFormat {
     Ply,
     /// Geomview's object file format.
     Off,
+    /// 3D Manufacturing Format.
+    ThreeMf,
+    /// glTF as text.
+    Gltf,
+    /// glTF as one binary file.
+    Glb,
 }
 
 impl MeshFormat {
     /// All of them.
-    pub const ALL: [MeshFormat; 4] = [MeshFormat::Stl, MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off];
+    pub const ALL: [MeshFormat; 7] = [
+        MeshFormat::Stl,
+        MeshFormat::Obj,
+        MeshFormat::Ply,
+        MeshFormat::Off,
+        MeshFormat::ThreeMf,
+        MeshFormat::Gltf,
+        MeshFormat::Glb,
+    ];
 
     /// The name, which is also the usual ending of a file's name.
     pub fn name(self) -> &'static str {
@@ -51,6 +69,9 @@ impl MeshFormat {
             MeshFormat::Obj => "obj",
             MeshFormat::Ply => "ply",
             MeshFormat::Off => "off",
+            MeshFormat::ThreeMf => "3mf",
+            MeshFormat::Gltf => "gltf",
+            MeshFormat::Glb => "glb",
         }
     }
 
@@ -98,7 +119,7 @@ pub fn read(path: &Path, format: Option<MeshFormat>, options: &ReadOptions) -> R
     let format = format.or_else(|| MeshFormat::from_path(path)).ok_or_else(|| unknown(path))?;
     let file = File::open(path)?;
     let length = file.metadata()?.len();
-    read_from(BufReader::with_capacity(1 << 16, file), length, format, options)
+    read_from(BufReader::with_capacity(1 << 16, file), length, path.parent(), format, options)
 }
 
 fn unknown(path: &Path) -> FileError {
@@ -110,13 +131,14 @@ fn unknown(path: &Path) -> FileError {
 /// # Errors
 /// [`FileError`], with line or byte.
 pub fn read_bytes(bytes: &[u8], format: MeshFormat, options: &ReadOptions) -> Result<Loaded, FileError> {
-    read_from(bytes, bytes.len() as u64, format, options)
+    read_from(Cursor::new(bytes), bytes.len() as u64, None, format, options)
 }
 
-/// Reads so many bytes.
+/// Reads so many bytes; other files, if a format may be in several, are looked for in a folder.
 fn read_from(
-    from: impl BufRead,
+    from: impl BufRead + Seek,
     length: u64,
+    folder: Option<&Path>,
     format: MeshFormat,
     options: &ReadOptions,
 ) -> Result<Loaded, FileError> {
@@ -125,6 +147,8 @@ fn read_from(
         MeshFormat::Obj => obj::read(from, options),
         MeshFormat::Ply => ply::read(from, length, options),
         MeshFormat::Off => off::read(from, length, options),
+        MeshFormat::ThreeMf => threemf::read(from, options),
+        MeshFormat::Gltf | MeshFormat::Glb => gltf::read(from, length, folder, options),
     }
 }
 
@@ -151,6 +175,9 @@ pub fn write(
         MeshFormat::Obj => obj::write(mesh, &mut to)?,
         MeshFormat::Ply => ply::write(mesh, options, &mut to)?,
         MeshFormat::Off => off::write(mesh, &mut to)?,
+        MeshFormat::ThreeMf => threemf::write(mesh, &mut to)?,
+        MeshFormat::Gltf => gltf::write_text(mesh, &mut to)?,
+        MeshFormat::Glb => gltf::write_binary(mesh, &mut to)?,
     }
     Ok(to.flush()?)
 }

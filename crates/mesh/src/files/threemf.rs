@@ -1,0 +1,256 @@
+//! 3MF.
+//!
+//! *Source*: 3MF Consortium, "3D Manufacturing Format Core Specification" 1.3 (2021): a ZIP archive with a model in XML, found by
+//! the relationships of the archive. Read are the objects that the build names, each under its maps, with components of
+//! components; materials, slices and the like say nothing about the solid. Objects in parts of their own (production extension)
+//! are refused.
+
+use super::{FileError, Loaded, Place, ReadOptions, within};
+use crate::mesh::check_count;
+use crate::{Mesh, MeshError};
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+use rayweave_math::{Affine, Mat3, Vec3};
+use rustc_hash::FxHashMap;
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, Write};
+use zip::write::SimpleFileOptions;
+use zip::{ZipArchive, ZipWriter};
+
+/// The largest model, uncompressed.
+const MOST_BYTES: u64 = 1 << 32;
+/// The most components that are put in place: each may hold others.
+const MOST_PLACED: usize = 1 << 20;
+
+/// What stands under one number.
+#[derive(Default)]
+struct Object {
+    vertices: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    components: Vec<(String, Affine)>,
+}
+
+#[derive(Default)]
+struct Model {
+    unit: String,
+    objects: FxHashMap<String, Object>,
+    build: Vec<(String, Affine)>,
+}
+
+pub fn read(from: impl BufRead + Seek, options: &ReadOptions) -> Result<Loaded, FileError> {
+    let mut archive = ZipArchive::new(from).map_err(damaged)?;
+    let name = model_name(&mut archive)?;
+    let part = archive.by_name(&name).map_err(damaged)?;
+    let model = parse(BufReader::new(part.take(MOST_BYTES)), options)?;
+    let mesh = placed(&model, options)?;
+    Ok(Loaded { mesh, warnings: Vec::new(), unit: Some(short_unit(&model.unit).to_owned()) })
+}
+
+fn damaged(error: zip::result::ZipError) -> FileError {
+    FileError::syntax(Place::Byte(0), format!("no archive that can be read ({error}) is it 3MF?"))
+}
+
+fn bad(place: Place, problem: impl Into<String>) -> FileError {
+    FileError::syntax(place, problem)
+}
+
+/// The part that the relationships of the archive name as its model.
+fn model_name(archive: &mut ZipArchive<impl BufRead + Seek>) -> Result<String, FileError> {
+    let plain = || "3D/3dmodel.model".to_owned();
+    let Ok(part) = archive.by_name("_rels/.rels") else {
+        return Ok(plain());
+    };
+    let mut reader = Reader::from_reader(BufReader::new(part.take(1 << 20)));
+    let (mut buffer, mut target) = (Vec::new(), None);
+    loop {
+        let event = reader.read_event_into(&mut buffer);
+        match event.map_err(|error| bad(Place::Byte(reader.error_position()), error.to_string()))? {
+            Event::Eof => break,
+            Event::Start(e) | Event::Empty(e) => {
+                let is_model = attribute(&e, "Type").is_some_and(|kind| kind.ends_with("/3dmodel"));
+                target = attribute(&e, "Target").filter(|_| is_model).or(target);
+            }
+            _ => {}
+        }
+        buffer.clear();
+    }
+    Ok(target.map_or_else(plain, |target| target.trim_start_matches('/').to_owned()))
+}
+
+/// An attribute's value; nothing that is read here needs entities.
+fn attribute(element: &BytesStart, name: &str) -> Option<String> {
+    let mut all = element.attributes();
+    let found = all
+        .with_checks(false)
+        .filter_map(Result::ok)
+        .find(|attribute| attribute.key.local_name().as_ref() == name)?;
+    Some(found.value.into_owned())
+}
+
+fn parse(from: impl BufRead, options: &ReadOptions) -> Result<Model, FileError> {
+    let mut reader = Reader::from_reader(from);
+    let (mut buffer, mut model, mut open) = (Vec::new(), Model::default(), String::new());
+    let mut is_complete = false;
+    loop {
+        let event = reader.read_event_into(&mut buffer);
+        let place = Place::Byte(reader.buffer_position());
+        match event.map_err(|error| bad(place, error.to_string()))? {
+            Event::Eof if is_complete => return Ok(model),
+            Event::Eof => return Err(FileError::ends(place, "`</model>`")),
+            Event::Start(e) | Event::Empty(e) => element(&e, &mut model, &mut open, place, options)?,
+            Event::End(e) => is_complete |= e.local_name().as_ref() == "model",
+            _ => {}
+        }
+        buffer.clear();
+    }
+}
+
+/// Takes what one element says.
+fn element(
+    e: &BytesStart,
+    model: &mut Model,
+    open: &mut String,
+    place: Place,
+    options: &ReadOptions,
+) -> Result<(), FileError> {
+    let needed = |name: &str| attribute(e, name).ok_or_else(|| bad(place, format!("{name} is missing")));
+    let number = |name: &str| {
+        let text = needed(name)?;
+        let found = text.trim().parse::<f64>().ok().filter(|x| x.abs() <= Mesh::MOST);
+        found.ok_or_else(|| {
+            bad(place, format!("{name} is `{}` (it must be a finite number)", super::words::short(&text)))
+        })
+    };
+    let corner = |name: &str| {
+        let text = needed(name)?;
+        text.trim()
+            .parse::<u32>()
+            .map_err(|_| bad(place, format!("{name} is `{}`", super::words::short(&text))))
+    };
+    match e.local_name().as_ref() {
+        "model" => model.unit = attribute(e, "unit").unwrap_or_default(),
+        "object" => {
+            *open = needed("id")?;
+            model.objects.insert(open.clone(), Object::default());
+        }
+        "vertex" => {
+            let point = Vec3::new(number("x")?, number("y")?, number("z")?);
+            let object = model.objects.entry(open.clone()).or_default();
+            object.vertices.push(point);
+            within(options, "vertices", object.vertices.len() as u64, place)?;
+        }
+        "triangle" => {
+            let triangle = [corner("v1")?, corner("v2")?, corner("v3")?];
+            let object = model.objects.entry(open.clone()).or_default();
+            object.triangles.push(triangle);
+            within(options, "triangles", object.triangles.len() as u64, place)?;
+        }
+        "component" | "item" => {
+            if attribute(e, "path").is_some() {
+                return Err(bad(place, "an object in a part of its own (it is not read)"));
+            }
+            let used = (needed("objectid")?, map(attribute(e, "transform"), place)?);
+            match e.local_name().as_ref() {
+                "item" => model.build.push(used),
+                _ => model.objects.entry(open.clone()).or_default().components.push(used),
+            }
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+/// A map of twelve numbers, the images of the axes and the translation: points are rows there.
+fn map(text: Option<String>, place: Place) -> Result<Affine, FileError> {
+    let Some(text) = text else {
+        return Ok(Affine::IDENTITY);
+    };
+    let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    match numbers[..] {
+        [a, b, c, d, e, f, g, h, i, x, y, z] if numbers.iter().all(|n: &f64| n.is_finite()) => {
+            let linear = Mat3::from_cols(Vec3::new(a, b, c), Vec3::new(d, e, f), Vec3::new(g, h, i));
+            Ok(Affine { linear, translation: Vec3::new(x, y, z) })
+        }
+        _ => Err(bad(place, format!("transform is `{}` (12 finite numbers)", super::words::short(&text)))),
+    }
+}
+
+/// What the build names, in place.
+fn placed(model: &Model, options: &ReadOptions) -> Result<Mesh, FileError> {
+    let place = Place::Byte(0);
+    let (mut vertices, mut triangles, mut count) = (Vec::new(), Vec::new(), 0);
+    let mut waiting: Vec<(&str, Affine)> =
+        model.build.iter().rev().map(|(id, map)| (id.as_str(), *map)).collect();
+    while let Some((id, map)) = waiting.pop() {
+        count += 1;
+        let object = model.objects.get(id).ok_or_else(|| bad(place, format!("there is no object {id}")))?;
+        if count > MOST_PLACED {
+            return Err(bad(place, format!("more than {MOST_PLACED} objects (do they hold each other?)")));
+        }
+        let first = vertices.len() as u64;
+        for (what, sum) in [
+            ("vertices", first + object.vertices.len() as u64),
+            ("triangles", (triangles.len() + object.triangles.len()) as u64),
+        ] {
+            within(options, what, sum, place)?;
+            check_count(what, sum).map_err(|error| FileError::Mesh { place, error })?;
+        }
+        vertices.extend(object.vertices.iter().map(|&point| map.point(point)));
+        for corners in &object.triangles {
+            if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= object.vertices.len()) {
+                let (vertex, count) = (u64::from(vertex), object.vertices.len());
+                let error = MeshError::Index { triangle: triangles.len(), vertex, count };
+                return Err(FileError::Mesh { place, error });
+            }
+            triangles.push(corners.map(|corner| corner + first as u32));
+        }
+        waiting.extend(object.components.iter().rev().map(|(id, inner)| (id.as_str(), inner.then(&map))));
+    }
+    Mesh::new(vertices, triangles).map_err(|error| FileError::Mesh { place, error })
+}
+
+fn short_unit(unit: &str) -> &str {
+    match unit {
+        "micron" => "um",
+        "centimeter" => "cm",
+        "inch" => "inch",
+        "foot" => "foot",
+        "meter" => "m",
+        _ => "mm",
+    }
+}
+
+const TYPES: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>"#;
+const RELATIONS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+
+/// Writes an archive, in millimetres.
+pub fn write(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    // the same bytes whenever it is written
+    let options = SimpleFileOptions::default();
+    for (name, text) in [("[Content_Types].xml", TYPES), ("_rels/.rels", RELATIONS)] {
+        archive.start_file(name, options)?;
+        archive.write_all(text.as_bytes())?;
+    }
+    archive.start_file("3D/3dmodel.model", options)?;
+    write_model(mesh, &mut archive)?;
+    to.write_all(archive.finish()?.get_ref())
+}
+
+fn write_model(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+    writeln!(to, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
+    writeln!(
+        to,
+        r#"<model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">"#
+    )?;
+    writeln!(to, r#"<resources><object id="1" type="model"><mesh><vertices>"#)?;
+    for p in mesh.vertices() {
+        writeln!(to, r#"<vertex x="{:?}" y="{:?}" z="{:?}"/>"#, p.x, p.y, p.z)?;
+    }
+    writeln!(to, "</vertices><triangles>")?;
+    for [a, b, c] in mesh.triangles() {
+        writeln!(to, r#"<triangle v1="{a}" v2="{b}" v3="{c}"/>"#)?;
+    }
+    writeln!(to, r#"</triangles></mesh></object></resources><build><item objectid="1"/></build></model>"#)
+}
