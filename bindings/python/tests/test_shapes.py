@@ -27,6 +27,7 @@ EXAMPLES = {
     "wedge": (30, 100),
     "prism": (6, 2, 3),
     "convex": ([[1, 0, 0, 1], [-1, 0, 0, 1], [0, 1, 0, 2]],),
+    "mesh": ([[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
 }
 
 
@@ -68,6 +69,8 @@ def inside(name, x, y, z):
             return np.logical_and.reduce(sides) & (abs(z) < 1.5)
         case "convex":
             return (abs(x) < 1) & (y < 2)
+        case "mesh":
+            return (x > 0) & (y > 0) & (z > 0) & (x + y + z < 3)
 
 
 def test_every_shape_of_the_engine_is_a_function():
@@ -127,6 +130,9 @@ def test_defaults_and_keywords():
         (lambda: rayweave.convex(np.zeros((2, 0))), "planes"),
         (lambda: rayweave.quadric([[1, 2, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, -1]]), r"matrix\[0\]\[1\]"),
         (lambda: rayweave.quadric(np.zeros((4, 3))), "matrix"),
+        (lambda: rayweave.mesh(np.eye(3), [[0, 1, 2]]), "the mesh is not closed: 3 edges"),
+        (lambda: rayweave.mesh(np.eye(3), [[0, 1, 3]]), "triangle 0 names vertex 3"),
+        (lambda: rayweave.mesh(np.eye(4), [[0, 1, 3]]), r"vertices\[0\] is a list of 4 numbers"),
         (lambda: rayweave.prism(6.5, 1, 1), "sides is 6.5"),
         (lambda: rayweave.prism(10**9, 1, 1), "sides is"),
         (lambda: rayweave.prism(2, 1, 1), "sides is 2"),

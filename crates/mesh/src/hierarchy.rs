@@ -205,11 +205,11 @@ impl Hierarchy {
         let p = ((point - self.middle) / self.half).to_array();
         let margin = MARGIN + 64.0 * UNIT_ROUNDOFF * (point.length() + self.reach) / self.half;
         let scale = self.half * self.half;
-        let mut waiting = vec![(0.0, Child(0))];
-        if self.nodes.is_empty() {
-            return;
-        }
-        while let Some((distance, child)) = waiting.pop() {
+        let mut stack = [(0.0, Child(0)); STACK];
+        let mut waiting = usize::from(!self.nodes.is_empty());
+        while waiting > 0 {
+            waiting -= 1;
+            let (distance, child) = stack[waiting];
             if distance > within {
                 continue;
             }
@@ -218,11 +218,13 @@ impl Hierarchy {
                 continue;
             }
             let node = &self.nodes[child.0 as usize];
-            let first = waiting.len();
-            let inner = (0..WIDTH).filter(|&k| node.child[k] != Child::NONE);
-            waiting.extend(inner.map(|k| (scale * node.distance_squared(k, &p, margin), node.child[k])));
+            let first = waiting;
+            for k in (0..WIDTH).filter(|&k| node.child[k] != Child::NONE) {
+                stack[waiting] = (scale * node.distance_squared(k, &p, margin), node.child[k]);
+                waiting += 1;
+            }
             // the nearest last, to be taken first
-            waiting[first..].sort_by(|a, b| b.0.total_cmp(&a.0));
+            stack[first..waiting].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         }
     }
 }

@@ -58,7 +58,10 @@ pub struct Nearest {
 /// A line with what every triangle is asked of it.
 struct Query {
     shear: Shear,
+    /// The line, or where it was moved to.
     line: Line,
+    /// The line as it was given, which the times are of.
+    timed: Line,
     /// The distance at which a triangle cannot be told from one along the line; negative if that has been settled.
     delta: f64,
 }
@@ -167,11 +170,21 @@ impl Polyhedron {
         };
         let far = chord.0.abs().max(chord.1.abs());
         let delta = line.delta(if far.is_finite() { far } else { 0.0 }, self.reach());
-        let shift = self.gather(&Query { shear: Shear::new(line), line: *line, delta }, chord, aside, found);
+        let shift = self.gather(
+            &Query { shear: Shear::new(line), line: *line, timed: *line, delta },
+            chord,
+            aside,
+            found,
+        );
         if shift != Vec3::ZERO {
             found.clear();
             let moved = Line { origin: line.origin + shift, ..*line };
-            self.gather(&Query { shear: Shear::new(&moved), line: moved, delta: -1.0 }, chord, aside, found);
+            self.gather(
+                &Query { shear: Shear::new(&moved), line: moved, timed: *line, delta: -1.0 },
+                chord,
+                aside,
+                found,
+            );
         }
         found.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
     }
@@ -184,7 +197,7 @@ impl Polyhedron {
                 let corners = self.corners(place);
                 let images = corners.map(|corner| query.shear.image(corner));
                 if holds_origin(images) {
-                    let t = self.time(place, &query.line);
+                    let t = self.time(place, &query.timed);
                     found.push(Crossing { t, triangle: self.numbers[place] });
                 }
                 if query.delta >= 0.0 && is_edge_on(images, query.delta) {
@@ -220,11 +233,15 @@ impl Polyhedron {
 
     /// True if a point is inside: by the crossings of a line through it. On the boundary, as if moved `aside`.
     pub fn contains(&self, point: Vec3, aside: &Aside) -> bool {
+        self.contains_with(point, aside, &mut Vec::new())
+    }
+
+    /// The same with room for crossings, for callers that ask often.
+    pub fn contains_with(&self, point: Vec3, aside: &Aside, found: &mut Vec<Crossing>) -> bool {
         if !self.bounds.contains(point) {
             return false;
         }
-        let mut found = Vec::new();
-        self.crossings(&Line { origin: point, direction: aside[0] }, aside, &mut found);
+        self.crossings(&Line { origin: point, direction: aside[0] }, aside, found);
         found.iter().filter(|crossing| crossing.t > 0.0).count() % 2 == 1
     }
 
@@ -277,6 +294,25 @@ impl Polyhedron {
     /// The number of the largest triangle among those that lie in one plane with this one, exactly, and hang together.
     pub fn face(&self, triangle: u32) -> u32 {
         self.numbers[self.faces[self.places[triangle as usize] as usize] as usize]
+    }
+
+    /// Calls `visit` with the numbers of all triangles nearer to a point than a distance.
+    pub fn triangles_within(&self, point: Vec3, distance: f64, mut visit: impl FnMut(u32)) {
+        let within = distance * distance;
+        self.hierarchy.around(point, within, |range, within| {
+            for place in range {
+                let nearest = triangle::closest_point(self.corners(place), point);
+                if (nearest - point).length_squared() < within {
+                    visit(self.numbers[place]);
+                }
+            }
+            within
+        });
+    }
+
+    /// The times between which a line is in the ball around the mesh; `None` if it misses it.
+    pub fn chord(&self, line: &Line) -> Option<(f64, f64)> {
+        self.hierarchy.chord(line)
     }
 
     /// Calls `visit` with the numbers of triangles that have a point in common with a box, and of some nearby.

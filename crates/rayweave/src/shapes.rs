@@ -110,6 +110,12 @@ pub fn convex(planes: &[[f64; 4]]) -> Result<Solid, Error> {
     make("convex", &[("planes", planes.into())])
 }
 
+/// The solid within a closed mesh of triangles, each of which names three of the points, from 0.
+pub fn mesh(vertices: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Solid, Error> {
+    let numbers: Vec<[f64; 3]> = faces.iter().map(|face| face.map(f64::from)).collect();
+    make("mesh", &[("vertices", vertices.into()), ("faces", numbers.as_slice().into())])
+}
+
 /// Nothing: the neutral element of union.
 pub fn vacuum() -> Solid {
     Solid::vacuum()

@@ -92,3 +92,43 @@ fn what_cannot_be_used() {
     std::fs::write(folder.maps(), b"").unwrap();
     assert!(folder.load().is_err());
 }
+
+const CUBE: &str = "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n\
+    4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
+
+/// The problems of a model whose mesh is in a file with this text.
+fn mesh_problems(name: &str, text: &str) -> Result<Scene, String> {
+    let folder = Folder::new(name);
+    std::fs::write(folder.0.join("part.off"), text).unwrap();
+    let model = "rayweave = 1\n[solid.part]\nmesh = { file = 'part.off' }\n";
+    std::fs::write(folder.0.join("model.toml"), model).unwrap();
+    folder.load().map_err(|problems| problems.to_string())
+}
+
+#[test]
+fn meshes_stand_in_files_beside_the_model() {
+    let scene = mesh_problems("mesh", CUBE).unwrap();
+    let corners = CUBE.lines().skip(2).take(8).map(|line| line.split(' ').map(|x| x.parse().unwrap()).collect());
+    let corners: Vec<Vec<f64>> = corners.collect();
+    let arguments = scene.regions[0].solid.to_string();
+    assert!(corners.iter().all(|corner| arguments.contains(&format!("{corner:?}"))), "{arguments}");
+    // a face is missing, and a point is nowhere
+    let open = mesh_problems("open", &CUBE.replace("8 6 0", "8 5 0")).unwrap_err();
+    assert!(open.contains("the mesh in `part.off` is no solid: the mesh is not closed: 4 edges"), "{open}");
+    assert!(open.contains("1 holes (the first: (1, 0.5, 0.5), 4 edges)"), "{open}");
+    let bad = mesh_problems("bad", &CUBE.replace("4 1 3 7 5", "4 1 3 8 5")).unwrap_err();
+    assert!(bad.contains("line 16: triangle 10 names vertex 8"), "{bad}");
+}
+
+#[test]
+fn a_mesh_has_a_file_or_its_numbers() {
+    let problem = |table: &str| {
+        let text = format!("rayweave = 1\n[solid.part]\nmesh = {table}\n");
+        rayweave_scene::parse(&text).unwrap_err().to_string()
+    };
+    assert!(problem("{ file = 'nowhere.stl' }").contains("there is no such file"));
+    assert!(problem("{ file = 'part.xyz' }").contains("of no known format"));
+    assert!(problem("{ file = 3 }").contains("the name of a file"));
+    let both = problem("{ file = 'part.stl', vertices = [[0, 0, 0]] }");
+    assert!(both.contains("the mesh has a file and something else"), "{both}");
+}

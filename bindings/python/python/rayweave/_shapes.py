@@ -15,6 +15,7 @@ _TYPES = {
     "a list of 3 numbers": "ArrayLike",
     "a number or a list of 3 numbers": "float | ArrayLike",
     "1 row or more of 4 numbers": "ArrayLike",
+    "rows of 3 numbers": "ArrayLike",
     "4 rows of 4 numbers": "ArrayLike",
 }
 

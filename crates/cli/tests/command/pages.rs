@@ -36,7 +36,7 @@ fn every_shape_has_a_page() {
     let bench = Bench::new();
     let list = bench.says(&["shapes"]);
     let names = "sphere ellipsoid box box_from_corners cylinder cone half_space slab torus paraboloid quadric tube \
-                 wedge prism convex";
+                 wedge prism convex mesh";
     for name in names.split_whitespace() {
         assert!(list.contains(&format!("\n{name}(")), "{name}: {list}");
         let page = bench.says(&["shapes", name]);

@@ -7,8 +7,8 @@
 //! *Guarantee*: the number of crossings of every line is even, and each lies within `64 u (|o| + |t| |d| + reach)` of its
 //! triangle. A ray that lies in a face is on the side of it into which the directions aside lead.
 
-use super::Aside;
 use super::object::{Departing, Form};
+use super::{Aside, hugs_along};
 use crate::Ray;
 use rayweave_math::{Bounds, Interval, UNIT_ROUNDOFF, Vec3};
 use rayweave_mesh::{Crossing, Line, Polyhedron};
@@ -56,6 +56,29 @@ impl MeshForm {
         });
     }
 
+    /// Whether a piece of a ray keeps to the plane of some triangle that is at its end; `None` if there are only such as the ray
+    /// lies in, through the ball around the mesh: these it does not cross.
+    fn faces_hugged_from(
+        &self,
+        end: f64,
+        ray: &Ray,
+        (a, b): (f64, f64),
+        delta: &dyn Fn(f64) -> f64,
+    ) -> Option<bool> {
+        let chord = self.solid.chord(&line(ray)).unwrap_or((a, b));
+        let start = (ray.origin.length() + self.solid.reach()) / ray.direction.length();
+        let mut hugged = None;
+        self.solid.triangles_within(ray.at(end), delta(end), |triangle| {
+            let (normal, [corner, ..]) = (self.solid.normal(triangle), self.solid.triangle(triangle));
+            let is_near = |t: f64| normal.dot(ray.at(t) - corner).abs() <= delta(t);
+            let lies_in_it = is_near(chord.0) && is_near(chord.1);
+            if !lies_in_it && normal.is_finite() {
+                hugged = Some(hugged == Some(true) || hugs_along(is_near, start, 1, a, b));
+            }
+        });
+        hugged
+    }
+
     /// True if a crossing ahead is the one at the start: its triangle holds the start, within rounding.
     fn is_at_start(&self, crossing: &Crossing, start: Vec3) -> bool {
         self.solid.distance_from(crossing.triangle, start) <= self.delta(start)
@@ -99,8 +122,21 @@ impl Form for MeshForm {
         if away.length() <= self.delta(point) && normal.is_finite() {
             return (away.dot(normal), normal);
         }
-        let outward = if self.solid.contains(point, &Aside::WORLD.directions()) { -1.0 } else { 1.0 };
+        let aside = Aside::WORLD.directions();
+        let is_inside = FOUND.with_borrow_mut(|found| self.solid.contains_with(point, &aside, found));
+        let outward = if is_inside { -1.0 } else { 1.0 };
         (outward * away.length(), outward * away.normalize_or(Vec3::X))
+    }
+
+    fn hugged_faces(&self, ray: &Ray, (a, b): (f64, f64), delta: &dyn Fn(f64) -> f64) -> Option<bool> {
+        let is_near = |t: f64| self.solid.nearest(ray.at(t), delta(t)).is_some();
+        let is_near_all_along = is_near(0.5 * (a + b)) && is_near(a) && is_near(b);
+        Some(
+            is_near_all_along && {
+                let ends = [a, b].map(|end| self.faces_hugged_from(end, ray, (a, b), delta));
+                ends.iter().any(Option::is_some) && ends.into_iter().all(|hugged| hugged.unwrap_or(true))
+            },
+        )
     }
 
     fn degree(&self) -> u8 {

@@ -266,6 +266,14 @@ impl Surface {
         }
     }
 
+    /// [`hugs`] by the faces that a surface is made of, if it is made of many.
+    fn hugged_faces(&self, reach: f64, ray: &Ray, a: f64, b: f64) -> Option<bool> {
+        match self {
+            Surface::Object(s) => s.hugged_faces(reach, ray, a, b),
+            _ => None,
+        }
+    }
+
     /// The degree of `f` along a straight line: at most so many crossings, except of an [`Object`], where it says at how
     /// many places [`hugs`] looks.
     pub fn degree(&self) -> u8 {

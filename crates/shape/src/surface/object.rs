@@ -5,7 +5,7 @@
 //! however often it is placed, and is reached from `Surface` through one variant, so that hot loops over the other
 //! kinds do not know it.
 
-use super::{Aside, SurfaceCrossings};
+use super::{Aside, SurfaceCrossings, delta};
 use crate::Ray;
 use rayweave_math::{Affine, Bounds, Interval, Mat3, Transform, Vec3};
 use std::any::Any;
@@ -35,6 +35,13 @@ pub trait Form: Any + Debug + Send + Sync {
 
     /// f and its gradient at a point: f of the order of the distance times the length of the gradient near the surface.
     fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3);
+
+    /// Whether the piece of a ray between two times keeps to the surface, for a form of many faces: to each face that it crosses
+    /// at an end, alone, and not to one in which it runs from one face to the next. `delta` is the distance at a time within which
+    /// they cannot be told apart. `None` if the form is one face.
+    fn hugged_faces(&self, _ray: &Ray, _ends: (f64, f64), _delta: &dyn Fn(f64) -> f64) -> Option<bool> {
+        None
+    }
 
     /// One less than the number of places at which a piece of a line is looked at to tell whether it lies in the
     /// surface: the degree of f along a line, if that is a polynomial. At least 5.
@@ -132,6 +139,14 @@ impl Object {
     pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
         let (value, gradient) = self.form.value_and_gradient(self.local_from_world * (point - self.centre));
         (value, self.local_from_world.transpose() * gradient)
+    }
+
+    pub(super) fn hugged_faces(&self, reach: f64, ray: &Ray, a: f64, b: f64) -> Option<bool> {
+        // no vector is stretched by more than the root of the sum of squares
+        let columns = self.local_from_world.to_cols_array();
+        let stretch = columns.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let delta = |t: f64| stretch * delta(reach, ray, t);
+        self.form.hugged_faces(&self.local(ray), (a, b), &delta)
     }
 
     pub(super) fn reach(&self) -> f64 {

@@ -57,6 +57,9 @@ pub fn delta_of(lengths: f64) -> f64 {
 
 /// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: see [`hugs_along`].
 pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
+    if let Some(hugs) = surface.hugged_faces(reach, ray, a, b) {
+        return hugs;
+    }
     let near = |t: f64| {
         let (value, gradient) = surface.value_and_gradient(ray.at(t));
         is_near(value, gradient.length(), delta(reach, ray, t), bend(surface))

@@ -133,11 +133,12 @@ fn check(n: u32, tolerance: f64) {
 
 #[test]
 fn volumes_of_booleans_are_those_of_a_kernel_for_meshes() {
-    check(40, 6e-3);
+    // five standard deviations of so few rays
+    check(64, 1.5e-2);
 }
 
 #[test]
 #[ignore = "long"]
 fn volumes_of_booleans_are_those_of_a_kernel_for_meshes_to_a_thousandth() {
-    check(250, 1e-3);
+    check(500, 1e-3);
 }

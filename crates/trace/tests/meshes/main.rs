@@ -128,7 +128,8 @@ fn booleans_are_point_by_point_those_of_solid_angles() {
 #[test]
 fn placed_meshes_are_asked_in_their_own_frames() {
     let mesh = solid(&cuboid(Vec3::ZERO, Vec3::ONE));
-    let tiles = mesh.place((0..10).map(|k| Affine::translate(Vec3::new(f64::from(k), 0.0, 0.0))));
+    let tiles =
+        mesh.place((0..10).map(|k| Affine::translate(Vec3::new(f64::from(k), 0.0, 0.0))).collect::<Vec<_>>());
     assert_eq!(times(&tiles, Ray::new(Vec3::new(-1.0, 0.3, 0.4), Vec3::X)), [1.0, 11.0]);
     assert_eq!(times(&tiles, Ray::new(Vec3::new(3.5, -1.0, 0.4), Vec3::Y)), [1.0, 2.0]);
     // along a face that two of them share, and along one of all
