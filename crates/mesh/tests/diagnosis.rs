@@ -53,7 +53,7 @@ fn holes_are_found_with_their_rims_and_plane_ones_are_filled() {
     assert_eq!((found.open_edges, found.holes.count), (4, 1));
     let hole = &found.holes.first[0];
     assert_eq!((hole.edges, hole.length, hole.centre), (4, 4.0, Vec3::new(0.5, 0.5, 0.0)));
-    assert!(!found.is_closed() && found.to_string().contains("1 holes (the first: (0.5, 0.5, 0), 4 edges)"));
+    assert!(!found.is_closed() && found.to_string().contains("holes: 1 (the first: (0.5, 0.5, 0), 4 edges)"));
     let (closed, done) = repaired(&open);
     assert_eq!(done, Repair { filled: 1, ..Repair::default() });
     assert!(closed.diagnose().is_sound());

@@ -108,14 +108,15 @@ fn mesh_problems(name: &str, text: &str) -> Result<Scene, String> {
 #[test]
 fn meshes_stand_in_files_beside_the_model() {
     let scene = mesh_problems("mesh", CUBE).unwrap();
-    let corners = CUBE.lines().skip(2).take(8).map(|line| line.split(' ').map(|x| x.parse().unwrap()).collect());
+    let corners =
+        CUBE.lines().skip(2).take(8).map(|line| line.split(' ').map(|x| x.parse().unwrap()).collect());
     let corners: Vec<Vec<f64>> = corners.collect();
     let arguments = scene.regions[0].solid.to_string();
     assert!(corners.iter().all(|corner| arguments.contains(&format!("{corner:?}"))), "{arguments}");
     // a face is missing, and a point is nowhere
     let open = mesh_problems("open", &CUBE.replace("8 6 0", "8 5 0")).unwrap_err();
     assert!(open.contains("the mesh in `part.off` is no solid: the mesh is not closed: 4 edges"), "{open}");
-    assert!(open.contains("1 holes (the first: (1, 0.5, 0.5), 4 edges)"), "{open}");
+    assert!(open.contains("holes: 1 (the first: (1, 0.5, 0.5), 4 edges)"), "{open}");
     let bad = mesh_problems("bad", &CUBE.replace("4 1 3 7 5", "4 1 3 8 5")).unwrap_err();
     assert!(bad.contains("line 16: triangle 10 names vertex 8"), "{bad}");
 }

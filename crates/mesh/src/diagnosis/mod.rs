@@ -183,7 +183,7 @@ impl fmt::Display for Diagnosis {
             (one_sided, "shells with one side only", String::new()),
         ];
         for (count, what, place) in lines.iter().filter(|(count, ..)| *count > 0) {
-            write!(f, "; {count} {what}{place}")?;
+            write!(f, "; {what}: {count}{place}")?;
         }
         Ok(())
     }

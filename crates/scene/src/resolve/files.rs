@@ -6,6 +6,7 @@ use crate::diagnostic::Diagnostic;
 use crate::source::Spanned;
 use npyz::{DType, NpyFile, Order};
 use rayweave_math::{Affine, Vec3};
+use rayweave_mesh::Polyhedron;
 use rayweave_mesh::files::{FileError, ReadOptions};
 use rayweave_shape::primitive::Mesh;
 use std::fs::File;
@@ -74,14 +75,14 @@ pub(super) fn mesh(context: &mut Context, file: &Spanned<String>) -> Option<Mesh
 
 fn diagnosed(context: &mut Context, file: &Spanned<String>, mesh: &rayweave_mesh::Mesh) -> Option<Mesh> {
     let diagnosis = mesh.diagnose();
-    match Mesh::new(mesh) {
+    match Polyhedron::new(mesh) {
         Ok(solid) => {
             if !diagnosis.is_sound() {
                 let doubt = format!("the mesh in `{}` may not be what was meant: {diagnosis}", file.value);
                 let why = "inside is where a line from infinity has crossed it an odd number of times";
                 context.push(Diagnostic::warning(doubt).why(why), file.span);
             }
-            Some(solid)
+            Some(solid.into())
         }
         Err(error) => {
             let problem = Diagnostic::error(format!("the mesh in `{}` is no solid: {error}", file.value));
