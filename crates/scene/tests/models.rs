@@ -46,6 +46,7 @@ fn the_gallery_shows_every_shape() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/gallery.toml");
     let (_, scene) = read(&path);
     let shown: Vec<&str> = scene.regions.iter().map(|region| region.name.as_str()).collect();
-    let shapes: Vec<&str> = MANUALS.iter().map(|manual| manual.name).collect();
-    assert_eq!(shown, shapes);
+    // a mesh is of whatever shape its file says
+    let shapes = MANUALS.iter().map(|manual| manual.name).filter(|name| *name != "mesh");
+    assert_eq!(shown, shapes.collect::<Vec<_>>());
 }
