@@ -271,7 +271,7 @@ fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// The distance of a point from a line, or from its first point.
 fn off_line(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (along, off) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-    let length = along[0].hypot(along[1]);
+    let length = libm::hypot(along[0], along[1]);
     let part = along[0] * off[0] + along[1] * off[1];
     match length > 0.0 && part >= 0.0 && part <= length * length {
         true => ((along[0] * off[1] - along[1] * off[0]) / length).abs(),
