@@ -53,6 +53,8 @@ mod _core {
     #[pymodule_export]
     use crate::optics::component::{PySheet, lensmaker, optical_component};
     #[pymodule_export]
+    use crate::optics::design::{optimise, tolerance};
+    #[pymodule_export]
     use crate::optics::file::{PyElement, load_optics, loads_optics};
     #[pymodule_export]
     use crate::optics::glass::{PyGlass, glass_names};

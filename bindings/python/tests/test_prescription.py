@@ -269,4 +269,71 @@ def test_pictures() -> None:
     assert np.shape(lens.wavefront(across=5).show().collections[0].get_offsets()) == (13, 2)
     assert len(lens.wavefront(across=9).zernike(11).show().patches) == 8
     assert len(lens.seidel().show().patches) == 7 * 7
+    trials = optics.tolerance(lens, {"radius 1": 0.05, "tilt x 3-4": 0.02}, trials=30, rings=2)
+    assert len(trials.show(bins=5).patches) == 5
+    assert len(trials.sensitivities.show().patches) == 4
     plt.close("all")
+
+
+def test_tolerances_of_the_focal_length() -> None:
+    r1, r2, t, n = 60.0, -90.0, 5.0, 1.6
+    lens = Prescription([Surface(r1, t, n), Surface(r2, 58.0)], entrance_pupil_diameter=5)
+    found = optics.tolerance(
+        lens, {"radius 1": 0.02, "radius 2": ("normal", 0.01)}, "focal length", trials=500, seed=3
+    )
+    f = optics.lensmaker(r1, r2, n, t)
+    assert found.nominal == pytest.approx(f, rel=1e-13)
+    # 1 / f = (n - 1) (c1 - c2 + (n - 1) t c1 c2 / n), differentiated
+    m = (n - 1) / n * t
+    slopes = f * f * (n - 1) * np.array([(1 + m / r2) / r1**2, -(1 - m / r1) / r2**2])
+    np.testing.assert_allclose(found.sensitivities["slope"], slopes, rtol=1e-5)
+    linear = f + slopes[0] * found["radius 1"] + slopes[1] * found["radius 2"]
+    np.testing.assert_allclose(found["merit"], linear, atol=1e-4)
+    sigma = math.hypot(slopes[0] * 0.02 / math.sqrt(3), slopes[1] * 0.01)
+    assert found["merit"].std() == pytest.approx(sigma, rel=4 / math.sqrt(1000))
+    assert found.quantile(0.5) == pytest.approx(f, abs=5 * sigma / math.sqrt(500))
+    assert found.units == {"radius 1": "mm", "radius 2": "mm", "merit": "mm", "shift": "mm"}
+    assert found.failures == 0
+
+
+def test_tolerances_with_tilts_and_refocusing() -> None:
+    # a tilted mirror turns the light by twice its angle
+    turned = optics.tolerance(paraboloid(), {"tilt x 1": 0.1}, "image shift", trials=20, rings=0)
+    expected = 100 * np.tan(np.radians(2 * np.abs(turned["tilt x 1"])))
+    np.testing.assert_allclose(turned["merit"], expected, rtol=1e-9)
+    # a shift of the image is taken back whole
+    back = optics.tolerance(paraboloid(), {"thickness 1": 0.1}, trials=10, refocus=True)
+    assert back["merit"].max() < 1e-12
+    np.testing.assert_allclose(back["shift"], -back["thickness 1"], atol=1e-9)
+    with pytest.raises(RayweaveError, match="`girth 1` is no parameter"):
+        optics.tolerance(paraboloid(), {"girth 1": 0.1})
+    with pytest.raises(RayweaveError, match='the spread is "triangle"'):
+        optics.tolerance(paraboloid(), {"radius 1": ("triangle", 0.1)})  # type: ignore[dict-item]
+
+
+def test_a_search_finds_the_lens_of_best_form() -> None:
+    n, line = 1.5, D_NM
+    start = Prescription([Surface(110.0, 0.01, n), Surface(-110.0, 100.0)], entrance_pupil_diameter=10)
+    goals = [
+        optics.goal("focal length", 100.0, weight=100),
+        optics.goal("wavefront", field=0, wavelength_nm=line),
+    ]
+    found = optics.optimise(start, ["curvature 1", "curvature 2", "thickness 2"], goals)
+    r1, r2 = (surface.radius for surface in found.lens.surfaces)
+    # E. Hecht, Optics, section 6.3.1: q = 2 (n^2 - 1) / (n + 2)
+    assert (r2 + r1) / (r2 - r1) == pytest.approx(2 * (n * n - 1) / (n + 2), abs=5e-3)
+    assert found.lens.first_order().focal_length == pytest.approx(100.0, abs=1e-4)
+    assert found.values["thickness 2"] == found.lens.surfaces[1].thickness
+    assert found.after < found.before and found.has_converged
+
+
+def test_refusals_of_goals() -> None:
+    lens = paraboloid()
+    with pytest.raises(RayweaveError, match="'spot' needs field and wavelength_nm"):
+        optics.goal("spot")
+    with pytest.raises(RayweaveError, match="2 values"):
+        optics.goal("focal length", 3.0, at_most=4.0)
+    with pytest.raises(RayweaveError, match='operand is "sharpness"'):
+        optics.optimise(lens, ["radius 1"], [optics.goal("sharpness")])
+    with pytest.raises(RayweaveError, match="no parameter to vary"):
+        optics.optimise(lens, [], [optics.goal("focal length", 1.0)])

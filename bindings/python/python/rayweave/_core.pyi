@@ -51,6 +51,7 @@ __all__ = [
     "notebook_png",
     "number_list",
     "optical_component",
+    "optimise",
     "place",
     "plenum",
     "pupil_points",
@@ -66,6 +67,7 @@ __all__ = [
     "space_trace_along",
     "surface_count",
     "timeline_svg",
+    "tolerance",
     "union",
     "vacuum",
     "zernike_fit",
@@ -617,6 +619,25 @@ class CompiledPrescription:
     def axial_focus(self, wavelength_nm: float, height: float) -> float: ...
     def lateral_colour(self, field: int, wavelength_nm: float) -> float: ...
 
+def tolerance(
+    lens: CompiledPrescription,
+    errors: Sequence[tuple[str, str, float]],
+    merit: str,
+    trials: int,
+    *,
+    refocus: bool,
+    rings: int,
+    seed: int,
+    threads: int | None,
+) -> dict[str, Any]: ...
+def optimise(
+    lens: CompiledPrescription,
+    parameters: Sequence[str],
+    goals: Sequence[tuple[Any, ...]],
+    *,
+    rings: int,
+    patience: int,
+) -> tuple[CompiledPrescription, dict[str, Any]]: ...
 def pupil_points(kind: str, count: int) -> NDArray[np.float64]: ...
 def zernike_term(scheme: str, index: int) -> tuple[int, int]: ...
 def zernike_values(term: tuple[int, int], pupil: ArrayLike) -> NDArray[np.float64]: ...

@@ -2,6 +2,7 @@
 
 pub mod arrivals;
 pub mod component;
+pub mod design;
 pub mod file;
 pub mod glass;
 pub mod parts;

@@ -217,6 +217,11 @@ class Prescription:
         return tuple(self._compiled.frame()["fields"])
 
     @property
+    def object_distance(self) -> float:
+        """The distance from the object to the first surface; inf for distant objects."""
+        return float(self._compiled.frame()["object_distance"])
+
+    @property
     def wavelengths_nm(self) -> tuple[float, ...]:
         """The wavelengths in nanometres."""
         return tuple(line[0] for line in self._compiled.frame()["lines"])
@@ -435,7 +440,8 @@ class Prescription:
         pupil = _core.pupil_points("fan_y", rays)
         bundles = [self.rays(field, pupil=pupil) for field in range(len(self.fields))]
         origins, directions = (np.concatenate(parts) for parts in zip(*bundles, strict=True))
-        if np.isinf(self._compiled.frame()["object_distance"]):
+        # a far object would leave little of the lens
+        if self.object_distance > 2.0 * sum(abs(surface.thickness) for surface in self.surfaces):
             origins = _drawn_in(elements, origins, directions)
         trace = self.system().trace_rays(
             origins,
@@ -480,7 +486,7 @@ class Prescription:
         first_order = self.first_order()
         frame = self._compiled.frame()
         height, slope = 0.5 * first_order.entrance_pupil.diameter, 0.0
-        if np.isfinite(distance := frame["object_distance"]):
+        if np.isfinite(distance := self.object_distance):
             slope = height / (first_order.entrance_pupil.position + distance)
             height = slope * distance
         aperture = abs(float(first_order.matrix[1] @ [height, slope]))
@@ -538,7 +544,7 @@ def _element(name: str, body: Any, material: Any, spec: Any, faces: Any) -> Elem
 def _drawn_in(
     elements: list[Element], origins: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Rays of distant objects from a little in front of everything."""
+    """The same rays from a little in front of everything."""
     boxes = np.array([part.body.bounds() for part in elements if isinstance(part.body, Solid)])
     low, high = boxes[:, 0, 2].min(), boxes[:, 1, 2].max()
     length = (low - 0.2 * (high - low) - origins[:, 2]) / directions[:, 2]

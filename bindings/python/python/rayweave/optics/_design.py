@@ -1,0 +1,218 @@
+"""Prescriptions with parameters that err, and searches for better ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rayweave import _core
+from rayweave.optics._columns import Columns
+from rayweave.optics._images import _axis, _labelled
+from rayweave.optics._prescription import Prescription
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: The greatest deviation of a uniform distribution, or a kind with the greatest or the standard deviation: ("uniform", 0.1),
+#: ("normal", 0.05).
+Spread = float | tuple[Literal["uniform", "normal"], float]
+
+Merit = Literal["spot", "wavefront", "focal length", "back focal distance", "image shift"]
+
+
+class Sensitivities(Columns):
+    """What each `parameter` does to the merit alone: `minus` and `plus`, the merits where it is too small and too large by its
+    greatest or standard deviation `spread`, and `slope`, their difference over that of the parameter."""
+
+    def show(self, *, axis: Axes | None = None) -> Axes:
+        """Draws the changes of the merit as bars, the greatest on top."""
+        axis = _axis(axis)
+        middle = 0.5 * (self["minus"] + self["plus"])
+        order = np.argsort(np.abs(self["plus"] - self["minus"]) + np.abs(middle - middle.min()))
+        for name in ("minus", "plus"):
+            axis.barh(self["parameter"][order], self[name][order] - self["nominal"][order], label=name, alpha=0.7)
+        return _labelled(axis, "change of the merit", "")
+
+
+class Trials(Columns):
+    """Trials with errors: the deviation of every parameter under its name, the `merit` (NaN where no light arrives), and `shift`, by
+    how much the image was moved to refocus it. `nominal` is the merit without errors, `sensitivities` what each parameter does."""
+
+    nominal: float
+    sensitivities: Sensitivities
+
+    def quantile(self, fraction: float) -> float:
+        """The merit below which a fraction of the trials are."""
+        return float(np.nanquantile(self["merit"], fraction))
+
+    @property
+    def failures(self) -> int:
+        """The number of trials without a merit."""
+        return int(np.isnan(self["merit"]).sum())
+
+    def show(self, *, axis: Axes | None = None, bins: int = 40) -> Axes:
+        """Draws how often merits are found, with the merit without errors and the quantiles of 10, 50 and 90 percent."""
+        axis = _axis(axis)
+        merits = self["merit"][np.isfinite(self["merit"])]
+        axis.hist(merits, bins=bins, color="#a8d1f0")
+        axis.axvline(self.nominal, color="#202020", label="without errors")
+        for fraction in (0.1, 0.5, 0.9):
+            at = self.quantile(fraction)
+            axis.axvline(at, color="#c05020", linestyle="--", label=f"{100 * fraction:g} %: {at:.4g}")
+        unit = self.units["merit"]
+        return _labelled(axis, f"merit, {unit}" if unit else "merit", "trials")
+
+
+def tolerance(
+    lens: Prescription,
+    errors: Mapping[str, Spread],
+    merit: Merit = "spot",
+    *,
+    trials: int = 1000,
+    refocus: bool = False,
+    rings: int = 6,
+    seed: int = 0,
+    threads: int | None = None,
+) -> Trials:
+    """Draws errors of parameters at random and tells what they do to a merit.
+
+    Parameters are called by a quantity and surfaces, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic 1", "index 1"; and
+    for surfaces that are moved as one body, about the vertex of the first, "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3"
+    (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"), both over all fields,
+    the "focal length", the "back focal distance", or the way of the first field's centroid ("image shift"). Rays go from surface to
+    surface through the paraxial entrance pupil in so many `rings`, whatever the semi-diameters.
+
+    With `refocus` the image of every trial is moved to where the mean square radius of all spots is least. Trial k is the same whatever
+    the number of trials and of `threads`, and the errors of a parameter do not depend on the others.
+    """
+    spreads = {name: _spread(spread) for name, spread in errors.items()}
+    found = _core.tolerance(
+        lens._compiled,
+        [(name, kind, scale) for name, (kind, scale) in spreads.items()],
+        merit,
+        trials,
+        refocus=refocus,
+        rings=rings,
+        seed=seed,
+        threads=threads,
+    )
+    unit = "waves" if merit == "wavefront" else lens.unit
+    units = {name: _unit(name, lens.unit) for name in spreads}
+    columns = dict(zip(spreads, found["deviations"], strict=True))
+    table = Trials(
+        {**columns, "merit": found["merits"], "shift": found["shifts"]},
+        {**units, "merit": unit, "shift": lens.unit},
+    )
+    table.nominal = found["nominal"]
+    alone: NDArray[np.float64] = np.array(found["alone"])
+    table.sensitivities = Sensitivities(
+        {
+            "parameter": list(spreads),
+            "spread": [scale for _, scale in spreads.values()],
+            "nominal": np.full(len(spreads), table.nominal),
+            **{name: alone[:, k] for k, name in enumerate(("minus", "plus", "slope"))},
+        },
+        dict.fromkeys(("nominal", "minus", "plus"), unit),
+    )
+    return table
+
+
+def _spread(spread: Spread) -> tuple[str, float]:
+    match spread:
+        case (str() as kind, scale):
+            return kind, float(scale)
+        case scale:
+            return "uniform", float(scale)
+
+
+def _unit(name: str, unit: str) -> str:
+    kind = name.split()[0]
+    return {"tilt": "degrees", "conic": "", "index": "", "curvature": f"1/{unit}"}.get(kind, unit)
+
+
+@dataclass(frozen=True)
+class Goal:
+    """An operand, where it should be, and the weight of what it misses: made by `goal`."""
+
+    operand: str
+    numbers: tuple[float, ...]
+    target: str
+    value: float
+    weight: float
+
+    def _row(self) -> tuple[Any, ...]:
+        return self.operand, list(self.numbers), self.target, self.value, self.weight
+
+
+def goal(
+    operand: str,
+    equal: float | None = None,
+    *,
+    at_least: float | None = None,
+    at_most: float | None = None,
+    weight: float = 1.0,
+    field: int | None = None,
+    wavelength_nm: float | None = None,
+    surface: int | None = None,
+    height: float | None = None,
+) -> Goal:
+    """A goal of a search; without a value it is 0.
+
+    Operands of one number: "focal length", "back focal distance", "defocus" (from the image to the paraxial image), "magnification"; the
+    Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour", "lateral colour"; a parameter by its name, as
+    "thickness 1"; "edge", the distance from a `surface` to the next one at a `height` from the axis. Operands of all rays of a `field` at a
+    wavelength: "spot", whose sum of squares is the square of the RMS radius, and "wavefront", that of the RMS in waves.
+    """
+    given = {"equal": equal, "least": at_least, "most": at_most}
+    stated = [(kind, float(value)) for kind, value in given.items() if value is not None] or [("equal", 0.0)]
+    if len(stated) > 1:
+        raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values (one of equal, at_least, at_most)")
+    names = ("field", "wavelength_nm") if operand in ("spot", "wavefront") else ("surface", "height")
+    places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
+    wanted = [places.pop(name) for name in names] if operand in ("spot", "wavefront", "edge") else []
+    if any(value is not None for value in places.values()) or any(value is None for value in wanted):
+        needed = f"{names[0]} and {names[1]}" if wanted else "no field, wavelength_nm, surface nor height"
+        raise _core.RayweaveError(f"the goal {operand!r} needs {needed}")
+    numbers = tuple(float(value) for value in wanted if value is not None)
+    return Goal(operand, numbers, *stated[0], float(weight))
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """What a search has found: the prescription `lens`, the `values` of its parameters, the root of the sum of squares of all weighted
+    misses `before` and `after`; `has_converged` is true if no step made it better, and `reason` tells why it ended."""
+
+    lens: Prescription
+    values: dict[str, float]
+    before: float
+    after: float
+    evaluations: int
+    has_converged: bool
+    reason: str
+
+    @classmethod
+    def _of(cls, compiled: _core.CompiledPrescription, table: dict[str, Any]) -> Self:
+        return cls(Prescription._of(compiled), **table)
+
+
+def optimise(
+    lens: Prescription,
+    parameters: Iterable[str],
+    goals: Iterable[Goal],
+    *,
+    rings: int = 4,
+    patience: int = 100,
+) -> Optimum:
+    """Looks for the values of parameters at which the sum of squares of what goals miss is least, from a prescription on.
+
+    Parameters are called as for `tolerance`, but for those that move surfaces off the axis; goals are made by `goal`. The algorithm is
+    Levenberg and Marquardt's in the form of J. J. More (MINPACK, 1978); it finds the nearest minimum, not the best one, and gives up
+    after `patience` prescriptions for each parameter.
+    """
+    rows = [goal._row() for goal in goals]
+    names = [parameters] if isinstance(parameters, str) else list(parameters)
+    return Optimum._of(*_core.optimise(lens._compiled, names, rows, rings=rings, patience=patience))

@@ -1,0 +1,175 @@
+//! Tolerancing and searches.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayweave::optics::design::{
+    Goal, Merit, Operand, Optimiser, Parameter, SeidelTerm, Spread, Target, Tolerancing,
+};
+
+use crate::engine::thread_argument;
+use crate::error::bad_value;
+use crate::optics::prescription::PyPrescription;
+
+/// A parameter by name, the kind of its spread and its scale.
+#[derive(FromPyObject)]
+pub struct ErrorOf(String, String, f64);
+
+impl ErrorOf {
+    fn read(&self) -> PyResult<(Parameter, Spread)> {
+        let spread = match self.1.as_str() {
+            "uniform" => Spread::Uniform(self.2),
+            "normal" => Spread::Normal(self.2),
+            other => {
+                let text = format!("the spread is {other:?} (it can be \"uniform\" or \"normal\")");
+                return Err(bad_value(text));
+            }
+        };
+        Ok((self.0.parse().map_err(bad_value)?, spread))
+    }
+}
+
+/// Merits with their names.
+const MERITS: [(&str, Merit); 5] = [
+    ("spot", Merit::SpotRms),
+    ("wavefront", Merit::WavefrontRms),
+    ("focal length", Merit::FocalLength),
+    ("back focal distance", Merit::BackFocalDistance),
+    ("image shift", Merit::ImageShift),
+];
+
+/// Something by its name, or an error that lists what there is.
+fn named<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
+    let found = known.iter().find(|(known, _)| *known == name);
+    let names = || known.iter().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+    found
+        .map(|(_, value)| *value)
+        .ok_or_else(|| bad_value(format!("{what} is {name:?} (it can be {})", names())))
+}
+
+/// The merits of trials with their deviations, and what each parameter does alone.
+#[pyfunction]
+#[pyo3(signature = (lens, errors, merit, trials, *, refocus, rings, seed, threads))]
+#[allow(clippy::too_many_arguments)] // those of the function in Python
+pub fn tolerance<'py>(
+    lens: &Bound<'py, PyPrescription>,
+    errors: Vec<ErrorOf>,
+    merit: &str,
+    trials: u64,
+    refocus: bool,
+    rings: usize,
+    seed: u64,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let py = lens.py();
+    let threads = threads.map(thread_argument).transpose()?;
+    let start = Tolerancing::new(lens.get().lens(), named("merit", merit, &MERITS)?);
+    let start = start.rings(rings).seed(seed).threads(threads);
+    let start = if refocus { start.refocused() } else { start };
+    let tolerancing = errors.iter().try_fold(start, |all, error| {
+        let (parameter, spread) = error.read()?;
+        Ok::<_, PyErr>(all.add(parameter, spread))
+    })?;
+    let (found, alone) = py
+        .detach(|| Ok((tolerancing.trials(trials)?, tolerancing.sensitivities()?)))
+        .map_err(|error: rayweave::optics::design::DesignError| bad_value(error))?;
+    let table = PyDict::new(py);
+    table.set_item("nominal", found.nominal)?;
+    let columns = found.deviations.into_iter().map(|column| PyArray1::from_vec(py, column));
+    table.set_item("deviations", columns.collect::<Vec<_>>())?;
+    table.set_item("merits", PyArray1::from_vec(py, found.merits))?;
+    table.set_item("shifts", PyArray1::from_vec(py, found.shifts))?;
+    let alone: Vec<(f64, f64, f64)> = alone.iter().map(|one| (one.minus, one.plus, one.slope)).collect();
+    table.set_item("alone", alone)?;
+    Ok(table)
+}
+
+/// Operands of one number with their names.
+const OPERANDS: [(&str, Operand); 11] = [
+    ("focal length", Operand::FocalLength),
+    ("back focal distance", Operand::BackFocalDistance),
+    ("defocus", Operand::Defocus),
+    ("magnification", Operand::Magnification),
+    ("spherical", Operand::Seidel(SeidelTerm::Spherical)),
+    ("coma", Operand::Seidel(SeidelTerm::Coma)),
+    ("astigmatism", Operand::Seidel(SeidelTerm::Astigmatism)),
+    ("petzval", Operand::Seidel(SeidelTerm::Petzval)),
+    ("distortion", Operand::Seidel(SeidelTerm::Distortion)),
+    ("axial colour", Operand::Seidel(SeidelTerm::AxialColour)),
+    ("lateral colour", Operand::Seidel(SeidelTerm::LateralColour)),
+];
+
+/// An operand by its name and numbers; a kind of target, its value and the weight.
+#[derive(FromPyObject)]
+pub struct GoalOf(String, Vec<f64>, String, f64, f64);
+
+/// The number of a field or surface.
+fn whole(what: &str, number: f64) -> PyResult<usize> {
+    let is_whole = number >= 0.0 && number.fract() == 0.0;
+    let problem = || bad_value(format!("{what} is {number} (a whole number is needed)"));
+    is_whole.then_some(number as usize).ok_or_else(problem)
+}
+
+impl GoalOf {
+    fn read(&self) -> PyResult<Goal> {
+        let GoalOf(name, numbers, target, value, weight) = self;
+        let operand = match (name.as_str(), numbers.as_slice()) {
+            ("spot", &[field, wavelength_nm]) => {
+                Operand::Spot { field: whole("field", field)?, wavelength_nm }
+            }
+            ("wavefront", &[field, wavelength_nm]) => {
+                Operand::Wavefront { field: whole("field", field)?, wavelength_nm }
+            }
+            ("edge", &[surface, height]) => {
+                Operand::EdgeThickness { surface: whole("surface", surface)?, height }
+            }
+            (name, []) => match name.parse() {
+                Ok(parameter) => Operand::Value(parameter),
+                Err(_) => named("operand", name, &OPERANDS)?,
+            },
+            (name, _) => {
+                return Err(bad_value(format!(
+                    "there is no operand {name:?} with {} numbers",
+                    numbers.len()
+                )));
+            }
+        };
+        let kinds = [
+            ("equal", Target::Equal(*value)),
+            ("least", Target::AtLeast(*value)),
+            ("most", Target::AtMost(*value)),
+        ];
+        Ok(Goal { operand, target: named("target", target, &kinds)?, weight: *weight })
+    }
+}
+
+/// The prescription that a search finds, the values of the parameters, and how it went.
+#[pyfunction]
+#[pyo3(signature = (lens, parameters, goals, *, rings, patience))]
+pub fn optimise<'py>(
+    lens: &Bound<'py, PyPrescription>,
+    parameters: Vec<String>,
+    goals: Vec<GoalOf>,
+    rings: usize,
+    patience: usize,
+) -> PyResult<(PyPrescription, Bound<'py, PyDict>)> {
+    let py = lens.py();
+    let start = Optimiser::new(lens.get().lens()).rings(rings).patience(patience);
+    let start = parameters
+        .iter()
+        .try_fold(start, |all, name| Ok::<_, PyErr>(all.vary(name.parse().map_err(bad_value)?)))?;
+    let optimiser = goals.iter().try_fold(start, |all, goal| Ok::<_, PyErr>(all.goal(goal.read()?)))?;
+    let found = py.detach(|| optimiser.run()).map_err(bad_value)?;
+    let table = PyDict::new(py);
+    let values = PyDict::new(py);
+    for (parameter, value) in &found.values {
+        values.set_item(parameter.to_string(), *value)?;
+    }
+    table.set_item("values", values)?;
+    table.set_item("before", found.before)?;
+    table.set_item("after", found.after)?;
+    table.set_item("evaluations", found.evaluations)?;
+    table.set_item("has_converged", found.has_converged)?;
+    table.set_item("reason", found.reason)?;
+    Ok((PyPrescription::from(found.lens), table))
+}
