@@ -124,7 +124,7 @@ impl Shape for Mesh {
 /// The three faces of the spike over an octant, by the numbers of its tip, 0 to 7, and of the ends of the axes, 8 to 13.
 fn spike(octant: u32) -> [[u32; 3]; 3] {
     let end = |axis: u32| 8 + 2 * axis + (octant >> axis & 1);
-    let is_mirrored = octant.count_ones() % 2 == 0;
+    let is_mirrored = octant.count_ones().is_multiple_of(2);
     [(0, 1), (1, 2), (2, 0)]
         .map(|(a, b)| if is_mirrored { [octant, end(b), end(a)] } else { [octant, end(a), end(b)] })
 }
