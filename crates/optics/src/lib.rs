@@ -68,3 +68,8 @@ pub use trace::{Trace, Tracer};
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/guides/lens-design.md")]
 mod guide {}
+
+/// The code of the guide to gradients.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guides/gradient-index.md")]
+mod guide_to_gradients {}

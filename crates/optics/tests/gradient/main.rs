@@ -1,6 +1,7 @@
 //! Light in media with a gradient, against closed forms.
 
 mod laws;
+mod picture;
 mod profiles;
 
 use rayweave_math::{Affine, Vec3};
