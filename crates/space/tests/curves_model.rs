@@ -5,9 +5,11 @@ mod curves_support;
 use rayweave_conformance::models::{block, half_space, motion, shape};
 use rayweave_conformance::{Model, Random, Style};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Crossing, Evaluator, Program, RegionId, Solid};
+use rayweave_model::{Crossing, Evaluator, PlacementId, Program, RegionId, Solid, Start, SurfaceId};
 use rayweave_space::curve::{Arc, Helix, Line, Mapped, Parabola, Spline, SplineEnds};
-use rayweave_space::{Curve, CurveError, CurveTrace, Point, curve_normal, curve_point, trace_curve};
+use rayweave_space::{
+    Curve, CurveError, CurveTrace, Point, curve_normal, curve_point, trace_curve, trace_curve_from,
+};
 use rayweave_trace::Reference;
 use std::f64::consts::TAU;
 
@@ -345,4 +347,48 @@ fn dense_samples_find_nothing_else() {
 fn long_dense_samples_find_nothing_else() {
     let crossings = sampled(1000..1400, 20, 1000);
     assert!(crossings > 20_000, "{crossings}");
+}
+
+/// A curve cut into pieces at the very times of its crossings, with the sides of surfaces carried on: each crossing is told once,
+/// by the piece before or by that behind it. Without the sides they are lost in the rounding of the ends.
+#[test]
+fn pieces_that_end_on_faces() {
+    let solid = block(Vec3::new(-1.0, -0.7, -0.5), Vec3::new(1.1, 0.8, 3.0))
+        - block(Vec3::new(-0.4, -2.0, 0.3), Vec3::new(0.5, 2.0, 1.2));
+    let program = Program::compile(&solid).unwrap();
+    let helix = Helix::new([0.2, -0.1, -1.0], [0.9, 0.1, 0.21], [0.0, 0.0, 1.0], 0.8).unwrap();
+    let whole = trace_curve(&program, &helix, 0.0, 15.0).unwrap();
+    let want = times(&whole);
+    assert!(want.len() > 4, "{want:?}");
+    let cuts: Vec<f64> = [0.0].into_iter().chain(want.iter().copied()).chain([15.0]).collect();
+    let (mut sides, mut found, mut now) = (Vec::new(), Vec::new(), whole.start);
+    for pair in cuts.windows(2) {
+        let piece = trace_curve_from(&program, &helix, pair[0], pair[1], &mut sides).unwrap();
+        assert_eq!(piece.start, now);
+        found.extend(times(&piece));
+        now = piece.crossings.last().map_or(now, |crossing| crossing.after);
+    }
+    assert_eq!(found.len(), want.len(), "{found:?} {want:?}");
+    assert!(found.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} {want:?}");
+}
+
+/// A curve that begins on a face goes to the side that is said, whatever rounding makes of the first point.
+#[test]
+fn curves_that_begin_on_faces() {
+    let program = Program::compile(&shape("sphere", &[("radius", 2.0)])).unwrap();
+    let mut rng = Random::new(11);
+    for _ in 0..300 {
+        let unit = rng.direction();
+        let inwards = -unit + 0.9 * unit.any_orthonormal_vector();
+        for inside in [true, false] {
+            let start = if inside { inwards } else { unit };
+            let curve = Parabola::new((2.0 * unit).to_array(), start.to_array(), [0.01, 0.0, -0.02]);
+            let (surface, placement) = (SurfaceId(0), PlacementId(0));
+            let mut sides = vec![Start { surface, placement, inside }];
+            let found = trace_curve_from(&program, &curve, 0.0, 5.0, &mut sides).unwrap();
+            assert_eq!(found.start, RegionId(u32::from(inside)));
+            assert_eq!(found.crossings.len(), usize::from(inside));
+            assert!(!sides[0].inside);
+        }
+    }
 }
