@@ -195,3 +195,34 @@ expr = "plate - (hole | pin)"
     assert "as written  plate - (hole | pin)\nas kept     plate & ~pin\n" in text
     assert "  hole: it lies outside plate (A - B with disjoint bounds)\n" in text
     assert "... and 1 more" in rw.loads(toml).preparation(lines=0)
+
+
+DUMP = "difference() { cube(size = [4, 4, 4], center = true); sphere($fn = 8, r = 1); }\n"
+
+
+def test_openscad_models_are_read_by_ending_or_by_name(tmp_path: Path) -> None:
+    dump, text = tmp_path / "part.csg", tmp_path / "part.txt"
+    dump.write_text(DUMP)
+    text.write_text(DUMP)
+    for model in (rw.load(dump), rw.load(text, format="openscad")):
+        assert [region.name for region in model.regions] == ["model"]
+        np.testing.assert_array_equal(model.bounds(), [[-2, -2, -2], [2, 2, 2]])
+        assert model.warnings == []
+        # truly round: the chord of a ball
+        hits = model.hits([-4, 0, 0.6], [1, 0, 0])
+        np.testing.assert_allclose(hits[:, 0], [2, 3.2, 4.8, 6], rtol=1e-14)
+    faceted = rw.load(dump, facets=True).hits([-4, 0, 0.6], [1, 0, 0])
+    assert faceted.shape == (4, 1) and 3.2 < faceted[1, 0] < 3.4
+    assert pickle.loads(pickle.dumps(rw.load(dump))) == rw.load(dump)
+    with pytest.raises(rw.RayweaveError, match="no format is called 'scad'"):
+        rw.load(dump, format="scad")
+
+
+def test_what_is_lost_of_other_formats_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "part.csg"
+    path.write_text(DUMP + 'import(file = "gone.stl");\n')
+    (warning,) = rw.load(path).warnings
+    assert "part.csg:2:1" in warning and "no file `gone.stl`" in warning
+    path.write_text(DUMP[:30])
+    with pytest.raises(rw.RayweaveError, match="is missing"):
+        rw.load(path)

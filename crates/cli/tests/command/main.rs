@@ -2,6 +2,7 @@
 
 mod bench;
 mod export;
+mod formats;
 
 mod infill;
 mod info;

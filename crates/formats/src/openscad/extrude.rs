@@ -35,11 +35,6 @@ impl Way {
         self.scale == [1.0; 2]
     }
 
-    /// The mean of the factors on the way.
-    pub fn mean_factor(&self) -> f64 {
-        0.5 + 0.25 * (self.scale[0] + self.scale[1])
-    }
-
     /// True if x and y grow alike.
     pub fn is_even(&self) -> bool {
         self.scale[0] == self.scale[1]

@@ -20,9 +20,6 @@ pub(super) struct Fineness {
 }
 
 impl Fineness {
-    /// Edges as they are.
-    pub const COARSE: Fineness = Fineness { count: 1.0, angle: 360.0, size: f64::INFINITY };
-
     pub fn of(arguments: &Arguments) -> Result<Fineness, Refusal> {
         let fineness = Fineness {
             count: arguments.number("$fn", 0.0)?,
@@ -55,24 +52,30 @@ impl Fineness {
             () if self.count > 0.0 && twist > 0.0 => (twist / 360.0 * self.count).ceil(),
             () if self.count > 0.0 => self.count,
             () => {
-                let moved = [0, 1].map(|k| (way.scale[k] - 1.0) * reach[k]);
-                let turned = twist.to_radians() * radius * way.mean_factor();
-                let length = [height, turned, moved[0], moved[1]].iter().map(|x| x * x).sum::<f64>().sqrt();
+                let length = match twist > 0.0 {
+                    true => libm::hypot(height, spiral(radius, twist.to_radians(), way.scale[0])),
+                    false => {
+                        let moved = [0, 1].map(|k| (way.scale[k] - 1.0) * reach[k]);
+                        libm::hypot(height, libm::hypot(moved[0], moved[1]))
+                    }
+                };
                 let by_size = (length / self.size).ceil();
                 if twist > 0.0 { by_size.min((twist / self.angle).ceil()) } else { by_size }
             }
         };
         slices.max(least).min(MOST_FRAGMENTS) as usize
     }
+}
 
-    /// How many pieces the edges of a contour of this length have at least, where they bend.
-    pub fn pieces(&self, length: f64) -> usize {
-        let pieces = match self.count > 0.0 {
-            true => self.count,
-            false => (360.0 / self.angle).min(length / self.size),
-        };
-        pieces.ceil().clamp(1.0, MOST_FRAGMENTS) as usize
+/// The length of the way in the plane of a point that turns by an angle while its distance grows by a factor: an arc, or
+/// a piece of a spiral of Archimedes.
+fn spiral(radius: f64, angle: f64, factor: f64) -> f64 {
+    if factor == 1.0 {
+        return radius * angle;
     }
+    let end = if factor > 1.0 { angle * factor / (factor - 1.0) } else { angle / (1.0 - factor) };
+    let length = |t: f64| 0.5 * radius / end * (t * (1.0 + t * t).sqrt() + libm::asinh(t));
+    length(end) - length(end - angle)
 }
 
 /// The direction of fragment `k` of `n`, as (cos, sin).

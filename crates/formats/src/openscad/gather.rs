@@ -26,6 +26,8 @@ pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Ve
         }
         let node = &reader.tree.nodes[number];
         let arguments = Arguments::new(reader.source, node);
+        // a node is a map, names, numbers
+        reader.spend(&arguments, 20)?;
         let mut inner = map;
         match node.name.as_str() {
             "group" | "union" | "render" | "color" | "hull" => {}

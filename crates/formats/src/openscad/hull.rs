@@ -8,11 +8,12 @@
 use super::arguments::{Arguments, Refusal};
 use super::convex_hull::{MOST_POINTS, convex_hull, planes};
 use super::facets::{direction, ring_points, sphere_rings};
+use super::mesh::convex;
 use super::part::union;
 use super::primitive::solid;
 use rayweave_math::{Affine, Mat3, Vec3, any_perpendicular};
 use rayweave_model::Solid;
-use rayweave_shape::primitive::{Cone, Convex, Cylinder, Sphere};
+use rayweave_shape::primitive::{Cone, Cylinder, Sphere};
 
 /// Differences below this part of the size count as rounding: numbers are printed with six digits.
 const NEAR: f64 = 1e-7;
@@ -46,6 +47,14 @@ impl Generator {
         }
     }
 
+    fn vertex_count(&self) -> usize {
+        match *self {
+            Generator::Ball { radius: 0.0, .. } => 1,
+            Generator::Ball { fragments, .. } => fragments * fragments.div_ceil(2),
+            Generator::Disc { fragments, .. } => fragments,
+        }
+    }
+
     /// The vertices that OpenSCAD would take, but for the angle at which they begin.
     pub fn vertices(&self) -> Vec<Vec3> {
         match *self {
@@ -73,6 +82,19 @@ pub(super) struct Hull {
     pub is_exact: bool,
 }
 
+/// About how many steps a hull takes.
+pub(super) fn cost(generators: &[Generator]) -> usize {
+    let is_round = |g: &&Generator| matches!(g, Generator::Ball { radius, .. } if *radius > 0.0);
+    let rounds = generators.iter().filter(is_round).count();
+    let discs = generators.iter().filter(|g| matches!(g, Generator::Disc { .. })).count();
+    let points = match rounds > 0 && discs > 0 || rounds > MOST_BALLS {
+        true => generators.iter().map(Generator::vertex_count).sum(),
+        false => generators.len(),
+    };
+    let balls = rounds.min(MOST_BALLS);
+    points.saturating_mul(points).saturating_add(balls * generators.len() * balls)
+}
+
 /// The hull of generators; no solid if it has no volume.
 pub(super) fn hull(arguments: &Arguments, generators: &[Generator]) -> Result<Hull, Refusal> {
     let exact = match generators.iter().any(|g| matches!(g, Generator::Disc { .. })) {
@@ -95,7 +117,11 @@ pub(super) fn of_points(arguments: &Arguments, points: Vec<Vec3>) -> Result<Opti
     }
     match convex_hull(&points) {
         None => Ok(None),
-        Some(faces) => solid(arguments, Convex::new(planes(&points, &faces))).map(Some),
+        Some(faces) => {
+            let planes = planes(&points, &faces);
+            let triangles = || faces.iter().map(|corners| corners.map(|k| k as u32)).collect();
+            convex(arguments, planes, || (points.clone(), triangles())).map(Some)
+        }
     }
 }
 

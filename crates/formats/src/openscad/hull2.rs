@@ -2,6 +2,12 @@
 
 use rayweave_space::Point;
 
+/// About how many steps a hull takes.
+pub(super) fn cost(discs: &[(Point<2>, f64, usize)]) -> usize {
+    let round = discs.iter().filter(|disc| disc.1 > 0.0).count();
+    discs.len().saturating_mul(1 + round.saturating_mul(discs.len()))
+}
+
 /// The points in which lines touch discs that have all others behind them, in order around the hull of the discs, which is
 /// the union of the polygon of these points and the discs. A disc of radius 0 is a point.
 pub(super) fn touching_points(discs: &[(Point<2>, f64)]) -> Vec<Point<2>> {

@@ -7,7 +7,7 @@ use super::arguments::{Arguments, Refusal, vector};
 use super::boolean::join_solids;
 use super::convex_hull::{MOST_POINTS, convex_hull, planes, volume};
 use super::extrude::Way;
-use super::facets::Fineness;
+use super::facets::{Fineness, ring_points};
 use super::flat::{Flat, Flats, Leaf, image, index};
 use super::part::Part;
 use super::primitive::solid;
@@ -16,14 +16,14 @@ use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_mesh::files::{MeshFormat, ReadOptions, read};
 use rayweave_model::Solid;
 use rayweave_scene::Source;
-use rayweave_shape::primitive::Convex;
+use rayweave_shape::primitive::{Convex, Mesh};
 use rayweave_space::Point;
 use std::path::{Path, PathBuf};
 
 /// More triangles than these of one item say that its numbers are not meant.
 const MOST_TRIANGLES: usize = 20_000_000;
 
-/// A polyhedron of more faces is asked faster as a mesh.
+/// A polyhedron of more faces is asked faster as a mesh, which has a hierarchy.
 const MOST_PLANES: usize = 64;
 
 /// The largest height map in bytes.
@@ -31,8 +31,42 @@ const LARGEST_MAP: u64 = 64 << 20;
 
 fn within(arguments: &Arguments, vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Solid, Refusal> {
     let mesh = rayweave_mesh::Mesh::new(vertices, triangles);
-    mesh.map_err(|error| arguments.refusal(&error.to_string()))?;
-    Err(arguments.refusal("solids within triangles cannot be read"))
+    let mesh = mesh.map_err(|error| arguments.refusal(&error.to_string()))?;
+    solid(arguments, Mesh::new(&mesh))
+}
+
+/// The convex solid of planes or, where they are many, of triangles that say the same.
+pub(super) fn convex(
+    arguments: &Arguments,
+    planes: Vec<[f64; 4]>,
+    mesh: impl FnOnce() -> (Vec<Vec3>, Vec<[u32; 3]>),
+) -> Result<Solid, Refusal> {
+    if planes.len() <= MOST_PLANES {
+        return solid(arguments, Convex::new(planes));
+    }
+    let (vertices, triangles) = mesh();
+    within(arguments, vertices, triangles)
+}
+
+/// What lies between rings (radius, z) of so many vertices each, from the top down. A ring may be a point.
+pub(super) fn between_rings(rings: &[[f64; 2]], fragments: usize) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let count = |ring: &[f64; 2]| if ring[0] > 0.0 { fragments as u32 } else { 1 };
+    let mut triangles = Vec::new();
+    let mut upper = 0;
+    for pair in rings.windows(2) {
+        let (m, n) = (count(&pair[0]), count(&pair[1]));
+        let lower = upper + m;
+        for k in 0..fragments as u32 {
+            let [a, b] = [upper + k % m, upper + (k + 1) % m];
+            let [c, d] = [lower + k % n, lower + (k + 1) % n];
+            triangles.extend([[a, c, d], [a, d, b]].into_iter().filter(|t| t[0] != t[2] && t[1] != t[2]));
+        }
+        upper = lower;
+    }
+    let last = rings.last().map_or(1, count);
+    triangles.extend((1..rings.first().map_or(1, count).max(2) - 1).map(|k| [0, k, k + 1]));
+    triangles.extend((1..last.max(2) - 1).map(|k| [upper, upper + k + 1, upper + k]));
+    (ring_points(rings, fragments), triangles)
 }
 
 /// The points and the triangles of a `polyhedron`.
@@ -100,7 +134,6 @@ pub(super) struct Twist {
     way: Way,
     degrees: f64,
     slices: usize,
-    fineness: Fineness,
 }
 
 impl Twist {
@@ -114,12 +147,12 @@ impl Twist {
             given if given >= 1.0 => given.min(1e6) as usize,
             _ => fineness.slices(reach, degrees.abs(), way),
         };
-        Ok(Twist { way: *way, degrees, slices, fineness })
+        Ok(Twist { way: *way, degrees, slices })
     }
 
     /// Straight up, or growing, in one slice.
     pub fn plain(way: &Way) -> Twist {
-        Twist { way: *way, degrees: 0.0, slices: 1, fineness: Fineness::COARSE }
+        Twist { way: *way, degrees: 0.0, slices: 1 }
     }
 
     /// The solid over a region.
@@ -131,7 +164,7 @@ impl Twist {
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
         for contour in leaf.contours() {
             let contour: Vec<Point<2>> = contour.into_iter().map(|p| image(map, p)).collect();
-            let contour = self.divided(&contour);
+            let contour = counter_clockwise(contour);
             if 2 * contour.len() * (self.slices + 1) + triangles.len() > MOST_TRIANGLES {
                 return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
             }
@@ -141,22 +174,6 @@ impl Twist {
             true => Ok(Solid::vacuum()),
             false => within(arguments, vertices, triangles),
         }
-    }
-
-    /// A contour with its edges divided evenly, about as finely as OpenSCAD divides them.
-    fn divided(&self, contour: &[Point<2>]) -> Vec<Point<2>> {
-        let next = contour.iter().skip(1).chain(contour.first());
-        let edges: Vec<(Point<2>, Point<2>)> = contour.iter().copied().zip(next.copied()).collect();
-        let length = |(a, b): &(Point<2>, Point<2>)| libm::hypot(b[0] - a[0], b[1] - a[1]);
-        let whole: f64 = edges.iter().map(length).sum();
-        let most = self.fineness.pieces(whole);
-        if edges.len() >= most {
-            return contour.to_vec();
-        }
-        let pieces = |edge| (most as f64 * length(edge) / whole).ceil().max(1.0) as usize;
-        let point = |(a, b): &(Point<2>, Point<2>), t: f64| [0, 1].map(|k| a[k] + t * (b[k] - a[k]));
-        let divide = |edge| (0..pieces(edge)).map(move |k| point(edge, k as f64 / pieces(edge) as f64));
-        edges.iter().flat_map(divide).collect()
     }
 
     /// Adds what is between the images of a contour at all heights.
@@ -177,7 +194,7 @@ impl Twist {
                 let [a, b] = [lower + k, lower + (k + 1) % n];
                 let [c, d] = [a + n, b + n];
                 let length = |i: u32, j: u32| (vertices[i as usize] - vertices[j as usize]).length_squared();
-                // along the shorter diagonal
+                // along the shorter diagonal, as OpenSCAD 2021.01
                 match length(a, d) <= length(b, c) {
                     true => triangles.extend([[a, b, d], [a, d, c]]),
                     false => triangles.extend([[a, b, c], [b, d, c]]),
@@ -196,6 +213,16 @@ impl Twist {
             .iter()
             .map(move |p| Vec3::new(fx * (cos * p[0] - sin * p[1]), fy * (sin * p[0] + cos * p[1]), z))
     }
+}
+
+/// The contour with its area on the left.
+fn counter_clockwise(mut contour: Vec<Point<2>>) -> Vec<Point<2>> {
+    let next = contour.iter().skip(1).chain(contour.first());
+    let twice: f64 = contour.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
+    if twice < 0.0 {
+        contour.reverse();
+    }
+    contour
 }
 
 /// The file that an item names, beside the dump.
@@ -243,7 +270,7 @@ pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Part, Re
     Ok(within(arguments, vertices, triangles)?.into())
 }
 
-/// The rows of a map, the last of which is at y = 0. Rows that are too short end with zeros.
+/// The rows of a map, the first of which is at y = 0. Rows that are too short end with zeros.
 fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
     if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
         return Err(arguments.refusal("maps of heights as pictures cannot be read"));
@@ -267,7 +294,6 @@ fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal>
     }
     let width = rows.iter().map(Vec::len).max().unwrap_or(0);
     rows.iter_mut().for_each(|row| row.resize(width, 0.0));
-    rows.reverse();
     Ok(rows)
 }
 

@@ -2,10 +2,11 @@
 
 use super::arguments::{Arguments, Refusal};
 use super::facets::{Fineness, ring_planes, sphere_rings};
+use super::mesh::{between_rings, convex};
 use super::part::Part;
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
-use rayweave_shape::primitive::{BoxFromCorners, Cone, Convex, Cylinder, Primitive, ShapeError, Sphere};
+use rayweave_shape::primitive::{BoxFromCorners, Cone, Cylinder, Primitive, ShapeError, Sphere};
 
 /// A shape as a solid; what a shape says against its numbers is a refusal.
 pub(super) fn solid<S: Into<Primitive>>(
@@ -38,8 +39,12 @@ pub(super) fn sphere(arguments: &Arguments, facets: bool) -> Result<Part, Refusa
         return Ok(solid(arguments, Sphere::new(radius))?.into());
     }
     let fragments = Fineness::of(arguments)?.fragments(radius);
-    let planes = ring_planes(&sphere_rings(radius, fragments), fragments);
-    Ok(solid(arguments, Convex::new(planes))?.into())
+    Ok(faceted(arguments, &sphere_rings(radius, fragments), fragments)?.into())
+}
+
+/// The convex solid between rings.
+fn faceted(arguments: &Arguments, rings: &[[f64; 2]], fragments: usize) -> Result<Solid, Refusal> {
+    convex(arguments, ring_planes(rings, fragments), || between_rings(rings, fragments))
 }
 
 /// The numbers of `cylinder(h, r1, r2, center)`.
@@ -79,7 +84,7 @@ pub(super) fn cylinder(arguments: &Arguments, facets: bool) -> Result<Part, Refu
     };
     if facets {
         let fragments = Fineness::of(arguments)?.fragments(sizes.largest());
-        return Ok(solid(arguments, Convex::new(ring_planes(&sizes.rings(), fragments)))?.into());
+        return Ok(faceted(arguments, &sizes.rings(), fragments)?.into());
     }
     let CylinderSizes { bottom, radius1, radius2, height } = sizes;
     let centred = match radius1 == radius2 {

@@ -9,13 +9,14 @@ use super::part::{Part, Piece};
 use super::revolve::Turn;
 use super::syntax::{Node, Tree};
 use super::text::{Fonts, text};
-use super::{gather, hull, mesh, offset, primitive, sum, transform};
+use super::{gather, hull, hull2, mesh, offset, primitive, sum, transform};
 use crate::{LossKind, Options, Report};
 use rayweave_math::Affine;
 use rayweave_model::Solid;
 use rayweave_scene::{
     Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit,
 };
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -31,8 +32,13 @@ pub(super) struct Reader<'a> {
     /// What is extruded by a node.
     pub extruded: HashMap<usize, Flat>,
     fonts: Fonts,
+    /// What hulls have cost so far.
+    work: Cell<u64>,
     pub report: Report,
 }
+
+/// The most steps of looking for hulls, about half a minute: hulls in hulls would take the square of their number.
+const MOST_WORK: u64 = 2_000_000_000;
 
 impl<'a> Reader<'a> {
     pub fn new(source: &'a Arc<Source>, options: &'a Options, tree: &'a Tree) -> Reader<'a> {
@@ -45,6 +51,7 @@ impl<'a> Reader<'a> {
             flats: Flats::default(),
             extruded: HashMap::new(),
             fonts: Fonts::new(&options.fonts),
+            work: Cell::new(0),
             report: Report::default(),
         }
     }
@@ -137,6 +144,15 @@ impl<'a> Reader<'a> {
             "surface" => mesh::surface(&arguments, self.source),
             "projection" => Err(arguments.refusal("the shadow or section of a solid is no formula")),
             _ => Err(arguments.refusal("items of this name cannot be read")),
+        }
+    }
+
+    /// Counts steps, and refuses those beyond all that is reasonable.
+    pub fn spend(&self, arguments: &Arguments, steps: usize) -> Result<(), Refusal> {
+        self.work.set(self.work.get().saturating_add(steps as u64));
+        match self.work.get() > MOST_WORK {
+            true => Err(arguments.refusal("the hulls of the file, all together, would take too long")),
+            false => Ok(()),
         }
     }
 
@@ -283,6 +299,7 @@ impl<'a> Reader<'a> {
         match self.joined(node, Operation::Union) {
             Part::Solid(_) => {
                 let generators = gather::generators(self, number, Affine::IDENTITY)?;
+                self.spend(arguments, hull::cost(&generators))?;
                 let found = hull::hull(arguments, &generators)?;
                 if !found.is_exact && !self.options.facets {
                     let why = arguments.approximation("is the hull of the facets of its parts");
@@ -293,6 +310,7 @@ impl<'a> Reader<'a> {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces);
                 let discs = gather::round(arguments, &self.flats, flat)?;
+                self.spend(arguments, hull2::cost(&discs))?;
                 Ok(gather::hull_of_discs(&mut self.flats, &discs))
             }
             other => Ok(other),
@@ -314,6 +332,7 @@ impl<'a> Reader<'a> {
             (true, false) => self.flat_sum(arguments, &flats),
             (false, false) => Err(arguments.refusal("solids and regions of the plane have no sum")),
             (false, true) => {
+                self.spend(arguments, sum::cost(&solids))?;
                 let found = sum::sum(arguments, solids)?;
                 if !found.is_exact && !self.options.facets {
                     let why = arguments.approximation("is the sum of the facets of its parts");

@@ -5,7 +5,7 @@ use super::boolean::Operation;
 use super::extrude::is_convex;
 use super::flat::{Flat, Flats, Leaf, image, simple};
 use super::gather::{Round, hull_of_discs, round};
-use super::hull::{Generator, hull};
+use super::hull::{Generator, cost as cost_of_hull, hull};
 use super::part::{Part, union};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
@@ -17,6 +17,14 @@ const MOST_SUMS: usize = 2000;
 pub(super) struct Sum {
     pub solid: Option<Solid>,
     pub is_exact: bool,
+}
+
+/// About how many steps a sum takes.
+pub(super) fn cost(operands: &[Vec<Vec<Generator>>]) -> usize {
+    let of_all = |parts: &Vec<Vec<Generator>>| {
+        parts.iter().map(|part| cost_of_hull(part)).fold(0, usize::saturating_add)
+    };
+    operands.iter().map(of_all).fold(1, usize::saturating_mul)
 }
 
 /// The sum of solids, each of which is a union of convex parts.

@@ -74,6 +74,16 @@ fn deep_nesting_uses_no_call_stack() {
     worker.expect("a thread").join().expect("no overflow");
 }
 
+/// Hulls in hulls are refused before they take the square of their number.
+#[test]
+fn deep_hulls_end() {
+    let text = format!("{}cube(1);", "hull() ".repeat(100_000));
+    let start = Instant::now();
+    let report = read(&text, false).report;
+    assert!(start.elapsed() < Duration::from_secs(120));
+    assert!(report.warnings().to_string().contains("would take too long"));
+}
+
 #[test]
 fn damaged_bytes_never_panic() {
     use rand::{Rng, RngExt, SeedableRng};

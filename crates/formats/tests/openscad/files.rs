@@ -1,0 +1,82 @@
+//! OpenSCAD's own examples beside its own answers, where the files are there.
+
+use crate::measure::volume;
+use rayweave_formats::{LossKind, Options, load};
+use std::path::{Path, PathBuf};
+
+/// The example, the volume of what OpenSCAD 2021.01 (Debian 12) exports as STL from the same dump, and the tolerance as a part
+/// of it. Of the flat examples it is the area. Texts differ by hinting and kerning.
+const VOLUMES: [(&str, f64, f64); 22] = [
+    ("CSG-modules", 3346.9065, 1e-3),
+    ("LetterBlock", 11528.998, 1e-3),
+    ("assert", 12375.9952, 1e-3),
+    ("children", 12739.628, 1e-3),
+    ("difference_cube", 2284.3854, 1e-3),
+    ("example002", 12241.7321, 1e-3),
+    ("example004", 2284.3854, 1e-3),
+    ("example012", 32902.8816, 1e-3),
+    ("example014", 5936.7648, 1e-3),
+    ("example016", 10244.0, 1e-3),
+    ("example018", 2573423.2277, 1e-3),
+    ("example020", 915860.3783, 1e-3),
+    ("example022", 45145.3991, 1e-3),
+    ("example024", 203221.6422, 1e-3),
+    ("hull", 8568.7068, 1e-3),
+    ("linear_extrude", 12738.3007, 1e-3),
+    ("logo", 18686.2167, 1e-3),
+    ("polygon_areas", 1545.2409, 3e-3),
+    ("recursion", 141.4282, 3e-3),
+    ("rotate_extrude", 7724.9057, 5e-3),
+    ("text_on_cube", 220008.705, 3e-3),
+    ("union", 23750.0, 1e-3),
+];
+
+/// The examples that name files which are not beside them, and how many items are refused for that.
+const WITHOUT_FILES: [(&str, usize); 5] =
+    [("example008", 5), ("example010", 2), ("example012", 1), ("example016", 4), ("surface", 2)];
+
+/// What the letters of the volumes above were set in.
+const FONT: &str = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+
+fn folder() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/openscad");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("SKIPPED: {} is not there", folder.display());
+    None
+}
+
+#[test]
+fn volumes_are_those_of_openscad() {
+    let Some(folder) = folder() else { return };
+    let has_font = Path::new(FONT).is_file();
+    let options = Options { facets: true, ..Options::default() };
+    for (name, expected, tolerance) in VOLUMES {
+        let read = load(folder.join(format!("{name}.csg")), None, &[], &options).expect("it is a dump");
+        let has_text = read.report.iter().any(|loss| loss.what == "text()");
+        if has_text && !has_font {
+            eprintln!("SKIPPED: {name} needs {FONT}");
+            continue;
+        }
+        let found = volume(&read.scene, 150);
+        assert!((found / expected - 1.0).abs() < 2e-3 + tolerance, "{name}: {found} instead of {expected}");
+    }
+}
+
+#[test]
+fn nothing_is_refused_but_what_is_not_there() {
+    let Some(folder) = folder() else { return };
+    let files = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let mut dumps = 0;
+    for path in files.filter(|path| path.extension().is_some_and(|ending| ending == "csg")) {
+        dumps += 1;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let read = load(&path, None, &[], &Options::default()).expect("it is a dump");
+        let allowed = WITHOUT_FILES.iter().find(|(other, _)| *other == name).map_or(0, |(_, count)| *count);
+        assert_eq!(read.report.count(LossKind::Refused), allowed, "{name}: {}", read.report.warnings());
+        let refused = read.report.iter().filter(|loss| loss.kind == LossKind::Refused);
+        assert!(refused.clone().all(|loss| loss.first.message().contains("there is no file")), "{name}");
+    }
+    assert_eq!(dumps, 27);
+}
