@@ -1,7 +1,9 @@
 //! Questions about geometry, asked of any evaluator.
 //!
 //! [`infill`](mod@infill) covers a region of the plane, or the layers of a solid, with the parallel traces of a tool;
+//! [`measure`](mod@measure) tells how large regions are: volume, centre, inertia, surface area;
 //! [`section`](mod@section) cuts a model by a plane.
 
 pub mod infill;
+pub mod measure;
 pub mod section;

@@ -117,6 +117,20 @@ impl Program {
         leaf_needs(&formula, &simplify::bounds(&formula, &grown), grown.len())
     }
 
+    /// For each region a box that holds it to rounding, whatever later regions take away; infinite where none is known.
+    ///
+    /// Computed anew each time, in time linear in the size of the model.
+    pub fn region_bounds(&self) -> Vec<Bounds> {
+        let group = self.prototype(PrototypeId(0));
+        let inner = |id: PrototypeId| self.prototype(id).extent;
+        let boxes = Boxes { leaves: &self.leaves, surfaces: &self.surfaces, inner };
+        let leaves: Vec<Bounds> = group.leaves.clone().map(|leaf| boxes.bounds(leaf as usize)).collect();
+        let formula = group.expression.formula();
+        let nodes = simplify::bounds(&formula, &leaves);
+        let outputs = formula.outputs().iter();
+        outputs.map(|&edge| simplify::Beyond::of(edge, &nodes).bounds()).collect()
+    }
+
     /// A box in the frame of a group for what a box in the frame of a solid holds that is placed there as one of the
     /// group's leaves, grown by the margin of that leaf.
     pub fn placed_bounds(&self, group: &Prototype, id: LeafId, inner: &Bounds) -> Bounds {

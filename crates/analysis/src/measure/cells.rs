@@ -1,0 +1,150 @@
+//! Rays through the cells of a cross-section, two each, and what they find.
+
+use super::moments::along;
+use super::tally::{Found, Tally};
+use rand::rngs::ChaCha8Rng;
+use rand::{Rng, SeedableRng};
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, Window, dress};
+use rayweave_shape::Ray;
+use std::collections::BTreeMap;
+
+/// Keeps the random numbers apart from those of other things that are drawn by the same seed.
+const STREAM: u64 = u64::from_be_bytes(*b"measure\0");
+
+/// Rays parallel to one axis through a box, in `across` x `across` cells.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cells {
+    pub bounds: Bounds,
+    pub axis: usize,
+    pub across: u64,
+    pub seed: u64,
+    /// Different for all that is asked with one seed.
+    pub stream: u64,
+    /// Only what lies in this box counts.
+    pub within: Option<Bounds>,
+}
+
+/// What the rays of some cells have found, for cells of area 1, by region.
+pub(super) type Sums = BTreeMap<RegionId, Tally>;
+
+impl Cells {
+    /// The number of cells.
+    pub fn count(&self) -> u64 {
+        self.across * self.across
+    }
+
+    /// The area of a cell.
+    pub fn area(&self) -> f64 {
+        let size = self.bounds.size();
+        size[(self.axis + 1) % 3] / self.across as f64 * (size[(self.axis + 2) % 3] / self.across as f64)
+    }
+
+    /// The rays of some cells, two by two.
+    pub fn rays(&self, cells: std::ops::Range<u64>, batch: &mut RayBatch) {
+        batch.clear();
+        let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
+        generator.set_stream(STREAM ^ self.stream);
+        // four numbers of two words for each cell
+        generator.set_word_pos(u128::from(cells.start) * 8);
+        for cell in cells {
+            for _ in 0..2 {
+                let places = [(cell % self.across) as f64, (cell / self.across) as f64];
+                let places = places.map(|place| (place + uniform(generator.next_u64())) / self.across as f64);
+                batch.push(self.ray(places));
+            }
+        }
+    }
+
+    /// The ray at a place of the cross-section, given as fractions of its edges.
+    fn ray(&self, places: [f64; 2]) -> Ray {
+        let (mut origin, size) = (self.bounds.lo, self.bounds.size());
+        for (k, place) in places.into_iter().enumerate() {
+            origin[(self.axis + 1 + k) % 3] += size[(self.axis + 1 + k) % 3] * place;
+        }
+        Ray::new(origin, Vec3::AXES[self.axis])
+    }
+
+    /// The part of the rays that counts.
+    fn window(&self) -> Window {
+        let within = self.within.map(|within| {
+            let [lo, hi] = [within.lo, within.hi].map(|corner| corner[self.axis] - self.bounds.lo[self.axis]);
+            Window::new(lo, hi)
+        });
+        // a box too thin for its place holds nothing that could be told
+        within.and_then(Result::ok).unwrap_or_default()
+    }
+
+    /// Asks the rays of some cells.
+    pub fn ask<E: Evaluator>(&self, evaluator: &E, rays: &RayBatch, scratch: &mut E::Scratch) -> Sums {
+        let window = self.window();
+        let mut taken = Taken::new(self, evaluator.program(), window);
+        let rays = rays.rays();
+        let mut sink = |answer: RayAnswer<'_>| taken.ray(&rays.get(answer.ray), &answer);
+        evaluator.crossings(rays, &Query { window, ..Query::default() }, scratch, &mut sink);
+        taken.sums
+    }
+}
+
+/// The upper 53 bits as a fraction in [0, 1).
+fn uniform(bits: u64) -> f64 {
+    (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+}
+
+/// Takes answers two by two.
+struct Taken<'a> {
+    cells: &'a Cells,
+    program: &'a Program,
+    centre: Vec3,
+    window: Window,
+    /// What the rays of the cell have found so far, in no order.
+    here: Vec<(RegionId, [Found; 2])>,
+    sums: Sums,
+}
+
+impl<'a> Taken<'a> {
+    fn new(cells: &'a Cells, program: &'a Program, window: Window) -> Taken<'a> {
+        let centre = cells.bounds.centre();
+        Taken { cells, program, centre, window, here: Vec::new(), sums: Sums::new() }
+    }
+
+    fn ray(&mut self, ray: &Ray, answer: &RayAnswer<'_>) {
+        let which = answer.ray % 2;
+        let (mut region, mut from) = (answer.start, self.window.t_min());
+        for crossing in answer.crossings {
+            self.piece(ray, which, region, [from, crossing.t]);
+            let weight = dress::normal(self.program, ray, crossing)[self.cells.axis].abs();
+            for region in [crossing.before, crossing.after] {
+                if region != RegionId(0) {
+                    self.found(region, which).area += weight;
+                }
+            }
+            (region, from) = (crossing.after, crossing.t);
+        }
+        self.piece(ray, which, region, [from, self.window.t_max()]);
+        if which == 1 {
+            for (region, [a, b]) in self.here.drain(..) {
+                self.sums.entry(region).or_default().cell(&a, &b);
+            }
+        }
+    }
+
+    fn piece(&mut self, ray: &Ray, which: usize, region: RegionId, [from, to]: [f64; 2]) {
+        if region == RegionId(0) {
+            return;
+        }
+        let (axis, at) = (self.cells.axis, ray.origin - self.centre);
+        let moments = along(axis, at, at[axis] + from, at[axis] + to);
+        let found = self.found(region, which);
+        super::moments::add(&mut found.moments, &moments, 1.0);
+    }
+
+    fn found(&mut self, region: RegionId, which: usize) -> &mut Found {
+        let known = self.here.iter().position(|(own, _)| *own == region);
+        let at = known.unwrap_or_else(|| {
+            self.here.push((region, Default::default()));
+            self.here.len() - 1
+        });
+        &mut self.here[at].1[which]
+    }
+}

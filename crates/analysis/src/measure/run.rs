@@ -1,0 +1,261 @@
+//! Round after round of rays, until all is as precise as was asked.
+
+use super::MeasureError;
+use super::cells::{Cells, Sums};
+use super::estimate::{Measured, Measurement, quantile, report, volume_weights};
+use super::tally::Tally;
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::{Evaluator, RayBatch, Region, RegionId};
+use std::num::NonZeroUsize;
+use std::ops::Range;
+
+/// The largest coordinate of what is measured: its fifth power, which an inertia tensor has, is still a number.
+const MOST_REACH: f64 = 1e30;
+
+/// Cells that a thread takes at a time.
+const CELLS_PER_TASK: u64 = 1024;
+
+/// Cells along an edge of the cross-section in the first round.
+const FIRST_ACROSS: u64 = 48;
+
+/// How a model is measured.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The wanted half width of each region's volume, relative to the volume: greater than 0, at most 1.
+    pub precision: f64,
+    /// The level of confidence of all intervals: from 0.5, below 1.
+    pub confidence: f64,
+    /// The most rays that are asked for the sake of one region.
+    pub most_rays: u64,
+    /// Only what lies within this box counts; what of the boundary lies on it does not.
+    pub within: Option<Bounds>,
+    /// Chooses the random numbers: equal seeds give equal results.
+    pub seed: u64,
+    /// The number of threads; [`thread_count`] if it is not given. Results do not depend on it.
+    pub threads: Option<NonZeroUsize>,
+    /// Stops the run.
+    pub cancel: Cancel,
+}
+
+/// A precision of 1e-3 at 99 %, with at most 2^24 rays for a region.
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            precision: 1e-3,
+            confidence: 0.99,
+            most_rays: 1 << 24,
+            within: None,
+            seed: 0,
+            threads: None,
+            cancel: Cancel::new(),
+        }
+    }
+}
+
+/// Measures all regions of a model.
+///
+/// A first round of rays goes through the whole model. Each region that is not precise enough then gets rounds of its own
+/// through its box, each with twice as many rays as the one before, until it is, or `most_rays` are spent
+/// ([`Measured::is_reached`] tells). A round is an independent estimate; they are joined with weights that depend on the
+/// density of their rays alone.
+///
+/// Where regions of one medium touch, rays see no border and take them for one of the two: [`one_medium_each`] parts them.
+///
+/// # Errors
+///
+/// [`MeasureError`] for something unbounded, settings out of range, a cancelled run.
+pub fn measure<E: Evaluator>(evaluator: &E, settings: &Settings) -> Result<Measurement, MeasureError> {
+    let quantile = checked(settings)?;
+    let program = evaluator.program();
+    let count = program.regions().len();
+    let mut run = Run { evaluator, settings, quantile, asked: 0, streams: 0 };
+    let boxes = program.region_bounds().into_iter().map(|own| run.clipped(own)).collect::<Vec<_>>();
+    let whole = boxes.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
+    let mut results = vec![Joined::default(); count];
+    if !whole.is_empty() {
+        run.check(&whole)?;
+        run.round(&whole, FIRST_ACROSS, None, &mut results)?;
+    }
+    for region in 0..count {
+        run.refine(region, &boxes[region], &mut results)?;
+    }
+    let regions = program.regions().iter().zip(&results).map(|(info, joined)| Measured {
+        name: info.name.clone(),
+        rays: joined.rays,
+        is_reached: run.is_reached(joined),
+        ..report(&joined.mean(), joined.origin, quantile)
+    });
+    Ok(Measurement { regions: regions.collect(), rays: run.asked })
+}
+
+/// The same regions, each of a medium of its own, number k of the k-th from 1: so that a compiled model keeps them apart.
+pub fn one_medium_each(regions: &[Region]) -> Vec<Region> {
+    let own = |(k, region): (usize, &Region)| Region { medium: k as u32 + 1, ..region.clone() };
+    regions.iter().enumerate().map(own).collect()
+}
+
+fn checked(settings: &Settings) -> Result<f64, MeasureError> {
+    if !(settings.precision > 0.0 && settings.precision <= 1.0) {
+        return Err(MeasureError::Precision(settings.precision));
+    }
+    if !(0.5..1.0).contains(&settings.confidence) {
+        return Err(MeasureError::Confidence(settings.confidence));
+    }
+    match &settings.within {
+        Some(own) if !(own.is_finite() && own.size().min_element() > 0.0) => {
+            Err(MeasureError::BadBox { lo: own.lo.to_array(), hi: own.hi.to_array() })
+        }
+        _ => Ok(quantile(settings.confidence)),
+    }
+}
+
+/// The rounds of a region, joined.
+#[derive(Clone, Debug, Default)]
+struct Joined {
+    /// The sum of all rounds, each times its weight, about `origin`.
+    sum: Tally,
+    weight: f64,
+    origin: Vec3,
+    rays: u64,
+}
+
+impl Joined {
+    fn mean(&self) -> Tally {
+        if self.weight > 0.0 { self.sum.scaled(1.0 / self.weight) } else { Tally::default() }
+    }
+
+    /// Joins a round of other rays about the same or another point.
+    fn join(&mut self, tally: &Tally, weight: f64, origin: Vec3, rays: u64) {
+        if origin != self.origin {
+            // a box of its own: what the first round, with its sparse rays, has found there is not worth moving
+            *self = Joined { origin, rays: self.rays, ..Joined::default() };
+        }
+        self.sum.add(tally, weight, weight);
+        self.weight += weight;
+        self.rays += rays;
+    }
+}
+
+struct Run<'a, E> {
+    evaluator: &'a E,
+    settings: &'a Settings,
+    quantile: f64,
+    asked: u64,
+    streams: u64,
+}
+
+impl<E: Evaluator> Run<'_, E> {
+    fn clipped(&self, own: Bounds) -> Bounds {
+        self.settings.within.map_or(own, |within| own.intersection(&within))
+    }
+
+    /// Whether all of a box can be asked.
+    fn check(&self, bounds: &Bounds) -> Result<(), MeasureError> {
+        let name = || match self.evaluator.program().regions() {
+            [only] => only.name.clone(),
+            _ => "the model".to_owned(),
+        };
+        let unbounded: Vec<&str> = (0..3)
+            .filter(|&k| bounds.lo[k].is_infinite() || bounds.hi[k].is_infinite())
+            .map(|k| ["x", "y", "z"][k])
+            .collect();
+        if !unbounded.is_empty() {
+            return Err(MeasureError::Unbounded { name: name(), axes: unbounded.join(" and ") });
+        }
+        let reach = bounds.lo.abs().max(bounds.hi.abs()).max_element();
+        match reach > MOST_REACH {
+            true => Err(MeasureError::TooFar { name: name(), reach, most: MOST_REACH }),
+            false => Ok(()),
+        }
+    }
+
+    fn is_reached(&self, joined: &Joined) -> bool {
+        let (mean, weights) = (joined.mean(), volume_weights());
+        self.quantile * mean.deviation(&weights) <= self.settings.precision * mean.value(&weights)
+    }
+
+    /// Rounds for one region, in its own box.
+    fn refine(&mut self, region: usize, bounds: &Bounds, results: &mut [Joined]) -> Result<(), MeasureError> {
+        let mut across = FIRST_ACROSS;
+        let mut spent = 0;
+        while !bounds.is_empty() && spent < self.settings.most_rays && !self.is_sure(&results[region], spent)
+        {
+            // the number of rays doubles
+            across = (across * 99).div_ceil(70);
+            spent += 6 * across * across;
+            self.round(bounds, across, Some(region), results)?;
+        }
+        Ok(())
+    }
+
+    /// True if more rays are not asked for. A region that nothing was found of gets one more round.
+    fn is_sure(&self, joined: &Joined, spent: u64) -> bool {
+        let is_met = joined.weight > 0.0 && joined.mean().moments[0] > 0.0;
+        self.is_reached(joined) && (is_met || spent > 0)
+    }
+
+    /// Asks rays along all three axes through a box, for one region or for all.
+    fn round(
+        &mut self,
+        bounds: &Bounds,
+        across: u64,
+        only: Option<usize>,
+        results: &mut [Joined],
+    ) -> Result<(), MeasureError> {
+        let mut tallies = vec![Tally::default(); results.len()];
+        let mut density = 0.0;
+        for axis in 0..3 {
+            self.streams += 1;
+            let cells = Cells {
+                bounds: *bounds,
+                axis,
+                across,
+                seed: self.settings.seed,
+                stream: self.streams,
+                within: self.settings.within,
+            };
+            density += 1.0 / cells.area();
+            for (region, tally) in self.cells(&cells)? {
+                let area = cells.area();
+                // the mean of three estimates of the volume, and the sum of three shares of the boundary
+                tallies[region.index() - 1].add(&tally, area / 3.0, area);
+            }
+        }
+        // the variance falls as the power -3/2 of the number of cells
+        let (weight, rays) = (density.powf(1.5), 6 * across * across);
+        self.asked += rays;
+        let all = tallies.iter().zip(results).enumerate();
+        for (_, (tally, joined)) in all.filter(|(region, _)| only.is_none_or(|only| only == *region)) {
+            joined.join(tally, weight, bounds.centre(), rays);
+        }
+        Ok(())
+    }
+
+    /// What all cells along one axis find, for cells of area 1.
+    fn cells(&self, cells: &Cells) -> Result<Sums, MeasureError> {
+        let (count, mut sums) = (cells.count(), Sums::new());
+        let tasks = (0..count.div_ceil(CELLS_PER_TASK))
+            .map(|task| task * CELLS_PER_TASK..count.min((task + 1) * CELLS_PER_TASK));
+        let work = |(scratch, batch): &mut (E::Scratch, RayBatch), range: Range<u64>| {
+            cells.rays(range, batch);
+            cells.ask(self.evaluator, batch, scratch)
+        };
+        let merge = |found: Sums| {
+            for (region, tally) in found {
+                sums.entry(region).or_default().add(&tally, 1.0, 1.0);
+            }
+            Ok::<(), MeasureError>(())
+        };
+        let scratch = || (self.evaluator.scratch(), RayBatch::default());
+        let threads = thread_count(self.settings.threads);
+        drive(threads, &self.settings.cancel, tasks, scratch, work, merge).map_err(
+            |stopped| match stopped {
+                Stopped::Cancelled => MeasureError::Cancelled,
+                Stopped::Failed(error) => error,
+            },
+        )?;
+        sums.retain(|region, _| *region != RegionId(0));
+        Ok(sums)
+    }
+}

@@ -1,0 +1,168 @@
+//! Against closed forms, and against the counts that confidence promises.
+
+use super::*;
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::drive::Cancel;
+use rayweave_model::{Program, Region, Solid};
+use rayweave_shape::primitive::{CentredBox, Cylinder, HalfSpace, Primitive, Sphere, Torus};
+use rayweave_trace::Packets;
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+fn sphere(radius: f64) -> Solid {
+    Solid::from(Primitive::from(Sphere::new(radius).unwrap()))
+}
+
+fn cube(size: f64) -> Solid {
+    Solid::from(Primitive::from(CentredBox::new(Vec3::splat(size)).unwrap()))
+}
+
+fn one(solid: &Solid, settings: &Settings) -> Measured {
+    let program = Arc::new(Program::compile(solid).unwrap());
+    measure(&Packets::new(program), settings).unwrap().regions.remove(0)
+}
+
+fn quick() -> Settings {
+    Settings { precision: 3e-3, ..Settings::default() }
+}
+
+#[test]
+fn a_ball_far_from_the_origin() {
+    let at = Vec3::new(100.0, -20.0, 3.0);
+    let found = one(&sphere(2.0).translate(at), &quick());
+    let (volume, area) = (32.0 / 3.0 * PI, 16.0 * PI);
+    assert!(found.is_reached && found.volume.half_width < 3e-3 * volume, "{found:?}");
+    assert!(found.volume.holds(volume) && found.area.holds(area), "{found:?}");
+    assert!(found.area.half_width < 0.01 * area);
+    let centre = found.centre.unwrap();
+    assert!((0..3).all(|k| centre[k].holds(at[k]) && centre[k].half_width < 0.01), "{centre:?}");
+    // 2/5 V r^2, and nothing off the diagonal
+    let moment = 0.4 * volume * 4.0;
+    for i in 0..3 {
+        for j in 0..3 {
+            let expected = if i == j { moment } else { 0.0 };
+            assert!(found.inertia[i][j].holds(expected), "{i} {j} {:?}", found.inertia[i][j]);
+        }
+    }
+}
+
+#[test]
+fn what_is_flat_is_exact() {
+    let solid = cube(2.0).scale(Vec3::new(1.0, 2.0, 3.0)).rotate_z(90.0);
+    let found = one(&solid, &quick());
+    assert!((found.volume.value - 48.0).abs() < 1e-9 && found.volume.half_width < 1e-9, "{found:?}");
+    assert!((found.area.value - 88.0).abs() < 1e-9, "{found:?}");
+    let expected = 48.0 * (4.0 * 4.0 + 6.0 * 6.0) / 12.0;
+    assert!(found.inertia[1][1].holds(expected), "{:?} {expected}", found.inertia[1][1]);
+}
+
+/// At 90 % one in ten intervals may miss: of 200 at most 35 do (probability 2e-4 for more, binomial).
+#[test]
+fn confidence_is_kept() {
+    let torus = Solid::from(Primitive::from(Torus::new(1.0, 0.4).unwrap())).rotate_x(35.0);
+    let (volume, area) = (2.0 * PI * PI * 0.16, 4.0 * PI * PI * 0.4);
+    let evaluator = Packets::new(Arc::new(Program::compile(&torus).unwrap()));
+    let (mut volumes, mut areas) = (0, 0);
+    for seed in 0..200 {
+        let settings = Settings { seed, confidence: 0.9, precision: 1.0, ..Settings::default() };
+        let found = &measure(&evaluator, &settings).unwrap().regions[0];
+        volumes += u32::from(!found.volume.holds(volume));
+        areas += u32::from(!found.area.holds(area));
+    }
+    assert!(volumes <= 35 && areas <= 35, "{volumes} and {areas} of 200 intervals miss");
+    assert!(volumes >= 5 && areas >= 5, "the intervals are too wide: {volumes} and {areas} of 200 miss");
+}
+
+/// Later regions carve earlier ones; a small one is found in its own box.
+#[test]
+fn regions_of_a_partition() {
+    let region = |name: &str, solid: Solid, medium: u32| Region { name: name.to_owned(), solid, medium };
+    let dot = Vec3::new(4.0, 4.0, 4.0);
+    let regions = [
+        region("block", cube(10.0), 1),
+        region("bubble", sphere(3.0), 2),
+        region("dot", sphere(0.01).translate(dot), 1),
+    ];
+    let program = Arc::new(Program::compile_regions(&one_medium_each(&regions)).unwrap());
+    let found = measure(&Packets::new(program), &quick()).unwrap();
+    let (bubble, dot) = (36.0 * PI, 4e-6 / 3.0 * PI);
+    let expected = [1000.0 - bubble - dot, bubble, dot];
+    for (region, expected) in found.regions.iter().zip(expected) {
+        assert!(region.is_reached && region.volume.holds(expected), "{region:?} {expected}");
+    }
+    assert_eq!(found.regions[2].name, "dot");
+    assert!(found.volume().holds(1000.0));
+    // the surface of the bubble belongs to the block as well
+    let areas = [600.0 + 36.0 * PI + 4e-4 * PI, 36.0 * PI, 4e-4 * PI];
+    for (region, expected) in found.regions.iter().zip(areas) {
+        assert!(region.area.holds(expected), "{region:?} {expected}");
+    }
+}
+
+#[test]
+fn within_a_box() {
+    let below = Solid::from(Primitive::from(HalfSpace::new(Vec3::Z, 0.0).unwrap()));
+    let within = Bounds::new(Vec3::new(0.0, 0.0, -1.0), Vec3::new(2.0, 3.0, 5.0));
+    let found = one(&below, &Settings { within: Some(within), ..quick() });
+    assert!((found.volume.value - 6.0).abs() < 1e-12 && (found.area.value - 6.0).abs() < 1e-12, "{found:?}");
+}
+
+#[test]
+fn nothing_there() {
+    let apart = cube(1.0) & cube(1.0).translate(Vec3::new(0.5, 0.5, 2.0));
+    let found = one(&apart, &quick());
+    assert_eq!((found.volume.value, found.volume.half_width, found.centre), (0.0, 0.0, None));
+    // boxes meet, but not what is in them
+    let corner = Vec3::splat(0.99 / 3f64.sqrt() * 2.0);
+    let spheres = sphere(1.0) & sphere(1.0).translate(corner * 1.1);
+    let found = one(&spheres, &quick());
+    assert_eq!((found.volume.value, found.is_reached), (0.0, true), "{found:?}");
+}
+
+#[test]
+fn the_same_for_any_number_of_threads() {
+    let solid = sphere(1.0) - cube(1.0).rotate_x(30.0);
+    let on = |threads: usize| one(&solid, &Settings { threads: NonZeroUsize::new(threads), ..quick() });
+    assert_eq!(on(1), on(3));
+    assert_ne!(on(1).volume, one(&solid, &Settings { seed: 1, ..quick() }).volume);
+}
+
+#[test]
+fn formulas() {
+    let rod = Solid::from(Primitive::from(Cylinder::new(1.0, 2.0).unwrap()));
+    let moved = rod.scale(Vec3::new(1.0, 2.0, -3.0)).named("rod").rotate_x(10.0);
+    assert!((exact_volume(&moved).unwrap() - 12.0 * PI).abs() < 1e-12);
+    assert_eq!(exact_volume(&(&moved | &rod)), None);
+    assert_eq!(exact_volume(&Solid::vacuum()), Some(0.0));
+    assert_eq!(exact_volume(&Solid::plenum()), Some(f64::INFINITY));
+}
+
+#[test]
+fn refusals() {
+    let message = |solid: &Solid, settings: Settings| {
+        let program = Arc::new(Program::compile(solid).unwrap());
+        measure(&Packets::new(program), &settings).unwrap_err().to_string()
+    };
+    let rod = Solid::from(Primitive::from(Cylinder::new(1.0, f64::INFINITY).unwrap()));
+    assert_eq!(
+        message(&rod.named("rod"), quick()),
+        "rod is unbounded in z (it has no volume) measure it within a box?"
+    );
+    assert!(message(&sphere(1e40), quick()).contains(" reaches to 1e40 ("));
+    assert!(message(&sphere(1.0), Settings { precision: 0.0, ..quick() }).starts_with("the precision is 0"));
+    assert!(
+        message(&sphere(1.0), Settings { precision: f64::NAN, ..quick() })
+            .starts_with("the precision is NaN")
+    );
+    assert!(
+        message(&sphere(1.0), Settings { confidence: 1.0, ..quick() }).starts_with("the confidence is 1")
+    );
+    let swapped = Bounds::new(Vec3::ONE, Vec3::ZERO);
+    assert!(
+        message(&sphere(1.0), Settings { within: Some(swapped), ..quick() }).starts_with("the box reaches")
+    );
+    let cancel = Cancel::new();
+    cancel.cancel();
+    assert_eq!(message(&sphere(1.0), Settings { cancel, ..quick() }), "cancelled");
+}
