@@ -13,6 +13,7 @@ mod hit_array;
 mod hits;
 mod infill;
 mod layout;
+mod measure;
 mod model;
 mod nearest;
 mod optics;
@@ -46,6 +47,8 @@ mod _core {
     use crate::hit_array::{array_csg, count_array};
     #[pymodule_export]
     use crate::infill::infill_columns;
+    #[pymodule_export]
+    use crate::measure::measure_columns;
     #[pymodule_export]
     use crate::model::{PyModel, load_model, loads};
     #[pymodule_export]

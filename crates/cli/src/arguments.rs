@@ -1,7 +1,8 @@
 //! The command line: its sub-commands and what they share.
 
 use crate::command::{
-    Bench, Completions, Export, Infill, Info, Man, Optics, Probe, Render, Schema, Shapes, Trace,
+    Bench, Completions, Export, Infill, Info, Man, Optics, Probe, Render, Schema, Shapes, Thickness, Trace,
+    Volume,
 };
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
@@ -26,7 +27,8 @@ Examples:
   rayweave render lens.toml
   rayweave probe lens.toml --from -100,0,0 --to 100,0,0
   rayweave trace lens.toml --rays rays.csv -o hits.csv
-  rayweave optics doublet.toml";
+  rayweave optics doublet.toml
+  rayweave volume lens.toml";
 
 /// Exact ray tracing through constructive solid geometry
 ///
@@ -55,6 +57,8 @@ pub enum Command {
     Optics(Optics),
     Export(Export),
     Infill(Infill),
+    Volume(Volume),
+    Thickness(Thickness),
     Info(Info),
     Bench(Bench),
     Shapes(Shapes),

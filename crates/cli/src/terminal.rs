@@ -92,6 +92,15 @@ pub fn progress_bar(total: Option<u64>, unit: Unit, quiet: bool) -> ProgressBar 
     bar
 }
 
+/// A count of something whose end is not known, on standard error, shown on a terminal only.
+pub fn counter(what: &str, quiet: bool) -> ProgressBar {
+    let bar = progress_bar(None, Unit::Percent, quiet);
+    if let Ok(style) = ProgressStyle::with_template(&format!("{{spinner}} {{human_pos}} {what}")) {
+        bar.set_style(style);
+    }
+    bar
+}
+
 /// What a progress bar counts.
 #[derive(Clone, Copy)]
 pub enum Unit {

@@ -74,6 +74,16 @@ impl RayBatch {
         }
     }
 
+    /// The number of rays.
+    pub fn len(&self) -> usize {
+        self.origins[0].len()
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Forgets all rays and keeps the memory.
     pub fn clear(&mut self) {
         self.origins.iter_mut().chain(&mut self.directions).for_each(Vec::clear);

@@ -2,6 +2,7 @@
 
 use crate::files::ContourProblems;
 use rayweave_analysis::infill::InfillError;
+use rayweave_analysis::measure::MeasureError;
 use rayweave_analysis::section::SectionError;
 use rayweave_model::{BadRay, CompileError, WindowError};
 use rayweave_optics::OpticsError;
@@ -65,6 +66,7 @@ enum Cause {
     Timeline(TimelineError),
     Infill(InfillError),
     Section(SectionError),
+    Measure(MeasureError),
     Polygon(PolygonError),
     Line(LineError),
     Contours(ContourProblems),
@@ -87,11 +89,15 @@ impl Error {
             Cause::Output(_) => ErrorKind::Output,
             Cause::Render(RenderError::Cancelled)
             | Cause::Infill(InfillError::Cancelled)
+            | Cause::Measure(MeasureError::Cancelled)
             | Cause::Optics(OpticsError::Cancelled)
             | Cause::Cancelled => ErrorKind::Cancelled,
             Cause::Infill(
                 InfillError::Empty { .. } | InfillError::Unbounded { .. } | InfillError::TooFar { .. },
-            ) => ErrorKind::Solid,
+            )
+            | Cause::Measure(MeasureError::Unbounded { .. } | MeasureError::TooFar { .. }) => {
+                ErrorKind::Solid
+            }
             Cause::Window(_)
             | Cause::Ray(_)
             | Cause::Rays(_)
@@ -101,6 +107,7 @@ impl Error {
             | Cause::Timeline(_)
             | Cause::Infill(_)
             | Cause::Section(_)
+            | Cause::Measure(_)
             | Cause::Polygon(_)
             | Cause::Line(_) => ErrorKind::Value,
             Cause::Optics(_) => ErrorKind::Optics,
@@ -239,6 +246,7 @@ impl fmt::Display for Error {
             Cause::Timeline(error) => error.fmt(f),
             Cause::Infill(error) => error.fmt(f),
             Cause::Section(error) => error.fmt(f),
+            Cause::Measure(error) => error.fmt(f),
             Cause::Polygon(error) => error.fmt(f),
             Cause::Line(error) => error.fmt(f),
             Cause::Contours(problems) => problems.fmt(f),
@@ -290,6 +298,7 @@ from! {
     TimelineError => Timeline,
     InfillError => Infill,
     SectionError => Section,
+    MeasureError => Measure,
     PolygonError => Polygon,
     LineError => Line,
     OpticsError => Optics,

@@ -145,6 +145,8 @@
 //!
 //! # Traces of a tool
 //!
+//! [`measure`] tells volume, mass, centre, inertia and surface area of regions, with confidence intervals.
+//! [`thickness`] gives path lengths through media, and radiographs.
 //! [`infill`] fills a region of the plane ([`polygon`]), or the layers of a solid, with parallel traces.
 //!
 //! # Drawings of optical systems
@@ -181,8 +183,10 @@ pub mod detector;
 pub mod files;
 pub mod infill;
 pub mod layout;
+pub mod measure;
 pub mod picture;
 pub mod shapes;
+pub mod thickness;
 
 pub use rayweave_analysis::section;
 pub use rayweave_formats as formats;

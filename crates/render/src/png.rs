@@ -42,6 +42,16 @@ pub fn encode_depth(depth: &Plane<f64>) -> Vec<u8> {
     file(depth.size(), ColorType::Grayscale, BitDepth::Sixteen, &bytes, texts)
 }
 
+/// Numbers as 16-bit grey: 0 or less is black, `white` or more is 65535, linear in between. `white` stands in the file as a
+/// text.
+pub fn encode_grey(plane: &Plane<f64>, white: f64) -> Vec<u8> {
+    // a number that is none is black
+    let grey = |&value: &f64| (value / white * 65_535.0 + 0.5) as u16;
+    let bytes: Vec<u8> = plane.values().iter().map(grey).flat_map(u16::to_be_bytes).collect();
+    let texts = [("white", white.to_string())];
+    file(plane.size(), ColorType::Grayscale, BitDepth::Sixteen, &bytes, &texts)
+}
+
 /// Normals as 16-bit RGB: each component n becomes (n + 1) / 2 of 65535; a miss is black.
 pub fn encode_normals(normals: &Plane<[f64; 3]>) -> Vec<u8> {
     let level = |n: f64| if n.is_nan() { 0 } else { ((n + 1.0) * 32_767.5 + 0.5) as u16 };

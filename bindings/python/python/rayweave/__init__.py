@@ -21,6 +21,7 @@ from rayweave._core import (
 from rayweave._explain import Entry, Operand, Passage, Question
 from rayweave._hit_array import Operation, array_csg, count_array
 from rayweave._infill import infill
+from rayweave._measure import Measurement, measure
 from rayweave._model import Medium, Region
 from rayweave._picture import Camera, render
 from rayweave._shapes import (
@@ -48,6 +49,7 @@ __all__ = [
     "Crossings",
     "Entry",
     "Explanation",
+    "Measurement",
     "Medium",
     "Model",
     "ModelCrossings",
@@ -76,6 +78,7 @@ __all__ = [
     "intersection",
     "load",
     "loads",
+    "measure",
     "mesh",
     "optics",
     "paraboloid",

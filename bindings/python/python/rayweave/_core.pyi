@@ -47,6 +47,7 @@ __all__ = [
     "loads",
     "loads_optics",
     "manuals",
+    "measure_columns",
     "min_sep",
     "notebook_png",
     "number_list",
@@ -489,6 +490,21 @@ def infill_columns(
     evaluator: str | None,
     threads: int | None,
 ) -> tuple[list[NDArray[np.int64]], list[NDArray[np.float64]]]: ...
+def measure_columns(
+    subject: Solid | Model,
+    precision: float,
+    confidence: float,
+    most_rays: int,
+    within: list[list[float]] | None,
+    seed: int,
+    evaluator: str | None,
+    threads: int | None,
+) -> tuple[
+    list[str],
+    list[str],
+    tuple[NDArray[np.uint64], NDArray[np.bool_]],
+    list[NDArray[np.float64]],
+]: ...
 def notebook_png(subject: Solid | Model) -> bytes: ...
 def timeline_svg(
     operands: Sequence[tuple[str, RootRay]],

@@ -62,14 +62,20 @@ impl Default for Settings {
 ///
 /// Where regions of one medium touch, rays see no border and take them for one of the two: [`one_medium_each`] parts them.
 ///
+/// `progress` is told the number of rays that have been asked, on the calling thread, again and again.
+///
 /// # Errors
 ///
 /// [`MeasureError`] for something unbounded, settings out of range, a cancelled run.
-pub fn measure<E: Evaluator>(evaluator: &E, settings: &Settings) -> Result<Measurement, MeasureError> {
+pub fn measure<E: Evaluator>(
+    evaluator: &E,
+    settings: &Settings,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Measurement, MeasureError> {
     let quantile = checked(settings)?;
     let program = evaluator.program();
     let count = program.regions().len();
-    let mut run = Run { evaluator, settings, quantile, asked: 0, streams: 0 };
+    let mut run = Run { evaluator, settings, progress, quantile, asked: 0, streams: 0 };
     let boxes = program.region_bounds().into_iter().map(|own| run.clipped(own)).collect::<Vec<_>>();
     let whole = boxes.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
     let mut results = vec![Joined::default(); count];
@@ -140,6 +146,7 @@ impl Joined {
 struct Run<'a, E> {
     evaluator: &'a E,
     settings: &'a Settings,
+    progress: &'a mut dyn FnMut(u64),
     quantile: f64,
     asked: u64,
     streams: u64,
@@ -224,7 +231,6 @@ impl<E: Evaluator> Run<'_, E> {
         }
         // the variance falls as the power -3/2 of the number of cells
         let (weight, rays) = (density.powf(1.5), 6 * across * across);
-        self.asked += rays;
         let all = tallies.iter().zip(results).enumerate();
         for (_, (tally, joined)) in all.filter(|(region, _)| only.is_none_or(|only| only == *region)) {
             joined.join(tally, weight, bounds.centre(), rays);
@@ -233,21 +239,24 @@ impl<E: Evaluator> Run<'_, E> {
     }
 
     /// What all cells along one axis find, for cells of area 1.
-    fn cells(&self, cells: &Cells) -> Result<Sums, MeasureError> {
+    fn cells(&mut self, cells: &Cells) -> Result<Sums, MeasureError> {
         let (count, mut sums) = (cells.count(), Sums::new());
+        let (evaluator, asked, progress) = (self.evaluator, &mut self.asked, &mut self.progress);
         let tasks = (0..count.div_ceil(CELLS_PER_TASK))
             .map(|task| task * CELLS_PER_TASK..count.min((task + 1) * CELLS_PER_TASK));
         let work = |(scratch, batch): &mut (E::Scratch, RayBatch), range: Range<u64>| {
             cells.rays(range, batch);
-            cells.ask(self.evaluator, batch, scratch)
+            (batch.len() as u64, cells.ask(evaluator, batch, scratch))
         };
-        let merge = |found: Sums| {
+        let merge = |(rays, found): (u64, Sums)| {
+            *asked += rays;
+            progress(*asked);
             for (region, tally) in found {
                 sums.entry(region).or_default().add(&tally, 1.0, 1.0);
             }
             Ok::<(), MeasureError>(())
         };
-        let scratch = || (self.evaluator.scratch(), RayBatch::default());
+        let scratch = || (evaluator.scratch(), RayBatch::default());
         let threads = thread_count(self.settings.threads);
         drive(threads, &self.settings.cancel, tasks, scratch, work, merge).map_err(
             |stopped| match stopped {

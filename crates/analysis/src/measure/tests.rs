@@ -20,7 +20,7 @@ fn cube(size: f64) -> Solid {
 
 fn one(solid: &Solid, settings: &Settings) -> Measured {
     let program = Arc::new(Program::compile(solid).unwrap());
-    measure(&Packets::new(program), settings).unwrap().regions.remove(0)
+    measure(&Packets::new(program), settings, &mut |_| ()).unwrap().regions.remove(0)
 }
 
 fn quick() -> Settings {
@@ -66,7 +66,7 @@ fn confidence_is_kept() {
     let (mut volumes, mut areas) = (0, 0);
     for seed in 0..200 {
         let settings = Settings { seed, confidence: 0.9, precision: 1.0, ..Settings::default() };
-        let found = &measure(&evaluator, &settings).unwrap().regions[0];
+        let found = &measure(&evaluator, &settings, &mut |_| ()).unwrap().regions[0];
         volumes += u32::from(!found.volume.holds(volume));
         areas += u32::from(!found.area.holds(area));
     }
@@ -85,7 +85,7 @@ fn regions_of_a_partition() {
         region("dot", sphere(0.01).translate(dot), 1),
     ];
     let program = Arc::new(Program::compile_regions(&one_medium_each(&regions)).unwrap());
-    let found = measure(&Packets::new(program), &quick()).unwrap();
+    let found = measure(&Packets::new(program), &quick(), &mut |_| ()).unwrap();
     let (bubble, dot) = (36.0 * PI, 4e-6 / 3.0 * PI);
     let expected = [1000.0 - bubble - dot, bubble, dot];
     for (region, expected) in found.regions.iter().zip(expected) {
@@ -142,7 +142,7 @@ fn formulas() {
 fn refusals() {
     let message = |solid: &Solid, settings: Settings| {
         let program = Arc::new(Program::compile(solid).unwrap());
-        measure(&Packets::new(program), &settings).unwrap_err().to_string()
+        measure(&Packets::new(program), &settings, &mut |_| ()).unwrap_err().to_string()
     };
     let rod = Solid::from(Primitive::from(Cylinder::new(1.0, f64::INFINITY).unwrap()));
     assert_eq!(

@@ -11,8 +11,10 @@ mod probe;
 mod render;
 mod schema;
 mod shapes;
+mod thickness;
 mod trace;
 mod tree;
+mod volume;
 
 pub use bench::Bench;
 pub use completions::Completions;
@@ -25,7 +27,9 @@ pub use probe::Probe;
 pub use render::Render;
 pub use schema::Schema;
 pub use shapes::Shapes;
+pub use thickness::Thickness;
 pub use trace::Trace;
+pub use volume::Volume;
 
 use crate::arguments::{Cli, Command};
 use crate::failure::Failure;
@@ -39,6 +43,8 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Optics(optics) => optics.run(cli),
         Command::Export(export) => export.run(),
         Command::Infill(infill) => infill.run(cli),
+        Command::Volume(volume) => volume.run(cli),
+        Command::Thickness(thickness) => thickness.run(cli),
         Command::Info(info) => info.run(),
         Command::Bench(bench) => bench.run(cli),
         Command::Shapes(shapes) => shapes.run(),

@@ -124,7 +124,7 @@ impl Render {
 }
 
 /// `640x480`.
-fn size(text: &str) -> Result<Size, String> {
+pub fn size(text: &str) -> Result<Size, String> {
     let numbers = text.split_once(['x', 'X']).map(|(w, h)| (w.trim().parse(), h.trim().parse()));
     match numbers {
         Some((Ok(width), Ok(height))) => Size::new(width, height).map_err(|error| error.to_string()),

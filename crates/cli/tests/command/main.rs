@@ -12,5 +12,7 @@ mod optics;
 mod pages;
 mod probe;
 mod render;
+mod thickness;
 mod trace;
 mod usage;
+mod volume;

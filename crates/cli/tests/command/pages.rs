@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 14] = [
     "bench",
     "render",
     "probe",
@@ -10,6 +10,8 @@ const COMMANDS: [&str; 12] = [
     "optics",
     "export",
     "infill",
+    "volume",
+    "thickness",
     "info",
     "shapes",
     "schema",

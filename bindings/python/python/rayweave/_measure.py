@@ -1,0 +1,96 @@
+"""Volume, mass, centre, inertia and surface area of regions, with confidence intervals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rayweave import _core
+from rayweave._core import Model, Solid
+
+_Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """What has been measured of R regions; `x_half_width` is half the width of the confidence interval of `x`.
+
+    Lengths are those of the document. A value that is not known is NaN: the mass of a medium without a density, the volume by
+    formula of anything but a single shape, the centre of a region that no ray has met.
+    """
+
+    regions: tuple[str, ...]
+    """The names of the regions."""
+    media: tuple[str, ...]
+    """The names of their media."""
+    volume: _Array
+    """(R,) volumes."""
+    volume_half_width: _Array
+    volume_by_formula: _Array
+    """(R,) exact volumes."""
+    area: _Array
+    """(R,) areas of the boundaries; what two regions share counts for both."""
+    area_half_width: _Array
+    mass: _Array
+    """(R,) masses in grams, from the density of the medium in g/cm^3."""
+    mass_half_width: _Array
+    centre: _Array
+    """(R, 3) centres of volume."""
+    centre_half_width: _Array
+    inertia: _Array
+    """(R, 3, 3) inertia tensors about the centre for density 1, integral of |r|^2 1 - r r^T."""
+    inertia_half_width: _Array
+    rays: NDArray[np.uint64]
+    """(R,) numbers of rays that were asked for each region."""
+    is_reached: NDArray[np.bool_]
+    """(R,) whether the volume is as precise as was asked."""
+
+    def __repr__(self) -> str:
+        rows = zip(self.regions, self.volume, self.volume_half_width, strict=True)
+        text = ", ".join(f"{name} {volume:.6g} \u00b1 {half:.2g}" for name, volume, half in rows)
+        return f"<Measurement of volumes: {text}>"
+
+
+def measure(
+    subject: Solid | Model,
+    *,
+    precision: float = 1e-3,
+    confidence: float = 0.99,
+    most_rays: int = 1 << 24,
+    within: ArrayLike | None = None,
+    seed: int = 0,
+    evaluator: str | None = None,
+    threads: int | None = None,
+) -> Measurement:
+    """Measure the regions of a model, or a solid as the only region, by stratified rays.
+
+    Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision` times
+    the volume, or `most_rays` are spent for a region. A region is what later regions leave of it. `within` (2, 3), the corners
+    of a box, measures only what lies in it. Equal seeds give equal results, whatever the number of threads.
+    """
+    box = None if within is None else np.asarray(within, dtype=np.float64)
+    if box is not None and box.shape != (2, 3):
+        raise _core.RayweaveError(f"within has shape {box.shape} (it must be (2, 3): the corners of a box)")
+    regions, media, (rays, is_reached), (values, widths) = _core.measure_columns(
+        subject, precision, confidence, most_rays, None if box is None else box.tolist(), seed, evaluator, threads
+    )
+    count = len(regions)
+    return Measurement(
+        tuple(regions),
+        tuple(media),
+        values[:, 0],
+        widths[:, 0],
+        values[:, 3],
+        values[:, 1],
+        widths[:, 1],
+        values[:, 2],
+        widths[:, 2],
+        values[:, 4:7],
+        widths[:, 4:7],
+        values[:, 7:].reshape(count, 3, 3),
+        widths[:, 7:].reshape(count, 3, 3),
+        rays,
+        is_reached,
+    )

@@ -1,0 +1,110 @@
+//! Volumes, centres, inertia and areas of regions, as columns.
+
+use numpy::ndarray::Array2;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use rayweave::measure::{Estimate, RegionReport, SceneReport, Settings, measure_scene};
+use rayweave::model::drive::Cancel;
+use rayweave::scene::Scene;
+use rayweave::{Bounds, Vec3};
+
+use crate::engine::thread_argument;
+use crate::error::{bad_type, bad_value};
+use crate::model::PyModel;
+use crate::render::scene_of;
+use crate::solid::PySolid;
+
+/// Names of regions and media; numbers of rays and whether the precision is reached; the numbers of each region with their
+/// half widths, row by row: volume, area, mass, volume by formula, centre (3), inertia (9).
+type Columns<'py> = (
+    Vec<String>,
+    Vec<String>,
+    (Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<bool>>),
+    [Bound<'py, PyArray2<f64>>; 2],
+);
+
+/// The numbers of a region.
+const NUMBERS: usize = 16;
+
+/// What is measured of the regions of a solid or a model: see `rayweave.measure`.
+#[pyfunction]
+#[pyo3(signature = (subject, precision, confidence, most_rays, within, seed, evaluator, threads))]
+#[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
+pub fn measure_columns<'py>(
+    subject: &Bound<'py, PyAny>,
+    precision: f64,
+    confidence: f64,
+    most_rays: u64,
+    within: Option<[[f64; 3]; 2]>,
+    seed: u64,
+    evaluator: Option<&str>,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Columns<'py>> {
+    let py = subject.py();
+    let scene = scene(subject)?;
+    let cancel = Cancel::new();
+    let settings = Settings {
+        precision,
+        confidence,
+        most_rays,
+        within: within.map(|[lo, hi]| Bounds { lo: Vec3::from(lo), hi: Vec3::from(hi) }),
+        seed,
+        threads: threads.map(thread_argument).transpose()?,
+        cancel: cancel.clone(),
+    };
+    let mut interrupt = None;
+    let report = py.detach(|| {
+        let mut progress = |_| {
+            if let Err(error) = Python::attach(|py| py.check_signals()) {
+                interrupt = Some(error);
+                cancel.cancel();
+            }
+        };
+        measure_scene(&scene, None, evaluator, &settings, &mut progress)
+    });
+    match interrupt {
+        Some(error) => Err(error),
+        None => columns(py, &report.map_err(bad_value)?),
+    }
+}
+
+fn scene(subject: &Bound<'_, PyAny>) -> PyResult<Scene> {
+    if let Ok(model) = subject.cast::<PyModel>() {
+        return Ok(model.get().scene().clone());
+    }
+    match subject.cast::<PySolid>() {
+        Ok(solid) => Ok(scene_of(solid.get().solid())),
+        Err(_) => Err(bad_type(format!("subject is {} (a Solid or a Model is needed)", subject.get_type()))),
+    }
+}
+
+fn columns<'py>(py: Python<'py>, report: &SceneReport) -> PyResult<Columns<'py>> {
+    let regions = &report.regions;
+    let all: Vec<[Estimate; NUMBERS]> = regions.iter().map(numbers).collect();
+    let table = |of: fn(&Estimate) -> f64| {
+        let values = all.iter().flatten().map(of).collect();
+        let table = Array2::from_shape_vec((all.len(), NUMBERS), values).map_err(bad_value)?;
+        Ok::<_, PyErr>(PyArray2::from_owned_array(py, table))
+    };
+    Ok((
+        regions.iter().map(|region| region.measured.name.clone()).collect(),
+        regions.iter().map(|region| region.medium.clone()).collect(),
+        (
+            PyArray1::from_iter(py, regions.iter().map(|region| region.measured.rays)),
+            PyArray1::from_iter(py, regions.iter().map(|region| region.measured.is_reached)),
+        ),
+        [table(|estimate| estimate.value)?, table(|estimate| estimate.half_width)?],
+    ))
+}
+
+fn numbers(region: &RegionReport) -> [Estimate; NUMBERS] {
+    const UNKNOWN: Estimate = Estimate { value: f64::NAN, half_width: f64::NAN };
+    let measured = &region.measured;
+    let mut all = [UNKNOWN; NUMBERS];
+    (all[0], all[1]) = (measured.volume, measured.area);
+    all[2] = region.mass.unwrap_or(UNKNOWN);
+    all[3] = region.formula.map_or(UNKNOWN, |value| Estimate { value, half_width: 0.0 });
+    all[4..7].copy_from_slice(&measured.centre.unwrap_or([UNKNOWN; 3]));
+    all[7..].copy_from_slice(measured.inertia.as_flattened());
+    all
+}

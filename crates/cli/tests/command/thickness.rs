@@ -1,0 +1,77 @@
+//! `rayweave thickness`.
+
+use crate::bench::{Bench, number, rows};
+
+/// A ball of steel of radius 2 in a box of water, seen from the front.
+const TANK: &str = r#"
+rayweave = 1
+unit = "cm"
+
+[solid.tank]
+box = { size = [6, 6, 6] }
+
+[solid.ball]
+sphere = { radius = 2 }
+
+[[region]]
+solid = "tank"
+medium = "water"
+
+[[region]]
+solid = "ball"
+medium = "steel"
+
+[medium.water]
+[medium.steel]
+"#;
+
+const VIEW: [&str; 4] = ["--view", "front", "--size", "41x41"];
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("tank.toml", TANK);
+    bench
+}
+
+#[test]
+fn path_lengths_as_a_table() {
+    let bench = bench();
+    let said = bench.says(&[&["thickness", "tank.toml", "-o", "t.csv"], &VIEW[..]].concat());
+    assert_eq!(said, "t.csv: path lengths of 1681 rays\n");
+    let table = bench.read("t.csv");
+    assert_eq!(table.lines().next(), Some("x,y,world,water,steel"));
+    let rows = rows(&table);
+    let middle = &rows[20 * 41 + 20];
+    let lengths: Vec<f64> = middle[2..].iter().map(|field| number(field)).collect();
+    // through the middle: 6 cm, 4 of them steel
+    assert!(
+        lengths[0] == 0.0 && (lengths[1] - 2.0).abs() < 1e-12 && (lengths[2] - 4.0).abs() < 1e-12,
+        "{middle:?}"
+    );
+    assert!(rows[0][2..].iter().all(|field| number(field) == 0.0), "{:?}", rows[0]);
+}
+
+#[test]
+fn pictures() {
+    let bench = bench();
+    let said = bench.says(&[&["thickness", "tank.toml", "-o", "t.png"], &VIEW[..]].concat());
+    assert!(said.starts_with("t.png: white is where all comes through, 5 % in the thickest place"), "{said}");
+    let said =
+        bench.says(&[&["thickness", "tank.toml", "-o", "s.png", "--medium", "steel"], &VIEW[..]].concat());
+    assert_eq!(said, "s.png: white is 4 cm of steel\n");
+    bench.write("dense.toml", TANK.replace("[medium.steel]", "[medium.steel]\nattenuation = 0.3"));
+    let said = bench.says(&[&["thickness", "dense.toml", "-o", "d.png"], &VIEW[..]].concat());
+    assert_eq!(said, "d.png: white is where all comes through\n");
+    assert!(bench.bytes("d.png").starts_with(b"\x89PNG") && bench.bytes("d.png") != bench.bytes("t.png"));
+}
+
+#[test]
+fn refusals() {
+    let bench = bench();
+    let failed = bench.fails(2, &["thickness", "tank.toml", "-o", "t.png", "--medium", "steal"]);
+    assert!(failed.contains("did you mean `steel`?"), "{failed}");
+    let failed = bench.fails(2, &["thickness", "tank.toml", "-o", "t.csv", "--medium", "steel"]);
+    assert!(failed.contains("write a .png?"), "{failed}");
+    bench.fails(2, &["thickness", "tank.toml", "-o", "t.jpg"]);
+    assert!(!bench.files().iter().any(|name| name.starts_with("t.")), "{:?}", bench.files());
+}
