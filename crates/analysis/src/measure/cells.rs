@@ -1,5 +1,6 @@
 //! Rays through the cells of a cross-section, two each, and what they find.
 
+use super::estimate::Chord;
 use super::moments::along;
 use super::tally::{Found, Tally};
 use rand::rngs::ChaCha8Rng;
@@ -135,7 +136,9 @@ impl<'a> Taken<'a> {
         }
         let (axis, at) = (self.cells.axis, ray.origin - self.centre);
         let moments = along(axis, at, at[axis] + from, at[axis] + to);
+        let chord = Chord { from: ray.at(from), to: ray.at(to) };
         let found = self.found(region, which);
+        found.longest = found.longest.or_longer(chord);
         super::moments::add(&mut found.moments, &moments, 1.0);
     }
 

@@ -20,6 +20,26 @@ impl Estimate {
     }
 }
 
+/// A piece of a ray within a region.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Chord {
+    /// Where it begins.
+    pub from: Vec3,
+    /// Where it ends.
+    pub to: Vec3,
+}
+
+impl Chord {
+    /// Its length.
+    pub fn length(&self) -> f64 {
+        (self.to - self.from).length()
+    }
+
+    pub(super) fn or_longer(self, other: Chord) -> Chord {
+        if other.length() > self.length() { other } else { self }
+    }
+}
+
 /// What has been measured of one region.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
@@ -34,6 +54,8 @@ pub struct Measured {
     /// The inertia tensor about the centre for density 1, `integral of |r|^2 1 - r r^T`, row by row, in lengths to the fifth
     /// power. Times the density it is the tensor of the body.
     pub inertia: [[Estimate; 3]; 3],
+    /// The longest piece of a ray that lay in it: an example, and a bound from below for its extent; `None` if there is none.
+    pub longest: Option<Chord>,
     /// The number of rays that were asked for it.
     pub rays: u64,
     /// True if the volume is as precise as was asked.
@@ -92,6 +114,7 @@ pub(super) fn report(tally: &Tally, origin: Vec3, quantile: f64) -> Measured {
         area,
         centre: is_there.then(|| [0, 1, 2].map(coordinate)),
         inertia: [0, 1, 2].map(row),
+        longest: Some(tally.longest).filter(|chord| chord.length() > 0.0),
         rays: 0,
         is_reached: false,
     }

@@ -38,6 +38,6 @@ mod tally;
 mod tests;
 
 pub use error::MeasureError;
-pub use estimate::{Estimate, Measured, Measurement};
+pub use estimate::{Chord, Estimate, Measured, Measurement};
 pub use exact::exact_volume;
 pub use run::{Settings, measure, one_medium_each};

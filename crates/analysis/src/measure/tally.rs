@@ -1,5 +1,6 @@
 //! Sums over cells, and how much they scatter.
 
+use super::estimate::Chord;
 use super::moments::{MOMENTS, Moments, dot};
 
 /// The entries of a symmetric matrix on and above its diagonal.
@@ -10,6 +11,7 @@ const ENTRIES: usize = MOMENTS * (MOMENTS + 1) / 2;
 pub(super) struct Found {
     pub moments: Moments,
     pub area: f64,
+    pub longest: Chord,
 }
 
 /// An estimate of all integrals over a region, and of its surface area, with covariances.
@@ -17,6 +19,7 @@ pub(super) struct Found {
 pub(super) struct Tally {
     pub moments: Moments,
     pub area: f64,
+    pub longest: Chord,
     /// Variances and covariances of the moments, row by row above the diagonal.
     covariance: [f64; ENTRIES],
     area_variance: f64,
@@ -24,7 +27,13 @@ pub(super) struct Tally {
 
 impl Default for Tally {
     fn default() -> Self {
-        Tally { moments: [0.0; MOMENTS], area: 0.0, covariance: [0.0; ENTRIES], area_variance: 0.0 }
+        Tally {
+            moments: [0.0; MOMENTS],
+            area: 0.0,
+            longest: Chord::default(),
+            covariance: [0.0; ENTRIES],
+            area_variance: 0.0,
+        }
     }
 }
 
@@ -37,6 +46,7 @@ impl Tally {
             half[k] = 0.5 * (a.moments[k] - b.moments[k]);
         }
         self.area += 0.5 * (a.area + b.area);
+        self.longest = self.longest.or_longer(a.longest).or_longer(b.longest);
         self.area_variance += (0.5 * (a.area - b.area)).powi(2);
         let mut entries = self.covariance.iter_mut();
         for i in 0..MOMENTS {
@@ -51,6 +61,7 @@ impl Tally {
     pub fn add(&mut self, other: &Tally, factor: f64, area_factor: f64) {
         super::moments::add(&mut self.moments, &other.moments, factor);
         self.area += area_factor * other.area;
+        self.longest = self.longest.or_longer(other.longest);
         self.area_variance += area_factor * area_factor * other.area_variance;
         let pairs = self.covariance.iter_mut().zip(&other.covariance);
         pairs.for_each(|(own, entry)| *own += factor * factor * entry);
@@ -96,7 +107,7 @@ mod tests {
         let found = |volume: f64, x: f64| {
             let mut moments = [0.0; MOMENTS];
             (moments[0], moments[1]) = (volume, x);
-            Found { moments, area: volume }
+            Found { moments, area: volume, ..Found::default() }
         };
         let mut tally = Tally::default();
         tally.cell(&found(1.0, 0.0), &found(3.0, 4.0));

@@ -37,6 +37,8 @@ fn a_ball_far_from_the_origin() {
     assert!(found.area.half_width < 0.01 * area);
     let centre = found.centre.unwrap();
     assert!((0..3).all(|k| centre[k].holds(at[k]) && centre[k].half_width < 0.01), "{centre:?}");
+    let longest = found.longest.unwrap();
+    assert!(longest.length() > 3.99 && longest.length() <= 4.0 && (longest.from - at).length() < 2.0 + 1e-9);
     // 2/5 V r^2, and nothing off the diagonal
     let moment = 0.4 * volume * 4.0;
     for i in 0..3 {
