@@ -2,7 +2,7 @@
 
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict};
+use pyo3::types::{PyBool, PyDict, PyTuple};
 use rayweave::shape::primitive::{MANUALS, Manual, Parameter, ParameterKind, Value, build, manual};
 
 use crate::arrays::{double_array, shape_text};
@@ -32,7 +32,11 @@ fn parameter<'py>(py: Python<'py>, parameter: &Parameter) -> PyResult<Bound<'py,
     dict.set_item("kind", parameter.kind.to_string())?;
     dict.set_item("unit", parameter.unit.to_string())?;
     dict.set_item("range", parameter.range.to_string())?;
-    dict.set_item("default", parameter.default)?;
+    match parameter.kind {
+        // a list that is not given is empty
+        ParameterKind::Numbers => dict.set_item("default", PyTuple::empty(py))?,
+        _ => dict.set_item("default", parameter.default)?,
+    }
     dict.set_item("summary", parameter.summary)?;
     Ok(dict)
 }

@@ -28,6 +28,9 @@ EXAMPLES = {
     "prism": (6, 2, 3),
     "convex": ([[1, 0, 0, 1], [-1, 0, 0, 1], [0, 1, 0, 2]],),
     "mesh": ([[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
+    "asphere": (3, 0.2, -1, [0, 0.02], (), 4),
+    "biconic": (3, 0.2, -0.1, -1, -1, 4),
+    "freeform": (3, 0.2, -1, [0, 0, 0, 1], [0, 0, 0, 0.5], 0, 4),
 }
 
 
@@ -71,6 +74,13 @@ def inside(name, x, y, z):
             return (abs(x) < 1) & (y < 2)
         case "mesh":
             return (x > 0) & (y > 0) & (z > 0) & (x + y + z < 3)
+        case "asphere":
+            return (r < 3) & (0.1 * r**2 + 0.02 * r**4 < z) & (z < 4)
+        case "biconic":
+            return (r < 3) & (0.1 * x**2 - 0.05 * y**2 < z) & (z < 4)
+        case "freeform":
+            defocus = 0.5 * math.sqrt(3) * (2 * r**2 / 9 - 1)
+            return (r < 3) & (0.1 * r**2 + x * y / 9 + defocus < z) & (z < 4)
 
 
 def test_every_shape_of_the_engine_is_a_function():

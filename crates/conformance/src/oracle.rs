@@ -243,7 +243,21 @@ enum Formula {
     AnyPlane(Vec<([f64; 3], f64)>),
     /// The corners of the triangles of a closed mesh.
     Triangles(Vec<[[f64; 3]; 3]>),
+    /// Above a sag, in its aperture and below a height.
+    Sag(Sag),
 }
+
+/// A conic or biconic with polynomial terms: how often each power of x, y and r = sqrt(x^2 + y^2) comes in.
+struct Sag {
+    aperture: f64,
+    height: f64,
+    curvatures: [f64; 2],
+    conics: [f64; 2],
+    terms: Vec<Term>,
+}
+
+/// Powers of x, y and r, and the coefficient.
+type Term = ([u32; 3], f64);
 
 fn numbers(value: &Value) -> Vec<f64> {
     match value {
@@ -314,6 +328,41 @@ impl Formula {
                 let corner = |k: f64| triple(&vertices[3 * k as usize..3 * k as usize + 3]);
                 Formula::Triangles(faces.chunks(3).map(|face| triple(face).map(corner)).collect())
             }
+            "asphere" => {
+                let even = list("even").into_iter().zip(1..).map(|(c, k)| ([0, 0, 2 * k], c));
+                let odd = list("odd").into_iter().zip(0..).map(|(c, k)| ([0, 0, 2 * k + 1], c));
+                Formula::Sag(Sag {
+                    aperture: number("aperture"),
+                    height: number("height"),
+                    curvatures: [number("curvature"); 2],
+                    conics: [number("conic"); 2],
+                    terms: even.chain(odd).collect(),
+                })
+            }
+            "biconic" => Formula::Sag(Sag {
+                aperture: number("aperture"),
+                height: number("height"),
+                curvatures: [number("curvature_x"), number("curvature_y")],
+                conics: [number("conic_x"), number("conic_y")],
+                terms: Vec::new(),
+            }),
+            "freeform" => {
+                let aperture = number("aperture");
+                let given = number("norm_radius");
+                let norm = if given > 0.0 { given } else { aperture };
+                let mut terms = xy_terms(&list("xy"));
+                terms.extend(noll_terms(&list("zernike")));
+                for (powers, c) in &mut terms {
+                    *c /= libm::pow(norm, f64::from(powers.iter().sum::<u32>()));
+                }
+                Formula::Sag(Sag {
+                    aperture,
+                    height: number("height"),
+                    curvatures: [number("curvature"); 2],
+                    conics: [number("conic"); 2],
+                    terms,
+                })
+            }
             other => panic!("the oracle has no formula for {other}: write one"),
         }
     }
@@ -330,6 +379,7 @@ impl Formula {
             Formula::Paraboloid(focal, height) => finite(&[*focal, *height]),
             Formula::Quadric(_) => 1.0,
             Formula::Triangles(all) => all.iter().flatten().flatten().fold(0.0, |most, x| x.abs().max(most)),
+            Formula::Sag(sag) => sag.aperture + sag.size() + finite(&[sag.height]),
             Formula::Planes(rows) | Formula::AnyPlane(rows) => {
                 rows.iter().map(|(n, d)| d.abs() / dot(*n, *n).sqrt()).fold(0.0, f64::max)
             }
@@ -378,6 +428,13 @@ impl Formula {
                     (0..4).map(|i| (0..4).map(|j| (h[i] * q[i][j] * h[j]).abs()).sum::<f64>()).sum::<f64>();
                 Side::of(-value, tolerance * (slope + size * tolerance) + 1e-14 * terms)
             }
+            Formula::Sag(sag) => {
+                // where the wall is near, the sag beyond it says nothing
+                let (value, slope) = sag.depth(p);
+                let surface = Side::of(value, tolerance * (1.0 + slope));
+                let cap = Side::of(sag.height - z, tolerance);
+                Side::of(sag.aperture - rho, tolerance).min(surface).min(cap)
+            }
             Formula::Planes(rows) => rows.iter().map(plane).min().unwrap_or(Side::Inside),
             Formula::AnyPlane(rows) => rows.iter().map(plane).max().unwrap_or(Side::Outside),
             Formula::Triangles(all) => {
@@ -424,6 +481,72 @@ fn distance(triangle: [[f64; 3]; 3], p: [f64; 3]) -> f64 {
         return edges.min(dot(foot, foot).sqrt());
     }
     edges
+}
+
+impl Sag {
+    /// The sum of the magnitudes of all terms at the rim.
+    fn size(&self) -> f64 {
+        let base = self.curvatures[0].abs().max(self.curvatures[1].abs()) * self.aperture * self.aperture;
+        let power = |n: &[u32; 3]| libm::pow(self.aperture, f64::from(n.iter().sum::<u32>()));
+        base + self.terms.iter().map(|(n, c)| c.abs() * power(n)).sum::<f64>()
+    }
+
+    /// The height above the surface, and how steep that is at most nearby.
+    fn depth(&self, [x, y, z]: [f64; 3]) -> (f64, f64) {
+        let at = |x: f64, y: f64| self.sag(x, y);
+        let here = at(x, y);
+        let step = 1e-5 * self.aperture;
+        let slope = |dx: f64, dy: f64| ((at(x + dx, y + dy) - here) / step).abs();
+        let steep = slope(step, 0.0).max(slope(-step, 0.0)) + slope(0.0, step).max(slope(0.0, -step));
+        (z - here, 2.0 * steep)
+    }
+
+    fn sag(&self, x: f64, y: f64) -> f64 {
+        let ([cx, cy], [kx, ky]) = (self.curvatures, self.conics);
+        let inner = 1.0 - (1.0 + kx) * cx * cx * x * x - (1.0 + ky) * cy * cy * y * y;
+        let base = (cx * x * x + cy * y * y) / (1.0 + inner.max(0.0).sqrt());
+        let r = (x * x + y * y).sqrt();
+        let power = |v: f64, n: u32| libm::pow(v, f64::from(n));
+        self.terms.iter().fold(base, |sum, (n, c)| sum + c * power(x, n[0]) * power(y, n[1]) * power(r, n[2]))
+    }
+}
+
+/// x, y, x^2, x y, y^2, ...
+fn xy_terms(list: &[f64]) -> Vec<Term> {
+    let (mut powers, mut degree, mut j) = (Vec::new(), 1, 0);
+    for &c in list {
+        powers.push(([degree - j, j, 0], c));
+        (degree, j) = if j == degree { (degree + 1, 0) } else { (degree, j + 1) };
+    }
+    powers
+}
+
+/// Noll's first fifteen polynomials, from the table in his paper.
+fn noll_terms(list: &[f64]) -> Vec<Term> {
+    let table: [(f64, &[Term]); 15] = [
+        (1.0, &[([0, 0, 0], 1.0)]),
+        (4.0, &[([1, 0, 0], 1.0)]),
+        (4.0, &[([0, 1, 0], 1.0)]),
+        (3.0, &[([0, 0, 2], 2.0), ([0, 0, 0], -1.0)]),
+        (6.0, &[([1, 1, 0], 2.0)]),
+        (6.0, &[([2, 0, 0], 1.0), ([0, 2, 0], -1.0)]),
+        (8.0, &[([0, 1, 2], 3.0), ([0, 1, 0], -2.0)]),
+        (8.0, &[([1, 0, 2], 3.0), ([1, 0, 0], -2.0)]),
+        (8.0, &[([2, 1, 0], 3.0), ([0, 3, 0], -1.0)]),
+        (8.0, &[([3, 0, 0], 1.0), ([1, 2, 0], -3.0)]),
+        (5.0, &[([0, 0, 4], 6.0), ([0, 0, 2], -6.0), ([0, 0, 0], 1.0)]),
+        (10.0, &[([2, 0, 2], 4.0), ([0, 2, 2], -4.0), ([2, 0, 0], -3.0), ([0, 2, 0], 3.0)]),
+        (10.0, &[([1, 1, 2], 8.0), ([1, 1, 0], -6.0)]),
+        (10.0, &[([4, 0, 0], 1.0), ([2, 2, 0], -6.0), ([0, 4, 0], 1.0)]),
+        (10.0, &[([3, 1, 0], 4.0), ([1, 3, 0], -4.0)]),
+    ];
+    assert!(list.len() <= table.len(), "the oracle knows Noll's first fifteen polynomials: write more");
+    let all = list.iter().zip(table);
+    all.flat_map(|(c, (square, terms))| {
+        let norm = libm::sqrt(square);
+        terms.iter().map(move |(powers, factor)| (*powers, c * norm * factor))
+    })
+    .collect()
 }
 
 /// To the left of the first ray and to the right of the second; one of the two is enough beyond 180 degrees.

@@ -116,6 +116,43 @@ pub fn mesh(vertices: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Solid, Error> {
     make("mesh", &[("vertices", vertices.into()), ("faces", numbers.as_slice().into())])
 }
 
+/// What lies above an asphere with its vertex at the origin, r < `aperture`, up to z = `height`, which may be infinite:
+/// curvature and conic constant, coefficients of r^2, r^4, ... and of r, r^3, ...
+pub fn asphere(
+    aperture: f64,
+    [curvature, conic]: [f64; 2],
+    [even, odd]: [&[f64]; 2],
+    height: f64,
+) -> Result<Solid, Error> {
+    let base = [("aperture", aperture.into()), ("curvature", curvature.into()), ("conic", conic.into())];
+    let terms = [("even", even.into()), ("odd", odd.into()), ("height", height.into())];
+    make("asphere", &[base, terms].concat())
+}
+
+/// What lies above a biconic with its vertex at the origin, r < `aperture`, up to z = `height`, which may be infinite:
+/// curvatures and conic constants along x and y.
+pub fn biconic(aperture: f64, curvatures: [f64; 2], conics: [f64; 2], height: f64) -> Result<Solid, Error> {
+    let base = [("aperture", aperture.into()), ("height", height.into())];
+    let x = [("curvature_x", curvatures[0].into()), ("conic_x", conics[0].into())];
+    let y = [("curvature_y", curvatures[1].into()), ("conic_y", conics[1].into())];
+    make("biconic", &[base, x, y].concat())
+}
+
+/// What lies above a freeform about the origin, r < `aperture`, up to z = `height`, which may be infinite: curvature and
+/// conic constant of the base, coefficients of x, y, x^2, x y, ... and of Noll's Zernike polynomials, both of coordinates
+/// divided by `norm_radius` (0 for the aperture's).
+pub fn freeform(
+    aperture: f64,
+    [curvature, conic]: [f64; 2],
+    [xy, zernike]: [&[f64]; 2],
+    norm_radius: f64,
+    height: f64,
+) -> Result<Solid, Error> {
+    let base = [("aperture", aperture.into()), ("curvature", curvature.into()), ("conic", conic.into())];
+    let terms = [("xy", xy.into()), ("zernike", zernike.into()), ("norm_radius", norm_radius.into())];
+    make("freeform", &[&base[..], &terms, &[("height", height.into())]].concat())
+}
+
 /// Nothing: the neutral element of union.
 pub fn vacuum() -> Solid {
     Solid::vacuum()

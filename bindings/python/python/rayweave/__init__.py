@@ -25,12 +25,15 @@ from rayweave._measure import Measurement, measure
 from rayweave._model import Medium, Region
 from rayweave._picture import Camera, render
 from rayweave._shapes import (
+    asphere,
+    biconic,
     box,
     box_from_corners,
     cone,
     convex,
     cylinder,
     ellipsoid,
+    freeform,
     half_space,
     mesh,
     paraboloid,
@@ -65,6 +68,8 @@ __all__ = [
     "Solid",
     "Timeline",
     "array_csg",
+    "asphere",
+    "biconic",
     "box",
     "box_from_corners",
     "cone",
@@ -72,6 +77,7 @@ __all__ = [
     "count_array",
     "cylinder",
     "ellipsoid",
+    "freeform",
     "from_polygons",
     "half_space",
     "infill",

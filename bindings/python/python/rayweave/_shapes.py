@@ -17,6 +17,7 @@ _TYPES = {
     "1 row or more of 4 numbers": "ArrayLike",
     "rows of 3 numbers": "ArrayLike",
     "4 rows of 4 numbers": "ArrayLike",
+    "a list of numbers": "ArrayLike",
 }
 
 

@@ -38,7 +38,7 @@ fn every_shape_has_a_page() {
     let bench = Bench::new();
     let list = bench.says(&["shapes"]);
     let names = "sphere ellipsoid box box_from_corners cylinder cone half_space slab torus paraboloid quadric tube \
-                 wedge prism convex mesh";
+                 wedge prism convex mesh asphere biconic freeform";
     for name in names.split_whitespace() {
         assert!(list.contains(&format!("\n{name}(")), "{name}: {list}");
         let page = bench.says(&["shapes", name]);

@@ -134,6 +134,10 @@ fn argument(bytes: &mut Bytes<'_>, parameter: &Parameter) -> Value {
         ParameterKind::Planes => rows(bytes, 7),
         ParameterKind::Triples => triples(bytes, parameter.unit == Unit::Count),
         ParameterKind::Matrix4 => rows(bytes, 4),
+        ParameterKind::Numbers => {
+            let count = bytes.below(6);
+            Value::Vector((0..count).map(|_| bytes.number(&PLACES)).collect())
+        }
     }
 }
 

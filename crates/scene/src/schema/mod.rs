@@ -117,7 +117,7 @@ fn shape(manual: &Manual) -> Value {
         .iter()
         .map(|parameter| (parameter.name.to_owned(), parameter_schema(parameter)))
         .collect();
-    let needed = manual.parameters.iter().filter(|parameter| parameter.default.is_none());
+    let needed = manual.parameters.iter().filter(|parameter| parameter.default_value().is_none());
     let needed: Vec<&str> = needed.map(|parameter| parameter.name).collect();
     match manual.name {
         "mesh" => mesh(manual.summary, properties, &needed),
@@ -141,6 +141,7 @@ fn parameter_schema(parameter: &Parameter) -> Value {
         ParameterKind::Planes => json!({ "type": "array", "items": reference("row"), "minItems": 1 }),
         ParameterKind::Triples => json!({ "type": "array", "items": reference("vector"), "minItems": 1 }),
         ParameterKind::Matrix4 => reference("matrix"),
+        ParameterKind::Numbers => json!({ "type": "array", "items": reference("number") }),
     };
     schema["description"] = format!("{} ({}, {})", parameter.summary, parameter.unit, parameter.range).into();
     schema

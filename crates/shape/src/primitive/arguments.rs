@@ -52,6 +52,14 @@ impl Arguments {
         }
     }
 
+    /// A list of any number of numbers.
+    pub fn list(&self, name: &str) -> Vec<f64> {
+        match self.value(name) {
+            Some(Value::Vector(list)) => list.clone(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Rows of four numbers.
     pub fn rows(&self, name: &str) -> Vec<[f64; 4]> {
         let four = |row: &Vec<f64>| row.as_slice().try_into().unwrap_or([f64::NAN; 4]);
@@ -102,7 +110,7 @@ fn read_one(
     if values.next().is_some() {
         return Err(ShapeError::RepeatedParameter { shape, parameter: parameter.name });
     }
-    let value = value.or(parameter.default.map(Value::Number));
+    let value = value.or(parameter.default_value());
     let value = value.ok_or(ShapeError::MissingParameter {
         shape,
         parameter: parameter.name,

@@ -2,6 +2,7 @@
 
 use super::parameter::{ParameterKind, Range};
 use super::value::short;
+use crate::surface::sag::SagError;
 use rayweave_mesh::MeshError;
 
 /// Why a primitive cannot be made; the message reads "problem (why) suggestion?".
@@ -123,6 +124,14 @@ pub enum ShapeError {
         /// The other.
         second: &'static str,
     },
+    /// A sag surface that does not exist.
+    #[error("{shape}: {problem}")]
+    Sag {
+        /// The primitive.
+        shape: &'static str,
+        /// Why not.
+        problem: SagError,
+    },
     /// A matrix that should be symmetric and is not.
     #[error("{shape}: {parameter}[{row}][{column}] is {} but {parameter}[{column}][{row}] is {} (the matrix must be symmetric) did you mean {} in both places?", short(*.value), short(*.mirrored), short(0.5 * *.value + 0.5 * *.mirrored))]
     NotSymmetric {
@@ -165,6 +174,7 @@ impl ShapeError {
             | ShapeError::NotSymmetric { parameter, .. } => Some(parameter),
             ShapeError::NotIncreasing { lower, .. } => Some(lower),
             ShapeError::BothZero { first, .. } => Some(first),
+            ShapeError::Sag { .. } => Some("aperture"),
         }
     }
 
@@ -184,6 +194,7 @@ impl ShapeError {
             | ShapeError::UnknownParameter { .. }
             | ShapeError::MissingParameter { .. }
             | ShapeError::RepeatedParameter { .. }
+            | ShapeError::Sag { .. }
             | ShapeError::BothZero { .. } => Vec::new(),
         }
     }

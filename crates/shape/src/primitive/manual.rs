@@ -1,7 +1,6 @@
 //! The manual: what a primitive is, for help texts, documentation and editors.
 
 use super::parameter::Parameter;
-use super::value::short;
 
 /// The manual page of one primitive. The text is the head of the primitive's own source file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +24,7 @@ pub fn parameter_table(parameters: &[Parameter]) -> String {
     let head =
         "| parameter | is | unit | range | default | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
     parameters.iter().fold(head.to_owned(), |table, parameter| {
-        let default = parameter.default.map(short).unwrap_or_default();
+        let default = parameter.default_value().map(|value| value.to_string()).unwrap_or_default();
         table
             + &format!(
                 "| `{}` | {} | {} | {} | {default} | {} |\n",

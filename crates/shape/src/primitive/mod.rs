@@ -9,18 +9,22 @@ mod error;
 mod lowered;
 mod manual;
 mod parameter;
+mod sag;
 mod shape;
 mod support;
 #[cfg(test)]
 mod tests;
 mod value;
 
+pub mod asphere;
+pub mod biconic;
 pub mod box_from_corners;
 pub mod centred_box;
 pub mod cone;
 pub mod convex;
 pub mod cylinder;
 pub mod ellipsoid;
+pub mod freeform;
 pub mod half_space;
 pub mod mesh;
 pub mod paraboloid;
@@ -131,6 +135,9 @@ primitives! {
     prism::Prism,
     convex::Convex,
     mesh::Mesh,
+    asphere::Asphere,
+    biconic::Biconic,
+    freeform::Freeform,
 }
 
 impl Primitive {

@@ -15,7 +15,7 @@ pub struct Parameter {
     pub unit: Unit,
     /// The values that each of its numbers may have.
     pub range: Range,
-    /// The value if it is not given; `None` if it must be.
+    /// The value if it is not given; `None` if it must be, or is a list, which is empty then.
     pub default: Option<f64>,
     /// What it means, in a few words.
     pub summary: &'static str,
@@ -38,6 +38,8 @@ pub enum ParameterKind {
     Triples,
     /// Four rows of four numbers.
     Matrix4,
+    /// Any number of numbers; none if it is not given.
+    Numbers,
 }
 
 impl ParameterKind {
@@ -57,6 +59,7 @@ impl fmt::Display for ParameterKind {
             ParameterKind::Planes => "1 row or more of 4 numbers",
             ParameterKind::Triples => "rows of 3 numbers",
             ParameterKind::Matrix4 => "4 rows of 4 numbers",
+            ParameterKind::Numbers => "a list of numbers",
         })
     }
 }
@@ -174,6 +177,19 @@ impl Parameter {
         self
     }
 
+    /// A list of any number of numbers without a unit, which need not be given.
+    pub(super) const fn list(name: &'static str, summary: &'static str) -> Parameter {
+        Parameter::new(name, ParameterKind::Numbers, Unit::None, Range::Finite, summary)
+    }
+
+    /// The value if it is not given; `None` if it must be.
+    pub fn default_value(&self) -> Option<Value> {
+        match self.kind {
+            ParameterKind::Numbers => Some(Value::Vector(Vec::new())),
+            _ => self.default.map(Value::Number),
+        }
+    }
+
     /// The reason why a value cannot be this parameter of `shape`, if there is one.
     pub fn check(&self, shape: &'static str, value: &Value) -> Result<(), ShapeError> {
         self.check_kind(shape, value)?;
@@ -194,6 +210,7 @@ impl Parameter {
                 Value::Number(_),
             ) => true,
             (ParameterKind::Vector3 | ParameterKind::NumberOrVector3, Value::Vector(list)) => list.len() == 3,
+            (ParameterKind::Numbers, Value::Vector(_)) => true,
             (ParameterKind::Planes | ParameterKind::Triples, Value::Rows(rows)) => !rows.is_empty(),
             (ParameterKind::Matrix4, Value::Rows(rows)) => rows.len() == 4,
             _ => false,

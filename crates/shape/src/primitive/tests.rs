@@ -231,7 +231,7 @@ fn refusals_of_values() {
 fn nan_is_refused_everywhere() {
     for example in Primitive::examples() {
         for (k, parameter) in example.manual().parameters.iter().enumerate() {
-            let default = parameter.default.map(Value::Number);
+            let default = parameter.default_value();
             assert!(default.is_none_or(|d| parameter.check(example.name(), &d).is_ok()));
             let mut arguments = example.arguments();
             poison(&mut arguments[k].1);

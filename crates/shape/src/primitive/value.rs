@@ -57,6 +57,12 @@ impl From<Vec3> for Value {
     }
 }
 
+impl From<&[f64]> for Value {
+    fn from(list: &[f64]) -> Value {
+        Value::Vector(list.to_vec())
+    }
+}
+
 impl<const N: usize> From<&[[f64; N]]> for Value {
     fn from(rows: &[[f64; N]]) -> Value {
         Value::Rows(rows.iter().map(|row| row.to_vec()).collect())

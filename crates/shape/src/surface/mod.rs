@@ -21,6 +21,7 @@ pub mod object;
 mod plane;
 mod quadric;
 mod ranges;
+pub mod sag;
 mod share;
 mod sphere;
 mod tolerance;
@@ -35,6 +36,7 @@ pub use mesh::MeshForm;
 pub use object::{Form, Object};
 pub use plane::Plane;
 pub use quadric::Quadric;
+pub use sag::Sag;
 pub use share::{Shared, WideClass, share};
 pub use sphere::Sphere;
 pub use tolerance::{

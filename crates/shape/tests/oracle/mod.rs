@@ -177,6 +177,27 @@ pub fn count_real_roots(coefficients: &[RBig]) -> usize {
     changes(true) - changes(false)
 }
 
+/// The number of different real roots between two numbers that are no roots: Sturm's theorem.
+pub fn count_between(coefficients: &[RBig], from: f64, to: f64) -> usize {
+    let p = trimmed(coefficients.to_vec());
+    let derivative = trimmed(p.iter().enumerate().skip(1).map(|(k, c)| c * exact(k as f64)).collect());
+    let mut chain = vec![p, derivative];
+    while let [.., a, b] = &chain[..] {
+        if b.len() < 2 {
+            break;
+        }
+        let next = negated_remainder(a, b);
+        chain.push(next);
+    }
+    let variations = |t: f64| {
+        let t = exact(t);
+        let at = |p: &Vec<RBig>| sign(&p.iter().rev().fold(RBig::ZERO, |sum, c| sum * &t + c));
+        let signs: Vec<i32> = chain.iter().map(at).filter(|&s| s != 0).collect();
+        signs.windows(2).filter(|w| w[0] != w[1]).count()
+    };
+    variations(from).saturating_sub(variations(to))
+}
+
 fn trimmed(mut p: Vec<RBig>) -> Vec<RBig> {
     while p.last().is_some_and(|c| c == &RBig::ZERO) {
         p.pop();

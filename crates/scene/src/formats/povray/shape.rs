@@ -9,7 +9,7 @@ use rayweave_shape::surface::{LIE_DIRECTION, Quadric, Surface, Torus};
 /// Nothing: two spheres that do not meet.
 pub(super) const NOTHING: &str = "intersection { sphere { <0, 0, 0>, 1 } sphere { <4, 0, 0>, 1 } }";
 
-/// A primitive under a map; `None` if the map is singular.
+/// A primitive under a map; `None` if the map is singular, or a face of a kind that POV-Ray has no object for.
 ///
 /// Spheres, boxes, cylinders, cones and tori have objects of their own, which POV-Ray is fastest with. Anything else is
 /// written as what it is made of: an intersection of sides of planes and quadrics.

@@ -7,6 +7,8 @@ use crate::number::written;
 use crate::scene::{Camera, Light, Projection, Scene};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Node, Solid};
+use rayweave_shape::primitive::{Facet, Primitive};
+use rayweave_shape::surface::Surface;
 use std::fmt;
 
 /// A scene in POV-Ray's language.
@@ -26,6 +28,13 @@ pub enum PovRayError {
         /// The region that it was found in.
         region: String,
     },
+    /// A shape has a face that POV-Ray has no object for.
+    NoForm {
+        /// The region that it was found in.
+        region: String,
+        /// The name of the shape.
+        shape: &'static str,
+    },
     /// The text would be too long.
     TooLarge {
         /// The region that it was found in.
@@ -42,6 +51,10 @@ impl fmt::Display for PovRayError {
                     "region `{region}` holds a shape that is flattened (its transform is singular) is a scale factor 0?"
                 )
             }
+            PovRayError::NoForm { region, shape } => write!(
+                f,
+                "region `{region}` holds a shape `{shape}` (POV-Ray has no object for its curved face) can it be left out?"
+            ),
             PovRayError::TooLarge { region } => write!(
                 f,
                 "region `{region}` has more than {MOST} parts as it is written for POV-Ray (every copy of a solid is written out)"
@@ -219,6 +232,16 @@ impl Writer<'_> {
     }
 
     /// Writes the beginning of a node and leaves the rest to do, last part first.
+    /// Why there is no object for a primitive.
+    fn no_object(&self, primitive: &Primitive) -> PovRayError {
+        let region = self.region.to_owned();
+        let is_object = |facet: &Facet| matches!(facet.surface, Surface::Object(_));
+        match primitive.lower().facets.iter().any(is_object) {
+            true => PovRayError::NoForm { region, shape: primitive.name() },
+            false => PovRayError::Singular { region },
+        }
+    }
+
     fn expand<'s>(
         &mut self,
         solid: &'s Solid,
@@ -232,7 +255,7 @@ impl Writer<'_> {
             Node::Plenum => *text += &with(NOTHING.to_owned(), "inverse"),
             Node::Primitive(primitive) => match shape::object(primitive, &place) {
                 Some(object) => *text += &object,
-                None => return Err(PovRayError::Singular { region: self.region.to_owned() }),
+                None => return Err(self.no_object(primitive)),
             },
             Node::Complement(inner) => {
                 *text += "object { ";

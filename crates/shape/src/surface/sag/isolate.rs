@@ -1,0 +1,298 @@
+//! The sign changes of a smooth function of time between two times, none missed.
+//!
+//! A piece of time is looked at through what is known for sure about it: value and slope at its ends, and bounds of
+//! the second derivative over it. From these a piece has no root, or is monotone, or bends one way all along (two
+//! roots at most, apart by the extremum), or is halved. Bounds of the second derivative of width w leave a doubt of
+//! w h^2 about the value of f, so the pieces that are looked at grow short only where f and its slope both vanish.
+//!
+//! *What is guaranteed*: each piece of the list of signs is the sign of f, and no pair of roots is missed between
+//! which |f| exceeds [`Smooth::noise`]. Where f does not exceed the noise all along a piece, the piece counts as one
+//! sign change if the signs at its ends differ, and as none if they do not.
+
+use rayweave_math::{Interval, UNIT_ROUNDOFF};
+
+/// A function of time with a continuous slope.
+pub(super) trait Smooth {
+    /// Value and slope at a time.
+    fn at(&self, t: f64) -> (f64, f64);
+    /// Bounds of the second derivative between two times.
+    fn bend(&self, from: f64, to: f64) -> Interval;
+    /// Values up to this say nothing about the sign.
+    fn noise(&self) -> f64;
+}
+
+/// One end of a piece.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End {
+    pub t: f64,
+    pub value: f64,
+    pub slope: f64,
+    /// The sign that counts: that of the value, unless the value is noise.
+    pub negative: bool,
+}
+
+impl End {
+    pub fn of(f: &impl Smooth, t: f64) -> End {
+        let (value, slope) = f.at(t);
+        End { t, value, slope, negative: value < 0.0 }
+    }
+
+    /// The same of -f.
+    fn negated(self) -> End {
+        End { value: -self.value, slope: -self.slope, negative: !self.negative, ..self }
+    }
+}
+
+/// Halvings of the first piece; by then it is as short as the rounding of its ends.
+const DEPTH: u32 = 64;
+
+/// Passes the sign changes between two ends to `flip`, in order.
+pub(super) fn sign_changes(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
+    visit(f, a, b, DEPTH, flip);
+}
+
+fn visit(f: &impl Smooth, a: End, b: End, depth: u32, flip: &mut dyn FnMut(f64)) {
+    let piece = Piece::new(f, a, b);
+    match piece.kind(f.noise()) {
+        _ if depth == 0 || piece.is_shortest() => single(f, a, b, flip),
+        Kind::Single => single(f, a, b, flip),
+        Kind::Bent { up: true } => bent(f, a, b, flip),
+        Kind::Bent { up: false } => bent(&Negated(f), a.negated(), b.negated(), flip),
+        Kind::Any => {
+            let middle = End::of(f, piece.middle());
+            visit(f, a, middle, depth - 1, flip);
+            visit(f, middle, b, depth - 1, flip);
+        }
+    }
+}
+
+/// At most one sign change.
+fn single(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
+    if a.negative != b.negative {
+        flip(root(f, a, b));
+    }
+}
+
+/// What is known about the roots of a piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// One if the signs at the ends differ, else none.
+    Single,
+    /// The slope only grows (or only falls): at most two.
+    Bent { up: bool },
+    /// Any number.
+    Any,
+}
+
+struct Piece {
+    a: End,
+    b: End,
+    half: f64,
+    bend: Interval,
+}
+
+impl Piece {
+    fn new(f: &impl Smooth, a: End, b: End) -> Piece {
+        Piece { a, b, half: 0.5 * (b.t - a.t), bend: f.bend(a.t, b.t) }
+    }
+
+    fn middle(&self) -> f64 {
+        0.5 * (self.a.t + self.b.t)
+    }
+
+    fn is_shortest(&self) -> bool {
+        self.half <= 4.0 * UNIT_ROUNDOFF * self.a.t.abs().max(self.b.t.abs())
+    }
+
+    fn kind(&self, noise: f64) -> Kind {
+        match () {
+            () if self.is_monotone() || self.is_clear() || self.is_noise(noise) => Kind::Single,
+            () if self.bend.lo >= 0.0 => Kind::Bent { up: true },
+            () if self.bend.hi <= 0.0 => Kind::Bent { up: false },
+            () => Kind::Any,
+        }
+    }
+
+    /// True if the slope keeps its sign: each half is reached from its end.
+    fn is_monotone(&self) -> bool {
+        let Piece { a, b, half, bend } = self;
+        let (rise, fall) = (bend.hi.max(0.0) * half, bend.lo.min(0.0) * half);
+        let rises = a.slope + fall > 0.0 && b.slope - rise > 0.0;
+        let falls = a.slope + rise < 0.0 && b.slope - fall < 0.0;
+        rises || falls
+    }
+
+    /// True if the value keeps away from 0.
+    fn is_clear(&self) -> bool {
+        let Piece { a, b, half, bend } = self;
+        let square = 0.5 * half * half;
+        let above = |end: &End, away: f64| {
+            end.value + (away * end.slope * half).min(0.0) + bend.lo.min(0.0) * square > 0.0
+        };
+        let below = |end: &End, away: f64| {
+            end.value + (away * end.slope * half).max(0.0) + bend.hi.max(0.0) * square < 0.0
+        };
+        (above(a, 1.0) && above(b, -1.0)) || (below(a, 1.0) && below(b, -1.0))
+    }
+
+    /// True if the value is noise all along.
+    fn is_noise(&self, noise: f64) -> bool {
+        let square = 0.5 * self.half * self.half * self.bend.magnitude();
+        let most = |end: &End| end.value.abs() + end.slope.abs() * self.half + square;
+        most(&self.a) <= noise && most(&self.b) <= noise
+    }
+}
+
+/// The negative of a function.
+struct Negated<'a, F>(&'a F);
+
+impl<F: Smooth> Smooth for Negated<'_, F> {
+    fn at(&self, t: f64) -> (f64, f64) {
+        let (value, slope) = self.0.at(t);
+        (-value, -slope)
+    }
+
+    fn bend(&self, from: f64, to: f64) -> Interval {
+        -self.0.bend(from, to)
+    }
+
+    fn noise(&self) -> f64 {
+        self.0.noise()
+    }
+}
+
+/// A function whose slope grows: two roots if it is positive at both ends and negative somewhere between.
+fn bent(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
+    if a.negative != b.negative {
+        return flip(root(f, a, b));
+    }
+    if a.negative {
+        return;
+    }
+    if let Some(low) = below_zero(f, a, b) {
+        flip(root(f, a, low));
+        flip(root(f, low, b));
+    }
+}
+
+/// A place where a function whose slope grows, and that is positive at both ends, is negative.
+fn below_zero(f: &impl Smooth, mut a: End, mut b: End) -> Option<End> {
+    for _ in 0..DEPTH {
+        // such a function lies above its tangents
+        if a.slope >= 0.0 || b.slope <= 0.0 || tangents_meet_above_zero(&a, &b) {
+            return None;
+        }
+        let t = a.t + (b.t - a.t) * (a.slope / (a.slope - b.slope)).clamp(0.05, 0.95);
+        if !(a.t < t && t < b.t) {
+            return None;
+        }
+        let next = End::of(f, t);
+        match next.slope {
+            _ if next.negative => return Some(next),
+            slope if slope < 0.0 => a = next,
+            _ => b = next,
+        }
+    }
+    None
+}
+
+fn tangents_meet_above_zero(a: &End, b: &End) -> bool {
+    let along = (b.value - a.value - b.slope * (b.t - a.t)) / (a.slope - b.slope);
+    a.value + a.slope * along > 0.0
+}
+
+/// The root between two ends of different sign: Newton's method, kept between the ends by halving.
+pub(super) fn root(f: &impl Smooth, mut a: End, mut b: End) -> f64 {
+    let (mut t, mut last) = (first_guess(&a, &b), b.t - a.t);
+    // a step as small as the rounding of t or f is the last one
+    let (finest, quiet) = (2.0 * UNIT_ROUNDOFF * a.t.abs().max(b.t.abs()), 0.25 * f.noise());
+    for _ in 0..200 {
+        let here = End::of(f, t);
+        let step = -here.value / here.slope;
+        if step.abs() <= finest || here.value.abs() <= quiet {
+            let newton = t + step;
+            return if a.t <= newton && newton <= b.t { newton } else { t };
+        }
+        if here.negative == a.negative {
+            a = here
+        } else {
+            b = here
+        }
+        let (newton, halved) = (t + step, 0.5 * (a.t + b.t));
+        let is_slow = 2.0 * step.abs() > last.abs();
+        let next = if a.t < newton && newton < b.t && !is_slow { newton } else { halved };
+        last = next - t;
+        if next <= a.t || b.t <= next {
+            return next;
+        }
+        t = next;
+    }
+    t
+}
+
+/// Where the straight line between two ends is 0.
+fn first_guess(a: &End, b: &End) -> f64 {
+    let part = a.value / (a.value - b.value);
+    a.t + (b.t - a.t) * if 0.0 < part && part < 1.0 { part } else { 0.5 }
+}
+
+/// The sign changes of a function after a root at time `a`, which is divided out: `a` has the value 0 and the sign just
+/// after. The sign that counts at `b`.
+pub(super) fn sign_changes_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) -> bool {
+    let mut rest = [b; DEPTH as usize];
+    let mut count = 1;
+    let mut end = b;
+    // the first piece, as long as one that can be decided
+    loop {
+        let piece = Piece::new(f, a, end);
+        let is_last = count == rest.len() || piece.is_shortest() || piece.is_noise(f.noise());
+        let bends = if a.negative { piece.bend.lo >= 0.0 } else { piece.bend.hi <= 0.0 };
+        let bends_away = if a.negative { piece.bend.hi <= 0.0 } else { piece.bend.lo >= 0.0 };
+        match () {
+            () if is_last || piece.is_monotone() || bends_away => end.negative = a.negative,
+            () if bends => single_after(f, a, end, flip),
+            () => {
+                end = End::of(f, piece.middle());
+                rest[count] = end;
+                count += 1;
+                continue;
+            }
+        }
+        break;
+    }
+    for next in rest[..count - 1].iter().rev() {
+        sign_changes(f, end, *next, flip);
+        end = *next;
+    }
+    end.negative
+}
+
+/// Where the function bends back to 0, once at most: the root of f / (t - a).
+fn single_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
+    if a.negative != b.negative {
+        let divided = Divided { f, from: a };
+        let start = End { value: a.slope, slope: 0.0, ..a };
+        flip(root(&divided, start, End { negative: b.negative, ..End::of(&divided, b.t) }));
+    }
+}
+
+/// `f / (t - from)`.
+struct Divided<'a, F> {
+    f: &'a F,
+    from: End,
+}
+
+impl<F: Smooth> Smooth for Divided<'_, F> {
+    fn at(&self, t: f64) -> (f64, f64) {
+        let ((value, slope), by) = (self.f.at(t), t - self.from.t);
+        (value / by, (slope - value / by) / by)
+    }
+
+    fn bend(&self, _: f64, _: f64) -> Interval {
+        Interval::ALL
+    }
+
+    fn noise(&self) -> f64 {
+        0.0
+    }
+}

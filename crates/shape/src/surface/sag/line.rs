@@ -1,0 +1,233 @@
+//! A sag surface along a straight line: where the line is in the aperture, before and after.
+
+use super::Sag;
+use super::isolate::{End, Smooth, root, sign_changes, sign_changes_after};
+use super::profile::Along;
+use crate::surface::object::Departing;
+use rayweave_math::{Interval, UNIT_ROUNDOFF, Vec3};
+
+/// `f(q + t d) - offset`.
+pub(super) struct Line<'a> {
+    sag: &'a Sag,
+    q: Vec3,
+    d: Vec3,
+    /// What f is taken to be too large by: at a start on the surface f is 0.
+    offset: f64,
+}
+
+/// The part of a line in which f has to be isolated: in the aperture, between the lowest and the highest sag.
+type Part = Option<(f64, f64)>;
+
+impl<'a> Line<'a> {
+    pub fn new(sag: &'a Sag, q: Vec3, d: Vec3, offset: f64) -> Line<'a> {
+        Line { sag, q, d, offset }
+    }
+
+    /// All sign changes; true if f is negative at -inf.
+    pub fn crossings(&self, flip: &mut dyn FnMut(f64)) -> bool {
+        let first = self.is_negative_far(-1.0);
+        let last = self.is_negative_far(1.0);
+        let Some((a, b)) = self.part() else {
+            self.beyond(first, last, (f64::NEG_INFINITY, f64::INFINITY), flip);
+            return first;
+        };
+        let within = self.within();
+        let (from, to) = (End::of(&within, a), End::of(&within, b));
+        self.beyond(first, from.negative, (f64::NEG_INFINITY, a), flip);
+        within.sign_changes(from, to, flip);
+        self.beyond(to.negative, last, (b, f64::INFINITY), flip);
+        first
+    }
+
+    /// The sign changes of a line that starts on the surface, for t >= 0.
+    pub fn crossings_from(&self, start: &Departing<'_>, flip: &mut dyn FnMut(f64)) {
+        let (_, slope) = self.at(0.0);
+        let part = self.part().filter(|(_, b)| *b > 0.0);
+        let led = match slope {
+            0.0 => self.bends_inside(part).unwrap_or_else(|| (start.led_inside)()),
+            slope => slope < 0.0,
+        };
+        if led != start.inside_after {
+            flip(0.0);
+        }
+        let flip = &mut |t: f64| flip(self.on_the_surface(t));
+        let last = self.is_negative_far(1.0);
+        let Some((a, b)) = part else {
+            return self.beyond(led, last, (0.0, f64::INFINITY), flip);
+        };
+        let within = self.within().bounded((a.max(0.0), b));
+        let to = End::of(&within, b);
+        let ends_negative = if a <= 0.0 {
+            let from = End { t: 0.0, value: 0.0, slope, negative: led };
+            sign_changes_after(&within, from, to, flip)
+        } else {
+            let from = End::of(&within, a);
+            self.beyond(led, from.negative, (0.0, a), flip);
+            within.sign_changes(from, to, flip);
+            to.negative
+        };
+        self.beyond(ends_negative, last, (b, f64::INFINITY), flip);
+    }
+
+    /// Whether f falls below 0 just after a start at which its slope is 0; `None` if that is not known.
+    fn bends_inside(&self, part: Part) -> Option<bool> {
+        let (a, b) = part.filter(|(a, _)| *a <= 0.0)?;
+        let bend = self.within().bounded((a, b)).bend(0.0, 0.0);
+        match bend.contains_zero() {
+            true => None,
+            false => Some(bend.hi < 0.0),
+        }
+    }
+
+    /// A root of f - offset moved to one of f by a step of Newton; a step that is not small would confuse it with the one
+    /// at the start, and is not taken.
+    fn on_the_surface(&self, t: f64) -> f64 {
+        let step = self.offset / self.at(t).1;
+        if step.abs() <= 1e-6 * t { t - step } else { t }
+    }
+
+    fn within(&self) -> Within<'_> {
+        let Line { q, d, .. } = *self;
+        Within { line: self, along: Along::new(&self.sag.profile, [q.x, d.x], [q.y, d.y]) }
+    }
+
+    /// The sign of f as t goes to -inf or +inf.
+    fn is_negative_far(&self, way: f64) -> bool {
+        let Line { q, d, .. } = *self;
+        if d.z != 0.0 {
+            return d.z * way < 0.0;
+        }
+        let rim = self.sag.rim.unwrap_or_else(|| {
+            let far = self.sag.aperture() / (d.x * d.x + d.y * d.y).sqrt();
+            self.sag.profile.value_and_gradient(way * far * d.x, way * far * d.y)[0]
+        });
+        q.z - rim - self.offset < 0.0
+    }
+
+    fn part(&self) -> Part {
+        let Line { q, d, .. } = *self;
+        let radius = self.sag.aperture();
+        let across = d.x * d.x + d.y * d.y;
+        let closest = -(q.x * d.x + q.y * d.y) / across;
+        let (x, y) = (q.x + closest * d.x, q.y + closest * d.y);
+        let is_along_z = !(across > 0.0 && closest.is_finite());
+        let distance = if is_along_z { q.x * q.x + q.y * q.y } else { x * x + y * y };
+        if distance >= radius * radius {
+            return None;
+        }
+        let half = ((radius * radius - distance) / across).sqrt();
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        let (from, to) = if is_along_z { all } else { (closest - half, closest + half) };
+        let (low, high) = self.heights();
+        let (from, to) = (from.max(low), to.min(high));
+        (from < to && from.is_finite() && to.is_finite()).then_some((from, to))
+    }
+
+    /// When the line is between the lowest and the highest sag.
+    fn heights(&self) -> (f64, f64) {
+        let (z, rate) = (self.q.z - self.offset, self.d.z);
+        if rate == 0.0 {
+            let is_between = self.sag.low <= z && z <= self.sag.high;
+            return if is_between { (f64::NEG_INFINITY, f64::INFINITY) } else { (0.0, 0.0) };
+        }
+        let (low, high) = ((self.sag.low - z) / rate, (self.sag.high - z) / rate);
+        (low.min(high), low.max(high))
+    }
+
+    /// The sign change of a stretch beyond the aperture with these signs at its ends, if they differ.
+    fn beyond(&self, first: bool, last: bool, (from, to): (f64, f64), flip: &mut dyn FnMut(f64)) {
+        if first == last {
+            return;
+        }
+        let t = match self.sag.rim {
+            Some(rim) => (rim + self.offset - self.q.z) / self.d.z,
+            None => self.search(first, (from, to)),
+        };
+        let t = if t.is_nan() { if from.is_finite() { from } else { to } } else { t.clamp(from, to) };
+        flip(t);
+    }
+
+    /// The same where the rim is not level.
+    fn search(&self, first: bool, (from, to): (f64, f64)) -> f64 {
+        let (low, high) = self.heights();
+        let (mut a, mut b) = (from.max(low), to.min(high));
+        let is_first = |t: f64| (self.at(t).0 < 0.0) == first;
+        if !a.is_finite() && !b.is_finite() {
+            (a, b) = if is_first(0.0) { (0.0, b) } else { (a, 0.0) };
+        }
+        let mut step = self.sag.aperture() / self.d.length();
+        // a level line goes round half of the rim at most: far out f hardly changes
+        for _ in 0..128 {
+            if a.is_finite() && b.is_finite() {
+                let ends = [(a, first), (b, !first)];
+                let [from, to] = ends.map(|(t, negative)| End { negative, ..End::of(self, t) });
+                return root(self, from, to);
+            }
+            let next = if a.is_finite() { a + step } else { b - step };
+            if is_first(next) {
+                a = next
+            } else {
+                b = next
+            }
+            step *= 2.0;
+        }
+        if a.is_finite() { a } else { b }
+    }
+}
+
+impl Smooth for Line<'_> {
+    fn at(&self, t: f64) -> (f64, f64) {
+        let p = self.q + t * self.d;
+        let [sag, by_x, by_y] = self.sag.sag(p.x, p.y);
+        (p.z - self.offset - sag, self.d.z - (by_x * self.d.x + by_y * self.d.y))
+    }
+
+    fn bend(&self, _: f64, _: f64) -> Interval {
+        Interval::ALL
+    }
+
+    fn noise(&self) -> f64 {
+        self.sag.noise
+    }
+}
+
+/// The part of a line in the aperture.
+struct Within<'a> {
+    line: &'a Line<'a>,
+    along: Along<'a>,
+}
+
+impl Within<'_> {
+    fn bounded(self, part: (f64, f64)) -> Self {
+        Within { along: self.along.bounded(part), ..self }
+    }
+
+    fn sign_changes(self, from: End, to: End, flip: &mut dyn FnMut(f64)) {
+        let Line { sag, d, .. } = self.line;
+        // nearly every ray is steeper than the surface, and meets it once
+        if d.z.abs() > sag.steepest * (d.x * d.x + d.y * d.y).sqrt() * (1.0 + 8.0 * UNIT_ROUNDOFF) {
+            if from.negative != to.negative {
+                flip(root(&self, from, to));
+            }
+            return;
+        }
+        sign_changes(&self.bounded((from.t, to.t)), from, to, flip);
+    }
+}
+
+impl Smooth for Within<'_> {
+    #[inline]
+    fn at(&self, t: f64) -> (f64, f64) {
+        let (sag, slope) = self.along.at(t);
+        let Line { q, d, offset, .. } = *self.line;
+        (q.z + t * d.z - offset - sag, d.z - slope)
+    }
+
+    fn bend(&self, from: f64, to: f64) -> Interval {
+        -self.along.bend(from, to)
+    }
+
+    fn noise(&self) -> f64 {
+        self.line.sag.noise
+    }
+}

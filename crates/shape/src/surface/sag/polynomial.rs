@@ -1,0 +1,191 @@
+//! The polynomial terms of a sag: in one variable (the distance from the axis) and in two (x and y).
+
+use rayweave_math::{Interval, UNIT_ROUNDOFF};
+
+/// The highest power of a polynomial of two variables.
+pub const MOST_DEGREE: usize = 30;
+
+/// `c_0 + c_1 v + c_2 v^2 + ...`, for v in [-1, 1].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Polynomial(Vec<f64>);
+
+/// Value, first and second derivative.
+pub(super) type Jet = [f64; 3];
+
+impl Polynomial {
+    /// With zeros at the end left out.
+    pub fn new(mut coefficients: Vec<f64>) -> Polynomial {
+        while coefficients.last() == Some(&0.0) {
+            coefficients.pop();
+        }
+        Polynomial(coefficients)
+    }
+
+    pub fn is_zero(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub fn degree(&self) -> usize {
+        self.0.len().saturating_sub(1)
+    }
+
+    pub fn coefficients(&self) -> &[f64] {
+        &self.0
+    }
+
+    /// The sum of the magnitudes of all terms at v = 1.
+    pub fn size(&self) -> f64 {
+        self.0.iter().map(|c| c.abs()).sum()
+    }
+
+    /// Value and derivative.
+    #[inline]
+    pub fn value_and_slope(&self, v: f64) -> (f64, f64) {
+        let (mut value, mut slope) = (0.0, 0.0);
+        for c in self.0.iter().rev() {
+            slope = slope * v + value;
+            value = value * v + c;
+        }
+        (value, slope)
+    }
+
+    /// Bounds of the first and second derivatives for v between two numbers of [-1, 1].
+    pub fn derivatives(&self, from: f64, to: f64) -> (Interval, Interval) {
+        if self.0.len() < 2 {
+            return (Interval::point(0.0), Interval::point(0.0));
+        }
+        let mut shifted = [0.0; 2 * MOST_DEGREE + 2];
+        let coefficients = shifted.get_mut(..self.0.len());
+        let Some(coefficients) = coefficients else { return (Interval::ALL, Interval::ALL) };
+        coefficients.copy_from_slice(&self.0);
+        derivatives(coefficients, from, to)
+    }
+}
+
+/// Bounds of the first and second derivatives of a polynomial between two numbers of [-1, 1]; the coefficients are
+/// used up.
+///
+/// The polynomial is shifted to the middle m of the range (Horner's scheme, repeated), `sum b_k (v - m)^k`, where all terms
+/// but the lowest are small if the range is. A shift rounds by less than 4 n u times the sum of the magnitudes of all
+/// coefficients, n the degree; a derivative multiplies that by n at most each time.
+pub(super) fn derivatives(c: &mut [f64], from: f64, to: f64) -> (Interval, Interval) {
+    let (n, middle) = (c.len(), 0.5 * (from + to));
+    // as far from the middle as the ends are, and a rounding more
+    let half = (0.5 * (to - from)).max(0.0) + 2.0 * UNIT_ROUNDOFF;
+    let size: f64 = c.iter().map(|c| c.abs()).sum();
+    for first in 0..n {
+        for k in (first..n - 1).rev() {
+            c[k] += middle * c[k + 1];
+        }
+    }
+    let order = n as f64;
+    let error = 8.0 * UNIT_ROUNDOFF * order * order * size;
+    let (mut first, mut second, mut power) = (0.0, 0.0, 1.0);
+    for k in 2..n {
+        let (k, b) = (k as f64, c[k].abs());
+        first += k * b * power * half;
+        second += if k > 2.0 { k * (k - 1.0) * b * power } else { 0.0 };
+        power *= half;
+    }
+    let slope = c.get(1).copied().unwrap_or(0.0);
+    let bend = 2.0 * c.get(2).copied().unwrap_or(0.0);
+    (around(slope, first, error), around(bend, second, order * error))
+}
+
+fn around(middle: f64, radius: f64, error: f64) -> Interval {
+    Interval::around(middle, radius * (1.0 + 64.0 * UNIT_ROUNDOFF) + error)
+}
+
+/// `sum c_ij x^i y^j`, for |x|, |y| <= 1.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Bivariate {
+    /// For each power of x the polynomial in y.
+    rows: Vec<Polynomial>,
+    degree: usize,
+}
+
+impl Bivariate {
+    /// From terms (i, j, c); several with the same powers add up.
+    pub fn new(terms: &[(usize, usize, f64)]) -> Bivariate {
+        let (mut rows, mut degree) = (Vec::<Vec<f64>>::new(), 0);
+        for &(i, j, c) in terms.iter().filter(|term| term.2 != 0.0) {
+            rows.resize(rows.len().max(i + 1), Vec::new());
+            let length = rows[i].len().max(j + 1);
+            rows[i].resize(length, 0.0);
+            rows[i][j] += c;
+            degree = degree.max(i + j);
+        }
+        Bivariate { rows: rows.into_iter().map(Polynomial::new).collect(), degree }
+    }
+
+    pub fn is_zero(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    pub fn rows(&self) -> &[Polynomial] {
+        &self.rows
+    }
+
+    pub fn size(&self) -> f64 {
+        self.rows.iter().map(Polynomial::size).sum()
+    }
+
+    /// Value and derivatives by x and by y.
+    pub fn value_and_gradient(&self, x: f64, y: f64) -> Jet {
+        let [mut value, mut by_x, mut by_y] = [0.0; 3];
+        for row in self.rows.iter().rev() {
+            let (own, slope) = row.value_and_slope(y);
+            by_x = by_x * x + value;
+            value = value * x + own;
+            by_y = by_y * x + slope;
+        }
+        [value, by_x, by_y]
+    }
+
+    /// The polynomial of s along `x = x0 + x1 s`, `y = y0 + y1 s`: its coefficients.
+    pub fn along(&self, x: [f64; 2], y: [f64; 2]) -> [f64; MOST_DEGREE + 1] {
+        let mut sum = [0.0; MOST_DEGREE + 1];
+        for (k, row) in self.rows.iter().enumerate().rev() {
+            times_linear(&mut sum, self.degree - k, x);
+            let mut own = [0.0; MOST_DEGREE + 1];
+            for (j, c) in row.coefficients().iter().enumerate().rev() {
+                times_linear(&mut own, row.degree() - j, y);
+                own[0] += c;
+            }
+            sum.iter_mut().zip(&own[..=row.degree()]).for_each(|(sum, own)| *sum += own);
+        }
+        sum
+    }
+
+    /// Bounds of value and both derivatives over a box within [-1, 1]: Horner's scheme in intervals.
+    pub fn ranges(&self, x: Interval, y: Interval) -> [Interval; 3] {
+        let mut ranges = [Interval::point(0.0); 3];
+        for row in self.rows.iter().rev() {
+            let (own, slope) = range(row.coefficients(), y);
+            let [value, by_x, by_y] = ranges;
+            ranges = [value * x + own, by_x * x + value, by_y * x + slope];
+        }
+        ranges
+    }
+}
+
+/// Bounds of a polynomial and its derivative.
+pub(super) fn range(coefficients: &[f64], v: Interval) -> (Interval, Interval) {
+    let zero = Interval::point(0.0);
+    coefficients
+        .iter()
+        .rev()
+        .fold((zero, zero), |(value, slope), &c| (value * v + Interval::point(c), slope * v + value))
+}
+
+/// Multiplies a polynomial of a degree below `count` by `a[0] + a[1] s`.
+fn times_linear(c: &mut [f64; MOST_DEGREE + 1], count: usize, a: [f64; 2]) {
+    for k in (1..=count.min(MOST_DEGREE)).rev() {
+        c[k] = c[k] * a[0] + c[k - 1] * a[1];
+    }
+    c[0] *= a[0];
+}
