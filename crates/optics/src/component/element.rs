@@ -1,6 +1,6 @@
 //! What lies between two surfaces inside an aperture: lenses, windows and the substrates of mirrors.
 
-use super::face::Face;
+use super::face::{Face, steps};
 use super::{Aperture, ComponentError};
 use rayweave_model::Solid;
 
@@ -19,12 +19,13 @@ impl Element {
     /// The solid, with leaves named as the faces and `edge`.
     pub fn build(&self) -> Result<Solid, ComponentError> {
         let reach = self.checked_reach()?;
-        let (low, high) = (self.front.range(reach)[0], self.back.range(reach)[1]);
+        let (front, back) = (self.front.over(reach), self.back.over(reach));
+        let (low, high) = (front.range(reach)[0], back.range(reach)[1]);
         let margin = 0.25 * (high - low).max(reach);
         // the column ends outside the material, where no ray meets it
-        let ends = [self.front.floor(low, margin), self.back.ceiling(high, margin)];
+        let ends = [front.floor(low, margin), back.ceiling(high, margin)];
         let edge = self.aperture.column(self.centre, ends)?.named("edge");
-        Ok(Solid::intersection([self.front.beyond(ends[1])?, self.back.before(ends[0])?, edge]))
+        Ok(Solid::intersection([front.beyond(ends[1])?, back.before(ends[0])?, edge]))
     }
 
     /// How far the aperture reaches, if both surfaces do and do not cross before.
@@ -67,7 +68,10 @@ impl Element {
     fn crossing(&self, reach: f64) -> Option<f64> {
         // a knife's edge is a lens; what rounding takes from it is not a crossing
         let rounding = 1e-13 * (reach + self.gap(0.0).abs());
-        let heights = [0.0, self.turning(reach).unwrap_or(reach), reach];
+        let heights: Vec<f64> = match self.front.profile.has_terms() || self.back.profile.has_terms() {
+            true => steps(reach).collect(),
+            false => vec![0.0, self.turning(reach).unwrap_or(reach), reach],
+        };
         let wrong = heights.iter().position(|&height| self.gap(height) < -rounding)?;
         let (mut good, mut bad) = (heights[wrong.saturating_sub(1)], heights[wrong]);
         for _ in 0..80 {

@@ -4,7 +4,7 @@ use super::ComponentError;
 use super::aperture::solid;
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
-use rayweave_shape::primitive::{Cylinder, HalfSpace, Quadric, Sphere};
+use rayweave_shape::primitive::{self, Cylinder, HalfSpace, Quadric, Sphere};
 
 /// The height over its vertex plane of a conic of revolution, `height` away from the axis:
 ///
@@ -16,6 +16,38 @@ pub fn sag(radius: f64, conic: f64, height: f64) -> Option<f64> {
     Profile::conic(radius, conic).sag(height)
 }
 
+/// An aspheric surface of revolution: a conic (see [`sag`]) and terms in even powers of the distance from the axis.
+///
+/// ```
+/// use rayweave_optics::component::Asphere;
+///
+/// // half a unit of curvature by the radius, half by the term in r^2
+/// let paraboloid = Asphere { even: [0.25, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..Asphere::conic(2.0, -1.0) };
+/// assert_eq!(paraboloid.sag(1.0), Some(0.5));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asphere {
+    /// The radius of curvature of the conic, infinite for none.
+    pub radius: f64,
+    /// The conic constant.
+    pub conic: f64,
+    /// The coefficients of r^2, r^4, ..., r^16 in the unit of lengths to the power -1, -3, ..., -15. That of r^2 adds to the
+    /// curvature.
+    pub even: [f64; 8],
+}
+
+impl Asphere {
+    /// A conic without terms.
+    pub const fn conic(radius: f64, conic: f64) -> Asphere {
+        Asphere { radius, conic, even: [0.0; 8] }
+    }
+
+    /// The height over the vertex plane `height` away from the axis; `None` beyond where the conic ends.
+    pub fn sag(&self, height: f64) -> Option<f64> {
+        Profile::asphere(self).sag(height)
+    }
+}
+
 /// The form of a surface with its vertex at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Profile {
@@ -25,36 +57,54 @@ pub(super) struct Profile {
     pub conic: f64,
     /// True if it is curved along x only.
     pub cylindrical: bool,
+    /// The coefficients of r^2, r^4, ...
+    pub even: [f64; 8],
+    /// How far from the axis a surface with such terms has to be right; of no meaning without.
+    pub domain: f64,
 }
 
 impl Profile {
-    pub const PLANE: Profile = Profile { radius: f64::INFINITY, conic: 0.0, cylindrical: false };
+    pub const PLANE: Profile =
+        Profile { radius: f64::INFINITY, conic: 0.0, cylindrical: false, even: [0.0; 8], domain: 0.0 };
 
     pub fn sphere(radius: f64) -> Profile {
         Profile::conic(radius, 0.0)
     }
 
     pub fn conic(radius: f64, conic: f64) -> Profile {
-        Profile { radius, conic, cylindrical: false }
+        Profile { radius, conic, ..Profile::PLANE }
+    }
+
+    pub fn asphere(of: &Asphere) -> Profile {
+        Profile { even: of.even, ..Profile::conic(of.radius, of.conic) }
+    }
+
+    /// The same, right as far from the axis as something reaches, and a little farther: the end of the surface is outside.
+    pub fn over(self, reach: f64) -> Profile {
+        Profile { domain: (1.001 * reach).min(self.limit()), ..self }
     }
 
     pub fn cylinder(radius: f64) -> Profile {
-        Profile { radius, conic: 0.0, cylindrical: true }
+        Profile { radius, cylindrical: true, ..Profile::PLANE }
     }
 
     pub fn is_plane(&self) -> bool {
-        self.radius.is_infinite()
+        self.radius.is_infinite() && !self.has_terms()
+    }
+
+    pub fn has_terms(&self) -> bool {
+        self.even != [0.0; 8]
     }
 
     /// The same seen from the other side.
     pub fn reversed(self) -> Profile {
-        Profile { radius: -self.radius, ..self }
+        Profile { radius: -self.radius, even: self.even.map(|c| -c), ..self }
     }
 
     /// The distance from the axis at which the surface turns back.
     pub fn limit(&self) -> f64 {
         let turn = 1.0 + self.conic;
-        if self.is_plane() || turn <= 0.0 { f64::INFINITY } else { self.radius.abs() / turn.sqrt() }
+        if self.radius.is_infinite() || turn <= 0.0 { f64::INFINITY } else { self.radius.abs() / turn.sqrt() }
     }
 
     pub fn sag(&self, height: f64) -> Option<f64> {
@@ -62,13 +112,15 @@ impl Profile {
         let under_root = 1.0 - (1.0 + self.conic) * ratio * ratio;
         // at the limit itself rounding may leave less than nothing
         let at_limit = height <= self.limit();
-        (under_root >= 0.0 || at_limit).then(|| height * ratio / (1.0 + under_root.max(0.0).sqrt()))
+        let square = height * height;
+        let terms = self.even.iter().rev().fold(0.0, |sum, c| (sum + c) * square);
+        (under_root >= 0.0 || at_limit).then(|| height * ratio / (1.0 + under_root.max(0.0).sqrt()) + terms)
     }
 
     /// The height of the plane that divides the quadric into the sheet with the vertex and the other one: through the
     /// centre of an ellipsoid, between the sheets of a hyperboloid, infinitely far for the others.
     fn divide(&self) -> f64 {
-        self.radius / (1.0 + self.conic)
+        if self.has_terms() { f64::INFINITY } else { self.radius / (1.0 + self.conic) }
     }
 
     /// The points with f < 0, where f is the quadric with the sign that makes them lie on the side of +z near the
@@ -76,6 +128,12 @@ impl Profile {
     fn inside(&self, vertex: f64, name: &str) -> Result<Solid, ComponentError> {
         if self.is_plane() {
             return Ok(solid(HalfSpace::new(-Vec3::Z, -vertex)?).named(name));
+        }
+        if self.has_terms() {
+            let forms = [1.0 / self.radius, self.conic];
+            let terms: [&[f64]; 2] = [&self.even, &[]];
+            let above = solid(primitive::Asphere::new(self.domain, forms, terms, f64::INFINITY)?);
+            return Ok(above.translate([0.0, 0.0, vertex]).named(name));
         }
         if self.conic != 0.0 {
             return Ok(self.quadric()?.translate([0.0, 0.0, vertex]).named(name));
@@ -109,6 +167,9 @@ impl Profile {
         }
         let parameter = format!("the conic constant of {parameter}");
         super::error::finite(part, parameter, self.conic)?;
+        for (k, &c) in self.even.iter().enumerate() {
+            super::error::finite(part, format!("the coefficient of r^{}", 2 * k + 2), c)?;
+        }
         Ok(self)
     }
 }
@@ -127,8 +188,17 @@ impl Face {
         self.profile.sag(height).map(|sag| self.vertex + sag)
     }
 
-    /// The heights that it takes out to `reach`: a sag is monotonic.
+    /// The same over at least a part of the axis.
+    pub fn over(self, reach: f64) -> Face {
+        Face { profile: self.profile.over(reach), ..self }
+    }
+
+    /// The heights that it takes out to `reach`: the sag of a conic is monotonic, any other is looked at in steps.
     pub fn range(&self, reach: f64) -> [f64; 2] {
+        if self.profile.has_terms() {
+            let heights = steps(reach).filter_map(|height| self.z(height));
+            return heights.fold([self.vertex; 2], |[low, high], z| [low.min(z), high.max(z)]);
+        }
         let rim = self.z(reach).unwrap_or(self.vertex);
         [self.vertex.min(rim), self.vertex.max(rim)]
     }
@@ -176,6 +246,11 @@ impl Face {
         }
         high + margin
     }
+}
+
+/// Distances from the axis up to one, in small steps.
+pub(super) fn steps(reach: f64) -> impl Iterator<Item = f64> {
+    (0..=64).map(move |k| reach * f64::from(k) / 64.0)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use super::aperture::solid;
 use super::element::Element;
 use super::error::{between, positive};
-use super::face::{Face, Profile};
+use super::face::{Asphere, Face, Profile};
 use super::{Aperture, ComponentError};
 use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
@@ -91,6 +91,31 @@ pub fn conic_lens(
 ) -> Result<Solid, ComponentError> {
     let profiles =
         [Profile::conic(r1, k1).checked("lens", "r1")?, Profile::conic(r2, k2).checked("lens", "r2")?];
+    between_vertices("lens", profiles, positive("lens", "thickness", thickness)?, aperture)
+}
+
+/// A lens whose surfaces are aspheres of revolution. Otherwise a [`lens`]; faces with terms are `front.surface` and
+/// `back.surface`.
+///
+/// # Errors
+/// As of [`lens`], and constants or coefficients that are not finite. Where the surfaces cross is looked for in 64 steps.
+///
+/// ```
+/// use rayweave_optics::component::{Aperture, Asphere, aspheric_lens};
+///
+/// let plane = Asphere::conic(f64::INFINITY, 0.0);
+/// let even = [0.0, 3e-6, -2e-9, 0.0, 0.0, 0.0, 0.0, 0.0];
+/// let condenser = aspheric_lens(&Asphere { even, ..Asphere::conic(15.5, -1.0) }, &plane, 9.0, Aperture::circle(25.0))?;
+/// # Ok::<(), rayweave_optics::component::ComponentError>(())
+/// ```
+pub fn aspheric_lens(
+    front: &Asphere,
+    back: &Asphere,
+    thickness: f64,
+    aperture: Aperture,
+) -> Result<Solid, ComponentError> {
+    let profiles =
+        [Profile::asphere(front).checked("lens", "r1")?, Profile::asphere(back).checked("lens", "r2")?];
     between_vertices("lens", profiles, positive("lens", "thickness", thickness)?, aperture)
 }
 

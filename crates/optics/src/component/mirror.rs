@@ -7,7 +7,7 @@
 
 use super::element::Element;
 use super::error::{finite, positive};
-use super::face::{Face, Profile};
+use super::face::{Asphere, Face, Profile};
 use super::{Aperture, ComponentError};
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
@@ -92,6 +92,15 @@ pub fn spherical_mirror(radius: f64, blank: &Blank) -> Result<Solid, ComponentEr
 /// As of [`spherical_mirror`], and a conic constant that is not finite.
 pub fn conic_mirror(radius: f64, conic: f64, blank: &Blank) -> Result<Solid, ComponentError> {
     let profile = Profile::conic(radius, conic).checked("mirror", "radius")?;
+    blank.cut("mirror", profile)
+}
+
+/// A mirror whose face is an asphere of revolution; otherwise a [`conic_mirror`]. A face with terms is `front.surface`.
+///
+/// # Errors
+/// As of [`conic_mirror`], and coefficients that are not finite.
+pub fn aspheric_mirror(face: &Asphere, blank: &Blank) -> Result<Solid, ComponentError> {
+    let profile = Profile::asphere(face).checked("mirror", "radius")?;
     blank.cut("mirror", profile)
 }
 

@@ -65,14 +65,15 @@ pub use aperture::Aperture;
 pub use array::{fresnel_lens, lenslet_array};
 pub use concentrator::{Cpc, light_pipe, tapered_light_pipe};
 pub use error::ComponentError;
-pub use face::sag;
+pub use face::{Asphere, sag};
 pub use lens::{
-    axicon, ball_lens, biconcave, biconvex, cemented, conic_lens, cylindrical_lens, half_ball_lens, lens,
-    plano_concave, plano_convex, rod, window,
+    aspheric_lens, axicon, ball_lens, biconcave, biconvex, cemented, conic_lens, cylindrical_lens,
+    half_ball_lens, lens, plano_concave, plano_convex, rod, window,
 };
 pub use lensmaker::lensmaker;
 pub use mirror::{
-    Blank, conic_mirror, elliptic_mirror, hyperbolic_mirror, parabolic_mirror, plane_mirror, spherical_mirror,
+    Blank, aspheric_mirror, conic_mirror, elliptic_mirror, hyperbolic_mirror, parabolic_mirror, plane_mirror,
+    spherical_mirror,
 };
 pub use prefix::with_prefix;
 pub use prism::{

@@ -3,6 +3,7 @@
 use super::variant::Variant;
 use super::{DesignError, Parameter};
 use crate::analysis::Spot;
+use crate::component::Asphere;
 use crate::paraxial::Seidel;
 
 /// A Seidel sum, or a chromatic one.
@@ -217,8 +218,7 @@ fn edge(variant: &Variant, surface: usize, height: f64) -> Result<f64, DesignErr
         || crate::prescription::PrescriptionError::NoSuch { what: "surface", number: surface, count };
     let front = surface.checked_sub(1).and_then(|k| lens.surfaces.get(k)).ok_or_else(no_such)?;
     let back = lens.surfaces.get(surface);
-    let (radius, conic) =
-        back.map_or((lens.image.radius, lens.image.conic), |back| (back.radius, back.conic));
-    let sag = |radius: f64, conic: f64| crate::component::sag(radius, conic, height).unwrap_or(f64::NAN);
-    Ok(front.thickness + sag(radius, conic) - sag(front.radius, front.conic))
+    let image = Asphere::conic(lens.image.radius, lens.image.conic);
+    let sag = |form: Asphere| form.sag(height).unwrap_or(f64::NAN);
+    Ok(front.thickness + sag(back.map_or(image, |back| back.asphere())) - sag(front.asphere()))
 }

@@ -45,9 +45,9 @@ impl Seidel {
 
 /// What the formulas need of one surface.
 struct At {
-    /// The conic constant and the curvature.
-    conic: f64,
+    /// The curvature at the vertex, and what the surface has beyond the sphere of that: 8 times the difference in r^4.
     curvature: f64,
+    asphericity: f64,
     /// Indices before and behind, and what they differ by between the first and the last wavelength.
     n: [f64; 2],
     dispersion: [f64; 2],
@@ -70,7 +70,7 @@ impl At {
         let bend = y * (nu1 / (n1 * n1) - nu0 / (n0 * n0));
         let petzval = c * (1.0 / n1 - 1.0 / n0);
         let squares = 1.0 / (n1 * n1) - 1.0 / (n0 * n0);
-        let asphere = self.conic * c * c * c * y * y * y * y * (n1 - n0);
+        let asphere = self.asphericity * y * y * y * y * (n1 - n0);
         let ratio = y_bar / y;
         let [d0, d1] = self.dispersion;
         let colour = y * (d1 / n1 - d0 / n0);
@@ -102,8 +102,8 @@ impl Prescription {
         for (k, surface) in self.surfaces.iter().enumerate() {
             let matrix = Matrix::surface(surface.curvature(), n[k], n[k + 1]);
             let at = At {
-                conic: surface.conic,
                 curvature: surface.curvature(),
+                asphericity: surface.asphericity(),
                 n: [n[k], n[k + 1]],
                 dispersion: [first[k] - last[k], first[k + 1] - last[k + 1]],
                 rim: [rim[0], rim[1], matrix.apply(rim)[1]],

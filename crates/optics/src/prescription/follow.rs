@@ -1,6 +1,7 @@
 //! One real ray from surface to surface, in the order of the prescription: what sizes lenses before they are solids.
 
 use super::{Behind, Prescription, PrescriptionError, Resolved};
+use crate::component::Asphere;
 use crate::interface::{reflect, refract};
 use rayweave_math::Vec3;
 use rayweave_shape::Ray;
@@ -49,14 +50,14 @@ impl Prescription {
         for (k, &vertex) in resolved.vertices.iter().enumerate().take(last) {
             let lost = |why| PrescriptionError::Lost { surface: k + 1, why };
             let surface = self.surfaces.get(k);
-            let (radius, conic) =
-                surface.map_or((self.image.radius, self.image.conic), |s| (s.radius, s.conic));
-            let conicoid = Conicoid { vertex, curvature: 1.0 / radius, conic };
+            let image = Asphere::conic(self.image.radius, self.image.conic);
+            let form = surface.map_or(image, |surface| surface.asphere());
+            let conicoid = Conicoid { vertex, curvature: 1.0 / form.radius, conic: form.conic, form };
             let pose = resolved.poses.get(k);
             if let Some(pose) = pose {
                 (pass.point, pass.direction) = pose.local(pass.point, pass.direction);
             }
-            let length = conicoid.distance(pass.point, pass.direction).ok_or(lost("it misses"))?;
+            let length = conicoid.reach(pass.point, pass.direction).ok_or(lost("it misses"))?;
             pass.point += length * pass.direction;
             pass.path += indices[k].abs() * length;
             let normal = conicoid.normal(pass.point, pass.direction);
@@ -81,9 +82,47 @@ struct Conicoid {
     vertex: f64,
     curvature: f64,
     conic: f64,
+    /// The same with terms in even powers of the distance from the axis.
+    form: Asphere,
 }
 
+/// Steps of Newton's method to an asphere; the number of right digits doubles with each.
+const STEPS: u32 = 40;
+
 impl Conicoid {
+    fn has_terms(&self) -> bool {
+        self.form.even != [0.0; 8]
+    }
+
+    /// How far a ray has to go to the surface: with terms, by Newton's method from the conic or, where it is missed, from the
+    /// vertex plane (Welford, section 4.5).
+    fn reach(&self, point: Vec3, d: Vec3) -> Option<f64> {
+        if !self.has_terms() {
+            return self.distance(point, d);
+        }
+        let mut length = self.distance(point, d).unwrap_or((self.vertex - point.z) / d.z);
+        for _ in 0..STEPS {
+            let at = point + length * d;
+            let [sag, slope] = self.sag_and_slope(libm::hypot(at.x, at.y))?;
+            let rate = d.z - slope * (at.x * d.x + at.y * d.y);
+            let step = (at.z - self.vertex - sag) / rate;
+            length -= step;
+            if step.abs() <= 1e-15 * (length.abs() + at.length()) {
+                return Some(length);
+            }
+        }
+        None
+    }
+
+    /// The sag at a distance from the axis, and its derivative by that, divided by the distance.
+    fn sag_and_slope(&self, r: f64) -> Option<[f64; 2]> {
+        let (c, square) = (self.curvature, r * r);
+        let root = (1.0 - (1.0 + self.conic) * c * c * square).sqrt();
+        let terms = (0..8).rev().fold(0.0, |sum, k| sum * square + (2 * k + 2) as f64 * self.form.even[k]);
+        let sag = self.form.sag(r)?;
+        (root > 0.0).then_some([sag, c / root + terms])
+    }
+
     /// How far a ray has to go to the root that tends to that of the vertex plane as the curvature tends to 0 (Welford,
     /// section 4.4).
     fn distance(&self, point: Vec3, d: Vec3) -> Option<f64> {
@@ -101,8 +140,12 @@ impl Conicoid {
     /// The unit normal against a direction.
     fn normal(&self, point: Vec3, d: Vec3) -> Vec3 {
         let (c, z) = (self.curvature, point.z - self.vertex);
-        let gradient =
-            Vec3::new(c * point.x, c * point.y, c * (1.0 + self.conic) * z - 1.0).normalize_or(Vec3::Z);
+        let terms = self.has_terms().then(|| self.sag_and_slope(libm::hypot(point.x, point.y))).flatten();
+        let gradient = match terms {
+            Some([_, slope]) => Vec3::new(slope * point.x, slope * point.y, -1.0),
+            None => Vec3::new(c * point.x, c * point.y, c * (1.0 + self.conic) * z - 1.0),
+        };
+        let gradient = gradient.normalize_or(Vec3::Z);
         if gradient.dot(d) > 0.0 { -gradient } else { gradient }
     }
 }

@@ -1,7 +1,7 @@
 //! Prescriptions: optical systems as designers write them, surface by surface along the axis.
 //!
 //! The axis is z, the light comes from -z. A surface has a radius of curvature (positive if its centre lies on the side of
-//! +z, infinite for a plane), a conic constant (see [`sag`](crate::component::sag)), the distance to the next surface along z
+//! +z, infinite for a plane), a conic constant (see [`sag`](crate::component::sag)), even aspheric terms, the distance to the next surface along z
 //! (negative where light travels back after a mirror) and the medium behind it. Surfaces are counted from 1; 0 is the object.
 //! The vertex of surface 1 is the origin. Lengths are in any unit, millimetres unless [`Prescription::unit_nm`] says otherwise.
 //!
@@ -45,6 +45,7 @@ pub use zmx::{Read, ZmxError, read_zmx, write_zmx};
 
 pub(crate) use resolved::{Pose, Resolved};
 
+use crate::component::Asphere;
 use crate::glass::{Glass, GlassError};
 use crate::medium::Medium;
 
@@ -101,6 +102,8 @@ pub struct Surface {
     pub radius: f64,
     /// The conic constant.
     pub conic: f64,
+    /// The coefficients of r^2, r^4, ..., r^16, as of [`Asphere`].
+    pub even: [f64; 8],
     /// The distance along z from this vertex to the next one.
     pub thickness: f64,
     /// What lies behind it.
@@ -114,7 +117,7 @@ pub struct Surface {
 impl Surface {
     /// A spherical surface, or with an infinite radius a plane.
     pub fn new(radius: f64, thickness: f64, behind: Behind) -> Surface {
-        Surface { radius, conic: 0.0, thickness, behind, semi_diameter: None, hole: 0.0 }
+        Surface { radius, conic: 0.0, even: [0.0; 8], thickness, behind, semi_diameter: None, hole: 0.0 }
     }
 
     /// A plane between equal media: a place for a stop.
@@ -127,6 +130,11 @@ impl Surface {
         Surface { conic, ..self }
     }
 
+    /// The same with terms in r^2, r^4, ..., r^16.
+    pub fn even(self, even: [f64; 8]) -> Surface {
+        Surface { even, ..self }
+    }
+
     /// The same with a clear semi-diameter.
     pub fn semi_diameter(self, semi_diameter: f64) -> Surface {
         Surface { semi_diameter: Some(semi_diameter), ..self }
@@ -137,9 +145,24 @@ impl Surface {
         Surface { hole: semi_diameter, ..self }
     }
 
-    /// The curvature at the vertex.
+    /// The curvature at the vertex, to which the term in r^2 adds.
     pub(crate) fn curvature(&self) -> f64 {
-        1.0 / self.radius
+        1.0 / self.radius + 2.0 * self.even[0]
+    }
+
+    /// By how much the coefficient of r^4 is larger than that of the sphere of the same curvature at the vertex, times 8.
+    pub(crate) fn asphericity(&self) -> f64 {
+        let (base, vertex) = (1.0 / self.radius, self.curvature());
+        let cubes = match self.even[0] {
+            0.0 => self.conic * base * base * base,
+            _ => (1.0 + self.conic) * base * base * base - vertex * vertex * vertex,
+        };
+        cubes + 8.0 * self.even[1]
+    }
+
+    /// Its form.
+    pub(crate) fn asphere(&self) -> Asphere {
+        Asphere { radius: self.radius, conic: self.conic, even: self.even }
     }
 }
 

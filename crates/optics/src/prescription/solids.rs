@@ -3,7 +3,7 @@
 use super::resolved::{bad, positive};
 use super::{Behind, Prescription, PrescriptionError, Resolved, Surface};
 use crate::component::{
-    Aperture, Blank, ComponentError, Sheet, conic_lens, conic_mirror, rod, sag, with_prefix,
+    Aperture, Asphere, Blank, ComponentError, Sheet, aspheric_lens, aspheric_mirror, rod, with_prefix,
 };
 use crate::element::{Action, Element, Finish};
 use crate::medium::Medium;
@@ -116,24 +116,23 @@ struct Builder<'a> {
     parts: Vec<Part>,
 }
 
-/// A surface in its place: the number, from 0, vertex, radius of curvature, conic constant, semi-diameter.
+/// A surface in its place: the number, from 0, vertex, form, semi-diameter.
 #[derive(Clone, Copy)]
 struct Placed {
     k: usize,
     vertex: f64,
-    radius: f64,
-    conic: f64,
+    form: Asphere,
     reach: f64,
 }
 
 impl Placed {
     fn z(&self, height: f64) -> Option<f64> {
-        Some(self.vertex + sag(self.radius, self.conic, height)?)
+        Some(self.vertex + self.form.sag(height)?)
     }
 
     /// The plane at its rim.
     fn rim(&self) -> Option<Placed> {
-        Some(Placed { vertex: self.z(self.reach)?, radius: f64::INFINITY, conic: 0.0, ..*self })
+        Some(Placed { vertex: self.z(self.reach)?, form: Asphere::conic(f64::INFINITY, 0.0), ..*self })
     }
 }
 
@@ -141,8 +140,8 @@ impl Builder<'_> {
     fn placed(&self, k: usize) -> Placed {
         let image = &self.lens.image;
         let surface = self.lens.surfaces.get(k);
-        let (radius, conic) = surface.map_or((image.radius, image.conic), |s| (s.radius, s.conic));
-        Placed { k, vertex: self.resolved.vertices[k], radius, conic, reach: self.radii[k] }
+        let form = surface.map_or(Asphere::conic(image.radius, image.conic), Surface::asphere);
+        Placed { k, vertex: self.resolved.vertices[k], form, reach: self.radii[k] }
     }
 
     /// Both ends of the space behind a surface, in the order of z.
@@ -155,7 +154,7 @@ impl Builder<'_> {
     fn check_gap(&self, k: usize) -> Result<(), PrescriptionError> {
         for placed in [self.placed(k), self.placed(k + 1)] {
             if placed.z(placed.reach).is_none() {
-                let limit = placed.radius.abs() / (1.0 + placed.conic).sqrt();
+                let limit = placed.form.radius.abs() / (1.0 + placed.form.conic).sqrt();
                 return Err(PrescriptionError::TooLarge {
                     surface: placed.k + 1,
                     reach: placed.reach,
@@ -238,13 +237,13 @@ impl Builder<'_> {
 
     fn mirror(&mut self, k: usize, surface: &Surface) -> Result<usize, PrescriptionError> {
         let (placed, faces_back) = (self.placed(k), !self.resolved.forward[k]);
-        let rim = sag(placed.radius, placed.conic, placed.reach).unwrap_or(0.0);
+        let rim = placed.form.sag(placed.reach).unwrap_or(0.0);
         let towards_substrate = if faces_back { -rim } else { rim };
         let thickness = towards_substrate.max(0.0) + 2.0 * SUBSTRATE * placed.reach;
         let blank = Blank::new(Aperture::circle(2.0 * placed.reach), thickness);
         let blank = if faces_back { blank.turned() } else { blank };
         let wrong = |problem| told(problem, k);
-        let mut solid = conic_mirror(placed.radius, placed.conic, &blank).map_err(wrong)?;
+        let mut solid = aspheric_mirror(&placed.form, &blank).map_err(wrong)?;
         if surface.hole > 0.0 {
             let bore = rod(2.0 * surface.hole, 4.0 * (thickness + rim.abs())).map_err(wrong)?;
             solid = solid - with_prefix(&bore, "hole");
@@ -283,7 +282,7 @@ impl Builder<'_> {
         let k = self.lens.surfaces.len();
         let placed = self.placed(k);
         let wrong = |problem| told(problem, k);
-        let sheet = Sheet::conic(placed.radius, placed.conic, Aperture::circle(2.0 * placed.reach));
+        let sheet = Sheet::conic(placed.form.radius, placed.form.conic, Aperture::circle(2.0 * placed.reach));
         let sheet =
             sheet.map_err(wrong)?.apply(&Affine::translate(Vec3::Z * placed.vertex)).map_err(wrong)?;
         Ok(Element::sheet(IMAGE, sheet, Action::Record))
@@ -313,7 +312,7 @@ fn body(low: Placed, high: Placed) -> Result<(Solid, bool), ComponentError> {
 fn between(low: Placed, high: Placed, reach: f64) -> Result<Solid, ComponentError> {
     let thickness = high.vertex - low.vertex;
     let aperture = Aperture::circle(2.0 * reach);
-    let solid = conic_lens(low.radius, low.conic, high.radius, high.conic, thickness, aperture)?;
+    let solid = aspheric_lens(&low.form, &high.form, thickness, aperture)?;
     Ok(solid.translate(Vec3::Z * (low.vertex + 0.5 * thickness)))
 }
 

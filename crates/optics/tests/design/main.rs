@@ -1,6 +1,7 @@
 //! Prescriptions, their paraxial data, and what is made of the rays traced through them, against closed forms and peers.
 
 mod analysis;
+mod aspheres;
 mod benches;
 mod designs;
 mod lenses;

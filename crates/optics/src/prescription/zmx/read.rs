@@ -72,7 +72,8 @@ struct Record {
     diam: f64,
     hole: f64,
     is_stop: bool,
-    has_coefficients: bool,
+    /// The coefficients of an even asphere.
+    even: [f64; 8],
 }
 
 #[derive(Default)]
@@ -166,16 +167,24 @@ impl Reader {
                 surface.kind = words.first().copied().unwrap_or("").to_owned();
                 if !matches!(surface.kind.as_str(), "STANDARD" | "EVENASPH") {
                     let kind = &surface.kind;
-                    return Err(format!("the surface is of type {kind} (only STANDARD surfaces are read)"));
+                    return Err(format!(
+                        "the surface is of type {kind} (only STANDARD and EVENASPH surfaces are read)"
+                    ));
                 }
             }
-            "PARM" => {
-                let is_coefficient = surface.kind == "EVENASPH" && number(words, 1)? != 0.0;
-                if is_coefficient && !surface.has_coefficients {
-                    surface.has_coefficients = true;
-                    return Err("the asphere has coefficients (only conics are read)".to_owned());
+            "PARM" if surface.kind == "EVENASPH" => {
+                let (place, value) = (whole(words, 0)?, number(words, 1)?);
+                match place.checked_sub(1).and_then(|k| surface.even.get_mut(k)) {
+                    Some(coefficient) => *coefficient = value,
+                    None if value == 0.0 => {}
+                    None => {
+                        return Err(format!(
+                            "the asphere has a parameter {place} (1 to 8 are read, r^2 to r^16)"
+                        ));
+                    }
                 }
             }
+            "PARM" => {}
             "CURV" => surface.curvature = number(words, 0)?,
             "CONI" => surface.conic = number(words, 0)?,
             "DISZ" if words.first() == Some(&"INFINITY") => surface.thickness = f64::INFINITY,
@@ -296,6 +305,7 @@ impl Record {
         Surface {
             radius: radius(self.curvature),
             conic: self.conic,
+            even: self.even,
             thickness: self.thickness,
             behind: self.behind.clone().unwrap_or(Behind::Air),
             semi_diameter: self.semi_diameter,

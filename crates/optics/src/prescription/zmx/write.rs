@@ -72,7 +72,12 @@ fn unit(unit_nm: f64) -> &'static str {
 
 fn surface_lines(surface: &Surface, glass: Option<String>) -> Vec<String> {
     let curvature = if surface.radius.is_infinite() { 0.0 } else { 1.0 / surface.radius };
-    let mut lines = vec!["  TYPE STANDARD".to_owned(), format!("  CURV {:.15e}", curvature)];
+    let has_terms = surface.even != [0.0; 8];
+    let kind = if has_terms { "EVENASPH" } else { "STANDARD" };
+    let mut lines = vec![format!("  TYPE {kind}"), format!("  CURV {:.15e}", curvature)];
+    if has_terms {
+        lines.extend(surface.even.iter().zip(1..).map(|(c, k)| format!("  PARM {k} {c:e}")));
+    }
     lines.extend((surface.conic != 0.0).then(|| format!("  CONI {}", surface.conic)));
     lines.push(format!("  DISZ {}", surface.thickness));
     lines.extend(glass.map(|glass| format!("  GLAS {glass}")));
