@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Ray;
+use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
 
 /// Numbers uniform in [0, 1): SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
@@ -130,12 +131,17 @@ fn crossings_agree_with_the_signs_at_points() {
     for primitive in many() {
         let (origin, target) = (point_in(&cube, &mut rng), point_in(&cube, &mut rng));
         let ray = Ray::new(origin, target - origin);
-        for facet in primitive.lower().facets {
+        let lowered = primitive.lower();
+        let reach = lowered.bounds.hi.x;
+        for facet in lowered.facets {
             let crossings = facet.surface.crossings(&ray);
             for _ in 0..20 {
                 let t = 6.0 * rng() - 2.5;
                 let (value, gradient) = facet.surface.value_and_gradient(ray.at(t));
-                let clear = value.abs() > 1e-9 * gradient.length();
+                // beyond its aperture a sag surface is clipped, and is not told in full
+                let is_clipped =
+                    matches!(facet.surface, Surface::Object(_)) && ray.at(t).truncate().length() >= reach;
+                let clear = value.abs() > 1e-9 * gradient.length() && !is_clipped;
                 assert!(!clear || crossings.negative_after(t) == (value < 0.0), "{facet:?} {ray:?} {t}");
             }
         }
