@@ -62,6 +62,8 @@ mod _core {
     #[pymodule_export]
     use crate::optics::glass::{PyGlass, glass_names};
     #[pymodule_export]
+    use crate::optics::gradient::PyGradedMedium;
+    #[pymodule_export]
     use crate::optics::prescription::{PyPrescription, pupil_points};
     #[pymodule_export]
     use crate::optics::source::PySource;

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from rayweave import RayweaveError, box, optics, sphere
+from rayweave import _core as core
 
 D_NM = 587.5618
 
@@ -289,3 +290,22 @@ def test_pyrayts_tutorial_and_examples() -> None:
     wavelengths = np.repeat([405.0, 530.0, 650.0], 10)
     three = np.tile(origins, (3, 1)), np.tile(directions, (3, 1))
     compare_with_pyrayt("dispersion", system.trace_rays(*three, wavelengths))
+
+
+def test_media_with_a_gradient() -> None:
+    # parallel light meets on the far end of a quarter of a pitch, pi / 2 g; along y, so that the gradient is turned
+    quarter, turn = math.pi / 2 / 0.25, np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+    medium = optics.graded("N-BK7", "selfoc", 0.25, world_from_local=turn)
+    assert medium.index(D_NM, (0, 7, 1)) == pytest.approx(1.5168 * math.sqrt(1 - 0.25**2), abs=1e-5)
+    rod = optics.element(box((2, quarter, 2)), medium, name="rod")
+    trace = optics.System([rod]).trace_rays([[0.01, -20, 0], [0, -20, 0.01]], [0, 1, 0], D_NM)
+    columns = trace.columns
+    last = columns["event"] == core.event_names().index("escaped")
+    np.testing.assert_allclose(trace["x0"][last], 0, atol=1e-6)
+    np.testing.assert_allclose(trace["z0"][last], 0, atol=1e-6)
+    assert (columns["event"] == core.event_names().index("curved")).any()
+    with pytest.raises(RayweaveError, match="luneburg"):
+        optics.graded(1.0, "luneburg", 1.0, 2.0)
+    with pytest.raises(RayweaveError, match="the radius is -1"):
+        optics.graded(1.0, "luneburg", -1.0)
+

@@ -20,6 +20,7 @@ __all__ = [
     "Curve",
     "Explanation",
     "Glass",
+    "GradedMedium",
     "Helix",
     "LightSource",
     "Line",
@@ -523,7 +524,14 @@ def ray_timeline_svg(
 
 _Outline = tuple[str, float, float]
 _Spec = tuple[str, list[float]]
-_Substance = Glass | tuple[float, float]
+_Substance = Glass | GradedMedium | tuple[float, float]
+
+@final
+class GradedMedium:
+    def __new__(
+        cls, base: _Substance, law: tuple[str, Sequence[float]], world_from_local: ArrayLike
+    ) -> GradedMedium: ...
+    def index(self, wavelength_nm: float, point: tuple[float, float, float]) -> float: ...
 
 @final
 class Glass:

@@ -5,6 +5,7 @@ pub mod component;
 pub mod design;
 pub mod file;
 pub mod glass;
+pub mod gradient;
 pub mod parts;
 pub mod prescription;
 pub mod source;

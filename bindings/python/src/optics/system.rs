@@ -24,20 +24,26 @@ use crate::error::bad_value;
 use crate::optics::component::PySheet;
 use crate::optics::file::PyElement;
 use crate::optics::glass::PyGlass;
+<<<<<<< HEAD
 use crate::optics::source::PySource;
 use crate::optics::stream::PyStream;
+=======
+use crate::optics::gradient::PyGradedMedium;
+>>>>>>> 315f7fc (Give Python media with a gradient: rayweave.optics.graded)
 use crate::solid::PySolid;
 
-/// A glass, or a constant index n + i k.
+/// A glass, a constant index n + i k, or either with a gradient.
 #[derive(FromPyObject)]
 pub enum Substance<'py> {
     Glass(PyRef<'py, PyGlass>),
+    Graded(PyRef<'py, PyGradedMedium>),
     Constant(f64, f64),
 }
 
 impl Substance<'_> {
-    fn medium(&self) -> PyResult<Medium> {
+    pub fn medium(&self) -> PyResult<Medium> {
         match self {
+            Substance::Graded(medium) => Ok(medium.0.clone()),
             Substance::Glass(glass) => Ok(Medium::from(glass.0.clone())),
             Substance::Constant(n, k) => {
                 let name = if *k == 0.0 { format!("index {n}") } else { format!("index {n} + {k} i") };

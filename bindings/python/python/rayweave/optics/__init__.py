@@ -3,7 +3,7 @@
 The optical axis is z; lengths are in the unit of the system, angles in degrees, wavelengths in nanometres.
 """
 
-from rayweave._core import Glass, Sheet, glass_names
+from rayweave._core import Glass, GradedMedium, Sheet, glass_names
 from rayweave.optics._analysis import Path, Spot
 from rayweave.optics._columns import Columns
 from rayweave.optics._design import Goal, Optimum, Sensitivities, Trials, goal, optimise, tolerance
@@ -65,6 +65,7 @@ from rayweave.optics._images import (
     Wavefront,
     ZernikeFit,
 )
+from rayweave.optics._gradient import graded
 from rayweave.optics._prescription import FirstOrder, Prescription, Pupil, Surface, pupil_grid
 from rayweave.optics._sources import (
     Source,
@@ -102,6 +103,7 @@ __all__ = [
     "FocalShift",
     "Glass",
     "Goal",
+    "GradedMedium",
     "LateralColour",
     "Material",
     "Modulation",
@@ -150,6 +152,7 @@ __all__ = [
     "glass",
     "glass_names",
     "goal",
+    "graded",
     "grating",
     "hyperbolic_mirror",
     "lamp",

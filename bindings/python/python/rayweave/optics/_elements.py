@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
-from rayweave._core import Glass, Sheet, Solid
+from rayweave._core import Glass, GradedMedium, Sheet, Solid
 from rayweave.optics._place import Placed
 
-#: A glass, the name of one, a constant index (complex if it absorbs), "mirror" or "absorber".
-Material = Glass | str | float | complex
+#: A glass, the name of one, a constant index (complex if it absorbs), a medium with a gradient, "mirror" or "absorber".
+Material = Glass | GradedMedium | str | float | complex
 
 #: A diameter, a width and a height (negative ones for an ellipse, as in PyRayT), or a kind with its sizes:
 #: ("circle", d), ("rectangle", w, h), ("ellipse", w, h).
@@ -119,8 +119,8 @@ class Element(Placed):
         return self.name, self.body, kind, substance, finish._spec(), faces
 
 
-def _medium(material: Glass | str | float | complex) -> Glass | tuple[float, float]:
-    if isinstance(material, Glass):
+def _medium(material: Material) -> Glass | GradedMedium | tuple[float, float]:
+    if isinstance(material, Glass | GradedMedium):
         return material
     if isinstance(material, str):
         return Glass(material)
@@ -133,6 +133,8 @@ def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
         shiny = material == "mirror" and finish == polished()
         return "opaque", None, reflecting() if shiny else finish
     medium = _medium(material)
+    if isinstance(medium, GradedMedium):
+        return "transparent", medium, finish
     # where hardly any light goes through a wavelength of it, it is a metal
     index = medium.index(587.5618) if isinstance(medium, Glass) else medium[0]
     extinction = medium.extinction(587.5618) if isinstance(medium, Glass) else medium[1]

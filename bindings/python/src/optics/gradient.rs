@@ -1,0 +1,49 @@
+//! Media whose index changes from place to place.
+
+use pyo3::prelude::*;
+use rayweave::optics::gradient::Gradient;
+use rayweave::optics::{Medium, OpticsError};
+
+use crate::error::bad_value;
+use crate::optics::system::{Spec, Substance};
+use crate::vectors::matrix;
+
+/// A medium with a gradient: see `rayweave.optics.graded`.
+#[pyclass(frozen, module = "rayweave.optics", name = "GradedMedium")]
+pub struct PyGradedMedium(pub Medium);
+
+#[pymethods]
+impl PyGradedMedium {
+    #[new]
+    #[pyo3(signature = (base, law, world_from_local))]
+    fn new(base: Substance<'_>, law: Spec, world_from_local: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let map = matrix(world_from_local, "matrix")?;
+        let gradient = gradient(&law)?.and_then(|gradient| gradient.placed(&map)).map_err(bad_value)?;
+        Ok(PyGradedMedium(base.medium()?.graded(gradient)))
+    }
+
+    /// The index at a point, a vector of three numbers, at a vacuum wavelength in nanometres; NaN where there is none.
+    #[pyo3(signature = (wavelength_nm, point))]
+    fn index(&self, wavelength_nm: f64, point: [f64; 3]) -> f64 {
+        self.0.index_at(wavelength_nm, point.into()).re
+    }
+
+    fn __repr__(&self) -> String {
+        format!("GradedMedium({:?})", self.0.name())
+    }
+}
+
+fn gradient(law: &Spec) -> PyResult<Result<Gradient, OpticsError>> {
+    Ok(match (law.kind(), law.numbers()) {
+        ("selfoc", &[g]) => Gradient::selfoc(g),
+        ("squared", numbers) => Gradient::squared(numbers),
+        ("radial", numbers) => Gradient::polynomial(numbers, &[]),
+        ("axial", numbers) => Gradient::axial(numbers),
+        ("fish_eye", &[radius]) => Gradient::fish_eye(radius),
+        ("luneburg", &[radius]) => Gradient::luneburg(radius),
+        (kind, numbers) => {
+            let text = format!("there is no gradient {kind:?} with {} numbers", numbers.len());
+            return Err(bad_value(text));
+        }
+    })
+}
