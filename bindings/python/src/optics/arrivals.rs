@@ -9,6 +9,9 @@ use rayweave::optics::analysis::{
 
 use crate::error::bad_value;
 
+/// A number of a thing.
+pub(super) type Of<T> = fn(&T) -> f64;
+
 /// Rays on the image: see `rayweave.optics.Rays`.
 #[pyclass(frozen, module = "rayweave.optics", name = "Arrivals")]
 pub struct PyArrivals(pub Vec<Arrival>);
@@ -20,7 +23,7 @@ impl PyArrivals {
         let table = PyDict::new(py);
         let whole = self.0.iter().map(|ray| ray.id as i64);
         table.set_item("id", PyArray1::from_vec(py, whole.collect()))?;
-        let columns: [(&str, fn(&Arrival) -> f64); 10] = [
+        let columns: [(&str, Of<Arrival>); 10] = [
             ("x", |ray| ray.position.x),
             ("y", |ray| ray.position.y),
             ("z", |ray| ray.position.z),

@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 
 use crate::arrays::{double_array, shape_text};
 use crate::error::bad_value;
-use crate::optics::arrivals::PyArrivals;
+use crate::optics::arrivals::{Of, PyArrivals};
 use crate::optics::glass::PyGlass;
 use crate::optics::parts::parts;
 
@@ -172,7 +172,7 @@ impl PyPrescription {
     fn seidel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let sums = self.lens.seidel().map_err(bad_value)?;
         let table = PyDict::new(py);
-        let columns: [(&str, fn(&Seidel) -> f64); 7] = [
+        let columns: [(&str, Of<Seidel>); 7] = [
             ("spherical", |sum| sum.spherical),
             ("coma", |sum| sum.coma),
             ("astigmatism", |sum| sum.astigmatism),

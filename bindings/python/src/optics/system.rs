@@ -24,12 +24,9 @@ use crate::error::bad_value;
 use crate::optics::component::PySheet;
 use crate::optics::file::PyElement;
 use crate::optics::glass::PyGlass;
-<<<<<<< HEAD
+use crate::optics::gradient::PyGradedMedium;
 use crate::optics::source::PySource;
 use crate::optics::stream::PyStream;
-=======
-use crate::optics::gradient::PyGradedMedium;
->>>>>>> 315f7fc (Give Python media with a gradient: rayweave.optics.graded)
 use crate::solid::PySolid;
 
 /// A glass, a constant index n + i k, or either with a gradient.
