@@ -160,7 +160,7 @@ impl Polyhedron {
     /// The time of a crossing is that of the plane of its face, kept between the corners of the triangle. A line that lies
     /// in faces, within [`Line::delta`] over its way through the ball around the mesh, is answered as if it were moved by a
     /// few such distances along the first of the directions `aside` that leaves the face: to one side of all of it. Through edges
-    /// and vertices a line goes on one side, the same for all triangles ([`holds_origin`]).
+    /// and vertices a line goes on one side, the same for all triangles (`holds_origin`).
     ///
     /// `found` is emptied first.
     pub fn crossings(&self, line: &Line, aside: &Aside, found: &mut Vec<Crossing>) {

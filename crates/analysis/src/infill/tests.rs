@@ -133,7 +133,7 @@ fn a_ball_by_layers_has_its_volume() {
     let sum: f64 = layers.iter().map(length).sum();
     assert!(
         (sum - summary.length).abs() < 1e-9 * sum
-            && summary.traces as usize == layers.iter().map(|l| l.traces.len()).sum()
+            && summary.traces as usize == layers.iter().map(|l| l.traces.len()).sum::<usize>()
     );
 }
 
