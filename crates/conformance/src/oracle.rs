@@ -328,17 +328,13 @@ impl Formula {
                 let corner = |k: f64| triple(&vertices[3 * k as usize..3 * k as usize + 3]);
                 Formula::Triangles(faces.chunks(3).map(|face| triple(face).map(corner)).collect())
             }
-            "asphere" => {
-                let even = list("even").into_iter().zip(1..).map(|(c, k)| ([0, 0, 2 * k], c));
-                let odd = list("odd").into_iter().zip(0..).map(|(c, k)| ([0, 0, 2 * k + 1], c));
-                Formula::Sag(Sag {
-                    aperture: number("aperture"),
-                    height: number("height"),
-                    curvatures: [number("curvature"); 2],
-                    conics: [number("conic"); 2],
-                    terms: even.chain(odd).collect(),
-                })
-            }
+            "asphere" => Formula::Sag(Sag {
+                aperture: number("aperture"),
+                height: number("height"),
+                curvatures: [number("curvature"); 2],
+                conics: [number("conic"); 2],
+                terms: radial_terms(&list("even"), &list("odd")),
+            }),
             "biconic" => Formula::Sag(Sag {
                 aperture: number("aperture"),
                 height: number("height"),
@@ -509,6 +505,13 @@ impl Sag {
         let power = |v: f64, n: u32| libm::pow(v, f64::from(n));
         self.terms.iter().fold(base, |sum, (n, c)| sum + c * power(x, n[0]) * power(y, n[1]) * power(r, n[2]))
     }
+}
+
+/// r^2, r^4, ... and r, r^3, ...
+fn radial_terms(even: &[f64], odd: &[f64]) -> Vec<Term> {
+    let even = even.iter().zip(1..).map(|(&c, k)| ([0, 0, 2 * k], c));
+    let odd = odd.iter().zip(0..).map(|(&c, k)| ([0, 0, 2 * k + 1], c));
+    even.chain(odd).collect()
 }
 
 /// x, y, x^2, x y, y^2, ...

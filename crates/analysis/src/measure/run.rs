@@ -230,7 +230,7 @@ impl<E: Evaluator> Run<'_, E> {
             }
         }
         // the variance falls as the power -3/2 of the number of cells
-        let (weight, rays) = (density.powf(1.5), 6 * across * across);
+        let (weight, rays) = (density * density.sqrt(), 6 * across * across);
         let all = tallies.iter().zip(results).enumerate();
         for (_, (tally, joined)) in all.filter(|(region, _)| only.is_none_or(|only| only == *region)) {
             joined.join(tally, weight, bounds.centre(), rays);

@@ -155,8 +155,9 @@ fn rounded(estimate: &Estimate) -> (String, String) {
     if width <= 1e-10 * estimate.value.abs() {
         return (terminal::short(estimate.value), "0".to_owned());
     }
-    // the place of the second digit
-    let place = 1 - width.log10().floor() as i32;
+    // the place of the second digit: one after the power of ten of the first
+    let first = format!("{width:e}").split_once('e').and_then(|(_, power)| power.parse::<i32>().ok());
+    let place = 1 - first.unwrap_or_default();
     if (0..=12).contains(&place) {
         let digits = place as usize;
         return (format!("{:.digits$}", estimate.value), format!("{width:.digits$}"));
