@@ -107,7 +107,7 @@ impl IrradianceMap {
     /// The map of the part on which light fell, but for ghosts of less than a fiftieth of it, with at most so many cells
     /// along each side; one dark cell if there was no light.
     pub fn finish(mut self, most: usize) -> Map {
-        if self.grids.is_none() {
+        if self.grids.is_none() && !self.first.is_empty() {
             self.settle();
         }
         let most = most.clamp(1, CELLS as usize) as i64;
@@ -149,8 +149,12 @@ impl Grid {
         }
         let far = lo.iter().chain(&hi).filter(|x| x.is_finite()).fold(0.0, |far: f64, x| far.max(x.abs()));
         let size = (hi[0] - lo[0]).max(hi[1] - lo[1]);
-        // numbers of cells have to be small enough to be counted exactly
-        let cell = (size / (0.5 * CELLS as f64)).max(1e-12 * far).max(f64::MIN_POSITIVE * 1e9);
+        // numbers of cells have to be small enough to be counted exactly, and areas numbers
+        let cell = match (size > 0.0, far > 0.0) {
+            (true, _) => (size / (0.5 * CELLS as f64)).max(1e-12 * far).max(1e-100),
+            (false, true) => (1e-6 * far).max(1e-100),
+            (false, false) => 1e-6,
+        };
         let cell = if cell.is_finite() { cell } else { 1.0 };
         let middle = [0, 1].map(|k| if lo[k] <= hi[k] { 0.5 * (lo[k] + hi[k]) } else { 0.0 });
         let begin = middle.map(|x| (x / cell).floor() as i64 - CELLS / 2);
@@ -370,6 +374,11 @@ mod tests {
         let map = map.finish(8);
         assert!((map.power() - 1000.0).abs() < 1e-9);
         assert!(map.lo[0] <= 3.0 && 3.0 <= map.hi[0] && map.lo[1] <= -4.0 && -4.0 <= map.hi[1]);
+        // a perfect focus on the axis
+        let mut map = IrradianceMap::default();
+        (0..2000).for_each(|_| map.add([0.0; 2], 0.5));
+        let map = map.finish(8);
+        assert!((map.power() - 1000.0).abs() < 1e-9 && map.peak().is_finite(), "{map:?}");
     }
 
     /// The values of the paper's scheme at its ends and in the middle, where the hue is start + rotations / 2.
