@@ -61,6 +61,8 @@ pub struct Map {
     pub lo: [f64; 2],
     /// The upper right corner.
     pub hi: [f64; 2],
+    /// The side of a cell, all of which are squares.
+    pub side: f64,
     /// The number of columns.
     pub columns: usize,
     /// Power per area, row by row from below.
@@ -118,7 +120,7 @@ impl IrradianceMap {
                 let is_finer = all.cell >= 4.0 * bright.cell;
                 if holds && is_finer { bright.map(most) } else { all.map(most) }
             }
-            None => Map { lo: [0.0; 2], hi: [1.0; 2], columns: 1, values: vec![0.0] },
+            None => Map { lo: [0.0; 2], hi: [1.0; 2], side: 1.0, columns: 1, values: vec![0.0] },
         }
     }
 }
@@ -211,7 +213,7 @@ impl Grid {
         values.iter_mut().for_each(|power| *power /= side * side);
         let lo = [0, 1].map(|k| (self.begin[k] + from[k]) as f64 * self.cell);
         let hi = [0, 1].map(|k| lo[k] + count[k] as f64 * side);
-        Map { lo, hi, columns: count[0], values }
+        Map { lo, hi, side, columns: count[0], values }
     }
 }
 
@@ -228,9 +230,7 @@ impl Map {
 
     /// The power of all cells.
     pub fn power(&self) -> f64 {
-        let cells = self.values.len() as f64;
-        let area = (self.hi[0] - self.lo[0]) * (self.hi[1] - self.lo[1]) / cells;
-        self.values.iter().sum::<f64>() * area
+        self.values.iter().sum::<f64>() * self.side * self.side
     }
 
     /// The greatest irradiance.

@@ -7,7 +7,9 @@
 //!
 //! *What is guaranteed*: each piece of the list of signs is the sign of f, and no pair of roots is missed between
 //! which |f| exceeds [`Smooth::noise`]. Where f does not exceed the noise all along a piece, the piece counts as one
-//! sign change if the signs at its ends differ, and as none if they do not.
+//! sign change if the signs at its ends differ, and as none if they do not. The same holds for what is left once
+//! [`PIECES`] pieces have been looked at: bounds that have no end (beside the tip of an odd term, where the surface is vertical
+//! at its rim) are never decided, and a ray that runs there must not take for ever.
 
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
 
@@ -46,22 +48,26 @@ impl End {
 /// Halvings of the first piece; by then it is as short as the rounding of its ends.
 const DEPTH: u32 = 64;
 
+/// The most pieces that are looked at along a line.
+const PIECES: u32 = 1 << 14;
+
 /// Passes the sign changes between two ends to `flip`, in order.
 pub(super) fn sign_changes(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
-    visit(f, a, b, DEPTH, flip);
+    visit(f, a, b, (DEPTH, &mut { PIECES }), flip);
 }
 
-fn visit(f: &impl Smooth, a: End, b: End, depth: u32, flip: &mut dyn FnMut(f64)) {
+fn visit(f: &impl Smooth, a: End, b: End, (depth, left): (u32, &mut u32), flip: &mut dyn FnMut(f64)) {
     let piece = Piece::new(f, a, b);
+    *left = left.saturating_sub(1);
     match piece.kind(f.noise()) {
-        _ if depth == 0 || piece.is_shortest() => single(f, a, b, flip),
+        _ if depth == 0 || *left == 0 || piece.is_shortest() => single(f, a, b, flip),
         Kind::Single => single(f, a, b, flip),
         Kind::Bent { up: true } => bent(f, a, b, flip),
         Kind::Bent { up: false } => bent(&Negated(f), a.negated(), b.negated(), flip),
         Kind::Any => {
             let middle = End::of(f, piece.middle());
-            visit(f, a, middle, depth - 1, flip);
-            visit(f, middle, b, depth - 1, flip);
+            visit(f, a, middle, (depth - 1, left), flip);
+            visit(f, middle, b, (depth - 1, left), flip);
         }
     }
 }

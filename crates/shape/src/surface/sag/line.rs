@@ -204,8 +204,9 @@ impl Within<'_> {
 
     fn sign_changes(self, from: End, to: End, flip: &mut dyn FnMut(f64)) {
         let Line { sag, d, .. } = self.line;
-        // nearly every ray is steeper than the surface, and meets it once
-        if d.z.abs() > sag.steepest * (d.x * d.x + d.y * d.y).sqrt() * (1.0 + 8.0 * UNIT_ROUNDOFF) {
+        // nearly every ray is steeper than the surface, and meets it once; one along z is, however steep that is
+        let across = d.x * d.x + d.y * d.y;
+        if across == 0.0 || d.z.abs() > sag.steepest * across.sqrt() * (1.0 + 8.0 * UNIT_ROUNDOFF) {
             if from.negative != to.negative {
                 flip(root(&self, from, to));
             }
