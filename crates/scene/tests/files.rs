@@ -98,7 +98,7 @@ const CUBE: &str = "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\
 
 /// The problems of a model whose mesh is in a file with this text.
 fn mesh_problems(name: &str, text: &str) -> Result<Scene, String> {
-    let folder = Folder::new(name);
+    let folder = Folder::new(&format!("mesh-{name}"));
     std::fs::write(folder.0.join("part.off"), text).unwrap();
     let model = "rayweave = 1\n[solid.part]\nmesh = { file = 'part.off' }\n";
     std::fs::write(folder.0.join("model.toml"), model).unwrap();
