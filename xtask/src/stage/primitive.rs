@@ -14,7 +14,7 @@ use crate::{Outcome, process};
 const NAME: &str = "bead";
 
 /// What the copy holds of the workspace: the shapes and what they stand on.
-const COPIED: [&str; 4] = ["Cargo.toml", "Cargo.lock", "crates/math/", "crates/shape/"];
+const COPIED: [&str; 5] = ["Cargo.toml", "Cargo.lock", "crates/math/", "crates/mesh/", "crates/shape/"];
 
 /// The new primitive's own tests, and those that hold for all primitives and name none.
 const TESTS: [&str; 4] = ["primitive::bead", "pages_tell", "arguments_build", "bounds_hold"];
