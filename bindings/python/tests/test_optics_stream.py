@@ -1,5 +1,6 @@
 """Light in batches, into files, from files; and tables that share memory."""
 
+import signal
 import threading
 import _thread
 import time
@@ -99,13 +100,18 @@ def test_a_file_that_cannot_be_finished_is_not_there(tmp_path):
 
 def test_an_interrupt_stops_a_stream():
     stream = bench().stream(ro.beam(8.0, 500_000_000).translate([0, 0, -20]), rows=1 << 40)
-    timer = threading.Timer(0.3, _thread.interrupt_main)
-    timer.start()
-    begin = time.monotonic()
-    with pytest.raises(KeyboardInterrupt):
-        next(iter(stream))
-    assert time.monotonic() - begin < 30
-    timer.join()
+    # a shell without job control starts what it runs in the background with the signal ignored
+    handler = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        timer = threading.Timer(0.3, _thread.interrupt_main)
+        timer.start()
+        begin = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            next(iter(stream))
+        assert time.monotonic() - begin < 30
+        timer.join()
+    finally:
+        signal.signal(signal.SIGINT, handler)
 
 
 def test_leaving_early():
