@@ -72,6 +72,14 @@ impl Interval {
         Interval::new(lo, if self.lo > 0.0 { (1.0 / self.lo).next_up() } else { f64::INFINITY })
     }
 
+    /// The product of two intervals of numbers that are not negative, infinity among them as a limit: where 0 meets infinity
+    /// the product may be anything that is not negative.
+    pub fn positive_product(self, other: Interval) -> Interval {
+        let (lo, hi) = (self.lo * other.lo, self.hi * other.hi);
+        let hi = if hi.is_nan() { f64::INFINITY } else { hi.next_up() };
+        Interval::new(lo.next_down().max(0.0), hi)
+    }
+
     /// The square, which is nowhere negative.
     pub fn square(self) -> Interval {
         let (a, b) = (self.lo * self.lo, self.hi * self.hi);
@@ -146,6 +154,15 @@ mod tests {
         assert!(b.square().lo > 0.0);
         assert_eq!(Interval::new(-1.0, 4.0).sqrt().lo, 0.0);
         assert_eq!(Interval::new(0.0, 2.0).positive_recip().hi, f64::INFINITY);
+    }
+
+    #[test]
+    fn products_keep_their_sign_beside_infinity() {
+        let (tiny, most) = (Interval::new(0.0, 2.0), Interval::new(3.0, f64::INFINITY));
+        assert_eq!(tiny.positive_product(most), Interval::new(0.0, f64::INFINITY));
+        assert_eq!(Interval::point(0.0).positive_product(most), Interval::new(0.0, f64::INFINITY));
+        let exact = Interval::new(1.5, 2.0).positive_product(Interval::new(0.3, 7.0));
+        assert!(exact.contains(1.5 * 0.3) && exact.contains(14.0) && exact.lo > 0.4499 && exact.hi < 14.001);
     }
 
     #[test]

@@ -179,23 +179,8 @@ pub fn count_real_roots(coefficients: &[RBig]) -> usize {
 
 /// The number of different real roots between two numbers that are no roots: Sturm's theorem.
 pub fn count_between(coefficients: &[RBig], from: f64, to: f64) -> usize {
-    let p = trimmed(coefficients.to_vec());
-    let derivative = trimmed(p.iter().enumerate().skip(1).map(|(k, c)| c * exact(k as f64)).collect());
-    let mut chain = vec![p, derivative];
-    while let [.., a, b] = &chain[..] {
-        if b.len() < 2 {
-            break;
-        }
-        let next = negated_remainder(a, b);
-        chain.push(next);
-    }
-    let variations = |t: f64| {
-        let t = exact(t);
-        let at = |p: &Vec<RBig>| sign(&p.iter().rev().fold(RBig::ZERO, |sum, c| sum * &t + c));
-        let signs: Vec<i32> = chain.iter().map(at).filter(|&s| s != 0).collect();
-        signs.windows(2).filter(|w| w[0] != w[1]).count()
-    };
-    variations(from).saturating_sub(variations(to))
+    let chain = Sturm::new(coefficients);
+    chain.variations(&exact(from)).saturating_sub(chain.variations(&exact(to)))
 }
 
 fn trimmed(mut p: Vec<RBig>) -> Vec<RBig> {
@@ -245,4 +230,68 @@ pub fn ray_through(target: Vec3, size_of_scene: f64, rng: &mut ChaCha8Rng) -> Ra
     let way = far * unit_vector(rng);
     let length = size(rng, 1e-3, 1e3);
     Ray::new(target - way, way * (length / far))
+}
+
+/// Sturm's chain of a polynomial, for several questions about its roots.
+pub struct Sturm(Vec<Vec<RBig>>);
+
+impl Sturm {
+    pub fn new(coefficients: &[RBig]) -> Sturm {
+        let p = trimmed(coefficients.to_vec());
+        let derivative = trimmed(p.iter().enumerate().skip(1).map(|(k, c)| c * exact(k as f64)).collect());
+        let mut chain = vec![p, derivative];
+        while let [.., a, b] = &chain[..] {
+            if b.len() < 2 {
+                break;
+            }
+            let next = negated_remainder(a, b);
+            chain.push(next);
+        }
+        Sturm(chain)
+    }
+
+    fn variations(&self, t: &RBig) -> usize {
+        let signs = self.0.iter().map(|p| sign(&value(p, t))).filter(|&s| s != 0);
+        let signs: Vec<i32> = signs.collect();
+        signs.windows(2).filter(|w| w[0] != w[1]).count()
+    }
+
+    /// Each simple root between two numbers that are no roots, to a few bits of f64, in order.
+    pub fn roots(&self, from: f64, to: f64) -> Vec<RBig> {
+        let mut found = Vec::new();
+        let ends = [from, to].map(exact);
+        let counts = [self.variations(&ends[0]), self.variations(&ends[1])];
+        self.isolate(ends, counts, &mut found);
+        found
+    }
+
+    fn isolate(&self, [a, b]: [RBig; 2], [first, last]: [usize; 2], found: &mut Vec<RBig>) {
+        match first.saturating_sub(last) {
+            0 => {}
+            1 => found.push(self.halved([a, b])),
+            _ => {
+                let middle = (&a + &b) / exact(2.0);
+                let between = self.variations(&middle);
+                self.isolate([a, middle.clone()], [first, between], found);
+                self.isolate([middle, b], [between, last], found);
+            }
+        }
+    }
+
+    fn halved(&self, [mut a, mut b]: [RBig; 2]) -> RBig {
+        let first = sign(&value(&self.0[0], &a));
+        for _ in 0..64 {
+            let middle = (&a + &b) / exact(2.0);
+            match sign(&value(&self.0[0], &middle)) == first {
+                true => a = middle,
+                false => b = middle,
+            }
+        }
+        (a + b) / exact(2.0)
+    }
+}
+
+/// The value of a polynomial.
+pub fn value(p: &[RBig], t: &RBig) -> RBig {
+    p.iter().rev().fold(RBig::ZERO, |sum, c| sum * t + c)
 }

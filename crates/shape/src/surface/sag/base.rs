@@ -32,6 +32,8 @@ pub(super) struct Root {
     most: f64,
 }
 
+const POSITIVE: Interval = Interval { lo: 0.0, hi: f64::INFINITY };
+
 /// Where the surface ends vertically slopes stay finite: no root is less at a distance from the rim that can be told from it.
 const LEAST: f64 = 1e-9;
 
@@ -86,13 +88,28 @@ impl Root {
         }
     }
 
-    /// With u = x^2 + y^2: `d/du = c / (2 s)` and `d^2/du^2 = c g / (4 s^3)`, both monotone in u.
+    /// With u = x^2 + y^2: `d/du = c / (2 s)` and `d^2/du^2 = c g / (4 s^3)`, both monotone in u. Where the surface is vertical
+    /// the bounds end at infinity, of the sign of c g and c.
     fn round_bend(&self, x: [f64; 2], y: [f64; 2], t: Interval) -> Interval {
         let (square, rate, twice) = square_along(x, y, t);
         let inverse = self.inverse_roots(square * self.g[0]);
-        let first = inverse * (0.5 * self.c[0]);
-        let second = inverse * inverse.square() * (0.25 * self.c[0] * self.g[0]);
-        second * rate.square() + first * twice
+        let first = inverse.positive_product(twice.narrowed(POSITIVE));
+        let second = inverse.positive_product(inverse.square()).positive_product(rate.square());
+        second * (0.25 * self.c[0] * self.g[0]) + first * (0.5 * self.c[0])
+    }
+
+    /// Bounds of the first derivative along a line for t in a range.
+    pub fn slopes(&self, x: [f64; 2], y: [f64; 2], t: Interval) -> Interval {
+        if self.is_round() {
+            let (square, rate, _) = square_along(x, y, t);
+            return rate * self.inverse_roots(square * self.g[0]) * (0.5 * self.c[0]);
+        }
+        let [q, q1, _] = weighted(self.c, x, y, t);
+        let [g, g1, _] = weighted(self.g, x, y, t);
+        let inverse = self.inverse_roots(g);
+        let below = (Interval::point(1.0) + inverse.positive_recip()).positive_recip();
+        // (q' - b s') / (1 + s) with b = q / (1 + s)
+        (q1 + q * below * (g1 * inverse) * 0.5) * below
     }
 
     /// `1 / s` for a range of g.
@@ -114,7 +131,13 @@ impl Root {
         let s2 = -(g2 * 0.5 + s1.square()) * inverse;
         let b = q * below;
         let b1 = (q1 - b * s1) * below;
-        (q2 - b1 * s1 * 2.0 - b * s2) * below
+        let bend = (q2 - b1 * s1 * 2.0 - b * s2) * below;
+        match (b.lo > 0.0, b.hi < 0.0) {
+            _ if bend.magnitude() < f64::INFINITY || g2.lo < 0.0 => bend,
+            (true, _) => least_bend(b, [q1, q2], inverse, g2),
+            (_, true) => -least_bend(-b, [q1, -q2], inverse, g2),
+            _ => bend,
+        }
     }
 
     /// Bounds of value and both derivatives over a box in which x^2 + y^2 is in `square`, within the aperture.
@@ -135,6 +158,18 @@ impl Root {
             |c: f64, g: f64, v: Interval| v * below * (value * inverse * g + Interval::point(2.0 * c));
         [value, slope(cx, gx, x), slope(cy, gy, y)]
     }
+}
+
+/// Bounds of `b''` that have no end above, for b > 0 and g'' >= 0. The rule above is
+/// `(1 + s) b'' = q'' + b g'' / (2 s) + b s'^2 (1 / s + 2 / (1 + s)) - 2 q' s' / (1 + s)`, and its last two terms, a quadratic
+/// in s', are nowhere less than `-q'^2 s / (b (1 + s)^2)`.
+fn least_bend(b: Interval, [q1, q2]: [Interval; 2], inverse: Interval, g2: Interval) -> Interval {
+    let s = inverse.positive_recip();
+    let below = (Interval::point(1.0) + s).positive_recip();
+    let grows = b.positive_product(g2).positive_product(inverse).lo * 0.5;
+    let dip = q1.square().positive_product(s).positive_product(b.positive_recip()) * below.square();
+    let sum = (q2 + Interval::point(grows) - dip).lo;
+    Interval::new((below * sum).lo, f64::INFINITY)
 }
 
 fn linear(a: [f64; 2], t: Interval) -> Interval {

@@ -1,15 +1,25 @@
 //! The sign changes of a smooth function of time between two times, none missed.
 //!
-//! A piece of time is looked at through what is known for sure about it: value and slope at its ends, and bounds of
-//! the second derivative over it. From these a piece has no root, or is monotone, or bends one way all along (two
-//! roots at most, apart by the extremum), or is halved. Bounds of the second derivative of width w leave a doubt of
-//! w h^2 about the value of f, so the pieces that are looked at grow short only where f and its slope both vanish.
+//! A piece of time is looked at through what is known for sure about it: value and slope at its ends, bounds of the
+//! second derivative over it, and, where these do not decide, bounds of the slope. From these a piece has no root, or is
+//! monotone, or bends one way all along (two roots at most, apart by the extremum), or is halved.
+//!
+//! *Bounds of the second derivative* of width w leave a doubt of w h^2 about the value of f, so the pieces that are looked at
+//! grow short only where f and its slope both vanish. They may have no end: at the tip of an odd term and at a vertical rim.
+//! There one end and its sign are known if the part without end prevails, so that such a piece bends one way. If another part bends against it,
+//! *bounds of the slope* decide: they are finite at a tip, so that a piece with values beyond w h is clear and one along which f
+//! cannot leave the noise is told as noise; and at a vertical rim they have a sign wherever the line leaves or
+//! nears the rim.
 //!
 //! *What is guaranteed*: each piece of the list of signs is the sign of f, and no pair of roots is missed between
-//! which |f| exceeds [`Smooth::noise`]. Where f does not exceed the noise all along a piece, the piece counts as one
-//! sign change if the signs at its ends differ, and as none if they do not. The same holds for what is left once
-//! [`PIECES`] pieces have been looked at: bounds that have no end (beside the tip of an odd term, where the surface is vertical
-//! at its rim) are never decided, and a ray that runs there must not take for ever.
+//! which |f| exceeds [`Smooth::noise`], but for what nobody can tell in these numbers: a piece along which the line is
+//! parallel to z to within the last bits of x and y ([`Smooth::is_upright`]) crosses once or not at all, and so does one that
+//! is as short as the rounding of its times. Two crossings on such a piece are apart by less than a wall can be
+//! from such a line. Where f does not exceed the noise all along a piece, the piece counts as one sign change if the signs at its ends
+//! differ, and as none if they do not.
+//!
+//! [`PIECES`] is a stop for what was not thought of; the guarantee does not hold for a line that reaches it. None is
+//! known: lines through tips, along axes and along vertical rims stay below [`PIECES`] / 16, which `line.rs` tests.
 
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
 
@@ -19,6 +29,10 @@ pub(super) trait Smooth {
     fn at(&self, t: f64) -> (f64, f64);
     /// Bounds of the second derivative between two times.
     fn bend(&self, from: f64, to: f64) -> Interval;
+    /// Bounds of the slope between two times.
+    fn slopes(&self, from: f64, to: f64) -> Interval;
+    /// True if between two times f is that of a line along z, which is monotone, but for the rounding of x and y.
+    fn is_upright(&self, from: f64, to: f64) -> bool;
     /// Values up to this say nothing about the sign.
     fn noise(&self) -> f64;
 }
@@ -49,7 +63,7 @@ impl End {
 const DEPTH: u32 = 64;
 
 /// The most pieces that are looked at along a line.
-const PIECES: u32 = 1 << 14;
+pub(super) const PIECES: u32 = 1 << 14;
 
 /// Passes the sign changes between two ends to `flip`, in order.
 pub(super) fn sign_changes(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
@@ -59,8 +73,8 @@ pub(super) fn sign_changes(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut
 fn visit(f: &impl Smooth, a: End, b: End, (depth, left): (u32, &mut u32), flip: &mut dyn FnMut(f64)) {
     let piece = Piece::new(f, a, b);
     *left = left.saturating_sub(1);
-    match piece.kind(f.noise()) {
-        _ if depth == 0 || *left == 0 || piece.is_shortest() => single(f, a, b, flip),
+    match piece.kind(f) {
+        _ if depth == 0 || *left == 0 => single(f, a, b, flip),
         Kind::Single => single(f, a, b, flip),
         Kind::Bent { up: true } => bent(f, a, b, flip),
         Kind::Bent { up: false } => bent(&Negated(f), a.negated(), b.negated(), flip),
@@ -106,17 +120,41 @@ impl Piece {
         0.5 * (self.a.t + self.b.t)
     }
 
-    fn is_shortest(&self) -> bool {
-        self.half <= 4.0 * UNIT_ROUNDOFF * self.a.t.abs().max(self.b.t.abs())
+    /// True if times or places within the piece can hardly be told from each other.
+    fn is_shortest(&self, f: &impl Smooth) -> bool {
+        let rounding = 4.0 * UNIT_ROUNDOFF * self.a.t.abs().max(self.b.t.abs());
+        self.half <= rounding || f.is_upright(self.a.t, self.b.t)
     }
 
-    fn kind(&self, noise: f64) -> Kind {
+    fn kind(&self, f: &impl Smooth) -> Kind {
+        let noise = f.noise();
         match () {
             () if self.is_monotone() || self.is_clear() || self.is_noise(noise) => Kind::Single,
-            () if self.bend.lo >= 0.0 => Kind::Bent { up: true },
-            () if self.bend.hi <= 0.0 => Kind::Bent { up: false },
+            () if self.is_shortest(f) => Kind::Single,
+            () if self.bends_up() => Kind::Bent { up: true },
+            () if self.bends_down() => Kind::Bent { up: false },
+            () if self.is_single_by(f.slopes(self.a.t, self.b.t), noise) => Kind::Single,
             () => Kind::Any,
         }
+    }
+
+    /// Sums of bounds that end at 0 end a rounding of 0 away.
+    fn bends_up(&self) -> bool {
+        self.bend.lo >= -f64::MIN_POSITIVE
+    }
+
+    fn bends_down(&self) -> bool {
+        self.bend.hi <= f64::MIN_POSITIVE
+    }
+
+    /// True if by bounds of the slope the piece is monotone, or its value keeps away from 0, or is noise: each half is
+    /// reached from its end.
+    fn is_single_by(&self, slopes: Interval, noise: f64) -> bool {
+        let (a, b, half) = (self.a.value, self.b.value, self.half);
+        let (fall, rise) = (slopes.lo.min(0.0) * half, slopes.hi.max(0.0) * half);
+        let is_clear = (a + fall > 0.0 && b - rise > 0.0) || (a + rise < 0.0 && b - fall < 0.0);
+        let is_noise = a.abs().max(b.abs()) + rise.max(-fall) <= noise;
+        slopes.lo > 0.0 || slopes.hi < 0.0 || is_clear || is_noise
     }
 
     /// True if the slope keeps its sign: each half is reached from its end.
@@ -160,6 +198,14 @@ impl<F: Smooth> Smooth for Negated<'_, F> {
 
     fn bend(&self, from: f64, to: f64) -> Interval {
         -self.0.bend(from, to)
+    }
+
+    fn slopes(&self, from: f64, to: f64) -> Interval {
+        -self.0.slopes(from, to)
+    }
+
+    fn is_upright(&self, from: f64, to: f64) -> bool {
+        self.0.is_upright(from, to)
     }
 
     fn noise(&self) -> f64 {
@@ -251,12 +297,13 @@ pub(super) fn sign_changes_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn
     // the first piece, as long as one that can be decided
     loop {
         let piece = Piece::new(f, a, end);
-        let is_last = count == rest.len() || piece.is_shortest() || piece.is_noise(f.noise());
-        let bends = if a.negative { piece.bend.lo >= 0.0 } else { piece.bend.hi <= 0.0 };
-        let bends_away = if a.negative { piece.bend.hi <= 0.0 } else { piece.bend.lo >= 0.0 };
+        let is_last = count == rest.len() || piece.is_shortest(f) || piece.is_noise(f.noise());
+        let (up, down) = (piece.bends_up(), piece.bends_down());
+        let (bends, bends_away) = if a.negative { (up, down) } else { (down, up) };
         match () {
             () if is_last || piece.is_monotone() || bends_away => end.negative = a.negative,
             () if bends => single_after(f, a, end, flip),
+            () if piece.is_single_by(f.slopes(a.t, end.t), f.noise()) => end.negative = a.negative,
             () => {
                 end = End::of(f, piece.middle());
                 rest[count] = end;
@@ -296,6 +343,14 @@ impl<F: Smooth> Smooth for Divided<'_, F> {
 
     fn bend(&self, _: f64, _: f64) -> Interval {
         Interval::ALL
+    }
+
+    fn slopes(&self, _: f64, _: f64) -> Interval {
+        Interval::ALL
+    }
+
+    fn is_upright(&self, _: f64, _: f64) -> bool {
+        false
     }
 
     fn noise(&self) -> f64 {

@@ -186,6 +186,14 @@ impl Smooth for Line<'_> {
         Interval::ALL
     }
 
+    fn slopes(&self, _: f64, _: f64) -> Interval {
+        Interval::ALL
+    }
+
+    fn is_upright(&self, _: f64, _: f64) -> bool {
+        false
+    }
+
     fn noise(&self) -> f64 {
         self.sag.noise
     }
@@ -204,9 +212,9 @@ impl Within<'_> {
 
     fn sign_changes(self, from: End, to: End, flip: &mut dyn FnMut(f64)) {
         let Line { sag, d, .. } = self.line;
-        // nearly every ray is steeper than the surface, and meets it once; one along z is, however steep that is
-        let across = d.x * d.x + d.y * d.y;
-        if across == 0.0 || d.z.abs() > sag.steepest * across.sqrt() * (1.0 + 8.0 * UNIT_ROUNDOFF) {
+        // nearly every ray is steeper than the surface, and meets it once
+        let across = (d.x * d.x + d.y * d.y).sqrt();
+        if d.z.abs() > sag.steepest * across * (1.0 + 8.0 * UNIT_ROUNDOFF) {
             if from.negative != to.negative {
                 flip(root(&self, from, to));
             }
@@ -228,7 +236,111 @@ impl Smooth for Within<'_> {
         -self.along.bend(from, to)
     }
 
+    fn slopes(&self, from: f64, to: f64) -> Interval {
+        Interval::point(self.line.d.z) - self.along.slopes(from, to)
+    }
+
+    fn is_upright(&self, from: f64, to: f64) -> bool {
+        let (Line { sag, d, .. }, time) = (self.line, to - from);
+        let (x, y) = (d.x * time, d.y * time);
+        x.abs().max(y.abs()) <= 2.0 * UNIT_ROUNDOFF * sag.aperture()
+    }
+
     fn noise(&self) -> f64 {
         self.line.sag.noise
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::isolate::PIECES;
+    use super::super::{Base, Description};
+    use super::*;
+    use std::cell::Cell;
+
+    /// Counts how often bounds are asked for.
+    struct Counted<'a>(Within<'a>, Cell<u32>);
+
+    impl Smooth for Counted<'_> {
+        fn at(&self, t: f64) -> (f64, f64) {
+            self.0.at(t)
+        }
+
+        fn bend(&self, from: f64, to: f64) -> Interval {
+            self.1.set(self.1.get() + 1);
+            self.0.bend(from, to)
+        }
+
+        fn slopes(&self, from: f64, to: f64) -> Interval {
+            self.0.slopes(from, to)
+        }
+
+        fn is_upright(&self, from: f64, to: f64) -> bool {
+            self.0.is_upright(from, to)
+        }
+
+        fn noise(&self) -> f64 {
+            self.0.noise()
+        }
+    }
+
+    /// The pieces that are looked at along a line.
+    fn pieces(sag: &Sag, q: Vec3, d: Vec3) -> u32 {
+        let line = Line::new(sag, q, d, 0.0);
+        let Some((a, b)) = line.part() else { return 0 };
+        let counted = Counted(line.within().bounded((a, b)), Cell::new(0));
+        sign_changes(&counted, End::of(&counted, a), End::of(&counted, b), &mut |_| {});
+        counted.1.get()
+    }
+
+    fn hostile() -> Vec<Sag> {
+        let base = |k: f64| Description::new(1.0, Base::Conic { curvature: 1.0, conic: k });
+        let biconic =
+            |c: [f64; 2]| Description::new(1.0, Base::Biconic { curvatures: c, conics: [0.0, 0.3] });
+        let waves = |n: u32| (4.0 * f64::from(n)).sin();
+        let list = [
+            Description { odd: vec![0.3], ..base(0.0) },
+            Description { odd: vec![-0.9, 2.0, -1.0], even: vec![0.0, -3.0, 5.0], ..base(0.0) },
+            Description {
+                odd: (0..12).map(waves).collect(),
+                even: (0..12).map(waves).collect(),
+                ..base(0.0)
+            },
+            Description {
+                odd: vec![-0.5],
+                ..Description::new(1.0, Base::Conic { curvature: 0.0, conic: 0.0 })
+            },
+            biconic([1.0, 0.2]),
+            biconic([-1.0, 0.2]),
+            Description {
+                odd: vec![-0.4, 0.3],
+                mixed: vec![(1, 2, 0.5), (3, 1, -1.5)],
+                ..biconic([1.0, -0.4])
+            },
+            Description { mixed: vec![(3, 0, -3.0), (0, 5, 1.5)], ..base(0.0) },
+        ];
+        list.iter().map(|of| Sag::new(of).unwrap()).collect()
+    }
+
+    #[test]
+    fn lines_through_tips_and_along_vertical_rims_need_few_pieces() {
+        let offsets = [0.0, 1e-300, 1e-17, 1e-15, 1e-9, 1e-3];
+        let mut most = 0;
+        for (k, sag) in hostile().iter().enumerate() {
+            for (place, offset) in [0.0, 1.0].iter().flat_map(|&place| offsets.map(|o| (place, o))) {
+                for (along, tilt) in [Vec3::X, Vec3::Y, Vec3::Z].iter().flat_map(|&v| offsets.map(|o| (v, o)))
+                {
+                    let z = sag.sag(place - offset, 0.0)[0];
+                    let q = Vec3::new(place - offset, 0.0, z);
+                    for turned in [Vec3::X, Vec3::new(0.6, 0.8, 0.3), Vec3::Z, -Vec3::Z] {
+                        let count = pieces(sag, q, along + tilt * turned);
+                        assert!(count < PIECES / 16, "{count} {k} {q:?} {along:?} {tilt} {turned:?}");
+                        most = most.max(count);
+                    }
+                }
+            }
+        }
+        assert!(most > 4, "{most}");
+        println!("at most {most}");
     }
 }

@@ -12,7 +12,9 @@
 //! (`isolate.rs` says how). Bounds are those of polynomials shifted to the middle of the piece, and closed forms of
 //! the base. Two crossings count as none if between them the ray leaves the surface by less than the rounding of f,
 //! `u (16 size + 4 R)` with the sum of the magnitudes of its terms and the aperture's radius R, which is within the `64 u (|o| + |t| |d| + reach)` of all
-//! kernels. Beyond the aperture a surface of revolution is a plane; of others the parity of the crossings is right there,
+//! kernels; or if they lie on a piece of the ray that is parallel to z to within `2 u R` (where a rim is vertical, the surface
+//! may be as steep as that). At the tip of an odd term and at a vertical rim, where that derivative has no bounds, its sign
+//! and bounds of the slope decide. Beyond the aperture a surface of revolution is a plane; of others the parity of the crossings is right there,
 //! and no more is said.
 //!
 //! A steep conic may end vertically at the rim, `(1 + k) c^2 R^2 = 1`, and no farther in.
@@ -194,7 +196,8 @@ fn round_extent(profile: &Profile) -> ([f64; 2], f64) {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from) * (1.0 + 4.0 * UNIT_ROUNDOFF));
         let (value, slope) = along.at(middle);
         let change = half * along.bend(from, to).magnitude();
-        let steep = slope.abs() + change;
+        // beside the tip of an odd term only bounds of the slope have an end
+        let steep = (slope.abs() + change).min(along.slopes(from, to).magnitude());
         let steep = if steep.is_nan() { f64::INFINITY } else { steep };
         let natural = profile.ranges(Interval::new(from, to), Interval::point(0.0))[0];
         let value = match slope.abs() > change {

@@ -210,12 +210,51 @@ impl<'a> Along<'a> {
         }
     }
 
-    fn round_bend(&self, t: Interval) -> Interval {
-        let profile = self.profile;
-        let square = profile.aperture * profile.aperture;
+    /// Bounds of the first derivative between two times: finite wherever the surface is not vertical.
+    pub fn slopes(&self, from: f64, to: f64) -> Interval {
+        let (profile, t) = (self.profile, Interval::new(from, to));
+        let mut slopes = Interval::point(0.0);
+        if !profile.root.is_zero() {
+            slopes = slopes + profile.root.slopes(self.x, self.y, t);
+        }
+        if !(profile.even.is_zero() && profile.odd.is_zero()) {
+            slopes = slopes + self.round_slopes(t);
+        }
+        match &self.mixed {
+            _ if profile.mixed.is_zero() => slopes,
+            Some(mixed) if mixed.half > 0.0 => slopes + mixed.slopes(profile.mixed.degree(), from, to),
+            _ => Interval::ALL,
+        }
+    }
+
+    /// v = r^2 / R^2 and its first and second derivatives.
+    fn square(&self, t: Interval) -> (Interval, Interval, Interval) {
+        let radius = self.profile.aperture;
         let (r2, rate, twice) = square_along(self.x, self.y, t);
-        let inverse = Interval::point(square).positive_recip();
-        let (v, rate, twice) = ((r2 * inverse).narrowed(UNIT), rate * inverse, twice * inverse);
+        let inverse = Interval::point(radius * radius).positive_recip();
+        ((r2 * inverse).narrowed(UNIT), rate * inverse, twice * inverse)
+    }
+
+    fn round_slopes(&self, t: Interval) -> Interval {
+        let (profile, (v, rate, twice)) = (self.profile, self.square(t));
+        let even = profile.even.derivatives(v.lo, v.hi).0 * rate;
+        if profile.odd.is_zero() { even } else { even + self.odd_slopes(v, rate, twice) }
+    }
+
+    /// Of `sum c_k rho^(2 k + 1)`: `rho' = v' / (2 rho)`, which is at most w.
+    fn odd_slopes(&self, v: Interval, rate: Interval, twice: Interval) -> Interval {
+        let most = (twice * 0.5).sqrt().hi;
+        let rho = (rate * 0.5 * v.sqrt().positive_recip()).narrowed(Interval::new(-most, most));
+        let coefficients = self.profile.odd.coefficients().iter().enumerate().rev();
+        let by_rho = coefficients.fold(Interval::point(0.0), |sum, (k, c)| {
+            let n = (2 * k + 1) as f64;
+            sum * v + Interval::point(n * c)
+        });
+        by_rho * rho
+    }
+
+    fn round_bend(&self, t: Interval) -> Interval {
+        let (profile, (v, rate, twice)) = (self.profile, self.square(t));
         let (first, second) = profile.even.derivatives(v.lo, v.hi);
         let even = second * rate.square() + first * twice;
         if profile.odd.is_zero() { even } else { even + self.odd_bend(v, rate, twice) }
@@ -235,18 +274,28 @@ impl<'a> Along<'a> {
             let term = (across + along * (n - 2.0)) * (n * c);
             bend = bend * v + term;
         }
-        let tip = (across - along).narrowed(Interval::new(0.0, across.hi)) * rho.positive_recip();
+        // r bends up along every line: at the tip there is no end to it, but its sign is known
+        let tip =
+            (across - along).narrowed(Interval::new(0.0, across.hi)).positive_product(rho.positive_recip());
         bend * rho + tip * coefficients.first().copied().unwrap_or(0.0)
     }
 }
 
 impl Mixed {
+    fn slopes(&self, degree: usize, from: f64, to: f64) -> Interval {
+        self.derivatives(degree, from, to).0 * Interval::point(self.half).positive_recip()
+    }
+
     fn bend(&self, degree: usize, from: f64, to: f64) -> Interval {
+        self.derivatives(degree, from, to).1 * Interval::point(self.half).square().positive_recip()
+    }
+
+    /// Bounds of the derivatives by s.
+    fn derivatives(&self, degree: usize, from: f64, to: f64) -> (Interval, Interval) {
         let mut coefficients = self.coefficients;
         let place = |t: f64| ((t - self.middle) / self.half).clamp(-1.0, 1.0);
         let slack = 4.0 * UNIT_ROUNDOFF;
-        let (_, second) = derivatives(&mut coefficients[..=degree], place(from) - slack, place(to) + slack);
-        second * Interval::point(self.half).square().positive_recip()
+        derivatives(&mut coefficients[..=degree], place(from) - slack, place(to) + slack)
     }
 }
 

@@ -1,6 +1,8 @@
 //! Sag surfaces against exact arithmetic (Sturm's theorem along the ray), against quadrics, and against signs at points.
 
+#[path = "../oracle/mod.rs"]
 mod oracle;
+mod steep;
 
 use dashu::rational::RBig;
 use oracle::{approximate, count_between, effort, exact, rng, unit_vector};
@@ -109,8 +111,7 @@ fn times(a: &[RBig], b: &[RBig]) -> Vec<RBig> {
 }
 
 fn value(p: &[RBig], t: f64) -> f64 {
-    let t = exact(t);
-    approximate(&p.iter().rev().fold(RBig::ZERO, |sum, c| sum * &t + c))
+    approximate(&oracle::value(p, &exact(t)))
 }
 
 /// When the ray is in the aperture, a little less at both ends.
