@@ -1,13 +1,13 @@
 //! The command line: its sub-commands and what they share.
 
 use crate::command::{
-    Bench, Completions, Export, Infill, Info, Man, Optics, Probe, Render, Schema, Shapes, Thickness, Trace,
-    Volume,
+    Bench, Completions, Convert, Export, Infill, Info, Man, Optics, Probe, Render, Schema, Shapes, Thickness,
+    Trace, Volume,
 };
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
-use rayweave::formats::{self, Format, Options};
-use rayweave::scene::{Document, Scene};
+use rayweave::formats::{self, Format, Imported, Options};
+use rayweave::scene::{Document, Scene, Unit};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -55,6 +55,7 @@ pub enum Command {
     Probe(Probe),
     Trace(Trace),
     Optics(Optics),
+    Convert(Convert),
     Export(Export),
     Infill(Infill),
     Volume(Volume),
@@ -70,7 +71,7 @@ pub enum Command {
 /// A model file and the values of its parameters.
 #[derive(Args)]
 pub struct ModelArguments {
-    /// The model file: a native one (.toml), or one of OpenSCAD (.csg) or Geant4 (.gdml)
+    /// The model file: a native one (.toml), one of OpenSCAD (.csg) or Geant4 (.gdml), or a mesh (.stl, .obj, .ply, .off, .3mf, .gltf, .glb)
     pub model: PathBuf,
 
     /// Read the model file as one of this format [default: what its name says, or native]
@@ -85,6 +86,14 @@ pub struct ModelArguments {
     #[arg(long = "font", value_name = "PATH")]
     pub fonts: Vec<PathBuf>,
 
+    /// Mend meshes that are no solids as far as that is safe, and tell what was done
+    #[arg(long)]
+    pub repair: bool,
+
+    /// Take the lengths of a file that says no unit (meshes, OpenSCAD) in this one [default: mm]
+    #[arg(long, value_name = "UNIT", value_parser = Unit::ALL.map(|(_, symbol, _)| symbol))]
+    pub unit: Option<String>,
+
     /// Set a parameter of the model; the value may be arithmetic over others. May be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
     pub definitions: Vec<(String, String)>,
@@ -93,17 +102,28 @@ pub struct ModelArguments {
 impl ModelArguments {
     /// Reads the model file. Warnings go to standard error.
     pub fn load(&self) -> Result<Scene, Failure> {
-        self.load_document().map(|(_, scene)| scene)
+        self.import().map(|imported| imported.scene)
+    }
+
+    /// Reads the model file, with what was lost on the way. Warnings go to standard error.
+    pub fn import(&self) -> Result<Imported, Failure> {
+        let format = self.format.as_deref().and_then(Format::from_name);
+        let options = Options {
+            facets: self.facets,
+            fonts: self.fonts.clone(),
+            repair: self.repair,
+            unit: self.unit.as_deref().and_then(Unit::parse),
+        };
+        let imported = formats::load(&self.model, format, &self.definitions, &options);
+        let imported = imported.map_err(rayweave::Error::from)?;
+        crate::terminal::warn(&imported.scene.warnings);
+        Ok(imported)
     }
 
     /// Reads the model file and keeps what it says, for those who read tables of their own in it.
     pub fn load_document(&self) -> Result<(Document, Scene), Failure> {
-        let format = self.format.as_deref().and_then(Format::from_name);
-        let options = Options { facets: self.facets, fonts: self.fonts.clone() };
-        let imported = formats::load(&self.model, format, &self.definitions, &options);
-        let imported = imported.map_err(rayweave::Error::from)?;
-        crate::terminal::warn(&imported.scene.warnings);
-        Ok((imported.document, imported.scene))
+        let imported = self.import()?;
+        Ok((imported.document(), imported.scene))
     }
 
     /// The name of the file, for headings.

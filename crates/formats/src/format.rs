@@ -1,5 +1,6 @@
 //! The formats of models.
 
+use rayweave_mesh::files::MeshFormat;
 use std::fmt;
 use std::path::Path;
 
@@ -13,13 +14,22 @@ pub enum Format {
     OpenScad,
     /// Geant4's exchange format, `.gdml`.
     Gdml,
+    /// A file of triangles.
+    Mesh(MeshFormat),
 }
 
 /// All formats with their names and the endings of their files.
-const TABLE: [(Format, &str, &[&str]); 3] = [
+const TABLE: [(Format, &str, &[&str]); 10] = [
     (Format::Native, "native", &["toml"]),
     (Format::OpenScad, "openscad", &["csg"]),
     (Format::Gdml, "gdml", &["gdml"]),
+    (Format::Mesh(MeshFormat::Stl), "stl", &["stl"]),
+    (Format::Mesh(MeshFormat::Obj), "obj", &["obj"]),
+    (Format::Mesh(MeshFormat::Ply), "ply", &["ply"]),
+    (Format::Mesh(MeshFormat::Off), "off", &["off"]),
+    (Format::Mesh(MeshFormat::ThreeMf), "3mf", &["3mf"]),
+    (Format::Mesh(MeshFormat::Gltf), "gltf", &["gltf"]),
+    (Format::Mesh(MeshFormat::Glb), "glb", &["glb"]),
 ];
 
 impl Format {

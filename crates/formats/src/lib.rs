@@ -13,20 +13,24 @@
 //! assert_eq!(imported.scene.regions.len(), 1);
 //!
 //! // the document says the same in a native model file
-//! let (_, scene) = rayweave_scene::parse(&imported.document.to_toml())?;
+//! let (_, scene) = rayweave_scene::parse(&imported.document().to_toml())?;
 //! assert_eq!((scene.regions.len(), scene.regions[0].name.as_str()), (1, "model"));
 //! # Ok::<(), rayweave_scene::Diagnostics>(())
 //! ```
 
 mod format;
 pub mod gdml;
+mod memory;
+mod mesh;
 pub mod openscad;
 mod report;
+mod write;
 
 pub use format::Format;
 pub use report::{Loss, LossKind, Report};
+pub use write::{Remark, RemarkKind, WriteError, WriteOptions, Written, write};
 
-use rayweave_scene::{Diagnostics, Document, Scene, Source};
+use rayweave_scene::{Diagnostics, Document, Scene, Source, Unit};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -38,13 +42,17 @@ pub struct Options {
     pub facets: bool,
     /// Files of fonts, and folders of such files, in which those that texts name are looked for first.
     pub fonts: Vec<PathBuf>,
+    /// Meshes that are no solids, or perhaps not those that were meant, are mended as far as that is safe.
+    pub repair: bool,
+    /// The unit of lengths in formats that have none: STL, OBJ, PLY, OFF and OpenSCAD's dumps; millimetres if it is not given.
+    pub unit: Option<Unit>,
 }
 
 /// What was read.
 #[derive(Clone, Debug)]
 pub struct Imported {
-    /// What the model is, to be saved as a native model file.
-    pub document: Document,
+    /// What the file says, if that is more than the scene: a native file, or tables beside the scene.
+    pub stated: Option<Document>,
     /// What it means, to be asked. Its warnings hold the report's.
     pub scene: Scene,
     /// What was approximated, dropped or refused; empty for native files.
@@ -55,7 +63,12 @@ impl Imported {
     /// A scene that was made of another program's file, with what was lost on the way.
     pub fn from_scene(mut scene: Scene, report: Report) -> Imported {
         scene.warnings = report.warnings();
-        Imported { document: Document::from_scene(&scene), scene, report }
+        Imported { stated: None, scene, report }
+    }
+
+    /// What the model is, to be saved as a native model file.
+    pub fn document(&self) -> Document {
+        self.stated.clone().unwrap_or_else(|| Document::from_scene(&self.scene))
     }
 }
 
@@ -73,8 +86,17 @@ pub fn load(
 ) -> Result<Imported, Diagnostics> {
     let path = path.as_ref();
     match format.or_else(|| Format::from_path(path)).unwrap_or(Format::Native) {
-        Format::Native => rayweave_scene::load(path, overrides).map(native),
+        Format::Native => {
+            let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
+            report::refuse_unit(&source, Format::Native, options)?;
+            rayweave_scene::load(path, overrides).map(native)
+        }
         Format::Gdml => understand(gdml::source(path)?, Format::Gdml, overrides, options),
+        Format::Mesh(kind) => {
+            let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
+            report::refuse_overrides(&source, Format::Mesh(kind), overrides)?;
+            mesh::load(path, kind, options)
+        }
         other => understand(Source::read(path)?, other, overrides, options),
     }
 }
@@ -97,7 +119,7 @@ pub fn parse(
 }
 
 fn native((document, scene): (Document, Scene)) -> Imported {
-    Imported { document, scene, report: Report::default() }
+    Imported { stated: Some(document), scene, report: Report::default() }
 }
 
 /// Reads the text of another program's file.
@@ -112,12 +134,18 @@ fn understand(
         Format::Native => rayweave_scene::parse_with(source.text(), overrides).map(native),
         Format::OpenScad => {
             report::refuse_overrides(&source, format, overrides)?;
-            let (scene, report) = openscad::read(&source, options)?;
+            let (mut scene, report) = openscad::read(&source, options)?;
+            scene.unit = options.unit.unwrap_or(scene.unit);
             Ok(Imported::from_scene(scene, report))
         }
         Format::Gdml => {
             report::refuse_overrides(&source, format, overrides)?;
+            report::refuse_unit(&source, format, options)?;
             gdml::read(&source, options)
+        }
+        Format::Mesh(kind) => {
+            report::refuse_overrides(&source, format, overrides)?;
+            mesh::parse(&source, kind, options)
         }
     }
 }

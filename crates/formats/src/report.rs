@@ -1,6 +1,6 @@
 //! What is not in a scene as its file said it.
 
-use crate::Format;
+use crate::{Format, Options};
 use rayweave_scene::{Diagnostic, Diagnostics, Source};
 use std::collections::HashMap;
 use std::fmt;
@@ -106,6 +106,19 @@ pub(crate) fn refuse_overrides(
         true => Ok(()),
         false => Err(Diagnostics::new(overrides.iter().map(problem).collect())),
     }
+}
+
+/// An error if a unit is given for a file that has its own.
+pub(crate) fn refuse_unit(
+    source: &Arc<Source>,
+    format: Format,
+    options: &Options,
+) -> Result<(), Diagnostics> {
+    let Some(unit) = options.unit else {
+        return Ok(());
+    };
+    let problem = Diagnostic::error(format!("the unit cannot be set to {unit}"));
+    Err(problem.why(format!("files of the format {format} say theirs")).in_file(source).into())
 }
 
 #[cfg(test)]

@@ -123,6 +123,19 @@ impl Mesh {
         Mesh { triangles, vertices: welder.vertices }
     }
 
+    /// Some of the triangles, with the points that they use, in the order of their first use.
+    pub fn portion(&self, triangles: impl IntoIterator<Item = usize>) -> Mesh {
+        let (mut numbers, mut vertices) = (FxHashMap::default(), Vec::new());
+        let mut number = |vertex: u32| {
+            *numbers.entry(vertex).or_insert_with(|| {
+                vertices.push(self.vertices[vertex as usize]);
+                (vertices.len() - 1) as u32
+            })
+        };
+        let triangles = triangles.into_iter().map(|k| self.triangles[k].map(&mut number)).collect();
+        Mesh { vertices, triangles }
+    }
+
     /// Triangles turned round, those of which `turn` says so.
     pub(crate) fn turned(mut self, turn: impl Fn(usize) -> bool) -> Mesh {
         for (triangle, corners) in self.triangles.iter_mut().enumerate() {

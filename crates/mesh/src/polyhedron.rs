@@ -66,6 +66,14 @@ struct Query {
     delta: f64,
 }
 
+impl Mesh {
+    /// True if each edge has an even number of triangles, and there are some: what [`Polyhedron::new`] asks.
+    pub fn is_closed(&self) -> bool {
+        let mesh = self.welded();
+        check_closed(&mesh, &edge_uses(&mesh)).is_ok()
+    }
+}
+
 impl Polyhedron {
     /// The solid within a mesh; equal points count as one, triangles with two equal corners do not count.
     ///

@@ -5,7 +5,7 @@ mod shapes;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::Vec3;
 use rayweave_mesh::files::{
-    FileError, Loaded, MeshFormat, ReadOptions, WriteOptions, read, read_bytes, save, write,
+    FileError, Loaded, MeshFormat, ReadOptions, WriteOptions, read, read_bytes, save, write, write_parts,
 };
 use rayweave_mesh::{Mesh, MeshError};
 use shapes::{cuboid, potato};
@@ -263,4 +263,33 @@ fn damaged_files_are_read_or_refused() {
             assert!(read > 20 && refused > 300, "{format:?} {text}: {read} {refused}");
         }
     }
+}
+
+#[test]
+fn objects_of_a_file_are_told_apart() {
+    let (a, b) = (cuboid(Vec3::ZERO, Vec3::ONE), potato(1).mapped(|p| p.as_vec3().as_dvec3()).unwrap());
+    let parts = [("a <&> \"b\"", &a), ("second one", &b)];
+    for format in MeshFormat::ALL {
+        for text in [false, true] {
+            let mut bytes = Vec::new();
+            write_parts(&parts, format, WriteOptions { text }, &mut bytes).unwrap();
+            let back = loaded(&bytes, format).unwrap();
+            let all = [corners(&a), corners(&b)].concat();
+            assert!(back.warnings.is_empty() && corners(&back.mesh) == all, "{format:?} {text}");
+            let knows_none =
+                matches!(format, MeshFormat::Ply | MeshFormat::Off) || format == MeshFormat::Stl && !text;
+            let found = back.parts.iter().map(|part| (part.name.as_str(), corners(&back.part(part))));
+            let expected = parts.iter().map(|(name, mesh)| (*name, corners(mesh)));
+            let is_told = found.collect::<Vec<_>>() == expected.collect::<Vec<_>>();
+            assert!(
+                if knows_none { back.parts.is_empty() } else { is_told },
+                "{format:?} {text} {:?}",
+                back.parts
+            );
+        }
+    }
+    let groups = "g a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ng empty\ng b\nf 3 2 1\n";
+    let parts = loaded(groups.as_bytes(), MeshFormat::Obj).unwrap().parts;
+    let names: Vec<_> = parts.into_iter().map(|part| (part.name, part.triangles)).collect();
+    assert_eq!(names, [("a".to_owned(), 0..1), ("b".to_owned(), 1..2)]);
 }

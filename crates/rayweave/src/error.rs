@@ -4,6 +4,7 @@ use crate::files::ContourProblems;
 use rayweave_analysis::infill::InfillError;
 use rayweave_analysis::measure::MeasureError;
 use rayweave_analysis::section::SectionError;
+use rayweave_formats::WriteError;
 use rayweave_model::{BadRay, CompileError, WindowError};
 use rayweave_optics::OpticsError;
 use rayweave_render::{CameraError, RenderError, TimelineError};
@@ -67,6 +68,7 @@ enum Cause {
     Infill(InfillError),
     Section(SectionError),
     Measure(MeasureError),
+    Write(WriteError),
     Polygon(PolygonError),
     Line(LineError),
     Contours(ContourProblems),
@@ -95,10 +97,13 @@ impl Error {
             Cause::Infill(
                 InfillError::Empty { .. } | InfillError::Unbounded { .. } | InfillError::TooFar { .. },
             )
-            | Cause::Measure(MeasureError::Unbounded { .. } | MeasureError::TooFar { .. }) => {
+            | Cause::Measure(MeasureError::Unbounded { .. } | MeasureError::TooFar { .. })
+            | Cause::Write(WriteError::Unbounded { .. } | WriteError::Kernel { .. }) => {
                 ErrorKind::Solid
             }
-            Cause::Window(_)
+            Cause::Write(WriteError::Compile(_)) => ErrorKind::Compile,
+            Cause::Write(_)
+            | Cause::Window(_)
             | Cause::Ray(_)
             | Cause::Rays(_)
             | Cause::RootRay(_)
@@ -247,6 +252,7 @@ impl fmt::Display for Error {
             Cause::Infill(error) => error.fmt(f),
             Cause::Section(error) => error.fmt(f),
             Cause::Measure(error) => error.fmt(f),
+            Cause::Write(error) => error.fmt(f),
             Cause::Polygon(error) => error.fmt(f),
             Cause::Line(error) => error.fmt(f),
             Cause::Contours(problems) => problems.fmt(f),
@@ -299,6 +305,7 @@ from! {
     InfillError => Infill,
     SectionError => Section,
     MeasureError => Measure,
+    WriteError => Write,
     PolygonError => Polygon,
     LineError => Line,
     OpticsError => Optics,

@@ -59,6 +59,7 @@ pub use file::{load, parse, parse_with};
 pub use formats::povray::{PovRay, PovRayError};
 pub use number::Number;
 pub use scene::{Camera, Light, Medium, Projection, RenderSettings, Scene, SceneRegion};
+pub use resolve::reason;
 pub use schema::schema;
 pub use source::{Source, Span, Spanned};
 pub use suggestion::nearest;

@@ -2,6 +2,7 @@
 
 mod bench;
 mod completions;
+mod convert;
 mod export;
 mod infill;
 mod info;
@@ -18,6 +19,7 @@ mod volume;
 
 pub use bench::Bench;
 pub use completions::Completions;
+pub use convert::Convert;
 pub use export::Export;
 pub use infill::Infill;
 pub use info::Info;
@@ -41,6 +43,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Probe(probe) => probe.run(),
         Command::Trace(trace) => trace.run(cli),
         Command::Optics(optics) => optics.run(cli),
+        Command::Convert(convert) => convert.run(cli),
         Command::Export(export) => export.run(),
         Command::Infill(infill) => infill.run(cli),
         Command::Volume(volume) => volume.run(cli),

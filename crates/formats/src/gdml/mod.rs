@@ -56,7 +56,9 @@ pub fn read(source: &Arc<Source>, _options: &Options) -> Result<Imported, Diagno
             let mut imported = Imported::from_scene(scene, context.report);
             let warnings = imported.scene.warnings.iter().chain(&context.warnings).cloned();
             imported.scene.warnings = Diagnostics::new(warnings.collect());
-            imported.document.foreign.push(Foreign::new("gdml", table));
+            let mut document = imported.document();
+            document.foreign.push(Foreign::new("gdml", table));
+            imported.stated = Some(document);
             Ok(imported)
         }
         _ => Err(Diagnostics::new(context.problems)),

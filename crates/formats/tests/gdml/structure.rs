@@ -119,7 +119,8 @@ fn loops_make_volumes_and_places() {
     let hits = along(&imported, [-100.0, 20.3, 0.1], [1.0, 0.0, 0.0]);
     let pixels = hits.iter().filter(|(_, name)| name == "Pixel").map(|(t, _)| t - 100.0);
     assert_eq!(pixels.collect::<Vec<_>>(), [9.0, 19.0, 29.0]);
-    let table = &imported.document.foreign("gdml").unwrap().text;
+    let document = imported.document();
+    let table = &document.foreign("gdml").unwrap().text;
     assert!(table.contains("pixel_2_1"), "names count from 0: {table}");
 }
 
@@ -230,9 +231,9 @@ fn what_light_needs_is_kept_in_a_table() {
     // 2.1039 eV on the line from (1 eV, 1.5) to (3 eV, 1.7)
     assert!((index - 1.610_392_836).abs() < 1e-6, "{index}");
     // the table is read back as it was written
-    let toml = imported.document.to_toml();
+    let toml = imported.document().to_toml();
     let (document, scene) = rayweave_scene::parse(&toml).unwrap_or_else(|problems| panic!("{problems}"));
-    assert_eq!(document.foreign("gdml"), imported.document.foreign("gdml"));
+    assert_eq!(document.foreign("gdml"), imported.document().foreign("gdml"));
     assert_eq!(scene.regions.len(), imported.scene.regions.len());
     let Datum::Table(table) = &document.foreign("gdml").unwrap().value.value else {
         panic!("no table");

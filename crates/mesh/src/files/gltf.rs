@@ -173,12 +173,14 @@ impl Scene<'_> {
         let nodes = list(root, "nodes");
         let scene = if root["scene"].is_null() { &json!(0) } else { &root["scene"] };
         let mut waiting: Vec<(Value, Affine)> = match list(root, "scenes") {
-            [] => roots(nodes).map(|k| (json!(k), Affine::IDENTITY)).collect(),
+            [] => roots(nodes).map(|k| (json!(k), Affine::IDENTITY)).collect::<Vec<_>>(),
             _ => {
                 let first = list(entry(root, "scenes", scene)?, "nodes");
                 first.iter().map(|k| (k.clone(), Affine::IDENTITY)).collect()
             }
         };
+        // in the order of the file
+        waiting.reverse();
         let mut visited = 0;
         while let Some((index, map)) = waiting.pop() {
             visited += 1;
@@ -189,9 +191,12 @@ impl Scene<'_> {
             let node = entry(root, "nodes", &index)?;
             let map = local(node)?.then(&map);
             if !node["mesh"].is_null() {
-                self.mesh(entry(root, "meshes", &node["mesh"])?, &map)?;
+                let mesh = entry(root, "meshes", &node["mesh"])?;
+                let name = node["name"].as_str().or(mesh["name"].as_str());
+                self.builder.start(name.unwrap_or_default());
+                self.mesh(mesh, &map)?;
             }
-            waiting.extend(list(node, "children").iter().map(|child| (child.clone(), map)));
+            waiting.extend(list(node, "children").iter().rev().map(|child| (child.clone(), map)));
         }
         Ok(())
     }
@@ -321,50 +326,71 @@ fn rotation([x, y, z, w]: [f64; 4]) -> Mat3 {
     )
 }
 
-/// One mesh in one binary buffer: coordinates as `f32`, then corners as `u32`.
-fn document(mesh: &Mesh, uri: Option<String>) -> Value {
-    let (points, corners) = (12 * mesh.vertices().len(), 12 * mesh.triangles().len());
+/// The meshes in one binary buffer, each with its coordinates as `f32`, then its corners as `u32`.
+fn document(parts: &[(&str, &Mesh)], uri: Option<String>) -> Value {
+    let (mut nodes, mut meshes, mut views, mut accessors) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut length = 0;
+    for (k, (name, mesh)) in parts.iter().enumerate() {
+        let (points, corners) = (12 * mesh.vertices().len(), 12 * mesh.triangles().len());
+        let mut node = json!({ "mesh": k });
+        if !name.is_empty() {
+            node["name"] = (*name).into();
+        }
+        nodes.push(node);
+        let attributes = json!({ "POSITION": 2 * k });
+        meshes.push(json!({ "primitives": [{ "attributes": attributes, "indices": 2 * k + 1, "mode": 4 }] }));
+        views.push(json!({ "buffer": 0, "byteOffset": length, "byteLength": points, "target": 34962 }));
+        views.push(
+            json!({ "buffer": 0, "byteOffset": length + points, "byteLength": corners, "target": 34963 }),
+        );
+        accessors.extend(described(mesh, 2 * k));
+        length += points + corners;
+    }
+    let mut buffer = json!({ "byteLength": length });
+    if let Some(uri) = uri {
+        buffer["uri"] = uri.into();
+    }
+    let scene = json!({ "nodes": (0..parts.len()).collect::<Vec<_>>() });
+    json!({
+        "asset": { "version": "2.0", "generator": "rayweave" },
+        "scene": 0, "scenes": [scene], "nodes": nodes, "meshes": meshes,
+        "buffers": [buffer], "bufferViews": views, "accessors": accessors,
+    })
+}
+
+/// The accessors of a mesh: its points in a view, its corners in the next.
+fn described(mesh: &Mesh, view: usize) -> [Value; 2] {
     let single = |p: Vec3| p.to_array().map(|x| f64::from(x as f32));
     let bounds = mesh
         .vertices()
         .iter()
         .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
-    let mut buffer = json!({ "byteLength": points + corners });
-    if let Some(uri) = uri {
-        buffer["uri"] = uri.into();
+    [
+        json!({ "bufferView": view, "componentType": FLOAT, "count": mesh.vertices().len(), "type": "VEC3",
+                "min": single(bounds.0), "max": single(bounds.1) }),
+        json!({ "bufferView": view + 1, "componentType": UNSIGNED_INT, "count": 3 * mesh.triangles().len(), "type": "SCALAR" }),
+    ]
+}
+
+fn buffer(parts: &[(&str, &Mesh)]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for (_, mesh) in parts {
+        bytes
+            .extend(mesh.vertices().iter().flat_map(|p| p.to_array()).flat_map(|x| (x as f32).to_le_bytes()));
+        bytes.extend(mesh.triangles().iter().flatten().flat_map(|corner| corner.to_le_bytes()));
     }
-    json!({
-        "asset": { "version": "2.0", "generator": "rayweave" },
-        "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "mode": 4 }] }],
-        "buffers": [buffer],
-        "bufferViews": [
-            { "buffer": 0, "byteOffset": 0, "byteLength": points, "target": 34962 },
-            { "buffer": 0, "byteOffset": points, "byteLength": corners, "target": 34963 },
-        ],
-        "accessors": [
-            { "bufferView": 0, "componentType": FLOAT, "count": mesh.vertices().len(), "type": "VEC3",
-              "min": single(bounds.0), "max": single(bounds.1) },
-            { "bufferView": 1, "componentType": UNSIGNED_INT, "count": 3 * mesh.triangles().len(), "type": "SCALAR" },
-        ],
-    })
+    bytes
 }
 
-fn buffer(mesh: &Mesh) -> Vec<u8> {
-    let points = mesh.vertices().iter().flat_map(|p| p.to_array()).flat_map(|x| (x as f32).to_le_bytes());
-    let corners = mesh.triangles().iter().flatten().flat_map(|corner| corner.to_le_bytes());
-    points.chain(corners).collect()
+pub fn write_text(parts: &[(&str, &Mesh)], to: &mut impl Write) -> io::Result<()> {
+    let uri = format!("data:application/octet-stream;base64,{}", to_base64(&buffer(parts)));
+    write!(to, "{}", document(parts, Some(uri)))
 }
 
-pub fn write_text(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
-    let uri = format!("data:application/octet-stream;base64,{}", to_base64(&buffer(mesh)));
-    write!(to, "{}", document(mesh, Some(uri)))
-}
-
-pub fn write_binary(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
-    let mut text = document(mesh, None).to_string().into_bytes();
+pub fn write_binary(parts: &[(&str, &Mesh)], to: &mut impl Write) -> io::Result<()> {
+    let mut text = document(parts, None).to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
-    let binary = buffer(mesh);
+    let binary = buffer(parts);
     let length = 12 + 8 + text.len() + 8 + binary.len();
     let length = u32::try_from(length).map_err(|_| io::Error::other("a mesh too large for GLB"))?;
     to.write_all(MAGIC)?;

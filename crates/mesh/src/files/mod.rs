@@ -7,11 +7,11 @@
 //! | format | read | written | unit |
 //! | --- | --- | --- | --- |
 //! | STL | text and binary | binary (coordinates as `f32`) or text | none |
-//! | OBJ | vertices and faces of all groups | vertices and triangles | none |
+//! | OBJ | vertices and faces of all groups | vertices and triangles, by objects | none |
 //! | PLY | text, binary of both byte orders | binary, `f64`, or text | none |
 //! | OFF | `OFF`, `COFF`, `NOFF`, `STOFF` and their mixtures | text | none |
-//! | 3MF | the objects of the build, with components | one object | the file's; written in mm |
-//! | glTF, GLB | the scene's triangles, under the maps of its nodes | one mesh (coordinates as `f32`) | m |
+//! | 3MF | the objects of the build, with components | objects | the file's; written in mm |
+//! | glTF, GLB | the scene's triangles, under the maps of its nodes | a node for each mesh (coordinates as `f32`) | m |
 
 mod error;
 mod gltf;
@@ -24,11 +24,13 @@ mod words;
 
 pub use error::{FileError, Place};
 
-use crate::mesh::Welder;
+use crate::mesh::{Welder, check_count};
 use crate::{Mesh, MeshError};
 use rayweave_math::Vec3;
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Cursor, Seek, Write};
+use std::ops::Range;
 use std::path::Path;
 
 /// A format of files of meshes.
@@ -109,6 +111,31 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// The unit of length, if the format has one: "mm", "m", "inch" and so on.
     pub unit: Option<String>,
+    /// The objects that the file tells apart, in its order; empty if it tells none.
+    pub parts: Vec<Part>,
+}
+
+/// An object of a file: some of its triangles.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Part {
+    /// Its name, which may be empty or that of another part.
+    pub name: String,
+    /// Its triangles, by their numbers in the mesh.
+    pub triangles: Range<usize>,
+}
+
+impl Loaded {
+    /// One of the parts as a mesh of its own; points that it does not use are left out.
+    pub fn part(&self, part: &Part) -> Mesh {
+        self.mesh.portion(part.triangles.clone())
+    }
+}
+
+/// The parts that begin at these triangles, those without a triangle left out.
+fn parts(starts: Vec<(String, usize)>, count: usize) -> Vec<Part> {
+    let ends: Vec<usize> = starts.iter().skip(1).map(|(_, start)| *start).chain([count]).collect();
+    let part = |((name, start), end): ((String, usize), usize)| Part { name, triangles: start..end };
+    starts.into_iter().zip(ends).map(part).filter(|part| !part.triangles.is_empty()).collect()
 }
 
 /// Reads the file at a path; without a format, by the ending of its name.
@@ -167,19 +194,55 @@ pub fn write(
     mesh: &Mesh,
     format: MeshFormat,
     options: WriteOptions,
+    to: impl Write,
+) -> Result<(), FileError> {
+    write_parts(&[("", mesh)], format, options, to)
+}
+
+/// Writes named meshes as the objects of one file: [`Loaded::parts`] tells them apart again, but for PLY, OFF and binary
+/// STL, which know no objects and hold all triangles together.
+///
+/// # Errors
+/// [`MeshError::TooMany`] as a [`FileError`], or those of the writer.
+pub fn write_parts(
+    parts: &[(&str, &Mesh)],
+    format: MeshFormat,
+    options: WriteOptions,
     mut to: impl Write,
 ) -> Result<(), FileError> {
     match format {
-        MeshFormat::Stl if options.text => stl::write_text(mesh, &mut to)?,
-        MeshFormat::Stl => stl::write_binary(mesh, &mut to)?,
-        MeshFormat::Obj => obj::write(mesh, &mut to)?,
-        MeshFormat::Ply => ply::write(mesh, options, &mut to)?,
-        MeshFormat::Off => off::write(mesh, &mut to)?,
-        MeshFormat::ThreeMf => threemf::write(mesh, &mut to)?,
-        MeshFormat::Gltf => gltf::write_text(mesh, &mut to)?,
-        MeshFormat::Glb => gltf::write_binary(mesh, &mut to)?,
+        MeshFormat::Stl if options.text => stl::write_text(parts, &mut to)?,
+        MeshFormat::Stl => stl::write_binary(joined(parts)?.as_ref(), &mut to)?,
+        MeshFormat::Obj => obj::write(parts, &mut to)?,
+        MeshFormat::Ply => ply::write(joined(parts)?.as_ref(), options, &mut to)?,
+        MeshFormat::Off => off::write(joined(parts)?.as_ref(), &mut to)?,
+        MeshFormat::ThreeMf => threemf::write(parts, &mut to)?,
+        MeshFormat::Gltf => gltf::write_text(parts, &mut to)?,
+        MeshFormat::Glb => gltf::write_binary(parts, &mut to)?,
     }
     Ok(to.flush()?)
+}
+
+/// All points and triangles, one mesh after the other.
+fn joined<'a>(parts: &[(&str, &'a Mesh)]) -> Result<Cow<'a, Mesh>, FileError> {
+    if let [(_, mesh)] = parts {
+        return Ok(Cow::Borrowed(mesh));
+    }
+    let error = |error| FileError::Mesh { place: Place::Byte(0), error };
+    let count: usize = parts.iter().map(|(_, mesh)| mesh.vertices().len()).sum();
+    check_count("vertices", count as u64).map_err(error)?;
+    let (mut vertices, mut triangles) = (Vec::with_capacity(count), Vec::new());
+    for (_, mesh) in parts {
+        let first = vertices.len() as u32;
+        vertices.extend_from_slice(mesh.vertices());
+        triangles.extend(mesh.triangles().iter().map(|corners| corners.map(|corner| corner + first)));
+    }
+    Ok(Cow::Owned(Mesh::new(vertices, triangles).map_err(error)?))
+}
+
+/// A name without line ends and other control characters, which no format of text can hold.
+fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// Writes a mesh to a file, by the ending of its name if no format is given: beside it first, renamed when complete.
@@ -215,11 +278,20 @@ struct Builder<'a> {
     /// Faces with more than three corners that do not lie in a plane.
     bent: usize,
     warnings: Vec<String>,
+    /// The names of objects, and their first triangles.
+    starts: Vec<(String, usize)>,
 }
 
 impl<'a> Builder<'a> {
     fn new(options: &'a ReadOptions) -> Builder<'a> {
-        Builder { options, vertices: Vec::new(), triangles: Vec::new(), bent: 0, warnings: Vec::new() }
+        Builder {
+            options,
+            vertices: Vec::new(),
+            triangles: Vec::new(),
+            bent: 0,
+            warnings: Vec::new(),
+            starts: Vec::new(),
+        }
     }
 
     fn vertex(&mut self, point: Vec3, place: Place) -> Result<(), FileError> {
@@ -253,7 +325,13 @@ impl<'a> Builder<'a> {
         within(self.options, "triangles", self.triangles.len() as u64, place)
     }
 
+    /// An object begins.
+    fn start(&mut self, name: &str) {
+        self.starts.push((name.trim().to_owned(), self.triangles.len()));
+    }
+
     fn finish(mut self, place: Place) -> Result<Loaded, FileError> {
+        let parts = parts(std::mem::take(&mut self.starts), self.triangles.len());
         if self.bent > 0 {
             let bent = self.bent;
             self.warnings.push(format!(
@@ -262,7 +340,7 @@ impl<'a> Builder<'a> {
         }
         let mesh =
             Mesh::new(self.vertices, self.triangles).map_err(|error| FileError::Mesh { place, error })?;
-        Ok(Loaded { mesh, warnings: self.warnings, unit: None })
+        Ok(Loaded { mesh, warnings: self.warnings, unit: None, parts })
     }
 }
 
@@ -288,10 +366,16 @@ impl Soup {
         self.triangles.push(triangle);
     }
 
-    fn finish(self, warnings: Vec<String>, place: Place) -> Result<Loaded, FileError> {
+    fn finish(
+        self,
+        warnings: Vec<String>,
+        starts: Vec<(String, usize)>,
+        place: Place,
+    ) -> Result<Loaded, FileError> {
+        let parts = parts(starts, self.triangles.len());
         let mesh = Mesh::new(self.welder.vertices, self.triangles)
             .map_err(|error| FileError::Mesh { place, error })?;
-        Ok(Loaded { mesh, warnings, unit: None })
+        Ok(Loaded { mesh, warnings, unit: None, parts })
     }
 }
 

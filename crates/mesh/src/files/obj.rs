@@ -2,7 +2,8 @@
 //!
 //! *Source*: Alias|Wavefront, "Advanced Visualizer Manual", appendix B1 (1995). Read are `v`, with what follows the three
 //! coordinates left out, and `f`, with negative (relative) numbers of vertices, and those of textures and normals left out.
-//! Curves and surfaces are counted and left out; groups, materials and the like say nothing about the solid.
+//! Curves and surfaces are counted and left out. Objects (`o`), or groups (`g`) where there is none, are its parts;
+//! materials and the like say nothing about the solid.
 
 use super::words::{Words, short};
 use super::{Builder, FileError, Loaded, ReadOptions, write_point};
@@ -15,6 +16,7 @@ const SHAPES: [&str; 9] = ["l", "p", "curv", "curv2", "surf", "fo", "bzp", "cdc"
 pub fn read(from: impl BufRead, options: &ReadOptions) -> Result<Loaded, FileError> {
     let mut words = Words::new(from, Some('#'));
     let (mut builder, mut left_out, mut corners) = (Builder::new(options), 0, Vec::new());
+    let mut groups = Vec::new();
     while words.next_line()? {
         match words.word_here().map(str::to_owned).as_deref() {
             Some("v") => {
@@ -25,6 +27,8 @@ pub fn read(from: impl BufRead, options: &ReadOptions) -> Result<Loaded, FileErr
                 face_corners(&mut words, builder.vertices.len(), &mut corners)?;
                 builder.face(&corners, words.place())?;
             }
+            Some("o") => builder.start(words.rest()),
+            Some("g") => groups.push((words.rest().to_owned(), builder.triangles.len())),
             Some(word) if SHAPES.contains(&word) => left_out += 1,
             Some(word) if word.starts_with(|c: char| c.is_ascii_alphabetic()) => {}
             None => {}
@@ -36,6 +40,10 @@ pub fn read(from: impl BufRead, options: &ReadOptions) -> Result<Loaded, FileErr
     }
     if left_out > 0 {
         builder.warnings.push(format!("{left_out} points, lines, curves and curved surfaces were left out"));
+    }
+    // groups tell objects apart only where nothing else does
+    if builder.starts.is_empty() {
+        builder.starts = groups;
     }
     let place = words.place();
     builder.finish(place)
@@ -74,14 +82,21 @@ fn vertex_number(word: &str, count: usize) -> Option<u64> {
     }
 }
 
-pub fn write(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+pub fn write(parts: &[(&str, &Mesh)], to: &mut impl Write) -> io::Result<()> {
     writeln!(to, "# rayweave")?;
-    for &point in mesh.vertices() {
-        write_point(to, "v ", point)?;
-    }
-    for corners in mesh.triangles() {
-        let [a, b, c] = corners.map(|vertex| vertex + 1);
-        writeln!(to, "f {a} {b} {c}")?;
+    let mut first = 1;
+    for (name, mesh) in parts {
+        if !name.is_empty() {
+            writeln!(to, "o {}", super::plain(name))?;
+        }
+        for &point in mesh.vertices() {
+            write_point(to, "v ", point)?;
+        }
+        for corners in mesh.triangles() {
+            let [a, b, c] = corners.map(|vertex| vertex as usize + first);
+            writeln!(to, "f {a} {b} {c}")?;
+        }
+        first += mesh.vertices().len();
     }
     Ok(())
 }

@@ -48,7 +48,7 @@ fn read_binary(
         soup.add(corners(&record, place)?);
     }
     let more = (length > needed).then(|| format!("{} bytes after the last triangle", length - needed));
-    soup.finish(more.into_iter().collect(), Place::Byte(HEADER))
+    soup.finish(more.into_iter().collect(), Vec::new(), Place::Byte(HEADER))
 }
 
 /// The corners in a record: three numbers of the normal, nine of the corners, two bytes for anything.
@@ -69,13 +69,13 @@ fn corners(record: &[u8; RECORD as usize], place: Place) -> Result<[Vec3; 3], Fi
 
 fn read_text(from: impl BufRead, options: &ReadOptions) -> Result<Loaded, FileError> {
     let mut words = Words::new(from, None);
-    let (mut soup, mut solids, mut is_open) = (Soup::default(), 0, false);
+    let (mut soup, mut solids, mut is_open) = (Soup::default(), Vec::new(), false);
     // the name of a solid is the rest of its line, and may be anything
     while let Some(word) = words.word()? {
         match word.to_ascii_lowercase().as_str() {
             "solid" => {
+                solids.push((words.rest().to_owned(), soup.triangles.len()));
                 words.next_line()?;
-                solids += 1;
                 is_open = true;
             }
             "endsolid" => {
@@ -94,8 +94,7 @@ fn read_text(from: impl BufRead, options: &ReadOptions) -> Result<Loaded, FileEr
     if is_open {
         return Err(FileError::ends(words.place(), "`endsolid`"));
     }
-    let warnings = (solids > 1).then(|| format!("{solids} solids (read as one mesh)")).into_iter().collect();
-    soup.finish(warnings, words.place())
+    soup.finish(Vec::new(), solids, words.place())
 }
 
 fn facet(words: &mut Words<impl BufRead>) -> Result<[Vec3; 3], FileError> {
@@ -139,8 +138,16 @@ fn normal(corners: [Vec3; 3]) -> Vec3 {
     if normal.is_finite() { normal } else { Vec3::ZERO }
 }
 
-pub fn write_text(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
-    writeln!(to, "solid rayweave")?;
+pub fn write_text(parts: &[(&str, &Mesh)], to: &mut impl Write) -> io::Result<()> {
+    for (name, mesh) in parts {
+        let name = if name.is_empty() { "rayweave".to_owned() } else { super::plain(name) };
+        write_solid(&name, mesh, to)?;
+    }
+    Ok(())
+}
+
+fn write_solid(name: &str, mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+    writeln!(to, "solid {name}")?;
     for k in 0..mesh.triangles().len() {
         let corners = mesh.corners(k);
         write_point(to, "facet normal ", normal(corners))?;
@@ -150,5 +157,5 @@ pub fn write_text(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
         }
         writeln!(to, "endloop\nendfacet")?;
     }
-    writeln!(to, "endsolid rayweave")
+    writeln!(to, "endsolid {name}")
 }

@@ -5,7 +5,7 @@
 //! components; materials, slices and the like say nothing about the solid. Objects in parts of their own (production extension)
 //! are refused.
 
-use super::{FileError, Loaded, Place, ReadOptions, within};
+use super::{FileError, Loaded, Place, ReadOptions, parts, within};
 use crate::mesh::check_count;
 use crate::{Mesh, MeshError};
 use quick_xml::Reader;
@@ -24,6 +24,7 @@ const MOST_PLACED: usize = 1 << 20;
 /// What stands under one number.
 #[derive(Default)]
 struct Object {
+    name: String,
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     components: Vec<(String, Affine)>,
@@ -41,8 +42,17 @@ pub fn read(from: impl BufRead + Seek, options: &ReadOptions) -> Result<Loaded, 
     let name = model_name(&mut archive)?;
     let part = archive.by_name(&name).map_err(damaged)?;
     let model = parse(BufReader::new(part.take(MOST_BYTES)), options)?;
-    let mesh = placed(&model, options)?;
-    Ok(Loaded { mesh, warnings: Vec::new(), unit: Some(short_unit(&model.unit).to_owned()) })
+    let (mut mesh, mut starts) = (Scattered::default(), Vec::new());
+    for (id, map) in &model.build {
+        let name = model.objects.get(id).map_or("", |object| &object.name);
+        starts.push((name.to_owned(), mesh.triangles.len()));
+        placed(&model, (id, *map), options, &mut mesh)?;
+    }
+    let parts = parts(starts, mesh.triangles.len());
+    let unit = Some(short_unit(&model.unit).to_owned());
+    let error = |error| FileError::Mesh { place: Place::Byte(0), error };
+    let mesh = Mesh::new(mesh.vertices, mesh.triangles).map_err(error)?;
+    Ok(Loaded { mesh, warnings: Vec::new(), unit, parts })
 }
 
 fn damaged(error: zip::result::ZipError) -> FileError {
@@ -130,7 +140,10 @@ fn element(
         "model" => model.unit = attribute(e, "unit").unwrap_or_default(),
         "object" => {
             *open = needed("id")?;
-            model.objects.insert(open.clone(), Object::default());
+            let name = attribute(e, "name").unwrap_or_default();
+            // a name that is no proper text is as good as another
+            let name = quick_xml::escape::unescape(&name).map(|name| name.into_owned()).unwrap_or(name);
+            model.objects.insert(open.clone(), Object { name, ..Object::default() });
         }
         "vertex" => {
             let point = Vec3::new(number("x")?, number("y")?, number("z")?);
@@ -174,16 +187,29 @@ fn map(text: Option<String>, place: Place) -> Result<Affine, FileError> {
     }
 }
 
-/// What the build names, in place.
-fn placed(model: &Model, options: &ReadOptions) -> Result<Mesh, FileError> {
+/// Points and triangles that are being put in place.
+#[derive(Default)]
+struct Scattered {
+    vertices: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    /// How many objects and components have been placed.
+    count: usize,
+}
+
+/// Adds an object that the build names, in place.
+fn placed(
+    model: &Model,
+    item: (&str, Affine),
+    options: &ReadOptions,
+    to: &mut Scattered,
+) -> Result<(), FileError> {
     let place = Place::Byte(0);
-    let (mut vertices, mut triangles, mut count) = (Vec::new(), Vec::new(), 0);
-    let mut waiting: Vec<(&str, Affine)> =
-        model.build.iter().rev().map(|(id, map)| (id.as_str(), *map)).collect();
+    let Scattered { vertices, triangles, count } = to;
+    let mut waiting = vec![item];
     while let Some((id, map)) = waiting.pop() {
-        count += 1;
+        *count += 1;
         let object = model.objects.get(id).ok_or_else(|| bad(place, format!("there is no object {id}")))?;
-        if count > MOST_PLACED {
+        if *count > MOST_PLACED {
             return Err(bad(place, format!("more than {MOST_PLACED} objects (do they hold each other?)")));
         }
         let first = vertices.len() as u64;
@@ -205,7 +231,7 @@ fn placed(model: &Model, options: &ReadOptions) -> Result<Mesh, FileError> {
         }
         waiting.extend(object.components.iter().rev().map(|(id, inner)| (id.as_str(), inner.then(&map))));
     }
-    Mesh::new(vertices, triangles).map_err(|error| FileError::Mesh { place, error })
+    Ok(())
 }
 
 fn short_unit(unit: &str) -> &str {
@@ -225,7 +251,7 @@ const RELATIONS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
 
 /// Writes an archive, in millimetres.
-pub fn write(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+pub fn write(parts: &[(&str, &Mesh)], to: &mut impl Write) -> io::Result<()> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     // the same bytes whenever it is written
     let options = SimpleFileOptions::default();
@@ -234,17 +260,35 @@ pub fn write(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
         archive.write_all(text.as_bytes())?;
     }
     archive.start_file("3D/3dmodel.model", options)?;
-    write_model(mesh, &mut archive)?;
+    write_model(parts, &mut archive)?;
     to.write_all(archive.finish()?.get_ref())
 }
 
-fn write_model(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+fn write_model(parts: &[(&str, &Mesh)], to: &mut impl Write) -> io::Result<()> {
     writeln!(to, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
     writeln!(
         to,
         r#"<model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">"#
     )?;
-    writeln!(to, r#"<resources><object id="1" type="model"><mesh><vertices>"#)?;
+    writeln!(to, "<resources>")?;
+    for (number, (name, mesh)) in parts.iter().enumerate() {
+        let name = match name.is_empty() {
+            true => String::new(),
+            false => format!(r#" name="{}""#, quick_xml::escape::escape(super::plain(name))),
+        };
+        writeln!(to, r#"<object id="{}" type="model"{name}>"#, number + 1)?;
+        write_mesh(mesh, to)?;
+        writeln!(to, "</object>")?;
+    }
+    writeln!(to, "</resources><build>")?;
+    for number in 1..=parts.len() {
+        writeln!(to, r#"<item objectid="{number}"/>"#)?;
+    }
+    writeln!(to, "</build></model>")
+}
+
+fn write_mesh(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+    writeln!(to, "<mesh><vertices>")?;
     for p in mesh.vertices() {
         writeln!(to, r#"<vertex x="{:?}" y="{:?}" z="{:?}"/>"#, p.x, p.y, p.z)?;
     }
@@ -252,5 +296,5 @@ fn write_model(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
     for [a, b, c] in mesh.triangles() {
         writeln!(to, r#"<triangle v1="{a}" v2="{b}" v3="{c}"/>"#)?;
     }
-    writeln!(to, r#"</triangles></mesh></object></resources><build><item objectid="1"/></build></model>"#)
+    writeln!(to, "</triangles></mesh>")
 }

@@ -99,7 +99,7 @@ fn beside(context: &Context, file: &Spanned<String>) -> PathBuf {
 }
 
 /// An error of the operating system in words that do not differ between systems.
-pub(crate) fn reason(error: &std::io::Error) -> String {
+pub fn reason(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
         std::io::ErrorKind::PermissionDenied => "reading it is not permitted".to_owned(),

@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::document::Document;
 use crate::scene::Scene;
 use crate::source::Span;
-pub(crate) use files::reason;
+pub use files::reason;
 pub(crate) use numbers::Numbers;
 pub(crate) use solids::product;
 use std::collections::HashSet;

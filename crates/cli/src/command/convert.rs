@@ -1,0 +1,68 @@
+//! `rayweave convert`: a model in another format.
+
+use crate::arguments::{Cli, ModelArguments};
+use crate::failure::Failure;
+use crate::terminal;
+use clap::Args;
+use rayweave::formats::{self, Format, WriteOptions};
+use std::path::{Path, PathBuf};
+
+/// Write a model in another format: native, OpenSCAD, GDML, or a mesh
+///
+/// Shapes that the format has are written exactly, others as triangles within a tolerance. What was approximated, dropped or said
+/// in another way is told on standard error, and what was lost when the model was read.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  rayweave convert part.csg part.toml
+  rayweave convert lens.toml lens.gdml
+  rayweave convert lens.toml lens.3mf --tolerance 0.001")]
+pub struct Convert {
+    #[command(flatten)]
+    model: ModelArguments,
+
+    /// The file to write; - is standard output
+    #[arg(value_name = "OUT")]
+    out: PathBuf,
+
+    /// Write this format [default: what the name of OUT says]
+    #[arg(long, value_name = "NAME", value_parser = Format::NAMES)]
+    to: Option<String>,
+
+    /// The greatest distance between a curved face and the triangles that stand for it, in the unit of the model [default: a
+    /// thousandth of the model's diagonal]
+    #[arg(long, value_name = "LENGTH")]
+    tolerance: Option<f64>,
+
+    /// Write STL and PLY as text instead of binary; STL then tells regions apart
+    #[arg(long)]
+    text: bool,
+}
+
+impl Convert {
+    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+        let format = self.format()?;
+        let imported = self.model.import()?;
+        let options = WriteOptions { tolerance: self.tolerance, text: self.text };
+        let written = formats::write(&imported.scene, imported.stated.as_ref(), format, &options);
+        let written = written.map_err(rayweave::Error::from)?;
+        if !cli.quiet {
+            written.remarks.iter().for_each(|remark| terminal::note(&remark.to_string()));
+        }
+        terminal::save(&self.out, &written.bytes)
+    }
+
+    fn format(&self) -> Result<Format, Failure> {
+        if let Some(format) = self.to.as_deref().and_then(Format::from_name) {
+            return Ok(format);
+        }
+        let unknown = || {
+            let known = Format::NAMES.join(", ");
+            Failure::Usage(format!("{}: unknown format (--to says it: {known})", self.out.display()))
+        };
+        match self.out == Path::new("-") {
+            true => Err(unknown()),
+            false => Format::from_path(&self.out).ok_or_else(unknown),
+        }
+    }
+}

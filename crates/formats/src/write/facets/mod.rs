@@ -1,0 +1,133 @@
+//! One shape as triangles within a tolerance, or as a convex polytope where it is plane.
+//!
+//! Corners lie on the surface. Along a circle of radius r the chord between corners n to the turn is r (1 - cos(pi / n)) from
+//! it; where two curves cross, each has half of the tolerance, for then the circle around a triangle is r (1 - cos a cos b) deep
+//! at most, with half angles a and b. The turn begins at +x and n is a multiple of 4, so that equal cylinders and spheres about
+//! one centre have the same facets, and boxes around them keep their size.
+
+mod polytope;
+mod revolved;
+mod sag;
+mod sections;
+
+pub(super) use polytope::planes_of;
+
+use super::kernel::Body;
+use rayweave_math::{Affine, Bounds, Vec3};
+use rayweave_shape::primitive::{Lowered, Primitive, Value};
+use rayweave_shape::surface::Surface;
+pub(super) use revolved::circle_count;
+use revolved::{Profile, revolved};
+
+/// The most corners around a circle.
+pub(super) const MOST_AROUND: usize = 20_000;
+
+/// What a shape is made of triangles from.
+pub(super) struct Request<'a> {
+    pub shape: &'a Primitive,
+    pub place: &'a Affine,
+    /// The box that holds the whole model, in the frame of the model.
+    pub clip: &'a Bounds,
+    pub tolerance: f64,
+}
+
+impl Request<'_> {
+    /// The box in the frame of the shape.
+    pub fn local_clip(&self) -> Option<Bounds> {
+        Some(self.clip.transformed(&self.place.inverse().ok()?))
+    }
+
+    /// The tolerance in the frame of the shape.
+    pub fn local_tolerance(&self) -> f64 {
+        // the Frobenius norm of a similarity is the square root of 3 times its factor
+        self.tolerance / self.place.similarity().unwrap_or(self.place.stretch())
+    }
+}
+
+/// The number that a shape has for a parameter.
+pub(super) fn number(shape: &Primitive, name: &str) -> Option<f64> {
+    shape.arguments().into_iter().find_map(|(own, value)| match value {
+        Value::Number(number) if own == name => Some(number),
+        _ => None,
+    })
+}
+
+/// The shape as a body of triangles; `None` if nothing of it is in the box.
+pub(super) fn body(request: &Request) -> Result<Option<Body>, String> {
+    let Some(clip) = request.local_clip() else {
+        return Ok(None);
+    };
+    let made = local(request.shape, &clip, request.local_tolerance())?;
+    Ok(made.map(|body| body.placed(request.place)))
+}
+
+fn local(shape: &Primitive, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
+    if let Primitive::Mesh(mesh) = shape {
+        return Body::from_polyhedron(mesh.solid()).map(Some);
+    }
+    let lowered = shape.lower();
+    if lowered.bounds.intersection(clip).is_empty() {
+        return Ok(None);
+    }
+    if let Some(planes) = planes_of(&lowered) {
+        return polytope::body(&planes, lowered.complement, clip);
+    }
+    let Some(profile) = profile(shape, clip, tolerance)? else {
+        return curved(shape, &lowered, clip, tolerance);
+    };
+    let n = circle_count(profile.reach(), tolerance / if profile.is_bent { 2.0 } else { 1.0 })?;
+    revolved(&profile, n, Vec3::ONE).map(Some)
+}
+
+/// The outline of a shape of revolution, beside the z axis; `None` if it is of another kind.
+fn profile(shape: &Primitive, clip: &Bounds, tolerance: f64) -> Result<Option<Profile>, String> {
+    let number = |name: &str| number(shape, name).unwrap_or(0.0);
+    let half =
+        |height: f64| if height.is_finite() { [-0.5 * height, 0.5 * height] } else { [clip.lo.z, clip.hi.z] };
+    Ok(Some(match shape {
+        Primitive::Sphere(_) => Profile::arc([0.0, 0.0], number("radius"), [-90.0, 90.0], tolerance)?,
+        Primitive::Cylinder(_) => Profile::column(number("radius"), half(number("height"))),
+        Primitive::Tube(_) => {
+            Profile::ring([number("inner_radius"), number("outer_radius")], half(number("height")))
+        }
+        Primitive::Cone(_) => {
+            Profile::frustum([number("radius1"), number("radius2")], half(number("height")))
+        }
+        Primitive::Torus(_) => Profile::torus(number("major"), number("minor"), tolerance)?,
+        _ => return Ok(None),
+    }))
+}
+
+/// Shapes with other curved faces.
+fn curved(
+    shape: &Primitive,
+    lowered: &Lowered,
+    clip: &Bounds,
+    tolerance: f64,
+) -> Result<Option<Body>, String> {
+    match lowered.facets.first().map(|facet| &facet.surface) {
+        Some(Surface::Quadric(quadric)) => {
+            let cap = lowered.facets.get(1).and_then(|facet| match &facet.surface {
+                Surface::Plane(plane) => Some((plane.normal, plane.offset)),
+                _ => None,
+            });
+            let whole = sections::quadric(quadric, clip, tolerance)?;
+            match (whole, cap) {
+                (Some(whole), Some(plane)) => match polytope::body(&[plane], false, clip)? {
+                    Some(below) => whole.common(&below),
+                    None => Ok(None),
+                },
+                (whole, _) => Ok(whole),
+            }
+        }
+        Some(Surface::Sphere(sphere)) => {
+            let profile = Profile::arc([0.0, 0.0], sphere.radius, [-90.0, 90.0], tolerance)?;
+            let n = circle_count(sphere.radius, 0.5 * tolerance)?;
+            let body = revolved(&profile, n, Vec3::ONE)?;
+            Ok(Some(body.placed(&Affine::translate(sphere.centre))))
+        }
+        Some(surface @ Surface::Object(_)) => sag::body(surface, lowered, clip, tolerance),
+        Some(surface) => sections::implicit(surface, lowered, clip, tolerance),
+        None => Err(format!("there are no facets for the shape `{}`", shape.name())),
+    }
+}

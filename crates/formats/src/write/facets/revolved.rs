@@ -1,0 +1,125 @@
+//! Solids of revolution, from their outlines.
+
+use super::MOST_AROUND;
+use crate::write::kernel::Body;
+use rayweave_math::{Vec3, sin_cos_degrees};
+
+/// The outline of a solid of revolution around z: points (r, z) with the solid on the left on the way, from the axis to the
+/// axis or, with all radii greater than 0, around a ring.
+pub(super) struct Profile {
+    pub points: Vec<[f64; 2]>,
+    /// True if it stands for a curve, so that facets are bent in two directions.
+    pub is_bent: bool,
+}
+
+/// How many corners a circle has within a tolerance.
+pub(in crate::write) fn circle_count(radius: f64, tolerance: f64) -> Result<usize, String> {
+    if radius <= tolerance {
+        return Ok(4);
+    }
+    // 1 - cos x = 2 sin^2(x / 2), which keeps its digits
+    let half_angle = 2.0 * libm::asin(libm::sqrt(0.5 * tolerance / radius));
+    let quarters = libm::ceil(0.25 * std::f64::consts::PI / half_angle).max(2.0);
+    match quarters * 4.0 <= MOST_AROUND as f64 {
+        true => Ok(4 * quarters as usize),
+        false => Err(format!("more than {MOST_AROUND} corners around a circle")),
+    }
+}
+
+impl Profile {
+    /// A piece of a circle around (r, z), between two angles from the r axis, in degrees; ends on the axis are put there.
+    pub fn arc(centre: [f64; 2], radius: f64, degrees: [f64; 2], tolerance: f64) -> Result<Profile, String> {
+        let around = circle_count(radius, 0.5 * tolerance)?;
+        let [start, end] = degrees;
+        let count = libm::ceil(around as f64 * (end - start).abs() / 360.0).max(2.0) as usize;
+        let point = |k: usize| {
+            let (sin, cos) = sin_cos_degrees(start + (end - start) * k as f64 / count as f64);
+            [(centre[0] + radius * cos).max(0.0), centre[1] + radius * sin]
+        };
+        Ok(Profile { points: (0..=count).map(point).collect(), is_bent: true })
+    }
+
+    pub fn column(radius: f64, z: [f64; 2]) -> Profile {
+        Profile::frustum([radius; 2], z)
+    }
+
+    pub fn frustum(radii: [f64; 2], [lo, hi]: [f64; 2]) -> Profile {
+        let mut points = vec![[0.0, lo], [radii[0], lo], [radii[1], hi], [0.0, hi]];
+        points.dedup();
+        Profile { points, is_bent: false }
+    }
+
+    pub fn ring([inner, outer]: [f64; 2], [lo, hi]: [f64; 2]) -> Profile {
+        if inner <= 0.0 {
+            return Profile::column(outer, [lo, hi]);
+        }
+        Profile { points: vec![[inner, lo], [outer, lo], [outer, hi], [inner, hi]], is_bent: false }
+    }
+
+    /// A ring, or where the tube reaches the axis its outer skin.
+    pub fn torus(major: f64, minor: f64, tolerance: f64) -> Result<Profile, String> {
+        if major > minor {
+            let mut ring = Profile::arc([major, 0.0], minor, [0.0, 360.0], tolerance)?;
+            ring.points.pop();
+            return Ok(ring);
+        }
+        // where the circle meets the axis
+        let end = libm::acos(-major / minor).to_degrees();
+        let mut skin = Profile::arc([major, 0.0], minor, [-end, end], tolerance)?;
+        let height = libm::sqrt((minor - major) * (minor + major));
+        let last = skin.points.len() - 1;
+        skin.points[0] = [0.0, -height];
+        skin.points[last] = [0.0, height];
+        Ok(skin)
+    }
+
+    /// The greatest radius.
+    pub fn reach(&self) -> f64 {
+        self.points.iter().map(|point| point[0]).fold(0.0, f64::max)
+    }
+}
+
+/// The body of an outline turned in n steps, then scaled along the axes.
+pub(super) fn revolved(profile: &Profile, n: usize, scale: Vec3) -> Result<Body, String> {
+    let turns: Vec<(f64, f64)> = (0..n).map(|k| sin_cos_degrees(360.0 * k as f64 / n as f64)).collect();
+    let ring = |[r, z]: [f64; 2]| match r > 0.0 {
+        true => turns.iter().map(|(sin, cos)| scale * Vec3::new(r * cos, r * sin, z)).collect(),
+        false => vec![scale * Vec3::new(0.0, 0.0, z)],
+    };
+    let is_ring = profile.points.iter().all(|point| point[0] > 0.0);
+    stacked(profile.points.iter().map(|point| ring(*point)).collect(), is_ring)
+}
+
+/// The body between rings of points, each of n points or of one, from the bottom up; the last is joined to the first, or both
+/// are points.
+pub(super) fn stacked(rings: Vec<Vec<Vec3>>, is_ring: bool) -> Result<Body, String> {
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    let starts: Vec<u32> = rings
+        .iter()
+        .scan(0, |next, ring| {
+            let start = *next;
+            *next += ring.len() as u32;
+            Some(start)
+        })
+        .collect();
+    let pairs = rings.len() - usize::from(!is_ring);
+    for k in 0..pairs {
+        let next = (k + 1) % rings.len();
+        between([starts[k], starts[next]], [rings[k].len() as u32, rings[next].len() as u32], &mut triangles);
+    }
+    Body::from_triangles(rings.into_iter().flatten().collect(), triangles)
+}
+
+/// Triangles between a ring and the next, seen from outside counter-clockwise.
+fn between([lower, upper]: [u32; 2], [m, n]: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
+    for k in 0..m.max(n) {
+        let [a, b] = [lower + k % m, lower + (k + 1) % m];
+        let [c, d] = [upper + k % n, upper + (k + 1) % n];
+        if m > 1 {
+            triangles.push([a, b, d]);
+        }
+        if n > 1 {
+            triangles.push([a, d, c]);
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Surfaces of degree two by their elliptic sections, and others from a grid.
+
+use super::polytope;
+use super::revolved::{Profile, circle_count, revolved};
+use crate::write::kernel::Body;
+use rayweave_math::{Affine, Bounds, Mat3, Vec3};
+use rayweave_shape::primitive::Lowered;
+use rayweave_shape::surface::{Quadric, Surface};
+
+/// A point of an outline: its parameter and what it is there.
+type Sample = (f64, [f64; 2]);
+
+/// How often a piece of an outline is halved.
+const MOST_HALVINGS: u32 = 20;
+
+/// How fine a grid may become: cells along the diagonal of the box.
+const FINEST: f64 = 300.0;
+
+/// `a x^2 + b y^2 < g(z)` with a, b > 0 and g of degree two, about an origin along three axes.
+struct Elliptic {
+    origin: Vec3,
+    axes: [Vec3; 3],
+    a: f64,
+    b: f64,
+    /// g = g[0] + g[1] z + g[2] z^2.
+    g: [f64; 3],
+    /// The solid is where this does not hold.
+    is_outside: bool,
+}
+
+/// The inside of a quadric in a box.
+pub(super) fn quadric(of: &Quadric, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
+    match elliptic(of) {
+        Some(form) => form.body(clip, tolerance),
+        None => {
+            let surface = Surface::Quadric(Box::new(*of));
+            let bounds = surface.inside_bounds();
+            implicit_in(&surface, &bounds.intersection(clip), tolerance)
+        }
+    }
+}
+
+/// The form, if two weights are of one sign.
+fn elliptic(of: &Quadric) -> Option<Elliptic> {
+    let weights = of.weights.to_array();
+    let (mut origin, mut constant) = (of.centre, of.constant);
+    let mut linear = of.axes.map(|axis| axis.dot(of.linear));
+    for k in 0..3 {
+        if weights[k] != 0.0 {
+            origin -= of.axes[k] * (linear[k] / (2.0 * weights[k]));
+            constant -= linear[k] * linear[k] / (4.0 * weights[k]);
+            linear[k] = 0.0;
+        }
+    }
+    let [i, j, m] =
+        [[0, 1, 2], [1, 2, 0], [2, 0, 1]].into_iter().find(|[i, j, _]| weights[*i] * weights[*j] > 0.0)?;
+    let sign = weights[i].signum();
+    Some(Elliptic {
+        origin,
+        axes: [of.axes[i], of.axes[j], of.axes[m]],
+        a: sign * weights[i],
+        b: sign * weights[j],
+        g: [-sign * constant, -sign * linear[m], -sign * weights[m]],
+        is_outside: sign < 0.0,
+    })
+}
+
+impl Elliptic {
+    fn value(&self, z: f64) -> f64 {
+        self.g[0] + z * (self.g[1] + z * self.g[2])
+    }
+
+    fn body(&self, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
+        let mut sum: Option<Body> = None;
+        for range in self.ranges(clip) {
+            let piece = self.piece(range, tolerance)?;
+            sum = match sum {
+                Some(sum) => sum.joined(&piece)?,
+                None => Some(piece),
+            };
+        }
+        match (self.is_outside, sum) {
+            (false, sum) => Ok(sum),
+            (true, Some(sum)) => Body::cuboid(clip).less(&sum),
+            (true, None) => Ok(Some(Body::cuboid(clip))),
+        }
+    }
+
+    /// Where there are sections, within the box.
+    fn ranges(&self, clip: &Bounds) -> Vec<[f64; 2]> {
+        let heights = clip.corners().map(|corner| (corner - self.origin).dot(self.axes[2]));
+        let lo = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let hi = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let roots = roots(self.g).into_iter().filter(|root| (lo..hi).contains(root));
+        let ends: Vec<f64> = std::iter::once(lo).chain(roots).chain([hi]).collect();
+        let has_sections = |pair: &&[f64]| pair[0] < pair[1] && self.value(0.5 * (pair[0] + pair[1])) > 0.0;
+        ends.windows(2).filter(has_sections).map(|pair| [pair[0], pair[1]]).collect()
+    }
+
+    fn piece(&self, [lo, hi]: [f64; 2], tolerance: f64) -> Result<Body, String> {
+        let [x, y] = [self.a, self.b].map(|weight| 1.0 / libm::sqrt(weight));
+        let widest = x.max(y);
+        let middle = self.value(0.5 * (lo + hi));
+        let radius = |z: f64| {
+            let value = self.value(z);
+            // at a root rounding leaves something
+            if value > 1e-12 * middle { widest * libm::sqrt(value) } else { 0.0 }
+        };
+        // dense at both ends, where the outline may be upright
+        let at = |t: f64| {
+            let z = match t {
+                0.0 => lo,
+                1.0 => hi,
+                t => 0.5 * ((lo + hi) - (hi - lo) * libm::cos(std::f64::consts::PI * t)),
+            };
+            [radius(z), z]
+        };
+        let mut points = sampled(at, 0.5 * tolerance);
+        if points[0][0] > 0.0 {
+            points.insert(0, [0.0, lo]);
+        }
+        if points[points.len() - 1][0] > 0.0 {
+            points.push([0.0, hi]);
+        }
+        let profile = Profile { points, is_bent: true };
+        let n = circle_count(profile.reach(), 0.5 * tolerance)?;
+        let body = revolved(&profile, n, Vec3::new(x / widest, y / widest, 1.0))?;
+        let linear = Mat3::from_cols(self.axes[0], self.axes[1], self.axes[2]);
+        Ok(body.placed(&Affine { linear, translation: self.origin }))
+    }
+}
+
+/// The real roots of c[0] + c[1] x + c[2] x^2, in order.
+fn roots([c, b, a]: [f64; 3]) -> Vec<f64> {
+    if a == 0.0 {
+        return if b == 0.0 { Vec::new() } else { vec![-c / b] };
+    }
+    let square = b * b - 4.0 * a * c;
+    if square < 0.0 {
+        return Vec::new();
+    }
+    let q = -0.5 * (b + libm::copysign(libm::sqrt(square), b));
+    let mut both = if q == 0.0 { vec![0.0] } else { vec![q / a, c / q] };
+    both.sort_by(f64::total_cmp);
+    both
+}
+
+/// Points of a curve over [0, 1] whose chords are within a tolerance of it, as far as their middles tell.
+pub(super) fn sampled(at: impl Fn(f64) -> [f64; 2], tolerance: f64) -> Vec<[f64; 2]> {
+    const PIECES: u32 = 4;
+    let sample = |t: f64| (t, at(t));
+    let start = sample(0.0);
+    let mut points = vec![start.1];
+    let mut waiting: Vec<(Sample, Sample, u32)> = Vec::new();
+    for k in (0..PIECES).rev() {
+        let [a, b] = [k, k + 1].map(|k| sample(f64::from(k) / f64::from(PIECES)));
+        waiting.push((a, b, 0));
+    }
+    while let Some((a, b, depth)) = waiting.pop() {
+        let middle = sample(0.5 * (a.0 + b.0));
+        if depth < MOST_HALVINGS && distance(middle.1, a.1, b.1) > tolerance {
+            waiting.push((middle, b, depth + 1));
+            waiting.push((a, middle, depth + 1));
+        } else {
+            points.push(b.1);
+        }
+    }
+    points
+}
+
+/// The distance of a point from the line through two others.
+fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (u, v) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+    let length = libm::hypot(u[0], u[1]);
+    if length == 0.0 { libm::hypot(v[0], v[1]) } else { (u[0] * v[1] - u[1] * v[0]).abs() / length }
+}
+
+/// A shape with one smooth face of any kind.
+pub(super) fn implicit(
+    surface: &Surface,
+    lowered: &Lowered,
+    clip: &Bounds,
+    tolerance: f64,
+) -> Result<Option<Body>, String> {
+    if lowered.facets.len() > 1 || lowered.complement {
+        return Err("a shape with several curved faces of these kinds".to_owned());
+    }
+    implicit_in(surface, &lowered.bounds.intersection(clip), tolerance)
+}
+
+/// What is inside of a surface in a box, from a grid that is made finer until the middles of triangles are within the tolerance.
+fn implicit_in(surface: &Surface, bounds: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
+    if bounds.is_empty() {
+        return Ok(None);
+    }
+    let diagonal = bounds.size().length();
+    let mut cells = 32.0;
+    while cells <= FINEST {
+        let body =
+            Body::level_set(|p| -surface.value_and_gradient(p).0, bounds, diagonal / cells, 1e-3 * tolerance);
+        let Some(body) = body? else {
+            return Ok(None);
+        };
+        if worst(&body, surface, bounds, diagonal / cells) <= tolerance {
+            return Ok(Some(body));
+        }
+        cells *= 1.5;
+    }
+    Err(format!("its triangles are not within {tolerance:?} of it"))
+}
+
+/// The greatest distance of the middle of a triangle from the surface, away from the faces of the box.
+fn worst(body: &Body, surface: &Surface, bounds: &Bounds, edge: f64) -> f64 {
+    let inner = bounds.grown(-1.5 * edge);
+    let middles = body.middles().into_iter().filter(|p| inner.contains(*p));
+    let distance = |p: Vec3| {
+        let (value, gradient) = surface.value_and_gradient(p);
+        if value == 0.0 { 0.0 } else { value.abs() / gradient.length() }
+    };
+    middles.map(distance).fold(0.0, f64::max)
+}
+
+/// The part of a body below a plane.
+pub(super) fn below(body: &Body, normal: Vec3, offset: f64, room: &Bounds) -> Result<Option<Body>, String> {
+    match polytope::body(&[(normal, offset)], false, room)? {
+        Some(half) => body.common(&half),
+        None => Ok(None),
+    }
+}

@@ -1,0 +1,163 @@
+//! One walk over a solid for all writers: from the shapes up, without a complement.
+
+use super::WriteError;
+use rayweave_math::Affine;
+use rayweave_model::{Node, Solid};
+use rayweave_shape::primitive::Primitive;
+
+/// The most shapes and operators of one region: every copy of a solid is written out.
+const MOST: usize = 1_000_000;
+
+/// What joins two parts or more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Operation {
+    Union,
+    Intersection,
+    /// The first less all others.
+    Difference,
+}
+
+/// Makes parts of a file.
+pub(super) trait Builder {
+    type Part: Clone;
+
+    /// A box that holds the whole model.
+    fn everything(&mut self) -> Self::Part;
+
+    /// A shape under a map, as far as the box reaches; `None` for nothing.
+    fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<Self::Part>, WriteError>;
+
+    /// At least two parts as one; `None` if nothing is left.
+    fn join(&mut self, by: Operation, parts: Vec<Self::Part>) -> Result<Option<Self::Part>, WriteError>;
+
+    /// The region that is being written, for messages.
+    fn region(&self) -> String;
+}
+
+enum Task<'s> {
+    Enter(&'s Solid, Affine),
+    /// Joins the last so many parts.
+    Join(Join, usize),
+}
+
+#[derive(Clone, Copy)]
+enum Join {
+    Plain(Operation),
+    Symmetric,
+    Complement,
+}
+
+/// A solid as a part; `None` if it is nothing.
+pub(super) fn fold<B: Builder>(solid: &Solid, builder: &mut B) -> Result<Option<B::Part>, WriteError> {
+    let mut tasks = vec![Task::Enter(solid, Affine::IDENTITY)];
+    let mut parts: Vec<Option<B::Part>> = Vec::new();
+    let mut count = 0;
+    while let Some(task) = tasks.pop() {
+        match task {
+            Task::Enter(solid, place) => {
+                count += 1;
+                if count + tasks.len() > MOST {
+                    let why = format!("more than {MOST} shapes and operators");
+                    return Err(WriteError::TooLarge { region: builder.region(), why });
+                }
+                parts.extend(enter(solid, place, builder, &mut tasks)?);
+            }
+            Task::Join(join, n) => {
+                let operands = parts.split_off(parts.len() - n);
+                parts.push(joined(join, operands, builder)?);
+            }
+        }
+    }
+    Ok(parts.pop().flatten())
+}
+
+/// The part of a node without operands; for others the work is put on the stack.
+fn enter<'s, B: Builder>(
+    solid: &'s Solid,
+    place: Affine,
+    builder: &mut B,
+    tasks: &mut Vec<Task<'s>>,
+) -> Result<Option<Option<B::Part>>, WriteError> {
+    let join = match solid.node() {
+        Node::Vacuum => return Ok(Some(None)),
+        Node::Plenum => return Ok(Some(Some(builder.everything()))),
+        Node::Intersection(all) if all.is_empty() => return Ok(Some(Some(builder.everything()))),
+        Node::Primitive(shape) => return Ok(Some(builder.leaf(shape, &place)?)),
+        Node::Named(_, inner) => {
+            tasks.push(Task::Enter(inner, place));
+            return Ok(None);
+        }
+        Node::Transformed(map, inner) => {
+            tasks.push(Task::Enter(inner, map.then(&place)));
+            return Ok(None);
+        }
+        Node::Placed(inner, maps) => {
+            tasks.push(Task::Join(Join::Plain(Operation::Union), maps.len()));
+            tasks.extend(maps.iter().rev().map(|map| Task::Enter(inner, map.then(&place))));
+            return Ok(None);
+        }
+        Node::Complement(_) => Join::Complement,
+        Node::Union(_) => Join::Plain(Operation::Union),
+        Node::Intersection(_) => Join::Plain(Operation::Intersection),
+        Node::Difference(..) => Join::Plain(Operation::Difference),
+        Node::SymmetricDifference(_) => Join::Symmetric,
+    };
+    tasks.push(Task::Join(join, solid.node().operand_refs().count()));
+    tasks.extend(solid.node().operand_refs().rev().map(|operand| Task::Enter(operand, place)));
+    Ok(None)
+}
+
+fn joined<B: Builder>(
+    join: Join,
+    mut operands: Vec<Option<B::Part>>,
+    builder: &mut B,
+) -> Result<Option<B::Part>, WriteError> {
+    match join {
+        Join::Plain(Operation::Union) => {
+            plain(Operation::Union, operands.into_iter().flatten().collect(), builder)
+        }
+        Join::Plain(Operation::Intersection) => match operands.iter().all(Option::is_some) {
+            true => plain(Operation::Intersection, operands.into_iter().flatten().collect(), builder),
+            false => Ok(None),
+        },
+        Join::Plain(Operation::Difference) => match operands.first() {
+            Some(Some(_)) => plain(Operation::Difference, operands.into_iter().flatten().collect(), builder),
+            _ => Ok(None),
+        },
+        Join::Complement => {
+            let everything = builder.everything();
+            match operands.pop().flatten() {
+                Some(part) => builder.join(Operation::Difference, vec![everything, part]),
+                None => Ok(Some(everything)),
+            }
+        }
+        Join::Symmetric => symmetric(operands.into_iter().flatten(), builder),
+    }
+}
+
+fn plain<B: Builder>(
+    by: Operation,
+    mut parts: Vec<B::Part>,
+    builder: &mut B,
+) -> Result<Option<B::Part>, WriteError> {
+    if parts.len() < 2 { Ok(parts.pop()) } else { builder.join(by, parts) }
+}
+
+/// `a ^ b ^ ...`, one after the other: what is in the first and not in the second, or the other way round.
+fn symmetric<B: Builder>(
+    parts: impl Iterator<Item = B::Part>,
+    builder: &mut B,
+) -> Result<Option<B::Part>, WriteError> {
+    let mut sum: Option<B::Part> = None;
+    for part in parts {
+        sum = match sum {
+            None => Some(part),
+            Some(sum) => {
+                let one = builder.join(Operation::Difference, vec![sum.clone(), part.clone()])?;
+                let other = builder.join(Operation::Difference, vec![part, sum])?;
+                plain(Operation::Union, [one, other].into_iter().flatten().collect(), builder)?
+            }
+        };
+    }
+    Ok(sum)
+}

@@ -1,0 +1,469 @@
+//! GDML, the exchange format of Geant4.
+//!
+//! *Source*: the schema of GDML 3.1.6 and the GDML User's Guide 2.7, as for [`crate::gdml`], which reads what is written here.
+//!
+//! All lengths are millimetres. Each region is a volume of its own in a world, with the later regions cut out of it, because
+//! volumes must not overlap. Boxes, balls, ellipsoids, tubes, cones, rings and paraboloids are Geant4's own solids where the map
+//! keeps them so, with a scale along the axes of the shape as a `scaledSolid`; half-spaces are boxes as large as the world; other
+//! shapes with plane faces are `tessellated` exactly, and what is left within the tolerance.
+
+use super::facets::{self, Request, number};
+use super::fold::{Builder, Operation, fold};
+use super::model::Model;
+use super::remark::Remarks;
+use super::{RemarkKind, WriteError};
+use rayweave_math::{Affine, Bounds, Mat3, Vec3, any_perpendicular};
+use rayweave_mesh::Mesh;
+use rayweave_model::Solid;
+use rayweave_scene::{Medium, Unit};
+use rayweave_shape::primitive::{Primitive, Value};
+use std::collections::HashSet;
+use std::fmt::Write as _;
+
+/// Columns of a map that are perpendicular to this part of their lengths are taken to be.
+const PERPENDICULAR: f64 = 1e-12;
+
+/// The density of media that say none, in g/cm3: that of intergalactic space, as `G4_Galactic`.
+const NO_DENSITY: f64 = 1e-25;
+
+/// A solid of the file in its own frame, and a rotation and translation.
+#[derive(Clone)]
+struct Part {
+    solid: String,
+    place: Affine,
+}
+
+struct Writer<'m, 's> {
+    model: &'m Model<'s>,
+    remarks: &'m mut Remarks,
+    region: usize,
+    /// Millimetres in the unit of the scene.
+    scale: f64,
+    clip: Bounds,
+    defines: String,
+    solids: String,
+    count: usize,
+    /// A shape without an end was cut to the box.
+    is_cut: bool,
+}
+
+pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, WriteError> {
+    let scale = model.scene.unit.metres() / Unit::Millimetre.metres();
+    if scale != 1.0 {
+        remarks.add(RemarkKind::Changed, format!("lengths in {} are in mm", model.scene.unit));
+    }
+    let clip = Bounds::new(scale * model.clip.lo, scale * model.clip.hi);
+    let (defines, solids) = (String::new(), String::new());
+    let mut writer =
+        Writer { model, remarks, region: 0, scale, clip, defines, solids, count: 0, is_cut: false };
+    let names = Names::new(model);
+    let (mut volumes, mut placements) = (String::new(), String::new());
+    for (number, region) in model.regions() {
+        let Some(part) = writer.carved(number)? else { continue };
+        let (name, material) = (&names.regions[number], &names.media[region.medium as usize]);
+        let _ = writeln!(
+            volumes,
+            "    <volume name=\"{name}\">\n      <materialref ref=\"{material}\"/>\n      <solidref ref=\"{}\"/>\n      \
+             <auxiliary auxtype=\"Color\" auxvalue=\"{}\"/>\n    </volume>",
+            part.solid, region.colour
+        );
+        let (position, rotation) = place_text(&part.place, true);
+        let _ = writeln!(
+            placements,
+            "      <physvol name=\"{name}_placed\">\n        <volumeref ref=\"{name}\"/>{position}{rotation}\n      </physvol>"
+        );
+    }
+    let half = clip.lo.abs().max(clip.hi.abs());
+    let world =
+        writer.solid("box", &lengths([("x", 2.0 * half.x), ("y", 2.0 * half.y), ("z", 2.0 * half.z)]));
+    writer.remarks.add(RemarkKind::Dropped, "names of faces");
+    model.tell_pictures(writer.remarks);
+    let materials = materials(model, &names, writer.remarks);
+    let (defines, solids, world_medium) = (writer.defines, writer.solids, &names.media[0]);
+    Ok(format!(
+        "{HEAD}  <define>\n{defines}{}  </define>\n  <materials>\n{}  </materials>\n  <solids>\n{solids}  </solids>\n  \
+         <structure>\n{volumes}    <volume name=\"{}\">\n      <materialref ref=\"{world_medium}\"/>\n      <solidref \
+         ref=\"{world}\"/>\n{placements}    </volume>\n  </structure>\n  <setup name=\"Default\" version=\"1.0\">\n    \
+         <world ref=\"{}\"/>\n  </setup>\n</gdml>\n",
+        materials.0, materials.1, names.world, names.world
+    )
+    .into_bytes())
+}
+
+const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gdml xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" \
+xsi:noNamespaceSchemaLocation=\"http://service-spi.web.cern.ch/service-spi/app/releases/GDML/schema/gdml.xsd\">\n";
+
+/// The names in the file: letters, digits and underscores, each once.
+struct Names {
+    media: Vec<String>,
+    regions: Vec<String>,
+    world: String,
+}
+
+impl Names {
+    fn new(model: &Model) -> Names {
+        let mut taken = HashSet::new();
+        let mut free = |name: &str| {
+            let name = plain(name);
+            let numbered = (2..).map(|k| format!("{name}_{k}"));
+            let mut all = std::iter::once(name.clone()).chain(numbered);
+            let name = all.find(|name| !taken.contains(name)).unwrap_or_default();
+            taken.insert(name.clone());
+            name
+        };
+        let media = model.scene.media.iter().map(|medium| free(&format!("m_{}", medium.name))).collect();
+        let regions = model.scene.regions.iter().map(|region| free(&region.name)).collect();
+        Names { media, regions, world: free("World") }
+    }
+}
+
+/// A name that XML and Geant4 take, which cuts names at `0x`.
+fn plain(name: &str) -> String {
+    let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    let plain = plain.replace("0x", "0_x");
+    if plain.starts_with(|c: char| c.is_ascii_alphabetic()) { plain } else { format!("r_{plain}") }
+}
+
+/// Definitions of indices, and the materials.
+fn materials(model: &Model, names: &Names, remarks: &mut Remarks) -> (String, String) {
+    let (mut defines, mut text) = (String::new(), String::new());
+    for (medium, name) in model.scene.media.iter().zip(&names.media) {
+        let mut property = String::new();
+        if let Some(index) = medium.index {
+            let _ = writeln!(
+                defines,
+                "    <matrix name=\"{name}_index\" coldim=\"2\" values=\"1*eV {index:?} 10*eV {index:?}\"/>"
+            );
+            property = format!("      <property name=\"RINDEX\" ref=\"{name}_index\"/>\n");
+        }
+        let density = value(medium, "density").unwrap_or(NO_DENSITY);
+        let other = |tag: &str, own: &str, unit: &str| {
+            let line = |value: f64| format!("      <{tag} value=\"{value:?}\" unit=\"{unit}\"/>\n");
+            value(medium, own).map(line).unwrap_or_default()
+        };
+        let _ = write!(
+            text,
+            "    <material name=\"{name}\" Z=\"1\">\n{property}{}{}      <D value=\"{density:?}\" unit=\"g/cm3\"/>\n      \
+             <atom value=\"1.008\"/>\n    </material>\n",
+            other("T", "temperature", "K"),
+            other("P", "pressure", "pascal"),
+        );
+        let is_known = |name: &String| ["density", "temperature", "pressure"].contains(&name.as_str());
+        if medium.numbers.iter().any(|(name, _)| !is_known(name)) {
+            remarks.add(
+                RemarkKind::Dropped,
+                "numbers of media other than density, temperature, pressure and index",
+            );
+        }
+    }
+    remarks.add(
+        RemarkKind::Changed,
+        format!("media are hydrogen of their density, or of {NO_DENSITY:?} g/cm3 where they have none"),
+    );
+    (defines, text)
+}
+
+fn value(medium: &Medium, name: &str) -> Option<f64> {
+    medium.numbers.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
+}
+
+/// Attributes with lengths in millimetres.
+fn lengths<const N: usize>(all: [(&str, f64); N]) -> String {
+    let attribute = |(name, length): (&str, f64)| format!(" {name}=\"{length:?}\"");
+    all.map(attribute).concat() + " lunit=\"mm\""
+}
+
+const WHOLE_TURN: &str = " startphi=\"0\" deltaphi=\"360\" aunit=\"deg\"";
+
+/// Position and rotation as elements; nothing for those that change nothing. Booleans give the rotation of the second
+/// solid, placements that of the frame.
+fn place_text(place: &Affine, is_placement: bool) -> (String, String) {
+    let t = place.translation;
+    let position = match t == Vec3::ZERO {
+        true => String::new(),
+        false => format!("\n        <position x=\"{:?}\" y=\"{:?}\" z=\"{:?}\" unit=\"mm\"/>", t.x, t.y, t.z),
+    };
+    let turned = if is_placement { place.linear.transpose() } else { place.linear };
+    let [x, y, z] = angles(&turned);
+    let rotation = match [x, y, z] == [0.0; 3] {
+        true => String::new(),
+        false => format!("\n        <rotation x=\"{x:?}\" y=\"{y:?}\" z=\"{z:?}\" unit=\"deg\"/>"),
+    };
+    (position, rotation)
+}
+
+/// The angles in degrees about x, then y, then z that make a rotation.
+fn angles(r: &Mat3) -> [f64; 3] {
+    let (cx, cy, cz) = (r.x_axis, r.y_axis, r.z_axis);
+    let cosine = libm::hypot(cx.x, cx.y);
+    let y = libm::atan2(-cx.z, cosine);
+    let (x, z) = match cosine > 1e-9 {
+        true => (libm::atan2(cy.z, cz.z), libm::atan2(cx.y, cx.x)),
+        // the other two turn about one axis
+        false => (libm::atan2(-cz.y, cy.y), 0.0),
+    };
+    // no zero is negative
+    [x, y, z].map(|angle| angle.to_degrees() + 0.0)
+}
+
+impl Writer<'_, '_> {
+    fn failed(&self, why: String) -> WriteError {
+        WriteError::Kernel { region: self.region(), why }
+    }
+
+    /// Writes a solid of one element and gives its name.
+    fn solid(&mut self, tag: &str, attributes: &str) -> String {
+        let name = self.name();
+        let _ = writeln!(self.solids, "    <{tag} name=\"{name}\"{attributes}/>");
+        name
+    }
+
+    fn name(&mut self) -> String {
+        self.count += 1;
+        format!("s{}", self.count)
+    }
+
+    fn carved(&mut self, number: usize) -> Result<Option<Part>, WriteError> {
+        let Some(mut part) = self.whole(number)? else {
+            return Ok(None);
+        };
+        for &later in &self.model.later[number] {
+            if let Some(cutter) = self.whole(later)? {
+                part = self.pair("subtraction", &part, &cutter);
+            }
+        }
+        Ok(Some(part))
+    }
+
+    fn whole(&mut self, number: usize) -> Result<Option<Part>, WriteError> {
+        (self.region, self.is_cut) = (number, false);
+        let solid = &self.model.scene.regions[number].solid;
+        let scaled: Solid =
+            if self.scale == 1.0 { solid.clone() } else { solid.scale(Vec3::splat(self.scale)) };
+        let made = fold(&scaled, self)?;
+        if let (Some(part), true) = (&made, self.is_cut) {
+            let room = self.everything();
+            return Ok(Some(self.pair("intersection", part, &room)));
+        }
+        Ok(made)
+    }
+
+    /// A boolean of two solids, in the frame of the first.
+    fn pair(&mut self, tag: &str, first: &Part, second: &Part) -> Part {
+        let name = self.name();
+        // a rotation has an inverse
+        let inverse = first.place.inverse().unwrap_or(Affine::IDENTITY);
+        let (position, rotation) = place_text(&second.place.then(&inverse), false);
+        let _ = writeln!(
+            self.solids,
+            "    <{tag} name=\"{name}\">\n      <first ref=\"{}\"/>\n      <second ref=\"{}\"/>{position}{rotation}\n    </{tag}>",
+            first.solid, second.solid
+        );
+        Part { solid: name, place: first.place }
+    }
+
+    fn cuboid(&mut self, bounds: &Bounds) -> Part {
+        let size = bounds.size();
+        let solid = self.solid("box", &lengths([("x", size.x), ("y", size.y), ("z", size.z)]));
+        Part { solid, place: Affine::translate(bounds.centre()) }
+    }
+
+    /// A solid of Geant4 for a shape, if there is one: its element, its place in the frame of the shape, and how it is scaled.
+    fn own(&mut self, shape: &Primitive, place: &Affine) -> Option<Part> {
+        let (turn, s) = decomposed(&place.linear)?;
+        let is_round = (s.x - s.y).abs() <= PERPENDICULAR * s.x;
+        let is_even = is_round && (s.x - s.z).abs() <= PERPENDICULAR * s.x;
+        let number = |name: &str| number(shape, name).filter(|number| number.is_finite());
+        let mut centre = Vec3::ZERO;
+        let mut scaled = None;
+        let (tag, attributes) = match shape {
+            Primitive::Sphere(_) if is_even => ("orb", lengths([("r", s.x * number("radius")?)])),
+            Primitive::Sphere(_) => ellipsoid(s * number("radius")?),
+            Primitive::Ellipsoid(_) => ellipsoid(s * radii(shape)?),
+            Primitive::CentredBox(_) | Primitive::BoxFromCorners(_) => {
+                let bounds = shape.lower().bounds;
+                centre = bounds.centre();
+                let size = s * bounds.size();
+                ("box", lengths([("x", size.x), ("y", size.y), ("z", size.z)]))
+            }
+            Primitive::Cylinder(_) if !is_round => {
+                let (r, h) = (number("radius")?, number("height")?);
+                ("eltube", lengths([("dx", s.x * r), ("dy", s.y * r), ("dz", 0.5 * s.z * h)]))
+            }
+            _ => {
+                // round about z, and then as it is scaled
+                let own = if is_round { s } else { Vec3::ONE };
+                scaled = (!is_round).then_some(s);
+                let (tag, text, up) = self.revolved(shape, own)?;
+                centre = Vec3::Z * up;
+                (tag, text)
+            }
+        };
+        let mut solid = self.solid(tag, &attributes);
+        if let Some(s) = scaled {
+            let name = self.name();
+            let _ = writeln!(
+                self.solids,
+                "    <scaledSolid name=\"{name}\">\n      <solidref ref=\"{solid}\"/>\n      <scale name=\"{name}_scale\" x=\"{:?}\" \
+                 y=\"{:?}\" z=\"{:?}\"/>\n    </scaledSolid>",
+                s.x, s.y, s.z
+            );
+            solid = name;
+        }
+        let place = Affine { linear: turn, translation: place.point(centre) };
+        Some(Part { solid, place })
+    }
+
+    /// Solids of revolution, scaled along and across z: the element, and how far up along z its middle is.
+    fn revolved(&self, shape: &Primitive, s: Vec3) -> Option<(&'static str, String, f64)> {
+        let number = |name: &str| number(shape, name).filter(|number| number.is_finite());
+        let tube = |inner: f64, outer: f64, height: f64| {
+            let text =
+                lengths([("rmin", s.x * inner), ("rmax", s.x * outer), ("z", s.z * height)]) + WHOLE_TURN;
+            ("tube", text, 0.0)
+        };
+        Some(match shape {
+            Primitive::Cylinder(_) => tube(0.0, number("radius")?, number("height")?),
+            Primitive::Tube(_) => tube(number("inner_radius")?, number("outer_radius")?, number("height")?),
+            Primitive::Cone(_) => {
+                let [low, high] = [s.x * number("radius1")?, s.x * number("radius2")?];
+                let z = s.z * number("height")?;
+                let sizes = [("rmin1", 0.0), ("rmax1", low), ("rmin2", 0.0), ("rmax2", high), ("z", z)];
+                ("cone", lengths(sizes) + WHOLE_TURN, 0.0)
+            }
+            Primitive::Torus(_)
+                if number("major")? > number("minor")? && (s.x - s.z).abs() <= PERPENDICULAR * s.x =>
+            {
+                let (major, minor) = (s.x * number("major")?, s.x * number("minor")?);
+                ("torus", lengths([("rmin", 0.0), ("rmax", minor), ("rtor", major)]) + WHOLE_TURN, 0.0)
+            }
+            Primitive::Paraboloid(_) => {
+                let (focal, height) = (number("focal_length")?, number("height")?);
+                let rim = s.x * 2.0 * libm::sqrt(focal * height);
+                let sizes = [("rlo", 0.0), ("rhi", rim), ("dz", 0.5 * s.z * height)];
+                ("paraboloid", lengths(sizes), 0.5 * height)
+            }
+            _ => return None,
+        })
+    }
+
+    /// The part of the box below a plane, as a larger box.
+    fn half_space(&mut self, normal: Vec3, offset: f64) -> Option<Part> {
+        let length = normal.length();
+        let (normal, offset) = (normal / length, offset / length);
+        let heights = self.clip.corners().map(|corner| normal.dot(corner));
+        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        if lowest >= offset {
+            return None;
+        }
+        let (depth, wide) = (1.25 * (offset - lowest), 2.0 * self.clip.size().length());
+        let solid = self.solid("box", &lengths([("x", wide), ("y", wide), ("z", depth)]));
+        let x = any_perpendicular(normal);
+        let linear = Mat3::from_cols(x, normal.cross(x), normal);
+        let middle = self.clip.centre();
+        let translation = middle + normal * (offset - 0.5 * depth - normal.dot(middle));
+        Some(Part { solid, place: Affine { linear, translation } })
+    }
+
+    fn tessellated(&mut self, mesh: &Mesh) -> Part {
+        let name = self.name();
+        for (k, p) in mesh.vertices().iter().enumerate() {
+            let _ = writeln!(
+                self.defines,
+                "    <position name=\"{name}_{k}\" x=\"{:?}\" y=\"{:?}\" z=\"{:?}\" unit=\"mm\"/>",
+                p.x, p.y, p.z
+            );
+        }
+        let _ = writeln!(self.solids, "    <tessellated name=\"{name}\" aunit=\"deg\" lunit=\"mm\">");
+        for [a, b, c] in mesh.triangles() {
+            let _ = writeln!(
+                self.solids,
+                "      <triangular vertex1=\"{name}_{a}\" vertex2=\"{name}_{b}\" vertex3=\"{name}_{c}\" type=\"ABSOLUTE\"/>"
+            );
+        }
+        let _ = writeln!(self.solids, "    </tessellated>");
+        Part { solid: name, place: Affine::IDENTITY }
+    }
+}
+
+fn ellipsoid(radii: Vec3) -> (&'static str, String) {
+    ("ellipsoid", lengths([("ax", radii.x), ("by", radii.y), ("cz", radii.z)]))
+}
+
+fn radii(shape: &Primitive) -> Option<Vec3> {
+    shape.arguments().into_iter().find_map(|(_, value)| match value {
+        Value::Vector(radii) => <[f64; 3]>::try_from(radii).ok().map(Vec3::from_array),
+        _ => None,
+    })
+}
+
+/// A map as a rotation after a scale along the axes, for shapes that a mirror across y leaves as they are; `None` if it shears.
+fn decomposed(linear: &Mat3) -> Option<(Mat3, Vec3)> {
+    let flip = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let columns = [linear.x_axis, flip * linear.y_axis, linear.z_axis];
+    let [x, y, z] = columns.map(Vec3::length);
+    let lengths = Vec3::new(x, y, z);
+    let is_right =
+        |i: usize, j: usize| columns[i].dot(columns[j]).abs() <= PERPENDICULAR * lengths[i] * lengths[j];
+    let turn = Mat3::from_cols(columns[0] / x, columns[1] / y, columns[2] / z);
+    (is_right(0, 1) && is_right(1, 2) && is_right(2, 0)).then_some((turn, lengths))
+}
+
+impl Builder for Writer<'_, '_> {
+    type Part = Part;
+
+    fn everything(&mut self) -> Part {
+        let clip = self.clip;
+        self.cuboid(&clip)
+    }
+
+    fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<Part>, WriteError> {
+        if let Some(part) = self.own(shape, place) {
+            return Ok(Some(part));
+        }
+        let lowered = shape.lower();
+        self.is_cut |= !lowered.bounds.is_finite();
+        let planes = facets::planes_of(&lowered);
+        if let (Some([(normal, offset)]), false) = (planes.as_deref(), lowered.complement) {
+            // the plane in the frame of the model
+            let Ok(inverse) = place.inverse() else { return Ok(None) };
+            let normal_there = inverse.linear.transpose() * *normal;
+            return Ok(self.half_space(normal_there, offset + normal_there.dot(place.translation)));
+        }
+        if planes.is_none() && !matches!(shape, Primitive::Mesh(_)) {
+            let tolerance = self.model.tolerance;
+            let what =
+                format!("`{}`, by triangles within {tolerance:.3e} {}", shape.name(), self.model.scene.unit);
+            self.remarks.add(RemarkKind::Approximated, what);
+        }
+        let tolerance = self.scale * self.model.tolerance;
+        let request = Request { shape, place, clip: &self.clip, tolerance };
+        let named = |why: String| format!("`{}`: {why}", shape.name());
+        let body = facets::body(&request).map_err(|why| self.failed(named(why)))?;
+        let mesh = body.map(|body| body.mesh()).transpose().map_err(|why| self.failed(named(why)))?;
+        Ok(mesh.map(|mesh| self.tessellated(&mesh)))
+    }
+
+    fn join(&mut self, by: Operation, mut parts: Vec<Part>) -> Result<Option<Part>, WriteError> {
+        if by == Operation::Difference {
+            let first = parts.remove(0);
+            return Ok(Some(parts.iter().fold(first, |rest, part| self.pair("subtraction", &rest, part))));
+        }
+        let tag = if by == Operation::Union { "union" } else { "intersection" };
+        // two by two, so that nothing is deep
+        while parts.len() > 1 {
+            parts = parts
+                .chunks(2)
+                .map(|pair| match pair {
+                    [a, b] => self.pair(tag, a, b),
+                    rest => rest[0].clone(),
+                })
+                .collect();
+        }
+        Ok(parts.pop())
+    }
+
+    fn region(&self) -> String {
+        self.model.scene.regions[self.region].name.clone()
+    }
+}

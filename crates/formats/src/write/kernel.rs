@@ -1,0 +1,141 @@
+//! Booleans of triangles, by the kernel of the library Manifold (E. Lalish) as it was ported to Rust.
+//!
+//! Bodies are closed and have no triangle through another; so are unions, differences and intersections, also where faces
+//! coincide: the kernel moves one of them by an infinitesimal amount.
+
+use manifold_rust::linalg::Vec3 as KernelVec;
+use manifold_rust::manifold::Manifold;
+use manifold_rust::types::{Box as KernelBox, Error, MeshGL64, OpType};
+use rayweave_math::{Affine, Bounds, Vec3};
+use rayweave_mesh::{Mesh, Polyhedron, RepairOptions};
+
+/// A solid within triangles, not empty.
+#[derive(Clone)]
+pub(super) struct Body(Manifold);
+
+fn to_kernel(v: Vec3) -> KernelVec {
+    KernelVec { x: v.x, y: v.y, z: v.z }
+}
+
+impl Body {
+    pub fn from_triangles(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Body, String> {
+        let raw = raw(&points, &triangles);
+        let strict = Manifold::from_mesh_gl64(&raw);
+        let made = match strict.status() {
+            // edges with four triangles, say
+            Error::NotManifold => Manifold::from_mesh_gl64_robust(&raw),
+            _ => strict,
+        };
+        Body::checked(made)?.ok_or_else(|| "a shape without an inside".to_owned())
+    }
+
+    pub fn from_polyhedron(solid: &Polyhedron) -> Result<Body, String> {
+        let mesh = solid.to_mesh();
+        let turned = mesh.repaired(&RepairOptions { weld: 0.0, fill: false });
+        let (points, triangles) = turned.map_or(mesh, |(mesh, _)| mesh).into_parts();
+        Body::from_triangles(points, triangles)
+    }
+
+    pub fn cuboid(bounds: &Bounds) -> Body {
+        Body(Manifold::cube(to_kernel(bounds.size()), false).translate(to_kernel(bounds.lo)))
+    }
+
+    /// The convex hull; `None` if that is flat.
+    pub fn hull(points: &[Vec3]) -> Result<Option<Body>, String> {
+        if points.len() < 4 {
+            return Ok(None);
+        }
+        let points: Vec<KernelVec> = points.iter().map(|p| to_kernel(*p)).collect();
+        Body::checked(Manifold::hull(&points))
+    }
+
+    /// Where a function is greater than 0, from a grid of this spacing.
+    pub fn level_set(
+        of: impl Fn(Vec3) -> f64 + Sync,
+        bounds: &Bounds,
+        spacing: f64,
+        tolerance: f64,
+    ) -> Result<Option<Body>, String> {
+        let room = KernelBox { min: to_kernel(bounds.lo), max: to_kernel(bounds.hi) };
+        let of = |p: KernelVec| of(Vec3::new(p.x, p.y, p.z));
+        Body::checked(Manifold::level_set_with_tolerance(of, room, spacing, 0.0, tolerance))
+    }
+
+    fn checked(made: Manifold) -> Result<Option<Body>, String> {
+        match made.status() {
+            Error::NoError => Ok((!made.is_empty()).then_some(Body(made))),
+            error => Err(format!("{error:?}")),
+        }
+    }
+
+    pub fn placed(&self, map: &Affine) -> Body {
+        if *map == Affine::IDENTITY {
+            return self.clone();
+        }
+        let mesh = self.0.get_mesh_gl64(-1);
+        let (points, mut triangles) = parts(&mesh);
+        if map.linear.determinant() < 0.0 {
+            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        let points: Vec<Vec3> = points.into_iter().map(|p| map.point(p)).collect();
+        Body::from_triangles(points, triangles).unwrap_or_else(|_| self.clone())
+    }
+
+    pub fn joined(&self, other: &Body) -> Result<Option<Body>, String> {
+        Body::checked(self.0.boolean(&other.0, OpType::Add))
+    }
+
+    pub fn less(&self, other: &Body) -> Result<Option<Body>, String> {
+        Body::checked(self.0.boolean(&other.0, OpType::Subtract))
+    }
+
+    pub fn common(&self, other: &Body) -> Result<Option<Body>, String> {
+        Body::checked(self.0.boolean(&other.0, OpType::Intersect))
+    }
+
+    /// The union of all, two by two, so that none is large before the last.
+    pub fn union(mut all: Vec<Body>) -> Result<Option<Body>, String> {
+        while all.len() > 1 {
+            let pairs = all.chunks(2).map(|pair| match pair {
+                [a, b] => a.joined(b),
+                rest => Ok(rest.first().cloned()),
+            });
+            all = pairs.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        }
+        Ok(all.pop())
+    }
+
+    pub fn middles(&self) -> Vec<Vec3> {
+        let (points, triangles) = parts(&self.0.get_mesh_gl64(-1));
+        triangles.iter().map(|t| t.iter().map(|k| points[*k as usize]).sum::<Vec3>() / 3.0).collect()
+    }
+
+    pub fn mesh(&self) -> Result<Mesh, String> {
+        let (points, triangles) = parts(&self.0.get_mesh_gl64(-1));
+        Mesh::new(points, triangles).map_err(|error| error.to_string())
+    }
+}
+
+fn raw(points: &[Vec3], triangles: &[[u32; 3]]) -> MeshGL64 {
+    MeshGL64 {
+        num_prop: 3,
+        vert_properties: points.iter().flat_map(|p| p.to_array()).collect(),
+        tri_verts: triangles.iter().flatten().map(|&corner| corner.into()).collect(),
+        ..MeshGL64::default()
+    }
+}
+
+/// Points and triangles, with points that are to be one as one.
+fn parts(mesh: &MeshGL64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let width = mesh.num_prop as usize;
+    let points: Vec<Vec3> =
+        mesh.vert_properties.chunks_exact(width).map(|p| Vec3::new(p[0], p[1], p[2])).collect();
+    let mut number: Vec<u32> = (0..points.len() as u32).collect();
+    for (from, to) in mesh.merge_from_vert.iter().zip(&mesh.merge_to_vert) {
+        number[*from as usize] = *to as u32;
+    }
+    let corner = |k: &u64| number[*k as usize];
+    let triangles =
+        mesh.tri_verts.chunks_exact(3).map(|t| [corner(&t[0]), corner(&t[1]), corner(&t[2])]).collect();
+    (points, triangles)
+}

@@ -1,0 +1,95 @@
+//! A scene as writers need it: finite, and with what is cut out of each region.
+
+use super::remark::Remarks;
+use super::{RemarkKind, WriteError, WriteOptions};
+use crate::Format;
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::Program;
+use rayweave_scene::{Scene, SceneRegion};
+
+/// The part of the size of a model by which its box is grown, so that no face lies in a face of the box.
+const MARGIN: f64 = 0.125;
+
+/// The part of the diagonal of a model that is the tolerance if none is given.
+const USUAL_TOLERANCE: f64 = 1e-3;
+
+/// A scene with what all writers ask of it.
+pub(super) struct Model<'s> {
+    pub scene: &'s Scene,
+    /// Holds all regions with room around them.
+    pub clip: Bounds,
+    pub tolerance: f64,
+    /// For each region the numbers of the later ones that come near to it.
+    pub later: Vec<Vec<usize>>,
+}
+
+impl<'s> Model<'s> {
+    pub fn new(
+        scene: &'s Scene,
+        format: Format,
+        options: &WriteOptions,
+        remarks: &mut Remarks,
+    ) -> Result<Model<'s>, WriteError> {
+        let boxes: Vec<Bounds> = scene.regions.iter().map(region_bounds).collect::<Result<_, _>>()?;
+        let is_endless = |bounds: &Bounds| !bounds.is_empty() && !bounds.is_finite();
+        if let Some(number) = boxes.iter().position(is_endless) {
+            return Err(WriteError::Unbounded { region: scene.regions[number].name.clone(), format });
+        }
+        let whole = boxes.iter().fold(Bounds::EMPTY, |all, one| all.union(one));
+        let whole = if whole.is_empty() { Bounds::new(-Vec3::ONE, Vec3::ONE) } else { whole };
+        let diagonal = whole.size().length();
+        let tolerance = options.tolerance.unwrap_or(USUAL_TOLERANCE * diagonal);
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(WriteError::Tolerance(tolerance));
+        }
+        let later = later(&boxes);
+        if later.iter().any(|list| !list.is_empty()) {
+            remarks.add(RemarkKind::Changed, "regions have the later ones cut out that come near to them");
+        }
+        // a flat region has no size in some direction
+        let clip = whole.grown(MARGIN * diagonal);
+        Ok(Model { scene, clip, tolerance, later })
+    }
+
+    /// The regions that are more than the world, with their numbers.
+    pub fn regions(&self) -> impl Iterator<Item = (usize, &'s SceneRegion)> {
+        self.scene.regions.iter().enumerate().filter(|(_, region)| region.medium != 0)
+    }
+
+    /// Remarks on what no format but the native one holds.
+    pub fn tell_pictures(&self, remarks: &mut Remarks) {
+        let scene = self.scene;
+        let all = [
+            (scene.camera.is_some(), "the camera"),
+            (!scene.lights.is_empty(), "lights"),
+            (scene.render != Default::default(), "how pictures are drawn"),
+            (!scene.parameters.is_empty(), "parameters (their values are in their places)"),
+        ];
+        for (_, what) in all.into_iter().filter(|(is_there, _)| *is_there) {
+            remarks.add(RemarkKind::Dropped, what);
+        }
+    }
+
+    /// Remarks on media, in formats that have none.
+    pub fn tell_media(&self, remarks: &mut Remarks) {
+        let has_numbers =
+            self.scene.media.iter().any(|medium| medium.index.is_some() || !medium.numbers.is_empty());
+        if has_numbers {
+            remarks.add(RemarkKind::Dropped, "numbers of media (index, density and others)");
+        }
+    }
+}
+
+fn region_bounds(region: &SceneRegion) -> Result<Bounds, WriteError> {
+    Ok(Program::compile(&region.solid)?.bounds())
+}
+
+/// For each box the later ones that meet it.
+fn later(boxes: &[Bounds]) -> Vec<Vec<usize>> {
+    let meets = |i: usize, j: usize| {
+        let both = boxes[i].intersection(&boxes[j]);
+        !both.is_empty() && both.size().min_element() > 0.0
+    };
+    let count = boxes.len();
+    (0..count).map(|i| (i + 1..count).filter(|&j| meets(i, j)).collect()).collect()
+}

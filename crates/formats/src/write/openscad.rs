@@ -1,0 +1,264 @@
+//! OpenSCAD's flattened language, which OpenSCAD reads as a program and [`crate::openscad`] as a dump.
+//!
+//! Boxes, balls, cylinders, cones and rings are OpenSCAD's own, under `multmatrix`; what has plane faces is a `polyhedron`. Round
+//! shapes are truly round for who reads them so; `$fn` says how many facets keep within the tolerance. Others are `polyhedron`s
+//! of triangles. Regions are the children of the file, each with its colour.
+
+use super::facets::{self, Request, number};
+use super::fold::{Builder, Operation, fold};
+use super::model::Model;
+use super::remark::Remarks;
+use super::{RemarkKind, WriteError};
+use rayweave_math::{Affine, Bounds, Vec3};
+use rayweave_mesh::Mesh;
+use rayweave_scene::Colour;
+use rayweave_shape::primitive::{Primitive, Value};
+
+/// The most bytes of a file: what is shared is written out each time.
+const MOST_BYTES: usize = 256 << 20;
+
+/// A part of the file.
+enum Piece {
+    Text(String),
+    Group(&'static str, Vec<usize>),
+}
+
+struct Writer<'m, 's> {
+    model: &'m Model<'s>,
+    remarks: &'m mut Remarks,
+    region: usize,
+    pieces: Vec<Piece>,
+    /// A shape without an end was cut to the box.
+    is_cut: bool,
+}
+
+pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, WriteError> {
+    let mut writer = Writer { model, remarks, region: 0, pieces: Vec::new(), is_cut: false };
+    let mut text = String::new();
+    for (number, region) in model.regions() {
+        let Some(part) = writer.carved(number)? else { continue };
+        let Colour { red, green, blue, alpha } = region.colour;
+        let level = |level: u8| f64::from(level) / 255.0;
+        let colour = [red, green, blue, alpha].map(|own| format!("{:?}", level(own))).join(", ");
+        text += &format!("color([{colour}]) {{\n");
+        writer.print(part, &mut text)?;
+        text += "}\n";
+    }
+    if model.scene.unit != Default::default() {
+        writer.remarks.add(RemarkKind::Dropped, format!("the unit ({})", model.scene.unit));
+    }
+    let names: std::collections::BTreeSet<_> =
+        model.regions().map(|(_, region)| region.colour.to_string()).collect();
+    writer.remarks.add(RemarkKind::Dropped, "names of regions, media and faces (regions keep their colours)");
+    if names.len() < model.regions().count() {
+        writer.remarks.add(RemarkKind::Changed, "regions of one colour are one");
+    }
+    model.tell_media(writer.remarks);
+    model.tell_pictures(writer.remarks);
+    Ok(text.into_bytes())
+}
+
+impl Writer<'_, '_> {
+    fn add(&mut self, piece: Piece) -> usize {
+        self.pieces.push(piece);
+        self.pieces.len() - 1
+    }
+
+    /// A region less the later ones that come near to it.
+    fn carved(&mut self, number: usize) -> Result<Option<usize>, WriteError> {
+        let Some(first) = self.solid(number)? else {
+            return Ok(None);
+        };
+        let mut parts = vec![first];
+        for &later in &self.model.later[number] {
+            parts.extend(self.solid(later)?);
+        }
+        if parts.len() > 1 { self.join(Operation::Difference, parts) } else { Ok(parts.pop()) }
+    }
+
+    fn solid(&mut self, number: usize) -> Result<Option<usize>, WriteError> {
+        (self.region, self.is_cut) = (number, false);
+        let made = fold(&self.model.scene.regions[number].solid, self)?;
+        match made {
+            Some(part) if self.is_cut => {
+                let whole = self.everything();
+                self.join(Operation::Intersection, vec![part, whole])
+            }
+            made => Ok(made),
+        }
+    }
+
+    /// Writes a part and all parts of it, with a tab for each level.
+    fn print(&self, part: usize, text: &mut String) -> Result<(), WriteError> {
+        let mut waiting = vec![(Some(part), 1)];
+        while let Some((part, depth)) = waiting.pop() {
+            let tabs = "\t".repeat(depth.min(32));
+            match part.map(|part| &self.pieces[part]) {
+                None => *text += &format!("{tabs}}}\n"),
+                Some(Piece::Text(own)) => *text += &format!("{tabs}{own}\n"),
+                Some(Piece::Group(name, parts)) => {
+                    *text += &format!("{tabs}{name}() {{\n");
+                    waiting.push((None, depth));
+                    waiting.extend(parts.iter().rev().map(|part| (Some(*part), depth + 1)));
+                }
+            }
+            if text.len() > MOST_BYTES {
+                let why = format!("more than {} MiB of text", MOST_BYTES >> 20);
+                return Err(WriteError::TooLarge { region: self.region(), why });
+            }
+        }
+        Ok(())
+    }
+
+    /// How many facets a circle of this radius in the frame of the shape has.
+    fn fragments(&self, place: &Affine, radius: f64) -> usize {
+        let request = 0.5 * self.model.tolerance / place.similarity().unwrap_or(place.stretch());
+        facets::circle_count(radius, request).unwrap_or(facets::MOST_AROUND)
+    }
+
+    fn plain(&self, shape: &Primitive, place: &Affine) -> Option<String> {
+        let number = |name: &str| number(shape, name).filter(|number| number.is_finite());
+        let round = |radius: f64| format!("$fn = {}, $fa = 12, $fs = 2", self.fragments(place, radius));
+        let cylinder = |low: f64, high: f64, height: f64| {
+            let round = round(low.max(high));
+            format!("cylinder({round}, h = {height:?}, r1 = {low:?}, r2 = {high:?}, center = true);")
+        };
+        Some(match shape {
+            Primitive::Sphere(_) => {
+                let radius = number("radius")?;
+                format!("sphere({}, r = {radius:?});", round(radius))
+            }
+            Primitive::Ellipsoid(_) => return self.ellipsoid(shape, place),
+            Primitive::CentredBox(_) | Primitive::BoxFromCorners(_) => cuboid(&shape.lower().bounds),
+            Primitive::Cylinder(_) => cylinder(number("radius")?, number("radius")?, number("height")?),
+            Primitive::Cone(_) => cylinder(number("radius1")?, number("radius2")?, number("height")?),
+            Primitive::Tube(_) => {
+                let (inner, outer, height) =
+                    (number("inner_radius")?, number("outer_radius")?, number("height")?);
+                let body = cylinder(outer, outer, height);
+                // longer than the body, so that no face of the bore lies in one of the body
+                match inner > 0.0 {
+                    true => format!("difference() {{ {body} {} }}", cylinder(inner, inner, 1.5 * height)),
+                    false => body,
+                }
+            }
+            Primitive::Torus(_) if number("major")? > number("minor")? => {
+                let (major, minor) = (number("major")?, number("minor")?);
+                let (around, across) = (round(major + minor), round(minor));
+                let moved = rows(&Affine::translate(Vec3::X * major));
+                format!(
+                    "rotate_extrude(angle = 360, convexity = 2, {around}) {{ multmatrix({moved}) {{ circle({across}, r = {minor:?}); }} }}"
+                )
+            }
+            _ => return None,
+        })
+    }
+
+    /// A ball, scaled along the axes.
+    fn ellipsoid(&self, shape: &Primitive, place: &Affine) -> Option<String> {
+        let radii = shape.arguments().into_iter().find_map(|(_, value)| match value {
+            Value::Vector(radii) => <[f64; 3]>::try_from(radii).ok(),
+            _ => None,
+        })?;
+        let scaled = Affine::scale(Vec3::from_array(radii));
+        let fragments = self.fragments(&scaled.then(place), 1.0);
+        let ball = format!("sphere($fn = {fragments}, $fa = 12, $fs = 2, r = 1);");
+        Some(under(&scaled, &ball))
+    }
+}
+
+impl Builder for Writer<'_, '_> {
+    type Part = usize;
+
+    fn everything(&mut self) -> usize {
+        let text = cuboid(&self.model.clip);
+        self.add(Piece::Text(text))
+    }
+
+    fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<usize>, WriteError> {
+        if let Some(text) = self.plain(shape, place) {
+            return Ok(Some(self.add(Piece::Text(under(place, &text)))));
+        }
+        if let Primitive::Mesh(mesh) = shape {
+            let text = polyhedron(&mesh.solid().to_mesh());
+            return Ok(Some(self.add(Piece::Text(under(place, &text)))));
+        }
+        let lowered = shape.lower();
+        self.is_cut |= !lowered.bounds.is_finite();
+        let is_endless = matches!(shape, Primitive::Cylinder(_) | Primitive::Tube(_));
+        if facets::planes_of(&lowered).is_none() && !is_endless {
+            let what = format!("`{}`, by triangles within {:.3e}", shape.name(), self.model.tolerance);
+            self.remarks.add(RemarkKind::Approximated, what);
+        }
+        if let Some(text) = self.endless(shape, place) {
+            return Ok(Some(self.add(Piece::Text(under(place, &text)))));
+        }
+        let request = Request { shape, place, clip: &self.model.clip, tolerance: self.model.tolerance };
+        let failed = |why: String| WriteError::Kernel {
+            region: self.model.scene.regions[self.region].name.clone(),
+            why: format!("`{}`: {why}", shape.name()),
+        };
+        let body = facets::body(&request).map_err(failed)?;
+        let mesh = body.map(|body| body.mesh()).transpose().map_err(failed)?;
+        Ok(mesh.map(|mesh| self.add(Piece::Text(polyhedron(&mesh)))))
+    }
+
+    fn join(&mut self, by: Operation, parts: Vec<usize>) -> Result<Option<usize>, WriteError> {
+        let name = match by {
+            Operation::Union => "union",
+            Operation::Intersection => "intersection",
+            Operation::Difference => "difference",
+        };
+        Ok(Some(self.add(Piece::Group(name, parts))))
+    }
+
+    fn region(&self) -> String {
+        self.model.scene.regions[self.region].name.clone()
+    }
+}
+
+impl Writer<'_, '_> {
+    /// A cylinder or tube without ends, as long as the box.
+    fn endless(&self, shape: &Primitive, place: &Affine) -> Option<String> {
+        let room = self.model.clip.transformed(&place.inverse().ok()?);
+        let height = 2.0 * room.lo.z.abs().max(room.hi.z.abs());
+        let number = |name: &str| number(shape, name);
+        let finite = match shape {
+            Primitive::Cylinder(_) => {
+                rayweave_shape::primitive::Cylinder::new(number("radius")?, height).ok()?.into()
+            }
+            Primitive::Tube(_) => {
+                let (outer, inner) = (number("outer_radius")?, number("inner_radius")?);
+                rayweave_shape::primitive::Tube::new(outer, inner, height).ok()?.into()
+            }
+            _ => return None,
+        };
+        self.plain(&finite, place)
+    }
+}
+
+fn vector(v: Vec3) -> String {
+    format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z)
+}
+
+fn rows(map: &Affine) -> String {
+    let row = |row: [f64; 4]| format!("[{}]", row.map(|number| format!("{number:?}")).join(", "));
+    format!("[{}]", map.to_rows().map(row).join(", "))
+}
+
+/// An item under a map.
+fn under(map: &Affine, item: &str) -> String {
+    if *map == Affine::IDENTITY { item.to_owned() } else { format!("multmatrix({}) {{ {item} }}", rows(map)) }
+}
+
+fn cuboid(bounds: &Bounds) -> String {
+    let cube = format!("cube(size = {}, center = false);", vector(bounds.size()));
+    under(&Affine::translate(bounds.lo), &cube)
+}
+
+/// Faces turn clockwise there, seen from outside.
+fn polyhedron(mesh: &Mesh) -> String {
+    let points: Vec<String> = mesh.vertices().iter().map(|p| vector(*p)).collect();
+    let faces: Vec<String> = mesh.triangles().iter().map(|[a, b, c]| format!("[{a}, {c}, {b}]")).collect();
+    format!("polyhedron(points = [{}], faces = [{}], convexity = 4);", points.join(", "), faces.join(", "))
+}

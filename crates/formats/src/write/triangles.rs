@@ -1,0 +1,160 @@
+//! Scenes as meshes: each region a closed mesh, within the tolerance.
+
+use super::facets::{self, Request};
+use super::fold::{Builder, Operation, fold};
+use super::kernel::Body;
+use super::model::Model;
+use super::remark::Remarks;
+use super::{RemarkKind, WriteError, WriteOptions};
+use rayweave_math::{Affine, Vec3};
+use rayweave_mesh::Mesh;
+use rayweave_mesh::files::{MeshFormat, WriteOptions as MeshOptions, write_parts};
+use rayweave_scene::Unit;
+use rayweave_shape::primitive::Primitive;
+
+/// Builds bodies of triangles.
+struct Triangulator<'m, 's> {
+    model: &'m Model<'s>,
+    region: usize,
+    /// A shape without an end was cut to the box.
+    is_cut: bool,
+}
+
+impl Triangulator<'_, '_> {
+    fn failed(&self, why: String) -> WriteError {
+        WriteError::Kernel { region: self.region(), why }
+    }
+}
+
+impl Builder for Triangulator<'_, '_> {
+    type Part = Body;
+
+    fn everything(&mut self) -> Body {
+        Body::cuboid(&self.model.clip)
+    }
+
+    fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<Body>, WriteError> {
+        self.is_cut |= !shape.lower().bounds.is_finite();
+        let request = Request { shape, place, clip: &self.model.clip, tolerance: self.model.tolerance };
+        facets::body(&request).map_err(|why| self.failed(format!("`{}`: {why}", shape.name())))
+    }
+
+    fn join(&mut self, by: Operation, parts: Vec<Body>) -> Result<Option<Body>, WriteError> {
+        joined(by, parts).map_err(|why| self.failed(why))
+    }
+
+    fn region(&self) -> String {
+        self.model.scene.regions[self.region].name.clone()
+    }
+}
+
+fn joined(by: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, String> {
+    match by {
+        Operation::Union => Body::union(parts),
+        Operation::Difference => {
+            let first = parts.remove(0);
+            match Body::union(parts)? {
+                Some(others) => first.less(&others),
+                None => Ok(Some(first)),
+            }
+        }
+        Operation::Intersection => {
+            let mut parts = parts.into_iter();
+            let mut rest = parts.next();
+            for part in parts {
+                rest = match rest {
+                    Some(rest) => rest.common(&part)?,
+                    None => None,
+                };
+            }
+            Ok(rest)
+        }
+    }
+}
+
+/// The solid of a region before anything is cut out of it.
+fn solid(model: &Model, region: usize) -> Result<Option<Body>, WriteError> {
+    let mut builder = Triangulator { model, region, is_cut: false };
+    let made = fold(&model.scene.regions[region].solid, &mut builder)?;
+    match made {
+        Some(body) if builder.is_cut => {
+            body.common(&Body::cuboid(&model.clip)).map_err(|why| builder.failed(why))
+        }
+        made => Ok(made),
+    }
+}
+
+/// The meshes of all regions, with their names.
+pub(super) fn meshes(model: &Model) -> Result<Vec<(String, Body)>, WriteError> {
+    let count = model.scene.regions.len();
+    let solids: Vec<Option<Body>> =
+        (0..count).map(|region| solid(model, region)).collect::<Result<_, _>>()?;
+    let mut bodies = Vec::new();
+    for (number, region) in model.regions() {
+        let Some(body) = &solids[number] else { continue };
+        let cutters = model.later[number].iter().filter_map(|k| solids[*k].clone()).collect();
+        let failed = |why| WriteError::Kernel { region: region.name.clone(), why };
+        let rest = match Body::union(cutters).map_err(failed)? {
+            Some(cutters) => body.less(&cutters).map_err(failed)?,
+            None => Some(body.clone()),
+        };
+        bodies.extend(rest.map(|body| (region.name.clone(), body)));
+    }
+    Ok(bodies)
+}
+
+pub(super) fn write(
+    model: &Model,
+    format: MeshFormat,
+    options: &WriteOptions,
+    remarks: &mut Remarks,
+) -> Result<Vec<u8>, WriteError> {
+    let mut bodies = meshes(model)?;
+    let is_plain =
+        matches!(format, MeshFormat::Ply | MeshFormat::Off) || format == MeshFormat::Stl && !options.text;
+    if is_plain && bodies.len() > 1 {
+        remarks.add(RemarkKind::Dropped, "what tells regions apart (they are one body)");
+        let all = bodies.into_iter().map(|(_, body)| body).collect();
+        let all = Body::union(all).map_err(|why| WriteError::Kernel { region: "model".to_owned(), why })?;
+        bodies = all.into_iter().map(|body| (String::new(), body)).collect();
+    }
+    tell(model, format, options, remarks);
+    let mut parts = Vec::new();
+    for (name, body) in &bodies {
+        let failed = |why: String| WriteError::Kernel { region: name.clone(), why };
+        let mesh = body.mesh().map_err(failed)?;
+        let mesh = mesh.mapped(|p| in_format(p, format, model.scene.unit));
+        parts.push((name.as_str(), mesh.map_err(|error| failed(error.to_string()))?));
+    }
+    let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
+    let mut bytes = Vec::new();
+    write_parts(&parts, format, MeshOptions { text: options.text }, &mut bytes)?;
+    Ok(bytes)
+}
+
+fn tell(model: &Model, format: MeshFormat, options: &WriteOptions, remarks: &mut Remarks) {
+    let (tolerance, unit) = (model.tolerance, model.scene.unit);
+    remarks
+        .add(RemarkKind::Approximated, format!("curved faces, by triangles within {tolerance:.3e} {unit}"));
+    let is_single =
+        matches!(format, MeshFormat::Gltf | MeshFormat::Glb) || format == MeshFormat::Stl && !options.text;
+    if is_single {
+        remarks.add(RemarkKind::Approximated, "coordinates, in single precision");
+    }
+    let has_unit = matches!(format, MeshFormat::ThreeMf | MeshFormat::Gltf | MeshFormat::Glb);
+    if !has_unit && unit != Unit::default() {
+        remarks.add(RemarkKind::Dropped, format!("the unit ({unit})"));
+    }
+    remarks.add(RemarkKind::Dropped, "colours and names of faces");
+    model.tell_media(remarks);
+    model.tell_pictures(remarks);
+}
+
+/// A point in the unit and the axes of the format: 3MF is written in millimetres, glTF is in metres with y up.
+fn in_format(p: Vec3, format: MeshFormat, unit: Unit) -> Vec3 {
+    match format {
+        MeshFormat::ThreeMf => p * (unit.metres() / Unit::Millimetre.metres()),
+        MeshFormat::Gltf | MeshFormat::Glb => Vec3::new(p.x, p.z, -p.y) * unit.metres(),
+        _ => p,
+    }
+}

@@ -1,0 +1,187 @@
+//! Files of meshes as models: regions, units, what is wrong and what can be mended.
+
+use rayweave_formats::{Format, Imported, LossKind, Options, load, parse};
+use rayweave_math::Vec3;
+use rayweave_mesh::Mesh;
+use rayweave_mesh::files::{MeshFormat, WriteOptions, save};
+use rayweave_model::{Evaluator, Program, RegionId};
+use rayweave_scene::{Diagnostics, Unit};
+use rayweave_trace::Weave;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A folder of its own, gone at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Folder {
+        let folder = std::env::temp_dir().join(format!("rayweave-formats-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        Folder(folder)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The twelve triangles of a box.
+fn cuboid(lo: [f64; 3], hi: [f64; 3]) -> Mesh {
+    let corner = |k: usize| {
+        Vec3::from_array(std::array::from_fn(|axis| if k >> axis & 1 == 1 { hi[axis] } else { lo[axis] }))
+    };
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = sides.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    Mesh::new((0..8).map(corner).collect(), triangles).unwrap()
+}
+
+fn obj(objects: &[(&str, &Mesh)]) -> String {
+    let (mut text, mut first) = (String::new(), 1);
+    for (name, mesh) in objects {
+        text += &format!("o {name}\n");
+        mesh.vertices().iter().for_each(|p| text += &format!("v {} {} {}\n", p.x, p.y, p.z));
+        mesh.triangles()
+            .iter()
+            .for_each(|[a, b, c]| text += &format!("f {} {} {}\n", a + first, b + first, c + first));
+        first += mesh.vertices().len() as u32;
+    }
+    text
+}
+
+fn read(text: &str, options: &Options) -> Result<Imported, Diagnostics> {
+    parse(text, Format::Mesh(MeshFormat::Obj), &[], options)
+}
+
+/// The region that holds a point, 0 for none.
+fn region(imported: &Imported, point: [f64; 3]) -> u32 {
+    let program = Arc::new(Program::compile_regions(&imported.scene.model_regions()).unwrap());
+    let weave = Weave::new(program);
+    let mut region = [RegionId(0)];
+    let [x, y, z] = point;
+    weave.regions_at([&[x], &[y], &[z]], &mut weave.scratch(), &mut region);
+    region[0].0
+}
+
+#[test]
+fn every_format_of_meshes_is_a_model() {
+    let folder = Folder::new("every");
+    for format in MeshFormat::ALL {
+        let path = folder.0.join(format!("part.{}", format.name()));
+        save(&cuboid([0.0; 3], [1.0, 2.0, 3.0]), &path, None, WriteOptions::default()).unwrap();
+        let imported = load(&path, None, &[], &Options::default()).unwrap();
+        let scene = &imported.scene;
+        assert_eq!((scene.regions.len(), scene.regions[0].name.as_str()), (1, "part"), "{format:?}");
+        assert!(imported.report.is_empty() && scene.warnings.is_empty());
+        // y is up in glTF
+        let is_gltf = matches!(format, MeshFormat::Gltf | MeshFormat::Glb);
+        let (inside, outside) = match is_gltf {
+            true => ([0.5, -2.5, 1.5], [0.5, 1.5, 2.5]),
+            false => ([0.5, 1.5, 2.5], [0.5, -2.5, 1.5]),
+        };
+        assert_eq!((region(&imported, inside), region(&imported, outside)), (1, 0), "{format:?}");
+        assert_eq!(scene.unit, if is_gltf { Unit::Metre } else { Unit::Millimetre });
+        // the document says the same
+        let (_, back) = rayweave_scene::parse(&imported.document().to_toml()).unwrap();
+        assert_eq!(&back, scene);
+    }
+}
+
+#[test]
+fn units_are_the_files_or_as_asked() {
+    let folder = Folder::new("units");
+    let inch = Options { unit: Some(Unit::Inch), ..Options::default() };
+    let text = obj(&[("a", &cuboid([0.0; 3], [1.0; 3]))]);
+    assert_eq!(read(&text, &inch).unwrap().scene.unit, Unit::Inch);
+    let path = folder.0.join("part.3mf");
+    save(&cuboid([0.0; 3], [1.0; 3]), &path, None, WriteOptions::default()).unwrap();
+    let refused = load(&path, None, &[], &inch).unwrap_err().to_string();
+    assert!(
+        refused.contains("the unit cannot be set to in (files of the format 3mf say theirs)"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn closed_objects_are_regions_and_the_later_wins() {
+    let (a, b) = (cuboid([0.0; 3], [2.0; 3]), cuboid([1.0; 3], [3.0; 3]));
+    let imported = read(&obj(&[("left", &a), ("right", &b), ("right", &b)]), &Options::default()).unwrap();
+    let names: Vec<&str> = imported.scene.regions.iter().map(|region| region.name.as_str()).collect();
+    assert_eq!(names, ["left", "right", "right2"]);
+    let at = |x: f64| region(&imported, [x; 3]);
+    assert_eq!([at(-0.5), at(0.5), at(1.5), at(2.5)], [0, 1, 3, 3]);
+}
+
+#[test]
+fn objects_that_close_only_together_are_one_solid() {
+    let whole = cuboid([0.0; 3], [1.0; 3]);
+    let (vertices, triangles) = whole.into_parts();
+    let half =
+        |range: std::ops::Range<usize>| Mesh::new(vertices.clone(), triangles[range].to_vec()).unwrap();
+    let imported = read(&obj(&[("a", &half(0..5)), ("b", &half(5..12))]), &Options::default()).unwrap();
+    assert_eq!(imported.scene.regions.len(), 1);
+    assert_eq!((region(&imported, [0.5; 3]), region(&imported, [1.5; 3])), (1, 0));
+    let warnings = imported.scene.warnings.to_string();
+    assert!(
+        warnings.contains("2 of 2 objects are not closed by themselves (all triangles together"),
+        "{warnings}"
+    );
+}
+
+#[test]
+fn what_is_open_is_an_error_with_its_place_unless_it_is_repaired() {
+    let (vertices, triangles) = cuboid([0.0; 3], [1.0; 3]).into_parts();
+    // a lid is missing, one triangle is there twice, one is turned round
+    let mut broken = triangles[2..].to_vec();
+    broken.push(triangles[5]);
+    broken[4].swap(0, 1);
+    let text = obj(&[("a", &Mesh::new(vertices, broken).unwrap())]);
+    let refused = read(&text, &Options::default()).unwrap_err().to_string();
+    assert!(refused.contains("the mesh is no solid: the mesh is not closed"), "{refused}");
+    assert!(refused.contains("--repair"), "{refused}");
+    let repair = Options { repair: true, ..Options::default() };
+    let imported = read(&text, &repair).unwrap();
+    assert_eq!((region(&imported, [0.5; 3]), region(&imported, [1.5; 3])), (1, 0));
+    let done: Vec<(LossKind, &str)> =
+        imported.report.iter().map(|loss| (loss.kind, loss.what.as_str())).collect();
+    let expected = ["repeated triangles left out", "holes with a plane rim closed", "triangles turned round"];
+    assert_eq!(done, expected.map(|what| (LossKind::Approximated, what)));
+    let told = imported.scene.warnings.to_string();
+    assert!(told.contains("the mesh was repaired: 1 holes with a plane rim closed"), "{told}");
+}
+
+#[test]
+fn points_that_nearly_meet_are_joined_if_that_closes_it() {
+    let mesh = cuboid([0.0; 3], [1.0; 3]);
+    let (vertices, triangles) = mesh.into_parts();
+    // each triangle has corners of its own, which differ in the seventh digit
+    let apart: Vec<Vec3> = triangles
+        .iter()
+        .enumerate()
+        .flat_map(|(k, t)| t.map(|v| vertices[v as usize] + 1e-8 * k as f64))
+        .collect();
+    let numbers = (0..triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let text = obj(&[("a", &Mesh::new(apart, numbers).unwrap())]);
+    assert!(read(&text, &Options::default()).is_err());
+    let imported = read(&text, &Options { repair: true, ..Options::default() }).unwrap();
+    assert_eq!((region(&imported, [0.5; 3]), region(&imported, [1.5; 3])), (1, 0));
+    let joined = imported.report.iter().next().unwrap();
+    assert_eq!(joined.what, "points joined with others near to them");
+}
+
+#[test]
+fn counts_that_cannot_be_are_refused_before_anything_is_taken() {
+    let folder = Folder::new("count");
+    let path = folder.0.join("huge.stl");
+    let mut bytes = vec![0; 84];
+    bytes[80..].copy_from_slice(&u32::MAX.to_le_bytes());
+    bytes.extend([0; 16]);
+    std::fs::write(&path, bytes).unwrap();
+    let refused = load(&path, None, &[], &Options::default()).unwrap_err().to_string();
+    assert!(refused.contains("4294967295 triangles (at most"), "{refused}");
+    let missing = load(folder.0.join("none.ply"), None, &[], &Options::default()).unwrap_err().to_string();
+    assert!(missing.contains("none.ply") && missing.contains("there is no such file"), "{missing}");
+    let set = [("R".to_owned(), "1".to_owned())];
+    assert!(parse("", Format::Mesh(MeshFormat::Off), &set, &Options::default()).is_err());
+}

@@ -1,0 +1,293 @@
+//! Scenes written in every format and read back: the same solid, judged by rays and by closed forms.
+
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rayweave_formats::{Format, Imported, Options, RemarkKind, WriteOptions, Written, parse, write};
+use rayweave_math::{Affine, Bounds, Mat3, Vec3};
+use rayweave_mesh::files::{MeshFormat, ReadOptions, read_bytes};
+use rayweave_mesh::{Mesh, Polyhedron};
+use rayweave_model::{Evaluator, Program, Query, RayBatch, RegionId, Solid};
+use rayweave_scene::{Document, Scene};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::{self, Primitive};
+use rayweave_trace::Weave;
+use std::sync::Arc;
+
+/// A scene of solids, each a region of a medium of its own.
+fn scene(solids: &[(&str, Solid)]) -> Scene {
+    let document = Document::from_solids(solids.iter().map(|(name, solid)| (*name, solid)));
+    let regions = solids.iter().map(|(name, _)| format!("[[region]]\nsolid = '{name}'\n"));
+    let text = document.to_toml() + &regions.collect::<String>();
+    rayweave_scene::parse(&text).unwrap().1
+}
+
+fn written(scene: &Scene, format: Format, tolerance: Option<f64>) -> Written {
+    write(scene, None, format, &WriteOptions { tolerance, text: true }).unwrap()
+}
+
+fn back(written: &Written, format: Format) -> Imported {
+    let text = std::str::from_utf8(&written.bytes).unwrap();
+    let imported = parse(text, format, &[], &Options::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    assert!(imported.report.is_empty(), "{:?}", imported.report);
+    imported
+}
+
+/// All regions that are not of the world as one solid.
+fn whole(scene: &Scene) -> Solid {
+    let solids = scene.regions.iter().filter(|region| region.colour.alpha > 0);
+    Solid::union(solids.map(|region| region.solid.clone()))
+}
+
+/// Rays through a box, from all sides.
+fn rays(bounds: &Bounds, count: usize, seed: u64) -> RayBatch {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut point = || bounds.lo + bounds.size() * Vec3::new(rng.random(), rng.random(), rng.random());
+    (0..count)
+        .map(|_| {
+            let (a, b) = (point(), point());
+            Ray::new(a, b - a)
+        })
+        .collect()
+}
+
+/// The times at which rays enter or leave a solid, ray by ray.
+fn times(solid: &Solid, batch: &RayBatch) -> Vec<Vec<f64>> {
+    let weave = Weave::new(Arc::new(Program::compile(solid).unwrap()));
+    let collected = weave.collect(batch.rays(), &Query::default()).unwrap();
+    let of = |ray: usize| collected.of(ray).iter().map(|crossing| crossing.t).collect();
+    (0..batch.len()).map(of).collect()
+}
+
+/// The greatest length on a ray that is in one of two solids only, and the mean of it over all rays.
+fn difference(a: &Solid, b: &Solid, count: usize) -> (f64, f64) {
+    // what comes back may have a box without an end, as quadrics that something else cuts have
+    let bounds = Program::compile(a).unwrap().bounds();
+    let batch = rays(&bounds.grown(0.05 * bounds.size().length()), count, 7);
+    let lengths = times(a, &batch).into_iter().zip(times(b, &batch)).enumerate().map(|(ray, (a, b))| {
+        // where the one changes and the other does not, the parity of all changes is odd
+        let mut all = [a, b].concat();
+        all.sort_by(f64::total_cmp);
+        all.chunks(2).map(|pair| pair[1] - pair[0]).sum::<f64>() * batch.rays().get(ray).direction.length()
+    });
+    let lengths: Vec<f64> = lengths.collect();
+    (lengths.iter().copied().fold(0.0, f64::max), lengths.iter().sum::<f64>() / count as f64)
+}
+
+/// Maps of all sorts: none, rigid, mirrored, scaled unequally, sheared.
+fn maps() -> Vec<Affine> {
+    let turn =
+        Affine::rotation(Vec3::new(1.0, 2.0, -0.5), 40.0).then(&Affine::translate(Vec3::new(0.3, -0.2, 0.1)));
+    let shear =
+        Affine::from_linear(Mat3::from_cols(Vec3::X, Vec3::new(0.3, 1.0, 0.0), Vec3::new(0.0, 0.2, 1.0)));
+    vec![
+        Affine::IDENTITY,
+        turn,
+        Affine::mirror(Vec3::new(1.0, 0.5, 0.2)).then(&turn),
+        Affine::scale(Vec3::new(1.0, 0.7, 1.3)).then(&turn),
+        shear.then(&turn),
+    ]
+}
+
+/// An example of every shape under a map, cut to a ball where it has no end.
+fn examples(map: &Affine) -> Vec<(&'static str, Solid)> {
+    let ball = Solid::from(Primitive::from(primitive::Sphere::new(3.0).unwrap()));
+    let finite = |primitive: Primitive| {
+        let (name, bounds) = (primitive.name(), primitive.lower().bounds);
+        let solid = Solid::from(primitive);
+        let solid = if bounds.is_finite() { solid } else { &solid & &ball };
+        (name, solid.apply(*map))
+    };
+    Primitive::examples().into_iter().map(finite).collect()
+}
+
+fn is_exact(written: &Written) -> bool {
+    written.remarks.iter().all(|remark| remark.kind != RemarkKind::Approximated)
+}
+
+#[test]
+fn every_shape_under_every_map_comes_back() {
+    let mut exact = 0;
+    for format in [Format::Native, Format::OpenScad, Format::Gdml] {
+        for map in maps() {
+            for (name, solid) in examples(&map) {
+                let scene = scene(&[(name, solid.clone())]);
+                let size = Program::compile(&solid).unwrap().bounds().size().length();
+                let file = written(&scene, format, Some(1e-2 * size));
+                let (most, mean) = difference(&solid, &whole(&back(&file, format).scene), 400);
+                if is_exact(&file) {
+                    exact += 1;
+                    assert!(most < 1e-9 * size, "{format} {name} {map:?}: {most}");
+                } else {
+                    assert!(mean < 3e-2 * size, "{format} {name} {map:?}: {mean}");
+                }
+            }
+        }
+    }
+    // of 19 shapes, 5 maps and 3 formats
+    assert!(exact > 200, "{exact}");
+}
+
+/// A random tree of shapes, within a ball.
+fn random_solid(rng: &mut ChaCha8Rng, depth: u32) -> Solid {
+    if depth == 0 {
+        let exact = [
+            "sphere",
+            "ellipsoid",
+            "box",
+            "cylinder",
+            "cone",
+            "half_space",
+            "slab",
+            "torus",
+            "tube",
+            "wedge",
+            "prism",
+            "convex",
+        ];
+        let shape = loop {
+            let shape = Primitive::random(|| rng.random());
+            if exact.contains(&shape.name()) {
+                break shape;
+            }
+        };
+        let mut number = || rng.random_range(-1.0..1.0);
+        let axis = Vec3::new(number(), number(), 1.1);
+        let turn = Affine::rotation(axis, 180.0 * number());
+        return Solid::from(shape).apply(turn.then(&Affine::translate(Vec3::new(
+            number(),
+            number(),
+            number(),
+        ))));
+    }
+    let (a, b) = (random_solid(rng, depth - 1), random_solid(rng, depth - 1));
+    match rng.random_range(0..6) {
+        0 | 1 => a | b,
+        2 => a & b,
+        3 => a - b,
+        4 => a ^ b,
+        _ => !a | b,
+    }
+}
+
+#[test]
+fn random_models_come_back() {
+    let mut rng = ChaCha8Rng::seed_from_u64(61);
+    let ball = Solid::from(Primitive::from(primitive::Sphere::new(2.5).unwrap()));
+    for round in 0..30 {
+        let solid = random_solid(&mut rng, 1 + round % 3) & ball.clone();
+        if Program::compile(&solid).unwrap().bounds().is_empty() {
+            continue;
+        }
+        let scene = scene(&[("part", solid.clone())]);
+        for format in [Format::Native, Format::OpenScad, Format::Gdml] {
+            let file = written(&scene, format, None);
+            let approximated: Vec<_> =
+                file.remarks.iter().filter(|remark| remark.kind == RemarkKind::Approximated).collect();
+            let (most, _) = difference(&solid, &whole(&back(&file, format).scene), 300);
+            assert!(most < 1e-8 || !approximated.is_empty(), "{format} {round}: {most} {solid}");
+        }
+    }
+}
+
+#[test]
+fn later_regions_win_in_every_format() {
+    let ball = |radius: f64, x: f64| {
+        Solid::from(Primitive::from(primitive::Sphere::new(radius).unwrap())).translate([x, 0.0, 0.0])
+    };
+    let scene = scene(&[("one", ball(2.0, 0.0)), ("two", ball(1.5, 1.5)), ("three", ball(0.5, 1.0))]);
+    let region = |scene: &Scene, x: f64, scale: f64| {
+        let program = Arc::new(Program::compile_regions(&scene.model_regions()).unwrap());
+        let weave = Weave::new(program);
+        let mut found = [RegionId(0)];
+        let [x, y, z] = [x, 0.01, 0.02].map(|number| scale * number);
+        weave.regions_at([&[x], &[y], &[z]], &mut weave.scratch(), &mut found);
+        let found = found[0].0 as usize;
+        (found > 0 && scene.regions[found - 1].colour.alpha > 0).then(|| scene.regions[found - 1].colour)
+    };
+    for format in
+        [Format::OpenScad, Format::Gdml, Format::Mesh(MeshFormat::Obj), Format::Mesh(MeshFormat::Gltf)]
+    {
+        let back = back(&written(&scene, format, Some(0.01)), format);
+        for x in [-2.5, -1.0, 0.2, 0.7, 1.3, 2.2, 2.9, 3.1] {
+            let expected = region(&scene, x, 1.0);
+            // glTF is in metres
+            let scale = if format == Format::Mesh(MeshFormat::Gltf) { 1e-3 } else { 1.0 };
+            assert_eq!(region(&back.scene, x, scale), expected, "{format} {x}");
+        }
+    }
+}
+
+/// The mesh of a solid, which has to be sound.
+fn mesh(solid: &Solid, tolerance: f64) -> Mesh {
+    let scene = scene(&[("part", solid.clone())]);
+    let file = written(&scene, Format::Mesh(MeshFormat::Ply), Some(tolerance));
+    let mesh = read_bytes(&file.bytes, MeshFormat::Ply, &ReadOptions::default()).unwrap().mesh;
+    let diagnosis = mesh.diagnose();
+    assert!(diagnosis.is_sound(), "{solid}: {diagnosis}");
+    mesh
+}
+
+#[test]
+fn meshes_of_shapes_are_sound_and_within_the_tolerance() {
+    for (primitive, tolerance) in
+        Primitive::examples().into_iter().flat_map(|p| [(p.clone(), 0.02), (p, 0.002)])
+    {
+        let name = primitive.name();
+        let Some(volume) = primitive.volume().filter(|volume| volume.is_finite()) else { continue };
+        let solid = Solid::from(primitive);
+        let mesh = mesh(&solid, tolerance);
+        // corners lie on the surface, so that the volume is off by no more than the tolerance times the area
+        let error = (mesh.volume() - volume).abs();
+        assert!(error <= tolerance * mesh.area(), "{name} {tolerance}: {} {volume}", mesh.volume());
+        let body = Solid::from(Primitive::from(primitive::Mesh::from(Polyhedron::new(&mesh).unwrap())));
+        let (_, mean) = difference(&solid, &body, 300);
+        assert!(mean <= 4.0 * tolerance, "{name} {tolerance}: {mean}");
+    }
+}
+
+#[test]
+fn booleans_of_meshes_keep_edges_and_closed_forms() {
+    let cylinder =
+        |radius, height| Solid::from(Primitive::from(primitive::Cylinder::new(radius, height).unwrap()));
+    let cuboid =
+        |size: f64| Solid::from(Primitive::from(primitive::CentredBox::new(Vec3::splat(size)).unwrap()));
+    let ball = |radius| Solid::from(Primitive::from(primitive::Sphere::new(radius).unwrap()));
+    let pi = std::f64::consts::PI;
+    let cases = [
+        // faces in common
+        ("bored cube", cuboid(2.0) - cylinder(0.5, 2.0), 8.0 - 0.5 * pi),
+        ("endless bore", cuboid(2.0) - cylinder(0.5, f64::INFINITY), 8.0 - 0.5 * pi),
+        ("plug in its bore", (cuboid(2.0) - cylinder(0.5, 2.0)) | cylinder(0.5, 2.0), 8.0),
+        ("two cubes side by side", cuboid(1.0) | cuboid(1.0).translate([1.0, 0.0, 0.0]), 2.0),
+        ("cap of a ball", ball(1.0) & cuboid(2.0).translate([0.0, 0.0, 1.5]), 5.0 * pi / 24.0),
+        ("hollow ball", ball(1.0) - ball(0.5), 4.0 / 3.0 * pi * 0.875),
+        ("Steinmetz solid", cylinder(1.0, 4.0) & cylinder(1.0, 4.0).rotate_x(90.0), 16.0 / 3.0),
+        ("complement", cuboid(2.0) & !ball(0.8), 8.0 - 4.0 / 3.0 * pi * 0.512),
+        ("odd", cuboid(2.0) ^ cuboid(1.0), 7.0),
+    ];
+    for (name, solid, volume) in cases {
+        for tolerance in [0.02, 0.001] {
+            let mesh = mesh(&solid, tolerance);
+            let error = (mesh.volume() - volume).abs();
+            assert!(error <= tolerance * mesh.area(), "{name} {tolerance}: {} {volume}", mesh.volume());
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_written_says_why() {
+    let endless =
+        scene(&[("rod", Primitive::from(primitive::Cylinder::new(1.0, f64::INFINITY).unwrap()).into())]);
+    let refused = write(&endless, None, Format::OpenScad, &WriteOptions::default()).unwrap_err().to_string();
+    assert_eq!(
+        refused,
+        "region `rod` has no end (files of the format openscad cannot say that) can it be cut with a box?"
+    );
+    let ball = scene(&[("ball", Primitive::from(primitive::Sphere::new(1.0).unwrap()).into())]);
+    for tolerance in [0.0, -1.0, f64::NAN] {
+        let options = WriteOptions { tolerance: Some(tolerance), text: false };
+        assert!(write(&ball, None, Format::Gdml, &options).is_err());
+    }
+    let fine = WriteOptions { tolerance: Some(1e-12), text: false };
+    let refused = write(&ball, None, Format::Mesh(MeshFormat::Stl), &fine).unwrap_err().to_string();
+    assert!(refused.contains("more than 20000 corners around a circle"), "{refused}");
+}
