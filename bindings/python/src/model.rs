@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
-use rayweave::Compiled;
-use rayweave::formats::{self, Format, Options};
+use rayweave::formats::{self, Format, Options, WriteOptions};
 use rayweave::model::simplify::Preparation;
-use rayweave::scene::{Diagnostics, Document, Scene, parse_with};
+use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
+use rayweave::{Compiled, convert};
 
 use crate::engine::{Engine, How};
 use crate::error::{bad_type, bad_value};
@@ -26,7 +27,8 @@ use crate::{along, crossings, hits, nearest, pickle, points};
 /// and `loads`. The questions are those of `Solid`; inside is where the medium is not that of the world.
 #[pyclass(frozen, module = "rayweave", name = "Model")]
 pub struct PyModel {
-    document: Document,
+    /// What the file says, if that is more than the scene.
+    stated: Option<Document>,
     scene: Scene,
     /// True if some parameters have other values than the document says.
     overridden: bool,
@@ -36,9 +38,9 @@ pub struct PyModel {
 }
 
 impl PyModel {
-    fn new(read: Result<(Document, Scene), Diagnostics>, overridden: bool) -> PyResult<Self> {
-        let (document, scene) = read.map_err(bad_value)?;
-        Ok(PyModel { document, scene, overridden, compiled: OnceLock::new(), solids: PyOnceLock::new() })
+    fn new(read: Result<(Option<Document>, Scene), Diagnostics>, overridden: bool) -> PyResult<Self> {
+        let (stated, scene) = read.map_err(bad_value)?;
+        Ok(PyModel { stated, scene, overridden, compiled: OnceLock::new(), solids: PyOnceLock::new() })
     }
 
     /// What the model means.
@@ -67,17 +69,24 @@ impl PyModel {
 
     /// The document that says what the model is now.
     fn current_document(&self) -> Document {
-        if self.overridden { Document::from_scene(&self.scene) } else { self.document.clone() }
+        self.current_statement().cloned().unwrap_or_else(|| Document::from_scene(&self.scene))
+    }
+
+    /// The document that the file says, if that still is what the model is.
+    fn current_statement(&self) -> Option<&Document> {
+        self.stated.as_ref().filter(|_| !self.overridden)
     }
 }
 
-/// Reads a model file: a native one (.toml), or one of another program (OpenSCAD's .csg, Geant4's .gdml). The ending tells the
-/// format, unless `format` names it: "native", "openscad" or "gdml". `parameters` gives other values to some of the parameters of a native file: numbers, or arithmetic
+/// Reads a model file: a native one (.toml), one of another program (OpenSCAD's .csg, Geant4's .gdml), or a mesh (.stl, .obj, .ply,
+/// .off, .3mf, .gltf, .glb). The ending tells the format, unless `format` names it: "native", "openscad", "gdml", or the ending of a mesh. `parameters` gives other values to some of the parameters of a native file: numbers, or arithmetic
 /// text. With `facets` round shapes are the facets that their own program makes of them, else they are truly round. What was
 /// approximated, dropped or refused is told by `warnings` of the model. `fonts` are files of fonts, and folders of them, in which those
-/// of texts are looked for before the system's.
+/// of texts are looked for before the system's. With `repair` meshes that are no solids are mended as far as that is safe, and
+/// `warnings` tell what was done. `unit` is that of lengths in files that say none (STL, OBJ, PLY, OFF, OpenSCAD), "mm" if it is not given.
 #[pyfunction]
-#[pyo3(name = "load", signature = (path, parameters = None, *, format = None, facets = false, fonts = Vec::new()))]
+#[pyo3(name = "load", signature = (path, parameters = None, *, format = None, facets = false, fonts = Vec::new(), repair = false, unit = None))]
+#[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
 pub fn load_model(
     py: Python<'_>,
     path: PathBuf,
@@ -85,12 +94,15 @@ pub fn load_model(
     format: Option<&str>,
     facets: bool,
     fonts: Vec<PathBuf>,
+    repair: bool,
+    unit: Option<&str>,
 ) -> PyResult<PyModel> {
     let overrides = overrides(parameters)?;
     let format = format.map(format_of).transpose()?;
-    let options = Options { facets, fonts };
+    let unit = unit.map(unit_of).transpose()?;
+    let options = Options { facets, fonts, repair, unit };
     let read = py.detach(|| formats::load(&path, format, &overrides, &options));
-    PyModel::new(read.map(|imported| (imported.document, imported.scene)), !overrides.is_empty())
+    PyModel::new(read.map(|imported| (imported.stated, imported.scene)), !overrides.is_empty())
 }
 
 fn format_of(name: &str) -> PyResult<Format> {
@@ -99,12 +111,18 @@ fn format_of(name: &str) -> PyResult<Format> {
     Format::from_name(name).ok_or_else(reason)
 }
 
+fn unit_of(symbol: &str) -> PyResult<Unit> {
+    let known = Unit::ALL.map(|(_, symbol, _)| symbol).join(", ");
+    Unit::parse(symbol).ok_or_else(|| bad_value(format!("no unit is called '{symbol}' (there is {known})")))
+}
+
 /// Reads a model from the text of a model file. Files that it names are looked for in the current folder.
 #[pyfunction]
 #[pyo3(signature = (text, parameters = None))]
 pub fn loads(py: Python<'_>, text: &str, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<PyModel> {
     let overrides = overrides(parameters)?;
-    PyModel::new(py.detach(|| parse_with(text, &overrides)), !overrides.is_empty())
+    let read = py.detach(|| parse_with(text, &overrides));
+    PyModel::new(read.map(|(document, scene)| (Some(document), scene)), !overrides.is_empty())
 }
 
 /// Values of parameters as the readers of model files take them.
@@ -313,10 +331,28 @@ impl PyModel {
         Ok(bounds_array(py, &self.engine(py)?.program.bounds()))
     }
 
-    /// Writes the model file, complete or not at all.
-    #[pyo3(signature = (path))]
-    fn save(&self, path: PathBuf) -> PyResult<()> {
-        Ok(self.current_document().save(path)?)
+    /// Writes the model to a file, complete or not at all, in the format of its ending (native where that tells none) or the one
+    /// that `format` names, as `load` takes them. Curved faces that the format has not are triangles within `tolerance`, in the unit
+    /// of the model, a thousandth of its diagonal if it is not given. With `text`, STL and PLY are text. Returns what was approximated, dropped
+    /// or said in another way, as sentences.
+    #[pyo3(signature = (path, *, format = None, tolerance = None, text = false))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        format: Option<&str>,
+        tolerance: Option<f64>,
+        text: bool,
+    ) -> PyResult<Vec<String>> {
+        let format = format.map(format_of).transpose()?;
+        let options = WriteOptions { tolerance, text };
+        let saved =
+            py.detach(|| convert::save(&self.scene, self.current_statement(), &path, format, &options));
+        let remarks = saved.map_err(|error| match error.is_output() {
+            true => PyOSError::new_err(error.to_string()),
+            false => bad_value(error),
+        })?;
+        Ok(remarks.iter().map(ToString::to_string).collect())
     }
 
     /// The model file as text.

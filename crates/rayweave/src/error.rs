@@ -98,9 +98,7 @@ impl Error {
                 InfillError::Empty { .. } | InfillError::Unbounded { .. } | InfillError::TooFar { .. },
             )
             | Cause::Measure(MeasureError::Unbounded { .. } | MeasureError::TooFar { .. })
-            | Cause::Write(WriteError::Unbounded { .. } | WriteError::Kernel { .. }) => {
-                ErrorKind::Solid
-            }
+            | Cause::Write(WriteError::Unbounded { .. } | WriteError::Kernel { .. }) => ErrorKind::Solid,
             Cause::Write(WriteError::Compile(_)) => ErrorKind::Compile,
             Cause::Write(_)
             | Cause::Window(_)

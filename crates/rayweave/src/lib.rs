@@ -116,7 +116,7 @@
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
-//! Models of other programs are read by [`formats::load`], which tells what was lost on the way.
+//! Models of other programs are read by [`formats::load`], which tells what was lost on the way; [`convert`] writes them.
 //!
 //! # Pictures
 //!
@@ -179,6 +179,7 @@ mod explain;
 mod legend;
 mod timeline;
 
+pub mod convert;
 pub mod detector;
 pub mod files;
 pub mod infill;

@@ -18,6 +18,7 @@ from rayweave._core import (
     union,
     vacuum,
 )
+from rayweave._convert import convert
 from rayweave._explain import Entry, Operand, Passage, Question
 from rayweave._hit_array import Operation, array_csg, count_array
 from rayweave._infill import infill
@@ -73,6 +74,7 @@ __all__ = [
     "box",
     "box_from_corners",
     "cone",
+    "convert",
     "convex",
     "count_array",
     "cylinder",

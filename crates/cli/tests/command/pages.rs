@@ -2,12 +2,13 @@
 
 use crate::bench::Bench;
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "bench",
     "render",
     "probe",
     "trace",
     "optics",
+    "convert",
     "export",
     "infill",
     "volume",

@@ -1,0 +1,36 @@
+"""Models from one format into another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike
+
+from rayweave._core import load
+
+
+def convert(
+    source: str | PathLike[str],
+    target: str | PathLike[str],
+    parameters: dict[str, float | str] | None = None,
+    *,
+    format: str | None = None,
+    to: str | None = None,
+    tolerance: float | None = None,
+    text: bool = False,
+    facets: bool = False,
+    fonts: Sequence[str | PathLike[str]] = (),
+    repair: bool = False,
+    unit: str | None = None,
+) -> list[str]:
+    """Write the model in the file ``source`` to the file ``target``, complete or not at all.
+
+    The endings of the names tell the formats, unless ``format`` and ``to`` name them. What is read is told by ``load``,
+    how it is written by ``Model.save``. Returns what was lost on the way: the warnings of the one, then what the other says.
+
+    >>> import rayweave
+    >>> rayweave.convert("lens.toml", "lens.stl", tolerance=0.001)  # doctest: +SKIP
+    """
+    model = load(
+        source, parameters, format=format, facets=facets, fonts=list(fonts), repair=repair, unit=unit
+    )
+    return [*model.warnings, *model.save(target, format=to, tolerance=tolerance, text=text)]

@@ -1,0 +1,77 @@
+"""Models of every format into every other."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rayweave
+
+MODEL = """
+rayweave = 1
+[solid.plate]
+box = { size = [4, 4, 2] }
+[solid.bore]
+cylinder = { radius = 1 }
+[solid.part]
+expr = "plate - bore"
+"""
+
+VOLUME = 2 * (16 - np.pi)
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    path = tmp_path / "part.toml"
+    path.write_text(MODEL)
+    return path
+
+
+def volume(path: Path, **options: object) -> float:
+    """The volume by lines along z, which meet the part over its whole height or not at all."""
+    part = rayweave.load(path, **options)  # type: ignore[arg-type]
+    steps = (np.arange(400) + 0.5) / 100 - 2
+    x, y = (steps.ravel() for steps in np.meshgrid(steps, steps))
+    hits = part.hits(np.stack([x, y, np.full_like(x, -9.0)], axis=1), [0.0, 0.0, 1.0])
+    length = np.where(np.isfinite(hits[1]), hits[1] - np.where(np.isfinite(hits[0]), hits[0], 0), 0)
+    return float(length.mean() * 16)
+
+
+@pytest.mark.parametrize("ending", ["toml", "csg", "gdml", "stl", "obj", "ply", "off", "3mf"])
+def test_every_format(model: Path, tmp_path: Path, ending: str) -> None:
+    target = tmp_path / f"out.{ending}"
+    told = rayweave.convert(model, target, tolerance=1e-3)
+    assert volume(target) == pytest.approx(VOLUME, abs=0.02)
+    assert bool(told) == (ending != "toml")
+    # and on from there
+    last = tmp_path / "last.toml"
+    rayweave.convert(target, last)
+    assert volume(last) == pytest.approx(VOLUME, abs=0.02)
+
+
+def test_save_tells_what_is_lost(model: Path, tmp_path: Path) -> None:
+    part = rayweave.load(model)
+    told = part.save(tmp_path / "part", format="stl", tolerance=0.5)
+    assert any(line.startswith("approximated: curved faces, by triangles within 5") for line in told)
+    assert part.save(tmp_path / "again.toml") == []
+    assert rayweave.load(tmp_path / "again.toml") == part
+    with pytest.raises(rayweave.RayweaveError, match="no format is called"):
+        part.save(tmp_path / "x", format="step")
+    with pytest.raises(rayweave.RayweaveError, match="tolerance is 0"):
+        part.save(tmp_path / "x.stl", tolerance=0.0)
+    with pytest.raises(OSError, match="nowhere"):
+        part.save(tmp_path / "nowhere" / "x.stl")
+
+
+def test_open_meshes_and_units(tmp_path: Path) -> None:
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    path = tmp_path / "open.obj"
+    path.write_text(corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\n")
+    with pytest.raises(rayweave.RayweaveError, match="not closed: 3 edges"):
+        rayweave.load(path)
+    mended = rayweave.load(path, repair=True, unit="in")
+    assert mended.unit == "in"
+    assert any("1 holes with a plane rim closed" in warning for warning in mended.warnings)
+    assert mended.contains([[0.1, 0.1, 0.1], [0.5, 0.5, 0.5]]).tolist() == [True, False]
+    with pytest.raises(rayweave.RayweaveError, match="no unit is called"):
+        rayweave.load(path, unit="furlong")
