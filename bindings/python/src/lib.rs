@@ -76,7 +76,7 @@ mod _core {
     #[pymodule_export]
     use crate::polygons::{PyPolygons, region_from_polygons};
     #[pymodule_export]
-    use crate::render::{notebook_png, render_array};
+    use crate::render::{notebook_png, render_array, sheet_svg};
     #[pymodule_export]
     use crate::rootray::{PyRootRay, count_surfaces, least_separation, root_problems};
     #[pymodule_export]

@@ -10,7 +10,7 @@ use pyo3::types::PyBytes;
 use rayweave::math::Vec3;
 use rayweave::model::drive::Cancel;
 use rayweave::model::{Program, Solid};
-use rayweave::picture::{Picture, PictureKind, Wishes, arrange};
+use rayweave::picture::{Cut, Explosion, Opacity, Picture, PictureKind, Sheet, SheetKind, Wishes, arrange};
 use rayweave::render::{Plane, Run, Size, Style};
 use rayweave::scene::{Camera, Colour, Medium, Projection, RenderSettings, Scene, SceneRegion, Unit};
 use rayweave::{AnyEvaluator, Compiled};
@@ -53,6 +53,84 @@ impl Subject {
             compiled: compiled_of(engine.program.clone()),
             evaluator: engine.evaluator().clone(),
         })
+    }
+}
+
+/// How a picture is drawn: the keyword arguments of `rayweave.render`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Asked<'py> {
+    size: Option<(u32, u32)>,
+    view: Option<String>,
+    field_of_view: Option<f64>,
+    camera: Option<Bound<'py, PyAny>>,
+    shading: Option<String>,
+    edges: Option<bool>,
+    shadows: Option<bool>,
+    samples: Option<u32>,
+    evaluator: Option<String>,
+    threads: Option<Bound<'py, PyAny>>,
+    cut: Option<String>,
+    explode: Option<String>,
+    /// Names of regions or media, or none for all, with opacities.
+    opacity: Vec<(Option<String>, f64)>,
+}
+
+impl Asked<'_> {
+    /// What is drawn, changed as is asked for and then compiled anew.
+    fn subject(&self, object: &Bound<'_, PyAny>) -> PyResult<Subject> {
+        let mut subject = match self.opacity.is_empty() && self.cut.is_none() && self.explode.is_none() {
+            true => Subject::new(object)?,
+            false => self.opened(object)?,
+        };
+        if let Some(object) = &self.camera {
+            subject.scene.camera = Some(camera(object)?);
+        }
+        if let Some(name) = &self.evaluator {
+            subject.evaluator =
+                AnyEvaluator::new(Some(name), subject.compiled.program.clone()).map_err(bad_value)?;
+        }
+        Ok(subject)
+    }
+
+    fn opened(&self, object: &Bound<'_, PyAny>) -> PyResult<Subject> {
+        let mut scene = match object.cast::<PyModel>() {
+            Ok(model) => model.get().scene().clone(),
+            Err(_) => Subject::new(object)?.scene,
+        };
+        let open = || {
+            for (name, opacity) in &self.opacity {
+                Opacity::new(name.as_deref(), *opacity)?.apply(&mut scene)?;
+            }
+            scene = scene.seen();
+            if let Some(cut) = &self.cut {
+                scene = cut.parse::<Cut>()?.apply(&scene)?;
+            }
+            if let Some(explode) = &self.explode {
+                scene = explode.parse::<Explosion>()?.apply(&scene)?;
+            }
+            let compiled = Compiled::new(&scene)?;
+            let evaluator = AnyEvaluator::new(None, compiled.program.clone())?;
+            Ok::<_, rayweave::Error>(Subject { scene, compiled, evaluator })
+        };
+        open().map_err(bad_value)
+    }
+
+    fn wishes(&self) -> PyResult<Wishes> {
+        let size = self.size.map(|(width, height)| Size::new(width, height));
+        Ok(Wishes {
+            size: size.transpose().map_err(bad_value)?,
+            view: self.view.as_deref().map(str::parse).transpose().map_err(bad_value)?,
+            field_of_view: self.field_of_view,
+            style: self.shading.as_deref().map(style).transpose()?,
+            edges: self.edges,
+            shadows: self.shadows,
+            samples: self.samples,
+        })
+    }
+
+    fn threads(&self) -> PyResult<Option<NonZeroUsize>> {
+        self.threads.as_ref().map(thread_argument).transpose()
     }
 }
 
@@ -103,20 +181,12 @@ fn style(name: &str) -> PyResult<Style> {
     }
 }
 
-/// The picture with the interpreter released; Ctrl-C stops it.
-fn draw(
+/// Draws with the interpreter released; Ctrl-C stops it.
+fn released<T: Send>(
     py: Python<'_>,
-    subject: &Subject,
-    evaluator: Option<&str>,
-    kind: PictureKind,
-    wishes: &Wishes,
     threads: Option<NonZeroUsize>,
-) -> PyResult<Picture> {
-    let (camera, settings) = arrange(&subject.scene, &subject.compiled, wishes).map_err(bad_value)?;
-    let evaluator = match evaluator {
-        None => subject.evaluator.clone(),
-        name => AnyEvaluator::new(name, subject.compiled.program.clone()).map_err(bad_value)?,
-    };
+    draw: impl FnOnce(&mut Run<'_>) -> Result<T, rayweave::Error> + Send,
+) -> PyResult<T> {
     let cancel = Cancel::new();
     let (token, mut interrupt) = (cancel.clone(), None);
     let drawn = py.detach(|| {
@@ -126,8 +196,7 @@ fn draw(
                 token.cancel();
             }
         };
-        let mut run = Run { threads, cancel, progress: Some(&mut progress) };
-        Picture::draw(kind, &evaluator, &camera, &settings, &mut run)
+        draw(&mut Run { threads, cancel, progress: Some(&mut progress) })
     });
     match interrupt {
         Some(error) => Err(error),
@@ -135,41 +204,48 @@ fn draw(
     }
 }
 
+fn draw(
+    py: Python<'_>,
+    subject: &Subject,
+    kind: PictureKind,
+    wishes: &Wishes,
+    threads: Option<NonZeroUsize>,
+) -> PyResult<Picture> {
+    let (camera, settings) = arrange(&subject.scene, &subject.compiled, wishes).map_err(bad_value)?;
+    released(py, threads, |run| Picture::draw(kind, &subject.evaluator, &camera, &settings, run))
+}
+
 /// A picture of a solid or a model: see `rayweave.render`.
 #[pyfunction]
-#[pyo3(name = "render", signature = (subject, *, kind, size, view, field_of_view, camera, shading, edges, shadows, samples, evaluator, threads))]
-#[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
+#[pyo3(name = "render", signature = (subject, kind, asked))]
 pub fn render_array<'py>(
     subject: &Bound<'py, PyAny>,
     kind: &str,
-    size: Option<(u32, u32)>,
-    view: Option<&str>,
-    field_of_view: Option<f64>,
-    camera: Option<&Bound<'py, PyAny>>,
-    shading: Option<&str>,
-    edges: Option<bool>,
-    shadows: Option<bool>,
-    samples: Option<u32>,
-    evaluator: Option<&str>,
-    threads: Option<&Bound<'py, PyAny>>,
+    asked: Asked<'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = subject.py();
-    let mut subject = Subject::new(subject)?;
-    if let Some(object) = camera {
-        subject.scene.camera = Some(self::camera(object)?);
-    }
-    let wishes = Wishes {
-        size: size.map(|(width, height)| Size::new(width, height)).transpose().map_err(bad_value)?,
-        view: view.map(str::parse).transpose().map_err(bad_value)?,
-        field_of_view,
-        style: shading.map(style).transpose()?,
-        edges,
-        shadows,
-        samples,
-    };
+    let subject = asked.subject(subject)?;
     let kind = kind.parse().map_err(bad_value)?;
-    let threads = threads.map(thread_argument).transpose()?;
-    to_array(py, draw(py, &subject, evaluator, kind, &wishes, threads)?)
+    to_array(py, draw(py, &subject, kind, &asked.wishes()?, asked.threads()?)?)
+}
+
+/// A sheet with pictures of a solid or a model and a legend, as SVG: see `rayweave.sheet`.
+#[pyfunction]
+#[pyo3(signature = (subject, title, is_one, asked))]
+pub fn sheet_svg(
+    subject: &Bound<'_, PyAny>,
+    title: &str,
+    is_one: bool,
+    asked: Asked<'_>,
+) -> PyResult<String> {
+    let py = subject.py();
+    let Subject { scene, compiled, evaluator } = &asked.subject(subject)?;
+    let kind = if is_one { SheetKind::One } else { SheetKind::Views };
+    let wishes = asked.wishes()?;
+    released(py, asked.threads()?, |run| {
+        let sheet = Sheet::draw(kind, scene, compiled, evaluator, &wishes, run)?;
+        Ok(sheet.to_svg(title))
+    })
 }
 
 fn to_array(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAny>> {
@@ -204,6 +280,6 @@ pub fn notebook_png<'py>(subject: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyB
     let subject = Subject::new(subject)?;
     let size = Size::new(NOTEBOOK.0, NOTEBOOK.1).map_err(bad_value)?;
     let wishes = Wishes { size: Some(size), ..Wishes::default() };
-    let picture = draw(py, &subject, None, PictureKind::Colour, &wishes, None)?;
+    let picture = draw(py, &subject, PictureKind::Colour, &wishes, None)?;
     Ok(PyBytes::new(py, &py.detach(|| picture.to_png())))
 }

@@ -50,11 +50,62 @@ def test_notebooks_see_a_png():
         (dict(view="above"), "above"),
         (dict(kind="colours"), "colours"),
         (dict(samples=0), "sample"),
+        (dict(cut="x=1"), "neither < nor >"),
+        (dict(explode="up"), "as in z:0.2"),
+        (dict(opacity=1.5), "from 0 to 1"),
+        (dict(opacity={"glass": 0.5}), "no region or medium is called `glass`"),
     ],
 )
 def test_bad_wishes_are_refused(options, words):
     with pytest.raises(rw.RayweaveError, match=words):
         rw.render(rw.sphere(1), **options)
+
+
+def test_a_cut_opens_a_ball():
+    camera = rw.Camera(position=(0, -5, 0), target=(0, 0, 0), height=4.0)
+    depth = rw.render(rw.sphere(1), kind="depth", size=(41, 41), camera=camera, cut="y<0.5")
+    # half way to the pole y = 1 the ball is sqrt(3)/2 wide, and its section is 5.5 from the camera
+    assert depth[20, 20] == 5.5
+    across = np.isfinite(depth[20]).sum() * 4 / 41
+    assert abs(across - np.sqrt(3)) < 0.1
+
+
+NEST = """
+rayweave = 1
+[solid.shell]
+sphere = { radius = 2 }
+[solid.core]
+sphere = { radius = 1 }
+[[region]]
+solid = "shell"
+[[region]]
+solid = "core"
+"""
+
+
+def test_one_can_see_through():
+    ball = rw.render(rw.sphere(1), size=(21, 21), view="front", opacity=0.0, kind="id")
+    assert np.all(ball[10, 10] == 1)  # clear, but all there is
+    core = rw.render(rw.loads(NEST), size=(21, 21), view="front", opacity={"shell": 0.0}, kind="id")
+    assert set(np.unique(core)) == {0, 1}
+
+
+def test_regions_are_drawn_apart():
+    camera = rw.Camera(position=(0, -20, 0), target=(0, 0, 0), height=20.0)
+    ids = rw.render(rw.loads(NEST), kind="id", size=(101, 101), camera=camera, explode="x:0.25")
+    # shell from -2 to 2, a gap of 1, core from 3 to 5
+    row = ids[50]
+    edges = np.flatnonzero(np.diff(row)) + 1
+    assert np.allclose((edges - 50.5) * 20 / 101, [-2, 2, 3, 5], atol=0.2)
+
+
+def test_sheets():
+    model = rw.loads(NEST)
+    drawing = rw.sheet(model, size=(400, 300), title="a & b")
+    assert drawing.svg.count("<image ") == 4 and "a &amp; b" in drawing.svg and ">shell</text>" in drawing.svg
+    assert rw.sheet(model, size=(100, 90), view="top")._repr_svg_().count("<image ") == 1
+    with pytest.raises(rw.RayweaveError, match="leave no room"):
+        rw.sheet(model, size=(30, 30))
 
 
 def test_time_lines_of_root_rays_and_hits():

@@ -2,7 +2,9 @@
 
 use crate::failure::Failure;
 use crate::terminal;
-use resvg::tiny_skia::{Pixmap, Transform};
+use rayweave::picture::{Placed, Sheet};
+use rayweave::render::Image;
+use resvg::tiny_skia::{ColorU8, IntSize, Pixmap, PixmapPaint, Transform};
 use resvg::usvg::{Options, Tree};
 use std::path::Path;
 use std::sync::Arc;
@@ -43,8 +45,43 @@ pub fn save(path: &Path, svg: &str) -> Result<(), Failure> {
     }
 }
 
+/// Writes a sheet, as SVG or, pixel for pixel, as PNG; `-` is SVG to standard output.
+pub fn save_sheet(path: &Path, sheet: &Sheet, title: &str) -> Result<(), Failure> {
+    if kind(path) != Some(Kind::Png) {
+        return terminal::save(path, sheet.to_svg(title).as_bytes());
+    }
+    let mut pixels = pixels(&sheet.without_pictures(title), 1.0).map_err(Failure::Run)?;
+    for Placed { x, y, image } in sheet.pictures() {
+        put(&mut pixels, [*x, *y], image);
+    }
+    terminal::save(path, &encoded(&pixels).map_err(Failure::Run)?)
+}
+
+/// Lays a picture over others.
+fn put(pixels: &mut Pixmap, [x, y]: [usize; 2], image: &Image) {
+    let size = IntSize::from_wh(image.width() as u32, image.height() as u32);
+    let premultiplied = |&[r, g, b, a]: &[u8; 4]| ColorU8::from_rgba(r, g, b, a).premultiply();
+    let bytes = image.values().iter().map(premultiplied);
+    let bytes = bytes.flat_map(|c| [c.red(), c.green(), c.blue(), c.alpha()]).collect();
+    if let Some(picture) = size.and_then(|size| Pixmap::from_vec(bytes, size)) {
+        let paint = PixmapPaint::default();
+        pixels.draw_pixmap(x as i32, y as i32, picture.as_ref(), &paint, Transform::identity(), None);
+    }
+}
+
 fn png(svg: &str) -> Result<Vec<u8>, String> {
-    let failed = |error: &dyn std::fmt::Display| format!("cannot draw the picture ({error})");
+    encoded(&pixels(svg, ZOOM)?)
+}
+
+fn encoded(pixels: &Pixmap) -> Result<Vec<u8>, String> {
+    pixels.encode_png().map_err(|error| failed(&error))
+}
+
+fn failed(error: &dyn std::fmt::Display) -> String {
+    format!("cannot draw the picture ({error})")
+}
+
+fn pixels(svg: &str, zoom: f32) -> Result<Pixmap, String> {
     let mut options = Options { font_family: "sans-serif".to_owned(), ..Options::default() };
     let fonts = Arc::make_mut(&mut options.fontdb);
     fonts.load_system_fonts();
@@ -54,10 +91,10 @@ fn png(svg: &str) -> Result<Vec<u8>, String> {
         );
     }
     let tree = Tree::from_str(svg, &options).map_err(|error| failed(&error))?;
-    let size = tree.size().to_int_size().scale_by(ZOOM).ok_or_else(|| failed(&"it has no size"))?;
+    let size = tree.size().to_int_size().scale_by(zoom).ok_or_else(|| failed(&"it has no size"))?;
     let mut pixels = Pixmap::new(size.width(), size.height()).ok_or_else(|| failed(&"it is too large"))?;
-    resvg::render(&tree, Transform::from_scale(ZOOM, ZOOM), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|error| failed(&error))
+    resvg::render(&tree, Transform::from_scale(zoom, zoom), &mut pixels.as_mut());
+    Ok(pixels)
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! The contents of a model file, ready to be asked.
 
 use crate::Error;
-use rayweave_model::{Program, Region, RegionId, Solid};
-use rayweave_scene::Scene;
+use rayweave_model::{Program, RegionId, Solid};
+use rayweave_scene::{Colour, Medium, Scene, SceneRegion};
 use std::sync::Arc;
 
 /// A compiled model with the names of its media.
@@ -21,7 +21,9 @@ impl Compiled {
     ///
     /// [`crate::ErrorKind::Compile`], for a singular transform for instance.
     pub fn new(scene: &Scene) -> Result<Compiled, Error> {
-        Compiled::of(&scene.model_regions(), names(scene))
+        let program = Program::compile_regions(&scene.model_regions())?;
+        let media = scene.medium_names().into_iter().map(str::to_owned).collect();
+        Ok(Compiled { program: Arc::new(program), media })
     }
 
     /// Compiles one solid of a scene, as the only region. Its medium is that of the last region made of it; without any it
@@ -31,18 +33,27 @@ impl Compiled {
     ///
     /// [`crate::ErrorKind::Name`] if the scene has no solid of this name, [`crate::ErrorKind::Compile`].
     pub fn solid(scene: &Scene, name: &str) -> Result<Compiled, Error> {
+        Compiled::new(&Compiled::alone(scene, name)?)
+    }
+
+    /// The scene with one of its solids as the only region, as [`Compiled::solid`] compiles it.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::ErrorKind::Name`] if the scene has no solid of this name.
+    pub fn alone(scene: &Scene, name: &str) -> Result<Scene, Error> {
         let solid = Compiled::find(scene, name)?;
-        let mut media = names(scene);
-        let mut regions = scene.regions.iter().rev();
-        let medium = match regions.find(|region| region.solid.is_same(solid)) {
-            Some(region) => region.medium,
+        let mut alone = scene.clone();
+        let own = scene.regions.iter().rfind(|region| region.solid.is_same(solid));
+        let (medium, colour) = match own {
+            Some(region) => (region.medium, region.colour),
             None => {
-                media.push(name.to_owned());
-                media.len() as u32 - 1
+                alone.media.push(Medium { name: name.to_owned(), ..Medium::default() });
+                (alone.media.len() as u32 - 1, Colour::PALETTE[0])
             }
         };
-        let region = Region { name: name.to_owned(), solid: solid.clone(), medium };
-        Compiled::of(&[region], media)
+        alone.regions = vec![SceneRegion { name: name.to_owned(), solid: solid.clone(), medium, colour }];
+        Ok(alone)
     }
 
     /// Compiles a solid of a scene, or all of its regions if there is no name.
@@ -63,10 +74,6 @@ impl Compiled {
         scene.solid(name).ok_or_else(|| Error::unknown("solid", name, known))
     }
 
-    fn of(regions: &[Region], media: Vec<String>) -> Result<Compiled, Error> {
-        Ok(Compiled { program: Arc::new(Program::compile_regions(regions)?), media: media.into() })
-    }
-
     /// The name of a region; `None` for the world.
     pub fn region_name(&self, region: RegionId) -> Option<&str> {
         let index = region.index().checked_sub(1)?;
@@ -78,9 +85,4 @@ impl Compiled {
         let medium = self.program.medium_of(region) as usize;
         self.media.get(medium).map_or("", String::as_str)
     }
-}
-
-fn names(scene: &Scene) -> Vec<String> {
-    let names = scene.medium_names().into_iter();
-    names.map(str::to_owned).collect()
 }

@@ -73,6 +73,7 @@ enum Cause {
     Line(LineError),
     Contours(ContourProblems),
     Optics(OpticsError),
+    Wish(String),
     Name(String),
     Cancelled,
 }
@@ -112,7 +113,8 @@ impl Error {
             | Cause::Section(_)
             | Cause::Measure(_)
             | Cause::Polygon(_)
-            | Cause::Line(_) => ErrorKind::Value,
+            | Cause::Line(_)
+            | Cause::Wish(_) => ErrorKind::Value,
             Cause::Optics(_) => ErrorKind::Optics,
             Cause::Name(_) => ErrorKind::Name,
         }
@@ -209,6 +211,11 @@ impl Error {
         Error(Box::new(Cause::Contours(problems)))
     }
 
+    /// A picture that is wished cannot be drawn.
+    pub(crate) fn wish(text: String) -> Error {
+        Error(Box::new(Cause::Wish(text)))
+    }
+
     /// There is no `what` of this name; the one that was probably meant is suggested.
     pub(crate) fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Error {
         let names: Vec<&str> = known.clone().collect();
@@ -255,7 +262,7 @@ impl fmt::Display for Error {
             Cause::Line(error) => error.fmt(f),
             Cause::Contours(problems) => problems.fmt(f),
             Cause::Optics(error) => error.fmt(f),
-            Cause::Name(text) => f.write_str(text),
+            Cause::Wish(text) | Cause::Name(text) => f.write_str(text),
             Cause::Cancelled => f.write_str("cancelled"),
         }
     }

@@ -1,4 +1,17 @@
 //! Pictures of scenes: from what a model file says, and what is wished besides, to cameras, settings and PNG files.
+//!
+//! [`Cut`], [`Explosion`] and [`Opacity`] change a scene before it is compiled, so that more of it is seen; a [`Sheet`] holds several views
+//! and a legend.
+
+mod cut;
+mod explode;
+mod opacity;
+mod sheet;
+
+pub use cut::Cut;
+pub use explode::Explosion;
+pub use opacity::Opacity;
+pub use sheet::{Placed, Sheet, SheetKind};
 
 use crate::{Compiled, Error};
 use rayweave_model::{Evaluator, RegionId, RegionInfo};
@@ -101,6 +114,16 @@ impl Picture {
             PictureKind::Normal => Picture::Normal(normals(evaluator, camera, size, run)?),
             PictureKind::Id => Picture::Id(ids(evaluator, camera, size, IdKind::Region, run)?),
         })
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> Size {
+        match self {
+            Picture::Colour(plane) => plane.size(),
+            Picture::Depth(plane) => plane.size(),
+            Picture::Normal(plane) => plane.size(),
+            Picture::Id(plane) => plane.size(),
+        }
     }
 
     /// The picture as a PNG file; see [`png`] about numbers.

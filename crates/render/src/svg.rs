@@ -11,6 +11,8 @@
 //! assert!(document.starts_with("<svg ") && document.contains("a &amp; b"));
 //! ```
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use std::fmt::{Display, Write};
 
 /// The body of a drawing. Lengths are in pixels, x to the right and y down; what elements look like is said by classes.
@@ -73,6 +75,14 @@ impl Svg {
     pub fn circle(&mut self, class: &str, centre: [f64; 2], radius: f64, extra: &str) {
         let (x, y, r) = (Pixels(centre[0]), Pixels(centre[1]), Pixels(radius));
         self.line(format_args!(r#"<circle class="{class}" cx="{x}" cy="{y}" r="{r}"{extra}/>"#));
+    }
+
+    /// A PNG file in a rectangle: left, top, width, height. The drawing holds the whole file (RFC 2397).
+    pub fn image(&mut self, [x, y, w, h]: [f64; 4], png: &[u8]) {
+        let (x, y, w, h, data) = (Pixels(x), Pixels(y), Pixels(w), Pixels(h), STANDARD.encode(png));
+        self.line(format_args!(
+            r#"<image x="{x}" y="{y}" width="{w}" height="{h}" href="data:image/png;base64,{data}"/>"#
+        ));
     }
 
     /// A rectangle of a colour whose name shows under the pointer.

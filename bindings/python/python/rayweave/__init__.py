@@ -19,12 +19,13 @@ from rayweave._core import (
     vacuum,
 )
 from rayweave._convert import convert
+from rayweave._drawing import Drawing
 from rayweave._explain import Entry, Operand, Passage, Question
 from rayweave._hit_array import Operation, array_csg, count_array
 from rayweave._infill import infill
 from rayweave._measure import Measurement, measure
 from rayweave._model import Medium, Region
-from rayweave._picture import Camera, render
+from rayweave._picture import Camera, render, sheet
 from rayweave._shapes import (
     asphere,
     biconic,
@@ -51,6 +52,7 @@ from rayweave._timeline import Timeline, ray_timeline, timeline
 __all__ = [
     "Camera",
     "Crossings",
+    "Drawing",
     "Entry",
     "Explanation",
     "Measurement",
@@ -97,6 +99,7 @@ __all__ = [
     "ray_timeline",
     "render",
     "rootray",
+    "sheet",
     "slab",
     "space",
     "sphere",

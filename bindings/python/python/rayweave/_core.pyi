@@ -9,7 +9,6 @@ from typing_extensions import disjoint_base
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._explain import Passage, Question
 from rayweave._model import Medium, Region
-from rayweave._picture import Camera
 from rayweave.space import PointCrossings, Trajectory
 
 __all__ = [
@@ -61,6 +60,7 @@ __all__ = [
     "render",
     "root_problems",
     "shape",
+    "sheet_svg",
     "solid_from_bytes",
     "space_join",
     "space_shape",
@@ -472,21 +472,8 @@ def load(
     unit: str | None = None,
 ) -> Model: ...
 def loads(text: str, parameters: dict[str, float | str] | None = None) -> Model: ...
-def render(
-    subject: Solid | Model,
-    *,
-    kind: str,
-    size: tuple[int, int] | None,
-    view: str | None,
-    field_of_view: float | None,
-    camera: Camera | None,
-    shading: str | None,
-    edges: bool | None,
-    shadows: bool | None,
-    samples: int | None,
-    evaluator: str | None,
-    threads: int | None,
-) -> NDArray[Any]: ...
+def render(subject: Solid | Model, kind: str, asked: dict[str, Any]) -> NDArray[Any]: ...
+def sheet_svg(subject: Solid | Model, title: str, is_one: bool, asked: dict[str, Any]) -> str: ...
 def from_polygons(contours: Iterable[ArrayLike], outside: int = 1) -> Polygons: ...
 def infill_columns(
     subject: Solid | Model | Polygons,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias, overload
 
@@ -10,11 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Model, Solid
+from rayweave._drawing import Drawing
 
 View: TypeAlias = Literal["front", "back", "left", "right", "top", "bottom", "iso"]
 """The directions from which all of a model can be looked at; z is up."""
 Shading: TypeAlias = Literal["gooch", "headlight", "flat"]
 """How surfaces are shaded."""
+Opacity: TypeAlias = float | Mapping[str, float]
+"""From 0 (clear) to 1 (opaque): of all regions, or by the names of regions or media."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +50,9 @@ def render(
     edges: bool | None = None,
     shadows: bool | None = None,
     samples: int | None = None,
+    cut: str | None = None,
+    explode: str | None = None,
+    opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> NDArray[np.uint8]: ...
@@ -62,6 +69,9 @@ def render(
     edges: bool | None = None,
     shadows: bool | None = None,
     samples: int | None = None,
+    cut: str | None = None,
+    explode: str | None = None,
+    opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> NDArray[np.float64]: ...
@@ -78,6 +88,9 @@ def render(
     edges: bool | None = None,
     shadows: bool | None = None,
     samples: int | None = None,
+    cut: str | None = None,
+    explode: str | None = None,
+    opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> NDArray[np.int32]: ...
@@ -93,6 +106,9 @@ def render(
     edges: bool | None = None,
     shadows: bool | None = None,
     samples: int | None = None,
+    cut: str | None = None,
+    explode: str | None = None,
+    opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> NDArray[Any]:
@@ -123,6 +139,13 @@ def render(
         Whether lights cast shadows; False.
     samples
         Samples along each side of a pixel, 1 to 16; 3.
+    cut
+        Takes away what is on these sides of planes, so that the inside shows: "x>0" one half of space, "x>50%,y<50%" a
+        quarter of the model's box.
+    explode
+        Draws the regions apart along this axis, with a gap as a part of the model's largest side: "z", "x:0.3".
+    opacity
+        Lets one see through regions.
     evaluator, threads
         As in the questions of `Solid`.
     """
@@ -130,9 +153,7 @@ def render(
         raise _core.RayweaveError(
             "camera is given together with view or field_of_view (both say where to look from) leave one of them out?"
         )
-    picture: NDArray[Any] = _core.render(
-        subject,
-        kind=kind,
+    asked = dict(
         size=size,
         view=view,
         field_of_view=field_of_view,
@@ -141,7 +162,74 @@ def render(
         edges=edges,
         shadows=shadows,
         samples=samples,
+        cut=cut,
+        explode=explode,
+        opacity=_opacities(opacity),
         evaluator=evaluator,
         threads=threads,
     )
+    picture: NDArray[Any] = _core.render(subject, kind, asked)
     return picture
+
+
+def sheet(
+    subject: Solid | Model,
+    *,
+    title: str = "",
+    view: View | None = None,
+    size: tuple[int, int] | None = None,
+    shading: Shading | None = None,
+    edges: bool | None = None,
+    shadows: bool | None = None,
+    samples: int | None = None,
+    cut: str | None = None,
+    explode: str | None = None,
+    opacity: Opacity | None = None,
+    evaluator: str | None = None,
+    threads: int | None = None,
+) -> Drawing:
+    """A sheet of paper with a model from several sides and a legend of its media; a notebook shows it.
+
+    The views from the front, from above and from the right are to one scale and in line with one another, each on the side
+    from which it is taken (third-angle projection, ISO 5456-2); the fourth is from the upper right.
+
+    Parameters
+    ----------
+    title
+        What the drawing is called.
+    view
+        Only this view, with the legend.
+    size
+        Width and height of the sheet in pixels; 1280 x 960, or 1280 x 720 of one view.
+    shading, edges, shadows, samples, cut, explode, opacity, evaluator, threads
+        As in `render`.
+
+    Examples
+    --------
+    >>> drawing = sheet(box(2) - sphere(1.3), cut="x>50%")
+    >>> drawing.save("hollow.svg")
+    """
+    asked = dict(
+        size=size,
+        view=view,
+        field_of_view=None,
+        camera=None,
+        shading=shading,
+        edges=edges,
+        shadows=shadows,
+        samples=samples,
+        cut=cut,
+        explode=explode,
+        opacity=_opacities(opacity),
+        evaluator=evaluator,
+        threads=threads,
+    )
+    return Drawing(_core.sheet_svg(subject, title, view is not None, asked))
+
+
+def _opacities(opacity: Opacity | None) -> list[tuple[str | None, float]]:
+    if opacity is None:
+        return []
+    if isinstance(opacity, Mapping):
+        return list(opacity.items())
+    return [(None, opacity)]

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from os import PathLike
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,24 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Model, RootRay, Solid
+from rayweave._drawing import Drawing
 
 Row: TypeAlias = RootRay | tuple[int, Sequence[float]] | NDArray[Any] | Sequence[float]
 """A root-ray, the pair of one, or the hits of one ray."""
 
 
-@dataclass(frozen=True)
-class Timeline:
-    """A drawing over time; a notebook shows it."""
-
-    svg: str
-    """The drawing as SVG."""
-
-    def save(self, path: str | PathLike[str]) -> None:
-        """Writes the drawing into a file (.svg)."""
-        Path(path).write_text(self.svg, encoding="utf-8")
-
-    def _repr_svg_(self) -> str:
-        return self.svg
+class Timeline(Drawing):
+    """A drawing over time."""
 
 
 def timeline(

@@ -1,13 +1,15 @@
 //! `rayweave render`: a picture of a model.
 
 use crate::arguments::{Cli, ModelArguments, SubjectArguments};
+use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::terminal::{self, Unit};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use rayweave::picture::{Picture, PictureKind, Wishes, arrange};
+use rayweave::picture::{Cut, Explosion, Opacity, Picture, PictureKind, Sheet, SheetKind, Wishes, arrange};
 use rayweave::render::{Run, Settings, Size, Style, View};
+use rayweave::scene::Scene;
 use rayweave::{AnyEvaluator, Compiled};
 use std::path::{Path, PathBuf};
 
@@ -22,17 +24,33 @@ pub struct Render {
     #[command(flatten)]
     subject: SubjectArguments,
 
-    /// The picture, .png; - is standard output [default: the name of the model file with .png, in the current folder]
-    #[arg(short, long, value_name = "OUT.png")]
+    /// The picture, .png, or .svg for sheets and legends; - is standard output [default: the name of the model file with .png, in the current folder]
+    #[arg(short, long, value_name = "OUT")]
     out: Option<PathBuf>,
 
     /// Width and height in pixels [default: what the model's camera says, else 1280x720]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<Size>,
 
-    /// Look from this side at all of the model, without perspective
-    #[arg(long, value_parser = PossibleValuesParser::new(View::ALL.map(View::name)))]
+    /// Look from this side at all of the model, without perspective; or draw a sheet with four views to scale and a legend
+    #[arg(long, value_parser = PossibleValuesParser::new(View::ALL.map(View::name).into_iter().chain([SHEET])))]
     view: Option<String>,
+
+    /// Write below the picture which colour is which medium
+    #[arg(long)]
+    legend: bool,
+
+    /// Take away what is on these sides of planes, so that the inside shows: x>0 is one half, x>50%,y<50% a quarter of the model
+    #[arg(long, value_name = "PLANES")]
+    cut: Option<String>,
+
+    /// Draw the regions apart along this axis, with a gap as a part of the model's largest side, as in z or x:0.3
+    #[arg(long, value_name = "AXIS[:GAP]")]
+    explode: Option<String>,
+
+    /// Let one see through the regions of this name or medium, or through all: from 0 (clear) to 1 (opaque). May be repeated
+    #[arg(long, value_name = "[NAME=]OPACITY")]
+    opacity: Vec<String>,
 
     /// See all of the model in perspective, with this vertical field of view
     #[arg(long, value_name = "DEGREES")]
@@ -67,29 +85,89 @@ pub struct Render {
     samples: Option<u32>,
 }
 
+/// The view that is several.
+const SHEET: &str = "sheet";
+
+/// What came out.
+enum Drawn {
+    Picture(Picture),
+    Sheet(Sheet),
+}
+
 const STYLES: [(&str, Style); 3] =
     [("gooch", Style::Gooch), ("headlight", Style::Headlight), ("flat", Style::Flat)];
 
 impl Render {
     pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
         let out = self.out()?;
-        let scene = self.model.load()?.seen();
-        let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
+        let scene = self.scene()?;
+        let compiled = Compiled::new(&scene)?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
-        let (camera, settings) = arrange(&scene, &compiled, &self.wishes())?;
-        let kind: PictureKind = self.kind.parse()?;
         let bar = terminal::progress_bar(Some(100), Unit::Percent, cli.quiet);
         let mut progress = |part: f64| bar.set_position((100.0 * part) as u64);
         let mut run =
             Run { threads: cli.threads, cancel: interrupt::token()?, progress: Some(&mut progress) };
-        let drawn = Picture::draw(kind, &evaluator, &camera, &settings, &mut run);
+        let drawn = match self.sheet() {
+            Some(kind) => {
+                Sheet::draw(kind, &scene, &compiled, &evaluator, &self.wishes(), &mut run).map(Drawn::Sheet)
+            }
+            None => self.picture(&scene, &compiled, &evaluator, &mut run).map(Drawn::Picture),
+        };
         bar.finish_and_clear();
-        terminal::save(&out, &drawn?.to_png())?;
+        let size = match drawn? {
+            Drawn::Picture(picture) => {
+                terminal::save(&out, &picture.to_png())?;
+                picture.size()
+            }
+            Drawn::Sheet(sheet) => {
+                drawing::save_sheet(&out, &sheet, &self.model.name())?;
+                sheet.size()
+            }
+        };
         if cli.quiet || out == Path::new("-") {
             return Ok(());
         }
-        let (width, height) = (settings.size.width(), settings.size.height());
-        terminal::print(&format!("{}: {width} x {height} pixels\n", out.display()))
+        terminal::print(&format!("{}: {} x {} pixels\n", out.display(), size.width(), size.height()))
+    }
+
+    /// What is drawn: the model, or one of its solids, opened up as is asked for.
+    fn scene(&self) -> Result<Scene, Failure> {
+        let cut: Option<Cut> = self.cut.as_deref().map(str::parse).transpose()?;
+        let explosion: Option<Explosion> = self.explode.as_deref().map(str::parse).transpose()?;
+        let opacities = self.opacity.iter().map(|text| text.parse());
+        let opacities: Vec<Opacity> = opacities.collect::<Result<_, _>>()?;
+        let mut scene = self.model.load()?;
+        if let Some(name) = &self.subject.solid {
+            scene = Compiled::alone(&scene, name)?;
+        }
+        opacities.iter().try_for_each(|opacity| opacity.apply(&mut scene))?;
+        scene = scene.seen();
+        if let Some(cut) = cut {
+            scene = cut.apply(&scene)?;
+        }
+        if let Some(explosion) = explosion {
+            scene = explosion.apply(&scene)?;
+        }
+        Ok(scene)
+    }
+
+    /// What is on the sheet, if one is asked for.
+    fn sheet(&self) -> Option<SheetKind> {
+        match self.view.as_deref() {
+            Some(SHEET) => Some(SheetKind::Views),
+            _ => self.legend.then_some(SheetKind::One),
+        }
+    }
+
+    fn picture(
+        &self,
+        scene: &Scene,
+        compiled: &Compiled,
+        evaluator: &AnyEvaluator,
+        run: &mut Run<'_>,
+    ) -> Result<Picture, rayweave::Error> {
+        let (camera, settings) = arrange(scene, compiled, &self.wishes())?;
+        Picture::draw(self.kind.parse()?, evaluator, &camera, &settings, run)
     }
 
     /// Where the picture goes.
@@ -98,6 +176,16 @@ impl Render {
             let name = self.model.model.file_stem().unwrap_or_default();
             return Ok(Path::new(name).with_added_extension("png"));
         };
+        if self.sheet().is_some() {
+            if self.kind != "colour" {
+                let text = format!(
+                    "--kind {} on a sheet (its views are in colour) leave out --view sheet and --legend?",
+                    self.kind
+                );
+                return Err(Failure::Usage(text));
+            }
+            return drawing::check(out).map(|()| out.clone());
+        }
         let is_png = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
         match is_png || out == Path::new("-") {
             true => Ok(out.clone()),

@@ -89,13 +89,84 @@ fn a_picture_goes_through_a_pipe() {
     assert!(output.status.success() && output.stderr.is_empty());
 }
 
+/// The ball of radius 1 seen from the front fills 0.92 of the height of its picture; without three quarters of its width it
+/// is the segment of a circle with a sagitta of 1/2, seen on as large a scale as its box allows.
+#[test]
+fn a_cut_takes_away_a_part() {
+    let bench = Bench::new();
+    let options = ["--cut", "x>25%", "--view", "front", "--no-edges", "--shading", "flat"];
+    let image = picture(&bench, &options);
+    let corner = *image.get(0, 0).unwrap();
+    let inside = image.values().iter().filter(|&&pixel| pixel != corner).count() as f64;
+    // r^2 acos(1 - h/r) - (r - h) sqrt(2 r h - h^2) with h = r / 2; the segment is sqrt(3) high
+    let radius = 0.92 * 40.0 / 3_f64.sqrt();
+    let segment = radius * radius * (std::f64::consts::FRAC_PI_3 - 3_f64.sqrt() / 4.0);
+    assert!((inside - segment).abs() < 0.1 * segment, "{inside} for {segment}");
+}
+
+/// Two boxes that touch are 4 x 2 x 2 and 6 x 2 x 2; apart by half of the largest side, 10, they are seen with a gap.
+#[test]
+fn regions_are_drawn_apart() {
+    let bench = Bench::new();
+    let columns = |options: &[&str]| {
+        let files = ["render", "cemented.toml", "-o", "out.png", "--size", "300x60", "--view", "front"];
+        bench.says(&[&files, &["--no-edges", "--opacity", "bath=0"], options].concat());
+        let image = rayweave::render::png::decode(&bench.bytes("out.png")).unwrap();
+        let row: Vec<_> = (0..300).map(|x| *image.get(x, 30).unwrap()).collect();
+        row.chunk_by(|a, b| (*a == [255; 4]) == (*b == [255; 4])).map(<[_]>::len).collect::<Vec<_>>()
+    };
+    assert_eq!(columns(&[]).len(), 3);
+    // of 0.92 of the width: 2 lengths of the left box, 2.5 of the gap, 3 of the right one
+    let found = columns(&["--explode", "x:0.5"]);
+    let expected = [2.0, 2.5, 3.0].map(|length| 0.92 * 300.0 * length / 7.5);
+    assert_eq!(found.len(), 5, "{found:?}");
+    for (found, expected) in found[1..4].iter().zip(expected) {
+        assert!((*found as f64 - expected).abs() < 1.5, "{found} for {expected}");
+    }
+}
+
+#[test]
+fn sheets_and_legends() {
+    let bench = Bench::new();
+    let said =
+        bench.says(&["render", "cemented.toml", "--view", "sheet", "-o", "sheet.svg", "--size", "640x480"]);
+    assert_eq!(said, "sheet.svg: 640 x 480 pixels\n");
+    let svg = String::from_utf8(bench.bytes("sheet.svg")).unwrap();
+    assert_eq!(svg.matches("<image ").count(), 4);
+    for name in ["front", "top", "right", "iso"] {
+        assert!(svg.contains(&format!(">{name}</text>")), "{name}");
+    }
+    bench.says(&["render", "ball.toml", "--legend", "-o", "one.svg", "--size", "120x90"]);
+    let svg = String::from_utf8(bench.bytes("one.svg")).unwrap();
+    assert!(svg.contains(">glass</text>") && svg.matches("<image ").count() == 1);
+    bench.says(&["render", "ball.toml", "--legend", "-o", "one.png", "--size", "120x90"]);
+    assert_eq!(size(&bench.bytes("one.png")), [120, 90]);
+    // the ball is where the picture is, above the legend
+    let image = rayweave::render::png::decode(&bench.bytes("one.png")).unwrap();
+    assert!(*image.get(60, 30).unwrap() != [255; 4] && *image.get(100, 84).unwrap() == [255; 4]);
+}
+
+#[test]
+fn wrong_views() {
+    let bench = Bench::new();
+    let fails = |options: &[&str]| bench.fails(2, &[&["render", "ball.toml"], options].concat());
+    assert!(fails(&["--cut", "x"]).contains("neither < nor >"));
+    assert!(fails(&["--explode", "up"]).contains("as in z:0.2"));
+    assert!(fails(&["--opacity", "glas=0.3"]).contains("did you mean `glass`?"));
+    assert!(fails(&["--opacity", "glass=3"]).contains("from 0 to 1"));
+    assert!(fails(&["--view", "sheet", "--kind", "depth"]).contains("its views are in colour"));
+    assert!(fails(&["--view", "sheet", "--size", "40x40"]).contains("leave no room"));
+    assert!(fails(&["--legend", "-o", "a.pdf"]).contains(".svg or .png"));
+    assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
+}
+
 #[test]
 fn wrong_wishes() {
     let bench = Bench::new();
     let fails = |code, options: &[&str]| bench.fails(code, &[&["render", "ball.toml"], options].concat());
     assert!(fails(2, &["--size", "0x0"]).contains("0 x 0 pixels"));
     assert!(fails(2, &["--size", "big"]).contains("as in 640x480"));
-    assert!(fails(2, &["--view", "above"]).contains("front, back, left, right, top, bottom, iso"));
+    assert!(fails(2, &["--view", "above"]).contains("front, back, left, right, top, bottom, iso, sheet"));
     assert!(fails(2, &["--samples", "0"]).contains("1..=16"));
     assert!(fails(2, &["--fov", "180"]).contains("the field of view is 180 degrees"));
     assert!(fails(2, &["--solid", "bell"]).contains("did you mean `ball`?"));

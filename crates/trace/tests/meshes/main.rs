@@ -4,6 +4,7 @@
 #[path = "../everyone/mod.rs"]
 mod everyone;
 mod judge;
+#[path = "../../../mesh/tests/shapes/mod.rs"]
 mod shapes;
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
