@@ -172,18 +172,15 @@ impl Render {
 
     /// Where the picture goes.
     fn out(&self) -> Result<PathBuf, Failure> {
+        if self.sheet().is_some() && self.kind != "colour" {
+            let (kind, why) = (&self.kind, "the pictures of sheets and legends are in colour");
+            return Err(Failure::Usage(format!("--kind {kind} on a sheet ({why}) leave it out?")));
+        }
         let Some(out) = &self.out else {
             let name = self.model.model.file_stem().unwrap_or_default();
             return Ok(Path::new(name).with_added_extension("png"));
         };
         if self.sheet().is_some() {
-            if self.kind != "colour" {
-                let text = format!(
-                    "--kind {} on a sheet (its views are in colour) leave out --view sheet and --legend?",
-                    self.kind
-                );
-                return Err(Failure::Usage(text));
-            }
             return drawing::check(out).map(|()| out.clone());
         }
         let is_png = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
