@@ -5,13 +5,16 @@
 mod along;
 mod answer;
 mod arrays;
+mod check;
 mod crossings;
+mod diff;
 mod engine;
 mod error;
 mod explain;
 mod hit_array;
 mod hits;
 mod infill;
+mod interrupt;
 mod layout;
 mod measure;
 mod model;
@@ -23,9 +26,11 @@ mod polygons;
 mod rays;
 mod render;
 mod rootray;
+mod section;
 mod shapes;
 mod solid;
 mod space;
+mod thickness;
 mod timeline;
 mod vectors;
 
@@ -39,6 +44,10 @@ mod _core {
 
     #[pymodule_export]
     use crate::arrays::number_list;
+    #[pymodule_export]
+    use crate::check::check_rows;
+    #[pymodule_export]
+    use crate::diff::diff_columns;
     #[pymodule_export]
     use crate::error::RayweaveError;
     #[pymodule_export]
@@ -80,6 +89,8 @@ mod _core {
     #[pymodule_export]
     use crate::rootray::{PyRootRay, count_surfaces, least_separation, root_problems};
     #[pymodule_export]
+    use crate::section::{PySection, section_list, section_text};
+    #[pymodule_export]
     use crate::shapes::{manuals, shape};
     #[pymodule_export]
     use crate::solid::{PySolid, intersection, place, plenum, solid_from_bytes, union, vacuum};
@@ -89,6 +100,8 @@ mod _core {
     use crate::space::solid::{
         space_join, space_shape, space_solid_from_steps, space_trace, space_trace_along,
     };
+    #[pymodule_export]
+    use crate::thickness::thickness_maps;
     #[pymodule_export]
     use crate::timeline::{ray_timeline_svg, timeline_svg};
 

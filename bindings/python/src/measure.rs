@@ -10,6 +10,7 @@ use rayweave::{Bounds, Vec3};
 
 use crate::engine::thread_argument;
 use crate::error::{bad_type, bad_value};
+use crate::interrupt::interruptible;
 use crate::model::PyModel;
 use crate::render::scene_of;
 use crate::solid::PySolid;
@@ -47,28 +48,23 @@ pub fn measure_columns<'py>(
         precision,
         confidence,
         most_rays,
-        within: within.map(|[lo, hi]| Bounds { lo: Vec3::from(lo), hi: Vec3::from(hi) }),
+        within: within.map(bounds),
         seed,
         threads: threads.map(thread_argument).transpose()?,
         cancel: cancel.clone(),
     };
-    let mut interrupt = None;
-    let report = py.detach(|| {
-        let mut progress = |_| {
-            if let Err(error) = Python::attach(|py| py.check_signals()) {
-                interrupt = Some(error);
-                cancel.cancel();
-            }
-        };
-        measure_scene(&scene, None, evaluator, &settings, &mut progress)
-    });
-    match interrupt {
-        Some(error) => Err(error),
-        None => columns(py, &report.map_err(bad_value)?),
-    }
+    let report =
+        interruptible(py, &cancel, || measure_scene(&scene, None, evaluator, &settings, &mut |_| ()))?;
+    columns(py, &report)
 }
 
-fn scene(subject: &Bound<'_, PyAny>) -> PyResult<Scene> {
+/// A box by its corners.
+pub fn bounds([lo, hi]: [[f64; 3]; 2]) -> Bounds {
+    Bounds { lo: Vec3::from(lo), hi: Vec3::from(hi) }
+}
+
+/// What is asked about: a model, or a solid as its only region.
+pub fn scene(subject: &Bound<'_, PyAny>) -> PyResult<Scene> {
     if let Ok(model) = subject.cast::<PyModel>() {
         return Ok(model.get().scene().clone());
     }

@@ -48,6 +48,11 @@ impl PyModel {
         &self.scene
     }
 
+    /// What the file says, if that is more than what the model means.
+    pub fn stated(&self) -> Option<&Document> {
+        self.stated.as_ref()
+    }
+
     /// The compiled model.
     pub fn compiled(&self, py: Python<'_>) -> PyResult<&(Compiled, Engine)> {
         if self.compiled.get().is_none() {

@@ -1,15 +1,16 @@
 //! The command line: its sub-commands and what they share.
 
 use crate::command::{
-    Bench, Completions, Convert, Export, Infill, Info, Man, Optics, Probe, Render, Schema, Shapes, Thickness,
-    Trace, Volume,
+    Bench, Check, Completions, Convert, Diff, Export, Infill, Info, Man, Optics, Probe, Render, Schema,
+    Section, Shapes, Thickness, Trace, Volume,
 };
 use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand};
 use rayweave::formats::{self, Format, Imported, Options};
 use rayweave::scene::{Document, Scene, Unit};
+use rayweave::{Bounds, Vec3};
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const AFTER_HELP: &str = "\
 Exit codes:
@@ -59,6 +60,9 @@ pub enum Command {
     Export(Export),
     Infill(Infill),
     Volume(Volume),
+    Check(Check),
+    Section(Section),
+    Diff(Diff),
     Thickness(Thickness),
     Info(Info),
     Bench(Bench),
@@ -107,14 +111,33 @@ impl ModelArguments {
 
     /// Reads the model file, with what was lost on the way. Warnings go to standard error.
     pub fn import(&self) -> Result<Imported, Failure> {
-        let format = self.format.as_deref().and_then(Format::from_name);
+        self.read(&self.model, self.format.as_deref(), self.unit.as_deref(), &self.definitions)
+    }
+
+    /// Reads a second model by the same options, but for its format and unit; it keeps the values of its own parameters.
+    pub fn load_other(
+        &self,
+        path: &Path,
+        format: Option<&str>,
+        unit: Option<&str>,
+    ) -> Result<Scene, Failure> {
+        self.read(path, format, unit, &[]).map(|imported| imported.scene)
+    }
+
+    fn read(
+        &self,
+        path: &Path,
+        format: Option<&str>,
+        unit: Option<&str>,
+        definitions: &[(String, String)],
+    ) -> Result<Imported, Failure> {
         let options = Options {
             facets: self.facets,
             fonts: self.fonts.clone(),
             repair: self.repair,
-            unit: self.unit.as_deref().and_then(Unit::parse),
+            unit: unit.and_then(Unit::parse),
         };
-        let imported = formats::load(&self.model, format, &self.definitions, &options);
+        let imported = formats::load(path, format.and_then(Format::from_name), definitions, &options);
         let imported = imported.map_err(rayweave::Error::from)?;
         crate::terminal::warn(&imported.scene.warnings);
         Ok(imported)
@@ -142,6 +165,44 @@ pub struct SubjectArguments {
     /// Who answers: packets (many rays at a time), weave (one sweep along a ray), reference (obvious), single_hit (step by step) or spans (array by array); the answers are the same, bit for bit
     #[arg(long, value_name = "NAME", value_parser = rayweave::AnyEvaluator::NAMES)]
     pub evaluator: Option<String>,
+}
+
+/// How closely volumes are measured.
+#[derive(Args)]
+pub struct SamplingArguments {
+    /// Stop when half the width of the interval is this part of the volume
+    #[arg(long, value_name = "P", default_value_t = 1e-3)]
+    pub precision: f64,
+
+    /// The level of confidence of the intervals
+    #[arg(long, value_name = "C", default_value_t = 0.99)]
+    pub confidence: f64,
+
+    /// Ask at most so many rays for a region
+    #[arg(long, value_name = "N", default_value_t = 1 << 24)]
+    pub rays: u64,
+
+    /// Chooses the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// A part of space.
+#[derive(Args)]
+pub struct WithinArguments {
+    /// Ask only about what lies within a box: its lower and its upper corner
+    #[arg(long, num_args = 2, value_names = ["LO", "HI"], value_parser = point, allow_hyphen_values = true)]
+    pub within: Option<Vec<[f64; 3]>>,
+}
+
+impl WithinArguments {
+    /// The box.
+    pub fn bounds(&self) -> Option<Bounds> {
+        match self.within.as_deref() {
+            Some(&[lo, hi]) => Some(Bounds { lo: Vec3::from(lo), hi: Vec3::from(hi) }),
+            _ => None,
+        }
+    }
 }
 
 /// `NAME=VALUE`.

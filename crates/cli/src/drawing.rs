@@ -9,6 +9,11 @@ use resvg::usvg::{Options, Tree};
 use std::path::Path;
 use std::sync::Arc;
 
+/// Whether a name is that of a drawing, and not of something else.
+pub fn is_drawing(path: &Path) -> bool {
+    kind(path).is_some()
+}
+
 /// Pixels of a PNG for each of the drawing, on a side.
 const ZOOM: f32 = 2.0;
 

@@ -11,8 +11,14 @@ pub enum Failure {
     Library(Error),
     /// The command line asks for something that makes no sense.
     Usage(String),
+    /// The model cannot be asked this.
+    Input(String),
     /// The run failed.
     Run(String),
+    /// The answer was given, and is no: exit code 1, without a word more.
+    Answer,
+    /// Whatever it is, the exit code is 2, as that of diff(1).
+    Trouble(Box<Failure>),
     /// Whoever read our output has gone: nothing to complain about.
     BrokenPipe,
     /// Ctrl-C.
@@ -27,8 +33,11 @@ impl Failure {
                 Some(diagnostics) => terminal::diagnose(diagnostics),
                 None => terminal::complain(&error.to_string()),
             },
-            Failure::Usage(text) | Failure::Run(text) => terminal::complain(text),
-            Failure::BrokenPipe => {}
+            Failure::Usage(text) | Failure::Input(text) | Failure::Run(text) => terminal::complain(text),
+            Failure::BrokenPipe | Failure::Answer => {}
+            Failure::Trouble(failure) => {
+                failure.report();
+            }
             Failure::Cancelled => terminal::complain("cancelled (unfinished files are removed)"),
         }
         ExitCode::from(self.code())
@@ -49,7 +58,9 @@ impl Failure {
                 _ => 1,
             },
             Failure::Usage(_) => 2,
-            Failure::Run(_) => 1,
+            Failure::Input(_) => 3,
+            Failure::Run(_) | Failure::Answer => 1,
+            Failure::Trouble(_) => 2,
             Failure::BrokenPipe => 0,
             Failure::Cancelled => 130,
         }

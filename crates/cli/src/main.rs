@@ -5,6 +5,7 @@ mod command;
 mod drawing;
 mod failure;
 mod interrupt;
+mod interval;
 mod terminal;
 
 use arguments::Cli;

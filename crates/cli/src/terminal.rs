@@ -110,6 +110,16 @@ pub enum Unit {
     Percent,
 }
 
+/// A number to three digits, for what is an estimate.
+pub fn short3(x: f64) -> String {
+    short(rounded(x, 3))
+}
+
+/// A number to so many digits, at least 1.
+pub fn rounded(x: f64, digits: usize) -> f64 {
+    format!("{x:.*e}", digits - 1).parse().unwrap_or(x)
+}
+
 /// A table with aligned columns: numbers to the right, text to the left.
 pub fn table(header: &[&str], rows: &[Vec<String>], is_number: &[bool]) -> String {
     let width = |k: usize| {

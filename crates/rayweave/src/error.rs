@@ -75,6 +75,7 @@ enum Cause {
     Optics(OpticsError),
     Wish(String),
     Name(String),
+    Said(ErrorKind, String),
     Cancelled,
 }
 
@@ -93,6 +94,7 @@ impl Error {
             Cause::Render(RenderError::Cancelled)
             | Cause::Infill(InfillError::Cancelled)
             | Cause::Measure(MeasureError::Cancelled)
+            | Cause::Section(SectionError::Cancelled)
             | Cause::Optics(OpticsError::Cancelled)
             | Cause::Cancelled => ErrorKind::Cancelled,
             Cause::Infill(
@@ -117,6 +119,7 @@ impl Error {
             | Cause::Wish(_) => ErrorKind::Value,
             Cause::Optics(_) => ErrorKind::Optics,
             Cause::Name(_) => ErrorKind::Name,
+            Cause::Said(kind, _) => kind,
         }
     }
 
@@ -196,6 +199,11 @@ impl Error {
         Error(Box::new(Cause::Cancelled))
     }
 
+    /// A question that makes no sense, in words.
+    pub(crate) fn said(kind: ErrorKind, text: String) -> Error {
+        Error(Box::new(Cause::Said(kind, text)))
+    }
+
     /// An input file is at fault.
     pub(crate) fn input(error: TableError) -> Error {
         Error(Box::new(Cause::Input(error)))
@@ -262,7 +270,7 @@ impl fmt::Display for Error {
             Cause::Line(error) => error.fmt(f),
             Cause::Contours(problems) => problems.fmt(f),
             Cause::Optics(error) => error.fmt(f),
-            Cause::Wish(text) | Cause::Name(text) => f.write_str(text),
+            Cause::Wish(text) | Cause::Name(text) | Cause::Said(_, text) => f.write_str(text),
             Cause::Cancelled => f.write_str("cancelled"),
         }
     }

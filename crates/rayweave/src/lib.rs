@@ -146,12 +146,13 @@
 //! # Traces of a tool
 //!
 //! [`measure`] tells volume, mass, centre, inertia and surface area of regions, with confidence intervals.
-//! [`thickness`] gives path lengths through media, and radiographs.
+//! [`thickness`] gives path lengths through media, and radiographs; [`section`](mod@section) cuts by planes.
+//! [`diff`](mod@diff) tells whether two models are the same solid; [`check`](mod@check) looks for what was not meant.
 //! [`infill`] fills a region of the plane ([`polygon`]), or the layers of a solid, with parallel traces.
 //!
 //! # Drawings of optical systems
 //!
-//! [`layout`] cuts a system open and draws light in it ([`section`] is the cut alone); [`detector`] draws what arrives.
+//! [`layout`] cuts a system open and draws light in it ([`section`](mod@section) is the cut alone); [`detector`] draws what arrives.
 //!
 //! # The algebra alone
 //!
@@ -177,19 +178,22 @@ mod error;
 mod evaluator;
 mod explain;
 mod legend;
+mod plan;
 mod timeline;
 
+pub mod check;
 pub mod convert;
 pub mod detector;
+pub mod diff;
 pub mod files;
 pub mod infill;
 pub mod layout;
 pub mod measure;
 pub mod picture;
+pub mod section;
 pub mod shapes;
 pub mod thickness;
 
-pub use rayweave_analysis::section;
 pub use rayweave_formats as formats;
 pub use rayweave_math as math;
 pub use rayweave_mesh as mesh;

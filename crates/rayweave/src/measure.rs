@@ -77,8 +77,8 @@ pub fn measure_scene(
     Ok(SceneReport { regions: reports.collect(), rays: found.rays })
 }
 
-/// The regions that are measured, with their media.
-fn subject<'a>(
+/// The regions that are asked about, with their media.
+pub(crate) fn subject<'a>(
     scene: &'a Scene,
     solid: Option<&str>,
 ) -> Result<(Vec<Region>, Vec<Option<&'a Medium>>), Error> {

@@ -2,12 +2,14 @@
 
 from rayweave import optics, rootray, space
 from rayweave._answers import Crossings, ModelCrossings, Partition
+from rayweave._check import Check, Finding, check
 from rayweave._core import (
     Explanation,
     Model,
     Polygons,
     RayweaveError,
     RootRay,
+    Section,
     Solid,
     from_polygons,
     intersection,
@@ -19,6 +21,7 @@ from rayweave._core import (
     vacuum,
 )
 from rayweave._convert import convert
+from rayweave._diff import Diff, diff
 from rayweave._drawing import Drawing
 from rayweave._explain import Entry, Operand, Passage, Question
 from rayweave._hit_array import Operation, array_csg, count_array
@@ -26,6 +29,7 @@ from rayweave._infill import infill
 from rayweave._measure import Measurement, measure
 from rayweave._model import Medium, Region
 from rayweave._picture import Camera, render, sheet
+from rayweave._section import save_section, section
 from rayweave._shapes import (
     asphere,
     biconic,
@@ -47,14 +51,18 @@ from rayweave._shapes import (
     tube,
     wedge,
 )
+from rayweave._thickness import Thickness, thickness
 from rayweave._timeline import Timeline, ray_timeline, timeline
 
 __all__ = [
     "Camera",
+    "Check",
     "Crossings",
+    "Diff",
     "Drawing",
     "Entry",
     "Explanation",
+    "Finding",
     "Measurement",
     "Medium",
     "Model",
@@ -68,18 +76,22 @@ __all__ = [
     "RayweaveError",
     "Region",
     "RootRay",
+    "Section",
     "Solid",
+    "Thickness",
     "Timeline",
     "array_csg",
     "asphere",
     "biconic",
     "box",
     "box_from_corners",
+    "check",
     "cone",
     "convert",
     "convex",
     "count_array",
     "cylinder",
+    "diff",
     "ellipsoid",
     "freeform",
     "from_polygons",
@@ -99,10 +111,13 @@ __all__ = [
     "ray_timeline",
     "render",
     "rootray",
+    "save_section",
+    "section",
     "sheet",
     "slab",
     "space",
     "sphere",
+    "thickness",
     "timeline",
     "torus",
     "tube",

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import disjoint_base
 
 from rayweave._answers import Crossings, ModelCrossings, Partition
+from rayweave._check import CheckRow
 from rayweave._explain import Passage, Question
 from rayweave._model import Medium, Region
 from rayweave.space import PointCrossings, Trajectory
@@ -29,13 +30,16 @@ __all__ = [
     "RayweaveError",
     "ReadElement",
     "RootRay",
+    "Section",
     "SegmentStream",
     "Sheet",
     "Solid",
     "SpaceSolid",
     "Spline",
     "array_csg",
+    "check_rows",
     "count_array",
+    "diff_columns",
     "event_names",
     "from_polygons",
     "glass_names",
@@ -59,6 +63,8 @@ __all__ = [
     "ray_timeline_svg",
     "render",
     "root_problems",
+    "section_list",
+    "section_text",
     "shape",
     "sheet_svg",
     "solid_from_bytes",
@@ -68,6 +74,7 @@ __all__ = [
     "space_trace",
     "space_trace_along",
     "surface_count",
+    "thickness_maps",
     "timeline_svg",
     "tolerance",
     "union",
@@ -502,6 +509,79 @@ def measure_columns(
     tuple[NDArray[np.uint64], NDArray[np.bool_]],
     list[NDArray[np.float64]],
 ]: ...
+@final
+class Section:
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def plane(self) -> str: ...
+    @property
+    def offset(self) -> float: ...
+    @property
+    def tolerance(self) -> float: ...
+    @property
+    def areas(self) -> NDArray[np.float64]: ...
+    @property
+    def perimeters(self) -> NDArray[np.float64]: ...
+    def contours(self, name: str) -> tuple[NDArray[np.float64], ...]: ...
+    @property
+    def frame(self) -> NDArray[np.float64]: ...
+    def _repr_svg_(self) -> str: ...
+
+def section_list(
+    subject: Solid | Model,
+    plane: str,
+    point: list[float],
+    normal: list[float] | None,
+    offsets: list[float] | None,
+    by: str,
+    tolerance: float | None,
+    columns: int,
+    within: list[list[float]] | None,
+    evaluator: str | None,
+    threads: int | None,
+) -> list[Section]: ...
+def section_text(sections: Sequence[Section], format: str, title: str) -> str: ...
+def diff_columns(
+    a: Solid | Model,
+    b: Solid | Model,
+    by: str | None,
+    distance: float | None,
+    cells: int,
+    precision: float,
+    confidence: float,
+    most_rays: int,
+    within: list[list[float]] | None,
+    seed: int,
+    threads: int | None,
+) -> tuple[
+    list[str],
+    list[NDArray[np.bool_]],
+    NDArray[np.float64],
+    tuple[bool, str, float, int],
+    Section,
+]: ...
+
+def check_rows(
+    subject: Solid | Model,
+    wall: float | None,
+    gap: float | None,
+    distance: float | None,
+    cells: int,
+    confidence: float,
+    most_pairs: int,
+    within: list[list[float]] | None,
+    seed: int,
+    pictures: bool,
+    threads: int | None,
+) -> tuple[list[CheckRow], str, dict[str, float]]: ...
+def thickness_maps(
+    subject: Solid | Model,
+    view: str | None,
+    size: tuple[int, int] | None,
+    evaluator: str | None,
+    threads: int | None,
+) -> tuple[list[str], list[float], NDArray[np.float64], NDArray[np.float64], str]: ...
 def notebook_png(subject: Solid | Model) -> bytes: ...
 def timeline_svg(
     operands: Sequence[tuple[str, RootRay]],

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from rayweave import _core
+from rayweave._box import Box, corners
 from rayweave._core import Model, Solid
 
 _Array = NDArray[np.float64]
@@ -59,7 +60,7 @@ def measure(
     precision: float = 1e-3,
     confidence: float = 0.99,
     most_rays: int = 1 << 24,
-    within: ArrayLike | None = None,
+    within: Box | None = None,
     seed: int = 0,
     evaluator: str | None = None,
     threads: int | None = None,
@@ -70,11 +71,8 @@ def measure(
     the volume, or `most_rays` are spent for a region. A region is what later regions leave of it. `within` (2, 3), the corners
     of a box, measures only what lies in it. Equal seeds give equal results, whatever the number of threads.
     """
-    box = None if within is None else np.asarray(within, dtype=np.float64)
-    if box is not None and box.shape != (2, 3):
-        raise _core.RayweaveError(f"within has shape {box.shape} (it must be (2, 3): the corners of a box)")
     regions, media, (rays, is_reached), (values, widths) = _core.measure_columns(
-        subject, precision, confidence, most_rays, None if box is None else box.tolist(), seed, evaluator, threads
+        subject, precision, confidence, most_rays, corners(within), seed, evaluator, threads
     )
     count = len(regions)
     return Measurement(

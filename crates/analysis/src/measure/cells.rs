@@ -15,7 +15,7 @@ const STREAM: u64 = u64::from_be_bytes(*b"measure\0");
 
 /// Rays parallel to one axis through a box, in `across` x `across` cells.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cells {
+pub(crate) struct Cells {
     pub bounds: Bounds,
     pub axis: usize,
     pub across: u64,
@@ -77,7 +77,7 @@ impl Cells {
     }
 
     /// Asks the rays of some cells.
-    pub fn ask<E: Evaluator>(&self, evaluator: &E, rays: &RayBatch, scratch: &mut E::Scratch) -> Sums {
+    pub(super) fn ask<E: Evaluator>(&self, evaluator: &E, rays: &RayBatch, scratch: &mut E::Scratch) -> Sums {
         let window = self.window();
         let mut taken = Taken::new(self, evaluator.program(), window);
         let rays = rays.rays();

@@ -27,7 +27,7 @@
 //! the remedy where a model has very small parts. Rounds of rays are added until the precision is reached, which makes intervals
 //! slightly too short on average (by less than the estimate of the deviation varies).
 
-mod cells;
+pub(crate) mod cells;
 mod error;
 mod estimate;
 mod exact;

@@ -1,8 +1,10 @@
 //! The rays that sweep a plane, as many as are needed.
 
-use super::{Cut, Look};
+use super::{Cut, Look, SectionError, Sweep};
+use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
+use std::convert::Infallible;
 
 /// Where a column passes from one region into another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,32 +63,36 @@ enum Gap {
 /// More columns than this there are never in a sweep.
 const MOST: usize = 1 << 20;
 
+/// Columns that are asked at a time.
+const CHUNK: usize = 1024;
+
 /// A sweep.
 pub struct Columns<'a, E: Evaluator> {
     evaluator: &'a E,
     scratch: E::Scratch,
     cut: &'a Cut,
     look: &'a Look,
+    sweep: &'a Sweep,
 }
 
 impl<'a, E: Evaluator> Columns<'a, E> {
-    pub fn new(evaluator: &'a E, cut: &'a Cut, look: &'a Look) -> Columns<'a, E> {
-        Columns { evaluator, scratch: evaluator.scratch(), cut, look }
+    pub fn new(evaluator: &'a E, cut: &'a Cut, look: &'a Look, sweep: &'a Sweep) -> Columns<'a, E> {
+        Columns { evaluator, scratch: evaluator.scratch(), cut, look, sweep }
     }
 
     /// All columns from left to right.
-    pub fn swept(&mut self) -> Vec<Step> {
+    pub fn swept(&mut self) -> Result<Vec<Step>, SectionError> {
         let places = self.first_places();
-        let columns = self.asked(&places);
+        let columns = self.asked(&places)?;
         let mut row: Vec<Placed> =
             columns.into_iter().map(|column| Placed { column, gap: Gap::Unknown }).collect();
-        while row.len() < MOST && self.halve(&mut row) {}
+        while row.len() < MOST && self.halve(&mut row)? {}
         let mut gap = Gap::Jump;
         let mut step = |placed: Placed| {
             let before = std::mem::replace(&mut gap, placed.gap);
             if before == Gap::Smooth { Step::Smooth(placed.column) } else { Step::Jump(placed.column) }
         };
-        row.into_iter().map(&mut step).collect()
+        Ok(row.into_iter().map(&mut step).collect())
     }
 
     /// Even distances, and where leaves begin, end and have their middle.
@@ -97,8 +103,12 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         let mut places: Vec<f64> = (0..count).map(at).collect();
         let program = self.evaluator.program();
         let model = &program.prototypes()[0];
-        for leaf in model.leaves.clone().take(MOST / 8) {
-            let bounds = program.leaf_bounds(rayweave_model::LeafId(leaf));
+        let boxes = model.leaves.clone().map(|leaf| program.leaf_bounds(rayweave_model::LeafId(leaf)));
+        let is_cut = |bounds: &rayweave_math::Bounds| {
+            let [below, above] = self.cut.range(bounds, 2);
+            below <= self.look.tolerance && above >= -self.look.tolerance
+        };
+        for bounds in boxes.filter(is_cut).take(MOST / 8) {
             let [from, to] = self.cut.range(&bounds, 0);
             let beyond = 0.5 * self.look.tolerance;
             places.extend([from - beyond, from + beyond, 0.5 * (from + to), to - beyond, to + beyond]);
@@ -110,14 +120,14 @@ impl<'a, E: Evaluator> Columns<'a, E> {
     }
 
     /// Looks at the middle of every gap of which nothing is known yet; false if there is none.
-    fn halve(&mut self, row: &mut Vec<Placed>) -> bool {
+    fn halve(&mut self, row: &mut Vec<Placed>) -> Result<bool, SectionError> {
         let is_open = |pair: &[Placed]| pair[0].gap == Gap::Unknown;
         let middle = |pair: &[Placed]| 0.5 * (pair[0].column.u + pair[1].column.u);
         let places: Vec<f64> = row.windows(2).filter(|pair| is_open(pair)).map(middle).collect();
         if places.is_empty() {
-            return false;
+            return Ok(false);
         }
-        let mut middles = self.asked(&places).into_iter();
+        let mut middles = self.asked(&places)?.into_iter();
         let old = std::mem::take(row);
         let mut old = old.into_iter().peekable();
         while let Some(mut left) = old.next() {
@@ -132,7 +142,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
             left.gap = gap;
             row.extend([left, Placed { column, gap }]);
         }
-        true
+        Ok(true)
     }
 
     /// What the gaps are on both sides of a column between two others.
@@ -152,17 +162,54 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         }
     }
 
-    fn asked(&mut self, places: &[f64]) -> Vec<Column> {
+    /// The columns at some places: on this thread where they are few.
+    fn asked(&mut self, places: &[f64]) -> Result<Vec<Column>, SectionError> {
+        let (asking, sweep) = (Asking::new(self.evaluator, self.cut, self.look), self.sweep);
+        if sweep.cancel.is_cancelled() {
+            return Err(SectionError::Cancelled);
+        }
+        if places.len() <= 2 * CHUNK {
+            return Ok(asking.columns(places, &mut self.scratch));
+        }
+        let mut all = Vec::with_capacity(places.len());
+        let work = |scratch: &mut E::Scratch, places: &[f64]| asking.columns(places, scratch);
+        let merge = |columns| {
+            all.extend::<Vec<Column>>(columns);
+            Ok::<(), Infallible>(())
+        };
+        let scratch = || self.evaluator.scratch();
+        let run =
+            drive(thread_count(sweep.threads), &sweep.cancel, places.chunks(CHUNK), scratch, work, merge);
+        match run {
+            Ok(()) => Ok(all),
+            Err(Stopped::Cancelled) => Err(SectionError::Cancelled),
+            Err(Stopped::Failed(never)) => match never {},
+        }
+    }
+}
+
+/// What columns are asked with.
+struct Asking<'a, E: Evaluator> {
+    evaluator: &'a E,
+    cut: &'a Cut,
+    ends: [f64; 2],
+}
+
+impl<'a, E: Evaluator> Asking<'a, E> {
+    fn new(evaluator: &'a E, cut: &'a Cut, look: &Look) -> Asking<'a, E> {
+        Asking { evaluator, cut, ends: [look.lo[1], look.hi[1]] }
+    }
+
+    fn columns(&self, places: &[f64], scratch: &mut E::Scratch) -> Vec<Column> {
         let mut batch = RayBatch::default();
         let direction = self.cut.point([0.0, 1.0]) - self.cut.point([0.0, 0.0]);
         places.iter().for_each(|&u| batch.push(Ray::new(self.cut.point([u, 0.0]), direction)));
-        let ends = [self.look.lo[1], self.look.hi[1]];
         // the window has been checked
-        let window = Window::new(ends[0], ends[1]).unwrap_or(Window::ALL);
+        let window = Window::new(self.ends[0], self.ends[1]).unwrap_or(Window::ALL);
         let query = Query { window, ..Query::default() };
         let mut columns = Vec::with_capacity(places.len());
-        let mut take = |answer: RayAnswer<'_>| columns.push(column(places[answer.ray], ends, &answer));
-        self.evaluator.crossings(batch.rays(), &query, &mut self.scratch, &mut take);
+        let mut take = |answer: RayAnswer<'_>| columns.push(column(places[answer.ray], self.ends, &answer));
+        self.evaluator.crossings(batch.rays(), &query, scratch, &mut take);
         columns
     }
 }

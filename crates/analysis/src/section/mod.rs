@@ -12,10 +12,13 @@
 
 mod columns;
 mod link;
+mod simplify;
 
 use columns::{Columns, Step};
 use rayweave_math::{Bounds, Vec3};
+use rayweave_model::drive::Cancel;
 use rayweave_model::{Evaluator, RegionId};
+use std::num::NonZeroUsize;
 
 /// A plane with coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +53,9 @@ pub enum SectionError {
         /// It.
         tolerance: f64,
     },
+    /// Somebody asked the run to stop.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 impl Cut {
@@ -83,13 +89,13 @@ impl Cut {
         self.across.cross(self.up)
     }
 
-    /// The range of a coordinate (0 or 1) over a box; infinite where the box is, and empty, from infinity to its negative,
+    /// The range of a coordinate (0 or 1), or of the height above the plane (2), over a box; infinite where the box is, and empty, from infinity to its negative,
     /// for an empty box.
     pub fn range(&self, bounds: &Bounds, coordinate: usize) -> [f64; 2] {
         if bounds.is_empty() {
             return [f64::INFINITY, f64::NEG_INFINITY];
         }
-        let axis = [self.across, self.up][coordinate];
+        let axis = [self.across, self.up, self.normal()][coordinate];
         let mut range = [-axis.dot(self.origin); 2];
         for k in 0..3 {
             // 0 times infinity is nothing here: the box may be infinite along an axis at right angles to this one
@@ -136,6 +142,16 @@ impl Look {
     }
 }
 
+/// How a section is run.
+#[derive(Clone, Debug, Default)]
+pub struct Sweep {
+    /// The number of threads; [`thread_count`](rayweave_model::drive::thread_count) if it is not given. Results do not depend
+    /// on it.
+    pub threads: Option<NonZeroUsize>,
+    /// Stops the run.
+    pub cancel: Cancel,
+}
+
 /// A line between two regions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edge {
@@ -178,11 +194,24 @@ pub struct Section {
 /// # Errors
 /// [`SectionError`] for a window or a tolerance that is none.
 pub fn section<E: Evaluator>(evaluator: &E, cut: &Cut, look: &Look) -> Result<Section, SectionError> {
+    section_with(evaluator, cut, look, &Sweep::default())
+}
+
+/// The same on so many threads, to be cancelled.
+///
+/// # Errors
+/// [`SectionError`], [`SectionError::Cancelled`] among them.
+pub fn section_with<E: Evaluator>(
+    evaluator: &E,
+    cut: &Cut,
+    look: &Look,
+    sweep: &Sweep,
+) -> Result<Section, SectionError> {
     look.check()?;
     let mut section = Section::default();
-    let mut columns = Columns::new(evaluator, cut, look);
+    let mut columns = Columns::new(evaluator, cut, look, sweep);
     let mut lines = link::Lines::new(look);
-    for step in columns.swept() {
+    for step in columns.swept()? {
         match step {
             Step::Smooth(column) => lines.go_on(&column, &mut section.edges),
             Step::Jump(column) => lines.jump(&column, &mut section.edges),
@@ -221,5 +250,26 @@ impl Section {
             () => 0.0,
         };
         0.5 * self.edges.iter().map(signed).sum::<f64>()
+    }
+
+    /// The length of all lines around a region.
+    pub fn perimeter(&self, region: RegionId) -> f64 {
+        let step = |pair: &[[f64; 2]]| libm::hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
+        let own = self.edges.iter().filter(|edge| edge.left == region || edge.right == region);
+        own.map(|edge| edge.points.windows(2).map(step).sum::<f64>()).sum()
+    }
+
+    /// The same with other numbers of regions; lines between two that get the same one are left out.
+    pub fn renumbered(&self, number: impl Fn(RegionId) -> RegionId) -> Section {
+        let renamed =
+            |edge: &Edge| Edge { left: number(edge.left), right: number(edge.right), ..edge.clone() };
+        let edges = self.edges.iter().map(renamed).filter(|edge| edge.left != edge.right).collect();
+        Section { edges }
+    }
+
+    /// The same with fewer points: lines keep their ends, and keep to within a tolerance of what they were.
+    pub fn simplified(&self, tolerance: f64) -> Section {
+        let fewer = |edge: &Edge| Edge { points: simplify::line(&edge.points, tolerance), ..*edge };
+        Section { edges: self.edges.iter().map(fewer).collect() }
     }
 }

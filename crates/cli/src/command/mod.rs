@@ -1,8 +1,10 @@
 //! The sub-commands, one file each.
 
 mod bench;
+mod check;
 mod completions;
 mod convert;
+mod diff;
 mod export;
 mod infill;
 mod info;
@@ -11,6 +13,7 @@ mod optics;
 mod probe;
 mod render;
 mod schema;
+mod section;
 mod shapes;
 mod thickness;
 mod trace;
@@ -18,8 +21,10 @@ mod tree;
 mod volume;
 
 pub use bench::Bench;
+pub use check::Check;
 pub use completions::Completions;
 pub use convert::Convert;
+pub use diff::Diff;
 pub use export::Export;
 pub use infill::Infill;
 pub use info::Info;
@@ -28,6 +33,7 @@ pub use optics::Optics;
 pub use probe::Probe;
 pub use render::Render;
 pub use schema::Schema;
+pub use section::Section;
 pub use shapes::Shapes;
 pub use thickness::Thickness;
 pub use trace::Trace;
@@ -47,6 +53,9 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Export(export) => export.run(),
         Command::Infill(infill) => infill.run(cli),
         Command::Volume(volume) => volume.run(cli),
+        Command::Diff(diff) => diff.run(cli),
+        Command::Check(check) => check.run(cli),
+        Command::Section(section) => section.run(cli),
         Command::Thickness(thickness) => thickness.run(cli),
         Command::Info(info) => info.run(),
         Command::Bench(bench) => bench.run(cli),

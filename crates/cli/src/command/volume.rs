@@ -1,12 +1,11 @@
 //! `rayweave volume`: how large and how heavy the regions of a model are.
 
-use crate::arguments::{Cli, ModelArguments, SubjectArguments, point};
+use crate::arguments::{Cli, ModelArguments, SamplingArguments, SubjectArguments, WithinArguments};
 use crate::failure::Failure;
-use crate::{interrupt, terminal};
+use crate::{interrupt, interval, terminal};
 use clap::Args;
 use rayweave::measure::{Estimate, RegionReport, SceneReport, Settings, measure_scene};
 use rayweave::scene::Scene;
-use rayweave::{Bounds, Vec3};
 use serde_json::{Value, json};
 
 /// Measure volume, mass, centre, inertia and surface area of every region, with confidence intervals
@@ -22,25 +21,11 @@ pub struct Volume {
     #[command(flatten)]
     subject: SubjectArguments,
 
-    /// Stop when half the width of the interval is this part of the volume
-    #[arg(long, value_name = "P", default_value_t = 1e-3)]
-    precision: f64,
+    #[command(flatten)]
+    sampling: SamplingArguments,
 
-    /// The level of confidence of the intervals
-    #[arg(long, value_name = "C", default_value_t = 0.99)]
-    confidence: f64,
-
-    /// Ask at most so many rays for a region
-    #[arg(long, value_name = "N", default_value_t = 1 << 24)]
-    rays: u64,
-
-    /// Measure only what lies within a box: its lower and its upper corner
-    #[arg(long, num_args = 2, value_names = ["LO", "HI"], value_parser = point, allow_hyphen_values = true)]
-    within: Option<Vec<[f64; 3]>>,
-
-    /// Chooses the random numbers
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
+    #[command(flatten)]
+    within: WithinArguments,
 
     /// Print JSON
     #[arg(long)]
@@ -51,14 +36,11 @@ impl Volume {
     pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
         let scene = self.model.load()?;
         let settings = Settings {
-            precision: self.precision,
-            confidence: self.confidence,
-            most_rays: self.rays,
-            within: self.within.as_deref().and_then(|corners| match *corners {
-                [lo, hi] => Some(Bounds { lo: Vec3::from(lo), hi: Vec3::from(hi) }),
-                _ => None,
-            }),
-            seed: self.seed,
+            precision: self.sampling.precision,
+            confidence: self.sampling.confidence,
+            most_rays: self.sampling.rays,
+            within: self.within.bounds(),
+            seed: self.sampling.seed,
             threads: cli.threads,
             cancel: interrupt::token()?,
         };
@@ -73,7 +55,7 @@ impl Volume {
         })?;
         let vague: Vec<&str> = report.regions.iter().filter(|r| !r.measured.is_reached).map(name).collect();
         if !vague.is_empty() {
-            let (names, most) = (vague.join(", "), self.rays);
+            let (names, most) = (vague.join(", "), self.sampling.rays);
             terminal::note(&format!("note: {names}: not as precise as asked after {most} rays (see --rays)"));
         }
         Ok(())
@@ -81,7 +63,7 @@ impl Volume {
 
     fn as_text(&self, scene: &Scene, report: &SceneReport) -> String {
         let (model, unit) = (self.model.name(), scene.unit.symbol());
-        let percent = terminal::short(self.confidence * 100.0);
+        let percent = terminal::short(self.sampling.confidence * 100.0);
         let rays = report.rays;
         let mut text = format!("{model}: {percent} % intervals from {rays} rays, lengths in {unit}\n\n");
         let has_mass = report.regions.iter().any(|region| region.mass.is_some());
@@ -92,11 +74,15 @@ impl Volume {
         header.extend(["area", "centre"]);
         let rows = report.regions.iter().map(|region| {
             let measured = &region.measured;
-            let mut row = vec![measured.name.clone(), region.medium.clone(), interval(&measured.volume)];
+            let mut row =
+                vec![measured.name.clone(), region.medium.clone(), interval::text(&measured.volume)];
             row.extend(has_formula.then(|| region.formula.map_or_else(String::new, terminal::short)));
-            row.extend(has_mass.then(|| region.mass.as_ref().map_or_else(String::new, interval)));
-            let centre = measured.centre.map(|centre| centre.map(|c| rounded(&c).0).join(", "));
-            row.extend([interval(&measured.area), centre.map_or_else(String::new, |c| format!("({c})"))]);
+            row.extend(has_mass.then(|| region.mass.as_ref().map_or_else(String::new, interval::text)));
+            let centre = measured.centre.map(|centre| centre.map(|c| interval::rounded(&c).0).join(", "));
+            row.extend([
+                interval::text(&measured.area),
+                centre.map_or_else(String::new, |c| format!("({c})")),
+            ]);
             row
         });
         let rows: Vec<Vec<String>> = rows.collect();
@@ -108,7 +94,7 @@ impl Volume {
         json!({
             "model": self.model.name(),
             "unit": scene.unit.symbol(),
-            "confidence": self.confidence,
+            "confidence": self.sampling.confidence,
             "rays": report.rays,
             "regions": report.regions.iter().map(region_json).collect::<Vec<_>>(),
         })
@@ -121,64 +107,17 @@ fn name(region: &RegionReport) -> &str {
 
 fn region_json(region: &RegionReport) -> Value {
     let measured = &region.measured;
-    let row = |row: &[Estimate; 3]| row.iter().map(estimate_json).collect::<Vec<_>>();
+    let row = |row: &[Estimate; 3]| row.iter().map(interval::json).collect::<Vec<_>>();
     json!({
         "name": measured.name,
         "medium": region.medium,
-        "volume": estimate_json(&measured.volume),
+        "volume": interval::json(&measured.volume),
         "volume_by_formula": region.formula,
-        "mass_g": region.mass.as_ref().map(estimate_json),
-        "area": estimate_json(&measured.area),
+        "mass_g": region.mass.as_ref().map(interval::json),
+        "area": interval::json(&measured.area),
         "centre": measured.centre.as_ref().map(row),
         "inertia": measured.inertia.iter().map(row).collect::<Vec<_>>(),
         "rays": measured.rays,
         "is_reached": measured.is_reached,
     })
-}
-
-fn estimate_json(estimate: &Estimate) -> Value {
-    json!({ "value": estimate.value, "half_width": estimate.half_width })
-}
-
-/// A value with its half width, as `12.34 ± 0.05`; the width has two digits at most, and the value ends where it does.
-fn interval(estimate: &Estimate) -> String {
-    let (value, width) = rounded(estimate);
-    format!("{value} \u{b1} {width}")
-}
-
-fn rounded(estimate: &Estimate) -> (String, String) {
-    let width = estimate.half_width;
-    if !width.is_finite() {
-        return (terminal::short(estimate.value), terminal::short(width));
-    }
-    // below ten digits of the value the width says nothing to a reader
-    if width <= 1e-10 * estimate.value.abs() {
-        return (terminal::short(estimate.value), "0".to_owned());
-    }
-    // the place of the second digit: one after the power of ten of the first
-    let first = format!("{width:e}").split_once('e').and_then(|(_, power)| power.parse::<i32>().ok());
-    let place = 1 - first.unwrap_or_default();
-    if (0..=12).contains(&place) {
-        let digits = place as usize;
-        return (format!("{:.digits$}", estimate.value), format!("{width:.digits$}"));
-    }
-    let step = 10f64.powi(-place);
-    let whole = |x: f64| terminal::short((x / step).round() * step);
-    (whole(estimate.value), whole(width))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn intervals_are_rounded_to_two_digits_of_their_width() {
-        let text = |value: f64, half_width: f64| interval(&Estimate { value, half_width });
-        assert_eq!(text(1234.5678, 0.0456), "1234.568 \u{b1} 0.046");
-        assert_eq!(text(1234567.0, 456.0), "1234570 \u{b1} 460");
-        assert_eq!(text(-0.25, 0.0), "-0.25 \u{b1} 0");
-        assert_eq!(text(48.0, 1e-15), "48 \u{b1} 0");
-        assert_eq!(text(1.5e-20, 1e-22), "1.5e-20 \u{b1} 1e-22");
-        assert_eq!(text(0.0, 0.0), "0 \u{b1} 0");
-    }
 }

@@ -1,6 +1,8 @@
 //! The command as people use it: its own process, real files, exit codes, messages.
 
 mod bench;
+mod check;
+mod diff;
 mod export;
 mod formats;
 
@@ -12,6 +14,7 @@ mod optics;
 mod pages;
 mod probe;
 mod render;
+mod section;
 mod thickness;
 mod trace;
 mod usage;

@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 18] = [
     "bench",
     "render",
     "probe",
@@ -12,6 +12,9 @@ const COMMANDS: [&str; 15] = [
     "export",
     "infill",
     "volume",
+    "section",
+    "check",
+    "diff",
     "thickness",
     "info",
     "shapes",

@@ -2,9 +2,9 @@
 
 use super::{FAINTEST, Layout, Part, RayColour};
 use crate::legend::{self, Entry, Lights, paint};
+use crate::plan::Plan;
 use rayweave_math::Vec3;
 use rayweave_optics::{Segment, Segments};
-use rayweave_render::axis::{number, round_step};
 use rayweave_render::svg::{Anchor, Pixels, Svg};
 use rayweave_render::{PALETTE, Rgba};
 use std::collections::{BTreeMap, HashMap};
@@ -52,8 +52,7 @@ pub fn drawing(layout: &Layout, title: &str, unit: &str) -> String {
     layout.parts.iter().for_each(|part| pen.outline(part));
     pen.rays();
     layout.sheets.iter().for_each(|line| pen.line("sheet", line, false));
-    pen.axes();
-    pen.scale_bar(unit);
+    pen.axes(unit);
     let height = pen.legend(&media);
     pen.svg.finish([WIDTH, height], title, &description(layout), STYLE)
 }
@@ -79,33 +78,21 @@ fn media(parts: &[Part]) -> Vec<(&str, &'static str)> {
 struct Drawing<'a> {
     layout: &'a Layout,
     svg: Svg,
-    /// Pixels per unit of length.
-    scale: f64,
-    /// Where the left and the lower end of the window are.
-    left: f64,
-    bottom: f64,
+    plan: Plan,
 }
 
 impl<'a> Drawing<'a> {
     fn new(layout: &'a Layout) -> Drawing<'a> {
-        let size = [0, 1].map(|k| layout.hi[k] - layout.lo[k]);
-        let room = WIDTH - 2.0 * MARGIN;
-        let scale = (room / size[0]).min(MOST_HEIGHT / size[1]);
-        let left = MARGIN + 0.5 * (room - scale * size[0]);
-        Drawing { layout, svg: Svg::default(), scale, left, bottom: TITLE + scale * size[1] }
-    }
-
-    fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let Layout { lo, .. } = self.layout;
-        [self.left + self.scale * (u - lo[0]), self.bottom - self.scale * (v - lo[1])]
+        let frame = [MARGIN, TITLE, WIDTH - 2.0 * MARGIN, MOST_HEIGHT];
+        Drawing { layout, svg: Svg::default(), plan: Plan::new(layout.lo, layout.hi, frame) }
     }
 
     /// The line v = 0, if it is in the picture.
     fn centre_line(&mut self) {
         let Layout { lo, hi, .. } = self.layout;
         if lo[1] < 0.0 && 0.0 < hi[1] {
-            let [x, y] = self.place([lo[0], 0.0]).map(Pixels);
-            let end = Pixels(self.place([hi[0], 0.0])[0]);
+            let [x, y] = self.plan.place([lo[0], 0.0]).map(Pixels);
+            let end = Pixels(self.plan.place([hi[0], 0.0])[0]);
             self.svg.path("centre", format_args!("M{x} {y}H{end}"), "");
         }
     }
@@ -113,7 +100,7 @@ impl<'a> Drawing<'a> {
     fn fill(&mut self, part: &Part, media: &[(&str, &'static str)]) {
         let own = media.iter().find(|(name, _)| part.medium.as_deref() == Some(name));
         let fill = own.map_or(OPAQUE, |(_, fill)| fill);
-        let path: String = part.contours.iter().map(|contour| self.path(contour, true)).collect();
+        let path: String = part.contours.iter().map(|contour| self.plan.path(contour, true)).collect();
         if !path.is_empty() {
             self.svg.path("glass", path, &format!(r#" fill="{fill}""#));
         }
@@ -124,20 +111,8 @@ impl<'a> Drawing<'a> {
     }
 
     fn line(&mut self, class: &str, points: &[[f64; 2]], is_closed: bool) {
-        let path = self.path(points, is_closed);
+        let path = self.plan.path(points, is_closed);
         self.svg.path(class, path, "");
-    }
-
-    /// A path through points; those that would not be seen are left out.
-    fn path(&self, points: &[[f64; 2]], is_closed: bool) -> String {
-        let places: Vec<[f64; 2]> = points.iter().map(|&point| self.place(point)).collect();
-        let mut path = String::new();
-        for (k, [x, y]) in simplified(&places).into_iter().enumerate() {
-            let letter = if k == 0 { 'M' } else { 'L' };
-            // writing to a string cannot fail
-            let _ = write!(path, "{letter}{} {}", Pixels(x), Pixels(y));
-        }
-        if is_closed { path + "Z" } else { path }
     }
 
     fn rays(&mut self) {
@@ -152,7 +127,7 @@ impl<'a> Drawing<'a> {
             let weight = WEIGHTS.iter().position(|(least, ..)| part >= *least).unwrap_or(WEIGHTS.len() - 1);
             let Some([from, to]) = self.visible(&segment) else { continue };
             let path = paths.entry((WEIGHTS.len() - weight, self.colour(&segment))).or_default();
-            let ([x0, y0], [x1, y1]) = (self.place(from).map(Pixels), self.place(to).map(Pixels));
+            let ([x0, y0], [x1, y1]) = (self.plan.place(from).map(Pixels), self.plan.place(to).map(Pixels));
             let _ = write!(path, "M{x0} {y0}L{x1} {y1}");
         }
         // faint rays first
@@ -185,36 +160,11 @@ impl<'a> Drawing<'a> {
         clipped(from, to, *lo, *hi)
     }
 
-    /// Which axes the picture has, in its lower left corner.
-    fn axes(&mut self) {
-        let [across, up] = self.layout.plane.axes();
-        let (x, y) = (MARGIN + 4.0, self.bottom + BAR - 4.0);
-        let (tip, top) = (Pixels(x + 26.0), Pixels(y - 26.0));
-        let (px, py) = (Pixels(x), Pixels(y));
-        self.svg.path("axis", format_args!("M{tip} {py}H{px}V{top}"), "");
-        let arrows = format!(
-            "M{} {}l5 3l-5 3M{} {}l3 -5l3 5",
-            Pixels(x + 22.0),
-            Pixels(y - 3.0),
-            Pixels(x - 3.0),
-            Pixels(y - 22.0)
-        );
-        self.svg.path("axis", arrows, "");
-        self.svg.text("tick", [x + 33.0, y + 4.0], Anchor::Start, across, across);
-        self.svg.text("tick", [x, y - 31.0], Anchor::Middle, up, up);
-    }
-
-    /// A round length, about a sixth of the picture.
-    fn scale_bar(&mut self, unit: &str) {
-        let wanted = (self.layout.hi[0] - self.layout.lo[0]).min(WIDTH / self.scale) / 6.0;
-        let length = round_step(wanted);
-        let (right, y) = (WIDTH - MARGIN, self.bottom + BAR - 4.0);
-        let left = right - self.scale * length;
-        let (top, low) = (Pixels(y - 4.0), Pixels(y + 4.0));
-        let (l, r, y0) = (Pixels(left), Pixels(right), Pixels(y));
-        self.svg.path("axis", format_args!("M{l} {top}V{low}M{l} {y0}H{r}M{r} {top}V{low}"), "");
-        let text = format!("{} {unit}", number(length, 1e-3 * length));
-        self.svg.text("tick", [0.5 * (left + right), y - 7.0], Anchor::Middle, &text, &text);
+    /// Which axes the picture has, in its lower left corner, and its scale in the other one.
+    fn axes(&mut self, unit: &str) {
+        let y = self.plan.bottom + BAR - 4.0;
+        Plan::axes(&mut self.svg, [MARGIN + 4.0, y], self.layout.plane.axes());
+        self.plan.scale_bar(&mut self.svg, [WIDTH - MARGIN, y], WIDTH, unit);
     }
 
     /// Media and lights with their colours; the height of the whole drawing.
@@ -231,7 +181,7 @@ impl<'a> Drawing<'a> {
             RayColour::Wavelength => Lights::of(self.layout.segments.wavelength_nm.iter().copied()).entries(),
             RayColour::Source => sources(self.layout.sources),
         });
-        legend::draw(&mut self.svg, &entries, self.bottom + BAR + ROW, WIDTH)
+        legend::draw(&mut self.svg, &entries, self.plan.bottom + BAR + ROW, WIDTH)
     }
 }
 
@@ -251,32 +201,6 @@ fn source_colour(source: u32) -> Rgba {
     // the palette without its yellow, the darkest first
     let colours = [PALETTE[5], PALETTE[2], PALETTE[3], PALETTE[1], PALETTE[0]];
     colours[source as usize % colours.len()]
-}
-
-/// The points without those that lie within a twentieth of a pixel of the line between their neighbours.
-fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut kept: Vec<[f64; 2]> = Vec::new();
-    let mut from = 0;
-    for (k, &point) in points.iter().enumerate() {
-        let is_between = |j: usize| off_line(points[j], points[from], points[k + 1]) < 0.05;
-        let may_go = k > from && k + 1 < points.len() && k - from < 64 && (from + 1..=k).all(is_between);
-        if !may_go {
-            kept.push(point);
-            from = k;
-        }
-    }
-    kept
-}
-
-/// The distance of a point from a line, or from its first point.
-fn off_line(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (along, off) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-    let length = libm::hypot(along[0], along[1]);
-    let part = along[0] * off[0] + along[1] * off[1];
-    match length > 0.0 && part >= 0.0 && part <= length * length {
-        true => ((along[0] * off[1] - along[1] * off[0]) / length).abs(),
-        false => f64::INFINITY,
-    }
 }
 
 /// The part of a line in a rectangle (Y.-D. Liang and B. A. Barsky, ACM Transactions on Graphics 3, 1, 1984).
@@ -311,16 +235,5 @@ mod tests {
         assert_eq!(clip([-5.0, 1.0], [-1.0, 1.0]), None);
         assert_eq!(clip([0.0, 9.0], [9.0, 9.0]), None);
         assert_eq!(clip([-4.0, 4.0], [1.0, 14.0]), None);
-    }
-
-    #[test]
-    fn points_on_a_line_are_left_out() {
-        let straight: Vec<[f64; 2]> = (0..10).map(|k| [f64::from(k), 2.0 * f64::from(k)]).collect();
-        assert_eq!(simplified(&straight), [[0.0, 0.0], [9.0, 18.0]]);
-        let corner = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 3.0]];
-        assert_eq!(simplified(&corner), [[0.0, 0.0], [2.0, 0.0], [2.0, 3.0]]);
-        // there and back again
-        let back = [[0.0, 0.0], [5.0, 0.0], [1.0, 0.0]];
-        assert_eq!(simplified(&back), back);
     }
 }

@@ -1,6 +1,7 @@
 //! Planes through systems.
 
 use crate::Error;
+use crate::plan::axis_and_place;
 use rayweave_analysis::section::Cut;
 use rayweave_math::Vec3;
 use rayweave_optics::Segments;
@@ -64,20 +65,8 @@ impl FromStr for ViewPlane {
     fn from_str(text: &str) -> Result<ViewPlane, String> {
         let problem =
             || format!("`{text}` is no plane (it can be yz, xz, xy, or a place along an axis, as x=2.5)");
-        let text: String = text.to_ascii_lowercase().split_whitespace().collect();
-        let (axis, place) = match text.as_str() {
-            "yz" | "zy" => ("x", "0"),
-            "xz" | "zx" => ("y", "0"),
-            "xy" | "yx" => ("z", "0"),
-            other => other.split_once('=').ok_or_else(problem)?,
-        };
-        let place = place.parse().ok().filter(|place: &f64| place.is_finite()).ok_or_else(problem)?;
-        match axis {
-            "x" => Ok(ViewPlane::X(place)),
-            "y" => Ok(ViewPlane::Y(place)),
-            "z" => Ok(ViewPlane::Z(place)),
-            _ => Err(problem()),
-        }
+        let (axis, place) = axis_and_place(text).ok_or_else(problem)?;
+        Ok([ViewPlane::X, ViewPlane::Y, ViewPlane::Z][axis](place))
     }
 }
 

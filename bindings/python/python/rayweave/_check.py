@@ -1,0 +1,121 @@
+"""What of a model may not be what was meant."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rayweave import _core
+from rayweave._box import Box, corners
+from rayweave._core import Model, Section, Solid
+
+_Array = NDArray[np.float64]
+
+CheckRow: TypeAlias = tuple[
+    tuple[str, list[str], str],
+    list[float],
+    list[float] | None,
+    list[list[float]] | None,
+    bool,
+    "Section | None",
+]
+"""Kind, regions, text; size, volume with its half width, area; place; ray; whether it is proved; picture."""
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """Something that may not be what was meant; lengths are those of the model, what is not known is NaN."""
+
+    kind: str
+    """overlap, outside, hidden, empty, absorbed, mesh, thin, gap or touch."""
+    regions: tuple[str, ...]
+    """The regions that it is about."""
+    text: str
+    size: float
+    """How deep, thick or wide."""
+    volume: float
+    volume_half_width: float
+    area: float
+    """The area where regions touch."""
+    at: _Array
+    """(3,) a place."""
+    ray: _Array
+    """(2, 3) the ends of a piece of a ray there."""
+    is_proved: bool
+    """True if it is known without rays."""
+    section: Section | None = field(repr=False)
+    """The place, cut open, if pictures were asked for."""
+
+    def _repr_svg_(self) -> str | None:
+        return None if self.section is None else _core.section_text([self.section], "svg", self.text)
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """What a check has found, and what was looked at."""
+
+    findings: tuple[Finding, ...]
+    unit: str
+    scope: dict[str, float]
+    """Numbers of rays and pairs, and the lengths under which walls and gaps are reported."""
+
+    def of(self, kind: str) -> tuple[Finding, ...]:
+        """The findings of a kind."""
+        return tuple(finding for finding in self.findings if finding.kind == kind)
+
+    def __len__(self) -> int:
+        return len(self.findings)
+
+    def __iter__(self) -> Iterator[Finding]:
+        return iter(self.findings)
+
+    def __repr__(self) -> str:
+        counts = Counter(finding.kind for finding in self.findings)
+        found = ", ".join(f"{kind} {count}" for kind, count in counts.items()) or "nothing found"
+        lines = [f"<Check: {found} ({self.scope['rays']:.0f} rays)"]
+        for finding in self.findings[:20]:
+            size = "" if np.isnan(finding.size) else f" ({finding.size:.3g} {self.unit})"
+            lines.append(f"  {finding.kind}: {finding.text}{size}")
+        if len(self.findings) > 20:
+            lines.append(f"  and {len(self.findings) - 20} more")
+        return "\n".join(lines) + ">"
+
+
+def check(
+    subject: Solid | Model,
+    *,
+    wall: float | None = None,
+    gap: float | None = None,
+    distance: float | None = None,
+    cells: int = 128,
+    confidence: float = 0.99,
+    most_pairs: int = 20_000,
+    within: Box | None = None,
+    seed: int = 0,
+    pictures: bool = False,
+    threads: int | None = None,
+) -> Check:
+    """Look for overlaps, daughters outside their mothers, gaps, thin walls, and parts without effect.
+
+    Walls thinner than `wall` and gaps narrower than `gap` are reported (1e-5 of the diagonal of the model), overlaps that are deeper
+    than `distance` (1e-9 of it). Boxes prove what they can, rays look at everything else: a finding is sure, its absence as sure as
+    the rays are dense, 6 `cells`^2 of them through the model. Equal seeds give equal results.
+    """
+    rows, unit, scope = _core.check_rows(
+        subject, wall, gap, distance, cells, confidence, most_pairs, corners(within), seed, pictures, threads
+    )
+    return Check(tuple(_finding(row) for row in rows), unit, scope)
+
+
+def _finding(row: CheckRow) -> Finding:
+    (kind, regions, text), (size, volume, half_width, area), at, ray, is_proved, section = row
+    place = np.full(3, np.nan) if at is None else np.array(at)
+    piece = np.full((2, 3), np.nan) if ray is None else np.array(ray)
+    return Finding(
+        kind, tuple(regions), text, size, volume, half_width, area, place, piece, is_proved, section
+    )

@@ -1,0 +1,124 @@
+"""Are two models the same solid?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rayweave import _core
+from rayweave._box import Box, corners
+from rayweave._core import Model, Section, Solid
+
+_Array = NDArray[np.float64]
+_Truths = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Diff:
+    """What two models have in common and what not, in P parts; a notebook shows the thickest difference, cut open.
+
+    Lengths are in the unit of the first model. `x_half_width` is half the width of the confidence interval of `x`.
+    """
+
+    is_same: bool
+    """True if no difference thicker than `distance` was met."""
+    names: tuple[str, ...]
+    """The names of the regions or media that were compared; "model" for everything."""
+    same: _Truths
+    """(P,) the same for each part."""
+    proved: _Truths
+    """(P,) whether that is known without rays."""
+    in_a: _Truths
+    """(P,) whether the first model has such a part."""
+    in_b: _Truths
+    both: _Array
+    """(P,) volumes that both have in common."""
+    both_half_width: _Array
+    a_only: _Array
+    """(P,) volumes that only the first has."""
+    a_only_half_width: _Array
+    b_only: _Array
+    b_only_half_width: _Array
+    thickness: _Array
+    """(P,) thickness of the thickest difference that was met, 0 if there was none."""
+    is_a: _Truths
+    """(P,) whether the first model has something there."""
+    ray: _Array
+    """(P, 2, 3) the ends of the piece of a ray there; NaN if there is none."""
+    place: _Array
+    """(P, 2, 3) the corners of a box around all differences that matter; NaN if there are none."""
+    distance: float
+    """Differences up to this thickness do not matter."""
+    unit: str
+    rays: int
+    """The number of rays that were asked."""
+    section: Section
+    """The part with the thickest difference, cut open: "both", "A only", "B only"."""
+
+    def __repr__(self) -> str:
+        if self.is_same:
+            return f"<Diff: the same, no difference thicker than {self.distance:.3g} {self.unit} ({self.rays} rays)>"
+        rows = zip(self.names, self.same, self.a_only, self.b_only, self.thickness, strict=True)
+        parts = [
+            f"{name}: A only {a:.4g}, B only {b:.4g}, up to {thick:.3g} {self.unit} thick"
+            for name, same, a, b, thick in rows
+            if not same
+        ]
+        return f"<Diff: different in {len(parts)} of {len(self.names)} parts; {'; '.join(parts[:8])}>"
+
+    def _repr_svg_(self) -> str:
+        return _core.section_text([self.section], "svg", "A only, B only, both")
+
+
+def diff(
+    a: Solid | Model,
+    b: Solid | Model,
+    *,
+    by: Literal["region", "medium", "whole"] | None = None,
+    distance: float | None = None,
+    cells: int = 128,
+    precision: float = 1e-2,
+    confidence: float = 0.99,
+    most_rays: int = 1 << 20,
+    within: Box | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+) -> Diff:
+    """Compare two models: are they the same solid, and if not, where do they differ and how much?
+
+    Lengths of the second model are brought to the unit of the first. Regions are compared by name, media by name, or everything
+    with everything, which is what is done if one of the models has a single region and `by` says nothing. Differences up to
+    `distance` (1e-9 of the diagonal) do not matter. There are 6 `cells`^2 rays for each part; volumes are measured until half the
+    width of their interval is `precision` times the volume, with at most `most_rays`. Equal seeds give equal results.
+    """
+    names, truths, numbers, (is_same, unit, limit, rays), section = _core.diff_columns(
+        a, b, by, distance, cells, precision, confidence, most_rays, corners(within), seed, threads
+    )
+    same, proved, in_a, in_b, is_a = truths
+    count = len(names)
+    volumes = [np.ascontiguousarray(numbers[:, k]) for k in range(6)]
+    return Diff(
+        is_same,
+        tuple(names),
+        same,
+        proved,
+        in_a,
+        in_b,
+        volumes[0],
+        volumes[3],
+        volumes[1],
+        volumes[4],
+        volumes[2],
+        volumes[5],
+        np.ascontiguousarray(numbers[:, 6]),
+        is_a,
+        numbers[:, 7:13].reshape(count, 2, 3),
+        numbers[:, 13:19].reshape(count, 2, 3),
+        limit,
+        unit,
+        rays,
+        section,
+    )

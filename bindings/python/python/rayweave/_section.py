@@ -1,0 +1,121 @@
+"""True cross-sections of solids and models."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rayweave import _core
+from rayweave._box import Box, corners
+from rayweave._core import Model, Section, Solid
+
+
+@overload
+def section(
+    subject: Solid | Model,
+    plane: str = ...,
+    *,
+    point: ArrayLike | None = ...,
+    normal: ArrayLike | None = ...,
+    at: None = ...,
+    by: Literal["medium", "region"] = ...,
+    tolerance: float | None = ...,
+    columns: int = ...,
+    within: Box | None = ...,
+    evaluator: str | None = ...,
+    threads: int | None = ...,
+) -> Section: ...
+@overload
+def section(
+    subject: Solid | Model,
+    plane: str = ...,
+    *,
+    point: ArrayLike | None = ...,
+    normal: ArrayLike | None = ...,
+    at: ArrayLike,
+    by: Literal["medium", "region"] = ...,
+    tolerance: float | None = ...,
+    columns: int = ...,
+    within: Box | None = ...,
+    evaluator: str | None = ...,
+    threads: int | None = ...,
+) -> list[Section]: ...
+def section(
+    subject: Solid | Model,
+    plane: str = "xy",
+    *,
+    point: ArrayLike | None = None,
+    normal: ArrayLike | None = None,
+    at: ArrayLike | None = None,
+    by: Literal["medium", "region"] = "medium",
+    tolerance: float | None = None,
+    columns: int = 512,
+    within: Box | None = None,
+    evaluator: str | None = None,
+    threads: int | None = None,
+) -> Section | list[Section]:
+    """Cut a solid or a model by a plane, or by a stack of planes: areas and contours.
+
+    Parameters
+    ----------
+    plane
+        "xy", "xz", "yz", or a place along an axis, as "z=0.5".
+    point, normal
+        Instead of `plane`: a point of the plane (the origin), and its normal, of any length.
+    at
+        (K,) places of a stack: coordinates along the axis of the plane, or distances from the point along the normal. The answer
+        is a list then, one section for each.
+    by
+        Whether regions of one medium are one part, or each region is a part of its own.
+    tolerance
+        How far contours may be from the truth; 1/10000 of the larger side of the model in the plane.
+    columns
+        The least number of rays that sweep the plane, 2 to 65536: what is thinner than their distance may be overlooked.
+    within
+        (2, 3) corners of a box: only what lies in it is cut.
+    """
+    if point is not None and normal is None:
+        raise _core.RayweaveError("point is given without normal (a plane needs both, or a name) leave it out?")
+    origin = [0.0, 0.0, 0.0] if point is None else _vector(point, "point")
+    found = _core.section_list(
+        subject,
+        plane,
+        origin,
+        None if normal is None else _vector(normal, "normal"),
+        None if at is None else np.asarray(at, dtype=np.float64).ravel().tolist(),
+        by,
+        tolerance,
+        columns,
+        corners(within),
+        evaluator,
+        threads,
+    )
+    return found if at is not None else found[0]
+
+
+def save_section(
+    sections: Section | Sequence[Section], path: str | PathLike[str], *, title: str = ""
+) -> None:
+    """Writes a section, or a stack of them, as a picture (.svg) or as closed polylines on a layer for each part (.dxf).
+
+    A picture shows at most 100 planes, evenly chosen. Coordinates of a DXF file are those of the planes, in the unit of the
+    model; the height is the offset of the plane.
+    """
+    ending = Path(path).suffix.lower().lstrip(".")
+    if ending not in ("svg", "dxf"):
+        raise _core.RayweaveError(f"{path}: unknown format (sections are written as .svg or .dxf)")
+    every = [sections] if isinstance(sections, Section) else list(sections)
+    Path(path).write_text(_core.section_text(every, ending, title), encoding="utf-8")
+
+
+def _vector(values: ArrayLike, name: str) -> list[float]:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (3,):
+        raise _core.RayweaveError(f"{name} has shape {array.shape} (it must be (3,))")
+    numbers: list[float] = array.tolist()
+    return numbers

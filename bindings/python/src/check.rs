@@ -1,0 +1,101 @@
+//! What a check of a model finds, as rows.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayweave::check::{CheckReport, CheckSettings, Finding, Hierarchy, check, finding_section};
+use rayweave::model::drive::Cancel;
+
+use crate::engine::thread_argument;
+use crate::interrupt::interruptible;
+use crate::measure::{bounds, scene};
+use crate::model::PyModel;
+use crate::section::PySection;
+
+/// Kind, regions, text; size, volume with its half width, area; place; ray; whether it is proved; picture.
+type Row = (
+    (&'static str, Vec<String>, String),
+    [f64; 4],
+    Option<[f64; 3]>,
+    Option<[[f64; 3]; 2]>,
+    bool,
+    Option<PySection>,
+);
+
+/// What of a model may not be what was meant, with the unit and what was looked at: see `rayweave.check`.
+#[pyfunction]
+#[pyo3(signature = (subject, wall, gap, distance, cells, confidence, most_pairs, within, seed, pictures, threads))]
+#[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
+pub fn check_rows<'py>(
+    subject: &Bound<'py, PyAny>,
+    wall: Option<f64>,
+    gap: Option<f64>,
+    distance: Option<f64>,
+    cells: u32,
+    confidence: f64,
+    most_pairs: usize,
+    within: Option<[[f64; 3]; 2]>,
+    seed: u64,
+    pictures: bool,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(Vec<Row>, &'static str, Bound<'py, PyDict>)> {
+    let py = subject.py();
+    let scene = scene(subject)?;
+    let model = subject.cast::<PyModel>().ok();
+    let hierarchy = model.and_then(|model| Hierarchy::of(model.get().stated()?, &scene));
+    let cancel = Cancel::new();
+    let settings = CheckSettings {
+        wall,
+        gap,
+        distance,
+        across: cells,
+        confidence,
+        most_pairs,
+        within: within.map(bounds),
+        seed,
+        threads: threads.map(thread_argument).transpose()?,
+        cancel: cancel.clone(),
+    };
+    let unit = scene.unit.symbol();
+    let (report, rows) = interruptible(py, &cancel, || {
+        let report = check(&scene, hierarchy.as_ref(), &settings, &mut |_| ())?;
+        let picture = |finding: &Finding| match pictures {
+            true => finding_section(&scene, finding, &settings),
+            false => Ok(None),
+        };
+        let row = |finding: &Finding| {
+            let section = picture(finding)?.map(|section| PySection::new(section, unit));
+            Ok(row(finding, section))
+        };
+        let rows = report.findings.iter().map(row).collect::<Result<Vec<_>, rayweave::Error>>()?;
+        Ok((report, rows))
+    })?;
+    Ok((rows, unit, scope(py, &report)?))
+}
+
+fn row(finding: &Finding, section: Option<PySection>) -> Row {
+    let volume = finding.volume.map_or([f64::NAN; 2], |volume| [volume.value, volume.half_width]);
+    let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    (
+        (finding.kind.name(), finding.regions.clone(), finding.text.clone()),
+        [or_nan(finding.size), volume[0], volume[1], or_nan(finding.area)],
+        finding.at.map(|at| at.to_array()),
+        finding.ray.map(|ray| [ray.from.to_array(), ray.to.to_array()]),
+        finding.is_proved,
+        section,
+    )
+}
+
+fn scope<'py>(py: Python<'py>, report: &CheckReport) -> PyResult<Bound<'py, PyDict>> {
+    let (dict, scope) = (PyDict::new(py), &report.scope);
+    dict.set_item("rays", scope.rays)?;
+    dict.set_item("wall", scope.wall)?;
+    dict.set_item("gap", scope.gap)?;
+    dict.set_item("distance", scope.distance)?;
+    dict.set_item("parts", scope.parts)?;
+    dict.set_item("pairs_apart", scope.apart)?;
+    dict.set_item("pairs", scope.pairs)?;
+    dict.set_item("pairs_left_out", scope.left_out)?;
+    dict.set_item("operands", scope.operands)?;
+    dict.set_item("has_hierarchy", scope.has_hierarchy)?;
+    Ok(dict)
+}

@@ -1,0 +1,110 @@
+//! Differences of two models, as columns.
+
+use numpy::ndarray::Array2;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, diff, diff_section};
+use rayweave::model::drive::Cancel;
+
+use crate::engine::thread_argument;
+use crate::error::bad_value;
+use crate::interrupt::interruptible;
+use crate::measure::{bounds, scene};
+use crate::section::PySection;
+
+/// The numbers of a pair: three volumes with their half widths, the thickness and the ends of the piece of a ray, the corners of
+/// the place.
+const NUMBERS: usize = 19;
+
+/// Names; whether the pair is the same, proved, in A, in B, and the spot in A; numbers; whether all is the same, the unit, the
+/// distance, the number of rays; the picture.
+type Columns<'py> = (
+    Vec<String>,
+    [Bound<'py, PyArray1<bool>>; 5],
+    Bound<'py, PyArray2<f64>>,
+    (bool, &'static str, f64, u64),
+    PySection,
+);
+
+/// What two models have in common and what not: see `rayweave.diff`.
+#[pyfunction]
+#[pyo3(signature = (a, b, by, distance, cells, precision, confidence, most_rays, within, seed, threads))]
+#[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
+pub fn diff_columns<'py>(
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
+    by: Option<&str>,
+    distance: Option<f64>,
+    cells: u32,
+    precision: f64,
+    confidence: f64,
+    most_rays: u64,
+    within: Option<[[f64; 3]; 2]>,
+    seed: u64,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Columns<'py>> {
+    let py = a.py();
+    let (first, second) = (scene(a)?, scene(b)?);
+    let by = match by {
+        None => Match::Auto,
+        Some("region") => Match::Region,
+        Some("medium") => Match::Medium,
+        Some("whole") => Match::Whole,
+        Some(other) => return Err(bad_value(format!("by is '{other}' (it can be region, medium or whole)"))),
+    };
+    let cancel = Cancel::new();
+    let settings = DiffSettings {
+        by,
+        distance,
+        across: cells,
+        precision,
+        confidence,
+        most_rays,
+        within: within.map(bounds),
+        seed,
+        threads: threads.map(thread_argument).transpose()?,
+        cancel: cancel.clone(),
+    };
+    let (report, section) = interruptible(py, &cancel, || {
+        let report = diff(&first, &second, &settings, &mut |_| ())?;
+        let section = diff_section(&first, &second, &report, &settings, None)?;
+        Ok((report, section))
+    })?;
+    columns(py, &report, PySection::new(section, report.unit.symbol()))
+}
+
+fn columns<'py>(py: Python<'py>, report: &DiffReport, section: PySection) -> PyResult<Columns<'py>> {
+    let pairs = &report.pairs;
+    let truths = |of: fn(&Difference) -> bool| PyArray1::from_iter(py, pairs.iter().map(of));
+    let numbers = Array2::from_shape_vec((pairs.len(), NUMBERS), pairs.iter().flat_map(numbers).collect());
+    Ok((
+        pairs.iter().map(|pair| pair.name.clone()).collect(),
+        [
+            truths(|pair| pair.is_same),
+            truths(|pair| pair.is_proved),
+            truths(|pair| pair.is_in[0]),
+            truths(|pair| pair.is_in[1]),
+            truths(|pair| pair.spot.is_some_and(|spot| spot.is_a)),
+        ],
+        PyArray2::from_owned_array(py, numbers.map_err(bad_value)?),
+        (report.is_same(), report.unit.symbol(), report.distance, report.rays),
+        section,
+    ))
+}
+
+fn numbers(pair: &Difference) -> [f64; NUMBERS] {
+    let mut all = [f64::NAN; NUMBERS];
+    for (k, volume) in [pair.both, pair.a_only, pair.b_only].into_iter().enumerate() {
+        (all[k], all[3 + k]) = (volume.value, volume.half_width);
+    }
+    all[6] = pair.spot.map_or(0.0, |spot| spot.thickness);
+    if let Some(spot) = pair.spot {
+        all[7..10].copy_from_slice(&spot.chord.from.to_array());
+        all[10..13].copy_from_slice(&spot.chord.to.to_array());
+    }
+    if let Some(place) = pair.place {
+        all[13..16].copy_from_slice(&place.lo.to_array());
+        all[16..19].copy_from_slice(&place.hi.to_array());
+    }
+    all
+}

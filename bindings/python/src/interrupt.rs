@@ -1,0 +1,46 @@
+//! Long questions that Ctrl-C ends.
+
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use rayweave::Error;
+use rayweave::model::drive::Cancel;
+
+use crate::error::bad_value;
+
+/// How often signals are looked at.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Works on a thread of its own, without the interpreter, and asks the run to stop when Python has a signal to handle.
+pub fn interruptible<T: Send>(
+    py: Python<'_>,
+    cancel: &Cancel,
+    work: impl FnOnce() -> Result<T, Error> + Send,
+) -> PyResult<T> {
+    py.detach(|| {
+        thread::scope(|scope| {
+            let (done, ended) = channel();
+            let worker = scope.spawn(move || {
+                let result = work();
+                // nobody waits any more if a signal came first
+                let _ = done.send(());
+                result
+            });
+            let mut interrupt = None;
+            while interrupt.is_none() && ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+                interrupt = Python::attach(|py| py.check_signals()).err();
+            }
+            if interrupt.is_some() {
+                cancel.cancel();
+            }
+            let result = worker.join();
+            match (interrupt, result) {
+                (Some(error), _) => Err(error),
+                (None, Ok(result)) => result.map_err(bad_value),
+                (None, Err(panic)) => std::panic::resume_unwind(panic),
+            }
+        })
+    })
+}

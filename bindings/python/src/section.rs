@@ -1,0 +1,168 @@
+//! Cross-sections as a Python class.
+
+use numpy::ndarray::Array2;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use rayweave::Vec3;
+use rayweave::model::drive::Cancel;
+use rayweave::section::{
+    By, CrossSection, SectionPart, SectionPlane, SectionSettings, Sweep, cross_sections, section_dxf,
+    section_svg,
+};
+
+use crate::engine::thread_argument;
+use crate::error::bad_value;
+use crate::interrupt::interruptible;
+use crate::measure::{bounds, scene};
+
+/// What a plane cuts out of a model: areas and contours of each medium or region.
+///
+/// A notebook shows it as a picture.
+#[pyclass(frozen, module = "rayweave", name = "Section")]
+pub struct PySection {
+    section: CrossSection,
+    unit: &'static str,
+}
+
+impl PySection {
+    pub fn new(section: CrossSection, unit: &'static str) -> PySection {
+        PySection { section, unit }
+    }
+
+    fn numbers<'py>(&self, py: Python<'py>, of: fn(&SectionPart) -> f64) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.section.parts.iter().map(of))
+    }
+}
+
+#[pymethods]
+impl PySection {
+    /// The names of what the plane meets, media or regions, in their order.
+    #[getter]
+    fn names(&self) -> Vec<&str> {
+        self.section.parts.iter().map(|part| part.name.as_str()).collect()
+    }
+
+    /// The plane in words: `z = 0.5`.
+    #[getter]
+    fn plane(&self) -> String {
+        self.section.plane.to_string()
+    }
+
+    /// The coordinate along the axis of the plane, or the distance from its point along its normal.
+    #[getter]
+    fn offset(&self) -> f64 {
+        self.section.plane.offset()
+    }
+
+    /// How far contours may be from the truth; an area errs by at most this times the perimeter.
+    #[getter]
+    fn tolerance(&self) -> f64 {
+        self.section.tolerance
+    }
+
+    /// (P,) areas of the parts.
+    #[getter]
+    fn areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.numbers(py, |part| part.area)
+    }
+
+    /// (P,) lengths of all lines around the parts.
+    #[getter]
+    fn perimeters<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.numbers(py, |part| part.perimeter)
+    }
+
+    /// The contours of a part, each (N, 2): outlines counter-clockwise, holes clockwise; the last point is not the first again.
+    fn contours<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyTuple>> {
+        let Some(part) = self.section.part(name) else {
+            let known = self.names().join(", ");
+            return Err(bad_value(format!("the section has no part '{name}' (there is {known})")));
+        };
+        let array = |contour: &Vec<[f64; 2]>| {
+            let points = contour.as_flattened().to_vec();
+            let array = Array2::from_shape_vec((contour.len(), 2), points).map_err(bad_value)?;
+            Ok(PyArray2::from_owned_array(py, array))
+        };
+        PyTuple::new(py, part.contours.iter().map(array).collect::<PyResult<Vec<_>>>()?)
+    }
+
+    /// A point of the plane and its axes, to the right and up, (3, 3): `frame[0] + u * frame[1] + v * frame[2]` is a point of space.
+    #[getter]
+    fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let cut = self.section.plane.cut().map_err(bad_value)?;
+        let origin = cut.point([0.0, 0.0]);
+        let rows = [origin, cut.point([1.0, 0.0]) - origin, cut.point([0.0, 1.0]) - origin];
+        let rows: Vec<Vec<f64>> = rows.iter().map(|row: &Vec3| row.to_array().to_vec()).collect();
+        PyArray2::from_vec2(py, &rows).map_err(bad_value)
+    }
+
+    fn __repr__(&self) -> String {
+        let part = |part: &SectionPart| format!("{} {:.6}", part.name, part.area);
+        let parts: Vec<String> = self.section.parts.iter().map(part).collect();
+        let areas = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
+        format!("<Section {}, areas in {}^2: {areas}>", self.section.plane, self.unit)
+    }
+
+    fn _repr_svg_(&self) -> String {
+        section_svg(std::slice::from_ref(&self.section), "", self.unit)
+    }
+}
+
+/// Sections of a solid or a model by a plane at some offsets: see `rayweave.section`.
+#[pyfunction]
+#[pyo3(signature = (subject, plane, point, normal, offsets, by, tolerance, columns, within, evaluator, threads))]
+#[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
+pub fn section_list(
+    subject: &Bound<'_, PyAny>,
+    plane: &str,
+    point: [f64; 3],
+    normal: Option<[f64; 3]>,
+    offsets: Option<Vec<f64>>,
+    by: &str,
+    tolerance: Option<f64>,
+    columns: u32,
+    within: Option<[[f64; 3]; 2]>,
+    evaluator: Option<&str>,
+    threads: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<PySection>> {
+    let py = subject.py();
+    let scene = scene(subject)?;
+    let plane: SectionPlane = match normal {
+        Some(normal) => SectionPlane::new(Vec3::from(point), Vec3::from(normal)),
+        None => plane.parse(),
+    }
+    .map_err(bad_value)?;
+    let planes = match offsets {
+        None => vec![plane],
+        Some(offsets) => {
+            offsets.into_iter().map(|at| plane.at(at)).collect::<Result<_, _>>().map_err(bad_value)?
+        }
+    };
+    let by = match by {
+        "medium" => By::Medium,
+        "region" => By::Region,
+        other => return Err(bad_value(format!("by is '{other}' (it can be medium or region)"))),
+    };
+    let cancel = Cancel::new();
+    let sweep = Sweep { threads: threads.map(thread_argument).transpose()?, cancel: cancel.clone() };
+    let settings = SectionSettings { by, tolerance, columns, within: within.map(bounds), sweep };
+    let found = interruptible(py, &cancel, || {
+        cross_sections(&scene, None, evaluator, &planes, &settings, &mut |_| ())
+    })?;
+    let unit = scene.unit.symbol();
+    Ok(found.into_iter().map(|section| PySection::new(section, unit)).collect())
+}
+
+/// Sections as one document, "svg" or "dxf".
+#[pyfunction]
+#[pyo3(signature = (sections, format, title))]
+pub fn section_text(sections: Vec<PyRef<'_, PySection>>, format: &str, title: &str) -> PyResult<String> {
+    let all: Vec<CrossSection> = sections.iter().map(|section| section.section.clone()).collect();
+    let unit = sections.first().map_or("mm", |section| section.unit);
+    match format {
+        "svg" => Ok(section_svg(&all, title, unit)),
+        "dxf" => Ok(section_dxf(&all, unit)),
+        other => Err(bad_value(format!("no format is called '{other}' (there is svg, dxf)"))),
+    }
+}

@@ -1,0 +1,55 @@
+//! Path lengths through media, pixel by pixel.
+
+use numpy::ndarray::{Array2, Array3};
+use numpy::{PyArray2, PyArray3};
+use pyo3::prelude::*;
+use rayweave::model::drive::Cancel;
+use rayweave::picture::Wishes;
+use rayweave::render::Size;
+use rayweave::thickness::{Run, ThicknessMap};
+use rayweave::{AnyEvaluator, Compiled};
+
+use crate::engine::thread_argument;
+use crate::error::bad_value;
+use crate::interrupt::interruptible;
+use crate::measure::scene;
+
+/// Names of media; their attenuations; lengths (H, W, M); the radiograph (H, W).
+type Maps<'py> = (Vec<String>, Vec<f64>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray2<f64>>, &'static str);
+
+/// How far rays go through each medium: see `rayweave.thickness`.
+#[pyfunction]
+#[pyo3(signature = (subject, view, size, evaluator, threads))]
+pub fn thickness_maps<'py>(
+    subject: &Bound<'py, PyAny>,
+    view: Option<&str>,
+    size: Option<(u32, u32)>,
+    evaluator: Option<&str>,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Maps<'py>> {
+    let py = subject.py();
+    let scene = scene(subject)?;
+    let wishes = Wishes {
+        size: size.map(|(width, height)| Size::new(width, height)).transpose().map_err(bad_value)?,
+        view: view.map(str::parse).transpose().map_err(bad_value)?,
+        ..Wishes::default()
+    };
+    let cancel = Cancel::new();
+    let threads = threads.map(thread_argument).transpose()?;
+    let map = interruptible(py, &cancel, || {
+        let compiled = Compiled::new(&scene)?;
+        let evaluator = AnyEvaluator::new(evaluator, compiled.program.clone())?;
+        let mut run = Run { threads, cancel: cancel.clone(), progress: None };
+        ThicknessMap::new(&scene, &compiled, &evaluator, &wishes, &mut run)
+    })?;
+    let (height, width, media) = (map.size().height(), map.size().width(), map.media().len());
+    let lengths = Array3::from_shape_vec((height, width, media), map.path_lengths().values().to_vec());
+    let radiograph = Array2::from_shape_vec((height, width), map.radiograph(&scene).into_values());
+    Ok((
+        map.media().to_vec(),
+        map.attenuations(&scene),
+        PyArray3::from_owned_array(py, lengths.map_err(bad_value)?),
+        PyArray2::from_owned_array(py, radiograph.map_err(bad_value)?),
+        scene.unit.symbol(),
+    ))
+}

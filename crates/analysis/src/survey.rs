@@ -1,0 +1,284 @@
+//! The pieces of many rays in the regions of a model: what lies on both sides of each, and how thick the model is there.
+//!
+//! Rays are drawn parallel to x, y and z through a box, two at random places in each cell of its cross-section, as in
+//! [`measure`](mod@crate::measure). A piece of a ray is where it is in one region between two crossings. Its length says little of how
+//! thick the region is: a ray that grazes a film goes through it for long. With `n` the normals of the faces at its ends and `d` its
+//! direction,
+//!
+//! ```text
+//!   thickness = length * (|n1 . d| + |n2 . d|) / 2
+//! ```
+//!
+//! is the distance of the faces where they are parallel, and that of two spheres about one centre but for the square of it over the
+//! radius; at the rim of a thin shell, which a ray may follow from outside to outside, it is at most four times that of the shell.
+//! [`shortest_at`] looks at the same place from other sides.
+
+use crate::measure::Chord;
+use crate::measure::cells::Cells;
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::{Crossing, Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, dress};
+use rayweave_shape::Ray;
+use std::convert::Infallible;
+use std::num::NonZeroUsize;
+use std::ops::Range;
+
+/// Cells that a thread takes at a time.
+const CELLS_PER_TASK: u64 = 512;
+
+/// Which rays are asked.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    /// The box that they go through: finite.
+    pub bounds: Bounds,
+    /// The number of cells along an edge of its cross-sections; there are six times its square of rays.
+    pub across: u32,
+    /// Chooses the random numbers: equal seeds give equal rays.
+    pub seed: u64,
+    /// Different for all that is asked with one seed.
+    pub stream: u64,
+    /// The number of threads; [`thread_count`] if it is not given. Results do not depend on it.
+    pub threads: Option<NonZeroUsize>,
+    /// Stops the run.
+    pub cancel: Cancel,
+}
+
+/// Somebody asked the run to stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+/// Where a ray is in one region between two crossings.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<'a> {
+    program: &'a Program,
+    ray: Ray,
+    entry: &'a Crossing,
+    exit: &'a Crossing,
+    /// The part of the cross-section that the ray stands for: the area of a cell, halved since two rays share it.
+    pub area: f64,
+}
+
+impl Piece<'_> {
+    /// The region; 0 is the world.
+    pub fn region(&self) -> RegionId {
+        self.entry.after
+    }
+
+    /// The regions before and after it.
+    pub fn neighbours(&self) -> [RegionId; 2] {
+        [self.entry.before, self.exit.after]
+    }
+
+    /// Its ends.
+    pub fn chord(&self) -> Chord {
+        Chord { from: self.ray.at(self.entry.t), to: self.ray.at(self.exit.t) }
+    }
+
+    /// Its length.
+    pub fn length(&self) -> f64 {
+        self.exit.t - self.entry.t
+    }
+
+    /// The normals of the faces at its ends, out of the region.
+    pub fn normals(&self) -> [Vec3; 2] {
+        let normal = |crossing: &Crossing, sign: f64| {
+            let normal = dress::normal(self.program, &self.ray, crossing);
+            if normal.dot(self.ray.direction) * sign < 0.0 { -normal } else { normal }
+        };
+        [normal(self.entry, -1.0), normal(self.exit, 1.0)]
+    }
+
+    /// How thick the region is, seen from here: the length times the mean cosine of the faces.
+    pub fn thickness(&self) -> f64 {
+        let cosines = self.normals().map(|normal| normal.dot(self.ray.direction).abs());
+        self.length() * 0.5 * (cosines[0] + cosines[1])
+    }
+
+    /// The distance of two faces that look away from each other, to within 25 degrees; `None` at the edges of a body, where two
+    /// faces meet and any length occurs, and at its rim.
+    pub fn wall(&self) -> Option<f64> {
+        let [first, second] = self.normals();
+        (first.dot(second) < -0.9).then(|| self.thickness())
+    }
+}
+
+/// Asks the rays of a survey, and shows every piece to `visit`, which gathers what it wants in a value for each task; they are
+/// merged in order. The number of rays that were asked.
+///
+/// # Errors
+///
+/// [`Cancelled`].
+pub fn survey<E: Evaluator, T: Default + Send>(
+    evaluator: &E,
+    settings: &Survey,
+    visit: impl Fn(&mut T, &Piece<'_>) + Sync,
+    mut merge: impl FnMut(T),
+) -> Result<u64, Cancelled> {
+    let across = u64::from(settings.across.max(1));
+    let tasks = (0..3).flat_map(|axis| {
+        let count = across * across;
+        let starts = (0..count).step_by(CELLS_PER_TASK as usize);
+        starts.map(move |first| (axis, first..count.min(first + CELLS_PER_TASK)))
+    });
+    let work = |(scratch, batch): &mut (E::Scratch, RayBatch), (axis, range): (usize, Range<u64>)| {
+        let stream = settings.stream * 3 + axis as u64;
+        let cells =
+            Cells { bounds: settings.bounds, axis, across, seed: settings.seed, stream, within: None };
+        cells.rays(range, batch);
+        let mut gathered = T::default();
+        pieces(evaluator, batch, 0.5 * cells.area(), scratch, |piece| visit(&mut gathered, piece));
+        gathered
+    };
+    let scratch = || (evaluator.scratch(), RayBatch::default());
+    let merge = |gathered| {
+        merge(gathered);
+        Ok::<(), Infallible>(())
+    };
+    match drive(thread_count(settings.threads), &settings.cancel, tasks, scratch, work, merge) {
+        Ok(()) => Ok(6 * across * across),
+        Err(Stopped::Cancelled) => Err(Cancelled),
+        Err(Stopped::Failed(never)) => match never {},
+    }
+}
+
+fn pieces<E: Evaluator>(
+    evaluator: &E,
+    batch: &RayBatch,
+    area: f64,
+    scratch: &mut E::Scratch,
+    mut visit: impl FnMut(&Piece<'_>),
+) {
+    let (program, rays) = (evaluator.program(), batch.rays());
+    let mut sink = |answer: RayAnswer<'_>| {
+        let ray = rays.get(answer.ray);
+        for pair in answer.crossings.windows(2) {
+            visit(&Piece { program, ray, entry: &pair[0], exit: &pair[1], area });
+        }
+    };
+    evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
+}
+
+/// How thick what `is_in` takes in is at a point: the shortest of the pieces of rays that go through the point along some
+/// directions, of any length; neighbouring regions that are both taken in count as one. `None` if the point is in none of them, or
+/// all pieces are infinite.
+pub fn shortest_at<E: Evaluator>(
+    evaluator: &E,
+    point: Vec3,
+    directions: &[Vec3],
+    is_in: impl Fn(RegionId) -> bool,
+    scratch: &mut E::Scratch,
+) -> Option<Chord> {
+    let mut batch = RayBatch::default();
+    let units = directions.iter().map(|direction| direction.normalize_or_zero());
+    units.filter(|unit| *unit != Vec3::ZERO).for_each(|unit| batch.push(Ray::new(point, unit)));
+    let mut least: Option<Chord> = None;
+    let rays = batch.rays();
+    let mut sink = |answer: RayAnswer<'_>| {
+        let stretch = stretch_around(&answer, &is_in).filter(|ends| ends.iter().all(|end| end.is_finite()));
+        let chord = stretch.map(|ends| ends.map(|end| rays.get(answer.ray).at(end)));
+        if let Some([from, to]) = chord {
+            let chord = Chord { from, to };
+            if least.is_none_or(|least| chord.length() < least.length()) {
+                least = Some(chord);
+            }
+        }
+    };
+    evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
+    least
+}
+
+/// The ends of the stretch around t = 0 that is taken in.
+fn stretch_around(answer: &RayAnswer<'_>, is_in: impl Fn(RegionId) -> bool) -> Option<[f64; 2]> {
+    let (mut inside, mut since) = (is_in(answer.start), f64::NEG_INFINITY);
+    for crossing in answer.crossings.iter().filter(|crossing| is_in(crossing.before) != is_in(crossing.after))
+    {
+        match inside {
+            true if crossing.t >= 0.0 => return Some([since, crossing.t]),
+            false if crossing.t > 0.0 => return None,
+            _ => (inside, since) = (!inside, crossing.t),
+        }
+    }
+    inside.then_some([since, f64::INFINITY])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayweave_model::{Region, Solid};
+    use rayweave_shape::primitive::{CentredBox, Primitive, Sphere};
+    use rayweave_trace::Packets;
+    use std::sync::Arc;
+
+    fn ball(radius: f64) -> Solid {
+        Solid::from(Primitive::from(Sphere::new(radius).unwrap()))
+    }
+
+    fn packets(solids: &[Solid]) -> Packets {
+        let region =
+            |(k, solid): (u32, &Solid)| Region { name: k.to_string(), solid: solid.clone(), medium: k };
+        let regions: Vec<Region> = (1..).zip(solids).map(region).collect();
+        Packets::new(Arc::new(Program::compile_regions(&regions).unwrap()))
+    }
+
+    fn settings(bounds: Bounds) -> Survey {
+        Survey { bounds, across: 60, seed: 1, stream: 0, threads: None, cancel: Cancel::new() }
+    }
+
+    /// Rays that follow the rim of a thin shell are long in it, but it is nowhere thicker than it is; its faces are walls.
+    #[test]
+    fn shells_are_as_thin_as_they_are() {
+        let thin = 1e-3;
+        let shell = packets(&[ball(1.0) - ball(1.0 - thin)]);
+        let (mut longest, mut thickest, mut thinnest, mut count) = (0.0f64, 0.0f64, f64::INFINITY, 0);
+        let bounds = shell.program().bounds();
+        let merge = |found: Vec<(f64, f64, Option<f64>)>| {
+            for (length, thickness, wall) in found {
+                count += 1;
+                (longest, thickest) = (longest.max(length), thickest.max(thickness));
+                thinnest = thinnest.min(wall.unwrap_or(f64::INFINITY));
+            }
+        };
+        let visit = |found: &mut Vec<_>, piece: &Piece<'_>| {
+            if piece.region() == RegionId(1) {
+                found.push((piece.length(), piece.thickness(), piece.wall()));
+            }
+        };
+        let rays = survey(&shell, &settings(bounds), visit, merge).unwrap();
+        assert_eq!(rays, 6 * 3600);
+        assert!(count > 3000 && longest > 0.02 && thickest < 4.01 * thin, "{count} {longest} {thickest}");
+        assert!((thinnest / thin - 1.0).abs() < 0.05, "{thinnest}");
+    }
+
+    /// At the edges of a turned box pieces of any length occur, but no walls.
+    #[test]
+    fn edges_are_no_walls() {
+        let cube = Solid::from(Primitive::from(CentredBox::new(Vec3::splat(2.0)).unwrap()));
+        let cube = packets(&[cube.rotate_x(20.0).rotate_y(35.0)]);
+        let visit = |found: &mut Vec<_>, piece: &Piece<'_>| found.push((piece.length(), piece.wall()));
+        let mut found = Vec::new();
+        survey(&cube, &settings(cube.program().bounds()), visit, |some: Vec<_>| found.extend(some)).unwrap();
+        let shortest = found.iter().map(|piece| piece.0).fold(f64::INFINITY, f64::min);
+        let thinnest = found.iter().filter_map(|piece| piece.1).fold(f64::INFINITY, f64::min);
+        assert!(shortest < 0.05 && (thinnest - 2.0).abs() < 1e-9, "{shortest} {thinnest}");
+    }
+
+    #[test]
+    fn thickness_around_a_point() {
+        let nested = packets(&[ball(2.0), ball(1.0)]);
+        let mut scratch = nested.scratch();
+        let mut at = |x: f64, is_in: &dyn Fn(RegionId) -> bool| {
+            let directions = [Vec3::X * 3.0, Vec3::Y, Vec3::ZERO];
+            let chord = shortest_at(&nested, Vec3::new(x, 0.0, 0.0), &directions, is_in, &mut scratch);
+            chord.map(|chord| chord.length())
+        };
+        assert_eq!(at(1.5, &|region| region == RegionId(1)), Some(1.0));
+        assert_eq!(at(0.0, &|region| region == RegionId(2)), Some(2.0));
+        // both together
+        let together = at(1.5, &|region| region != RegionId(0)).unwrap();
+        assert!((together - 2.0 * 1.75f64.sqrt()).abs() < 1e-12, "{together}");
+        assert_eq!(at(3.0, &|region| region != RegionId(0)), None);
+        assert_eq!(at(-1.5, &|region| region == RegionId(2)), None);
+        assert_eq!(at(3.0, &|region| region == RegionId(0)), None);
+    }
+}

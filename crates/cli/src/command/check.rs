@@ -1,0 +1,267 @@
+//! `rayweave check`: what of a model may not be what was meant.
+
+use crate::arguments::{Cli, ModelArguments, WithinArguments};
+use crate::failure::Failure;
+use crate::{drawing, interrupt, interval, terminal};
+use clap::Args;
+use rayweave::check::{CheckReport, CheckSettings, Finding, Hierarchy, Kind, check, finding_section};
+use rayweave::scene::Scene;
+use rayweave::section::section_svg;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+const AFTER_HELP: &str = "\
+Kinds of findings:
+  overlap   two regions take the same space, and neither is within the other
+  outside   a daughter reaches out of its mother (GDML)
+  hidden    nothing is left of a region: later ones take all of it
+  empty     there is nothing in a solid
+  absorbed  an operand of a boolean operator changes nothing
+  mesh      a mesh that is closed, but may not be what was meant
+  thin      a wall thinner than --wall
+  gap       a gap narrower than --gap
+  touch     two regions touch (a note)
+
+A file that cannot be read, one with an open mesh for instance, is told as an error with its place (exit code 3).";
+
+/// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers
+///
+/// Boxes prove what they can, rays look at everything else: a finding is sure, its absence as sure as the rays are dense (--cells).
+/// Each finding has a place, a size, and a ray that shows it. With --fail-on the exit code is 1 if there are findings of those kinds.
+#[derive(Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Check {
+    #[command(flatten)]
+    model: ModelArguments,
+
+    /// Report walls thinner than this [default: 1e-5 of the diagonal of the model]
+    #[arg(long, value_name = "LENGTH")]
+    wall: Option<f64>,
+
+    /// Report gaps narrower than this [default: 1e-5 of the diagonal of the model]
+    #[arg(long, value_name = "LENGTH")]
+    gap: Option<f64>,
+
+    /// Overlaps that are nowhere deeper than this are rounding [default: 1e-9 of the diagonal of the model]
+    #[arg(long, value_name = "LENGTH")]
+    distance: Option<f64>,
+
+    #[command(flatten)]
+    within: WithinArguments,
+
+    /// Send rays through so many cells along each edge of a cross-section of the model
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(2..=4096))]
+    cells: u32,
+
+    /// Look at most at so many pairs of parts, and at so many operands
+    #[arg(long, value_name = "N", default_value_t = 20_000)]
+    pairs: usize,
+
+    /// The level of confidence of volumes
+    #[arg(long, value_name = "C", default_value_t = 0.99)]
+    confidence: f64,
+
+    /// Chooses the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+
+    /// End with exit code 1 if there are findings of these kinds, as overlap,thin; `all` is all but touch
+    #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kinds)]
+    fail_on: Vec<Kinds>,
+
+    /// Write a picture of each finding that has a place into this folder, cut along its ray
+    #[arg(long, value_name = "FOLDER")]
+    pictures: Option<PathBuf>,
+
+    /// Show so many findings of each kind as text
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    lines: usize,
+
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// One kind, or all that are faults.
+#[derive(Clone, Copy)]
+enum Kinds {
+    All,
+    One(Kind),
+}
+
+fn kinds(text: &str) -> Result<Kinds, String> {
+    match text.trim() {
+        "all" => Ok(Kinds::All),
+        name => name.parse().map(Kinds::One).map_err(|error: rayweave::Error| error.to_string()),
+    }
+}
+
+impl Kinds {
+    fn holds(self, kind: Kind) -> bool {
+        match self {
+            Kinds::All => kind != Kind::Touch,
+            Kinds::One(own) => own == kind,
+        }
+    }
+}
+
+impl Check {
+    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+        let imported = self.model.import()?;
+        let scene = imported.scene;
+        let settings = CheckSettings {
+            wall: self.wall,
+            gap: self.gap,
+            distance: self.distance,
+            across: self.cells,
+            confidence: self.confidence,
+            most_pairs: self.pairs,
+            within: self.within.bounds(),
+            seed: self.seed,
+            threads: cli.threads,
+            cancel: interrupt::token()?,
+        };
+        let hierarchy = imported.stated.and_then(|document| Hierarchy::of(&document, &scene));
+        let bar = terminal::counter("rays", cli.quiet);
+        let report = check(&scene, hierarchy.as_ref(), &settings, &mut |rays| bar.set_position(rays));
+        bar.finish_and_clear();
+        let report = report?;
+        if let Some(folder) = &self.pictures {
+            self.draw(folder, &scene, &report, &settings)?;
+        }
+        terminal::print(&match self.json {
+            true => format!("{:#}\n", self.as_json(&report)),
+            false => self.as_text(&report),
+        })?;
+        let is_bad = |finding: &Finding| self.fail_on.iter().any(|kinds| kinds.holds(finding.kind));
+        if report.findings.iter().any(is_bad) { Err(Failure::Answer) } else { Ok(()) }
+    }
+
+    /// A picture of each finding, called by its number in the list and its kind.
+    fn draw(
+        &self,
+        folder: &std::path::Path,
+        scene: &Scene,
+        report: &CheckReport,
+        settings: &CheckSettings,
+    ) -> Result<(), Failure> {
+        let cannot = |error: std::io::Error| {
+            Failure::Run(format!("cannot write the pictures to {} ({error})", folder.display()))
+        };
+        std::fs::create_dir_all(folder).map_err(cannot)?;
+        for (number, finding) in (1..).zip(&report.findings) {
+            if let Some(section) = finding_section(scene, finding, settings)? {
+                let svg = section_svg(&[section], &finding.text, report.unit.symbol());
+                drawing::save(&folder.join(format!("{number}-{}.svg", finding.kind.name())), &svg)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn as_text(&self, report: &CheckReport) -> String {
+        let (model, unit) = (self.model.name(), report.unit.symbol());
+        let of = |kind: Kind| report.of(kind).count();
+        let counts: Vec<String> = Kind::ALL
+            .iter()
+            .filter(|(kind, _)| of(*kind) > 0)
+            .map(|(kind, name)| format!("{name} {}", of(*kind)))
+            .collect();
+        let found = if counts.is_empty() { "nothing found".to_owned() } else { counts.join(", ") };
+        let mut text = format!("{model}: {found}; lengths in {unit}\n{}", scope(report));
+        for (kind, name) in Kind::ALL {
+            for (number, finding) in report.of(kind).enumerate() {
+                if number == self.lines {
+                    text += &format!("\n{name}: {} more (see --lines)\n", of(kind) - number);
+                    break;
+                }
+                text += &format!("\n{name}: {}\n", finding.text);
+                let facts = facts(finding, unit);
+                if !facts.is_empty() {
+                    text += &format!("  {facts}\n");
+                }
+            }
+        }
+        text
+    }
+
+    fn as_json(&self, report: &CheckReport) -> Value {
+        let scope = &report.scope;
+        json!({
+            "model": self.model.name(),
+            "unit": report.unit.symbol(),
+            "seed": self.seed,
+            "confidence": self.confidence,
+            "findings": report.findings.iter().map(finding_json).collect::<Vec<_>>(),
+            "scope": {
+                "rays": scope.rays,
+                "wall": scope.wall,
+                "gap": scope.gap,
+                "distance": scope.distance,
+                "parts": scope.parts,
+                "pairs_apart": scope.apart,
+                "pairs": scope.pairs,
+                "pairs_left_out": scope.left_out,
+                "operands": scope.operands,
+                "has_hierarchy": scope.has_hierarchy,
+            },
+        })
+    }
+}
+
+/// What was proved and what was sampled.
+fn scope(report: &CheckReport) -> String {
+    let scope = &report.scope;
+    let short = terminal::short3;
+    let mut text = format!(
+        "proved by boxes: {} pairs of parts are apart; looked at by {} rays: {} pairs of parts, {} operands\n\
+         reported: overlaps deeper than {}, walls under {}, gaps under {}\n",
+        scope.apart,
+        scope.rays,
+        scope.pairs,
+        scope.operands,
+        short(scope.distance),
+        short(scope.wall),
+        short(scope.gap)
+    );
+    if scope.left_out > 0 {
+        text += &format!("left out: {} pairs of parts (see --pairs)\n", scope.left_out);
+    }
+    text
+}
+
+/// Sizes and places, in a line.
+fn facts(finding: &Finding, unit: &str) -> String {
+    let point = |p: rayweave::Vec3| terminal::short_point(p.to_array().map(|x| terminal::rounded(x, 6)));
+    let mut facts = Vec::new();
+    let how = match finding.kind {
+        Kind::Thin => "thick",
+        Kind::Gap => "wide",
+        _ => "deep",
+    };
+    let has_size = !matches!(finding.kind, Kind::Hidden);
+    facts.extend(
+        finding.size.filter(|_| has_size).map(|size| format!("{} {unit} {how}", terminal::short3(size))),
+    );
+    facts.extend(finding.volume.map(|volume| format!("volume {} {unit}^3", interval::text(&volume))));
+    facts.extend(finding.area.map(|area| format!("area about {} {unit}^2", terminal::short3(area))));
+    facts.extend(match (finding.ray, finding.at) {
+        (Some(ray), _) => Some(format!("ray from {} to {}", point(ray.from), point(ray.to))),
+        (None, at) => at.map(|at| format!("at {}", point(at))),
+    });
+    facts.extend(finding.is_proved.then(|| "proved".to_owned()));
+    facts.join(", ")
+}
+
+fn finding_json(finding: &Finding) -> Value {
+    json!({
+        "kind": finding.kind.name(),
+        "regions": finding.regions,
+        "text": finding.text,
+        "size": finding.size,
+        "volume": finding.volume.as_ref().map(interval::json),
+        "area": finding.area,
+        "at": finding.at.map(|at| at.to_array()),
+        "ray": finding.ray.map(|ray| [ray.from.to_array(), ray.to.to_array()]),
+        "is_proved": finding.is_proved,
+    })
+}

@@ -1,0 +1,251 @@
+//! `rayweave diff`: are two models the same solid, and if not, where do they differ?
+
+use crate::arguments::{Cli, ModelArguments, WithinArguments};
+use crate::failure::Failure;
+use crate::{drawing, interrupt, interval, terminal};
+use clap::{Args, ValueEnum};
+use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, Spot, diff, diff_section};
+use rayweave::scene::Scene;
+use rayweave::section::{SectionPlane, section_svg};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+const AFTER_HELP: &str = "\
+Exit codes:
+  0    no difference that matters was met
+  1    the models differ
+  2    trouble: a model cannot be read or compared, or the command line is wrong
+  130  cancelled by Ctrl-C";
+
+/// Tell whether two models are the same solid, and where they differ
+///
+/// Rays look for what belongs to one model alone. What is thinner than a distance does not matter (by default, what rounding
+/// leaves); it is measured across, so that rays along a surface do not mislead. Regions are compared by name if there are several;
+/// lengths of the second model are brought to the unit of the first.
+#[derive(Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Diff {
+    #[command(flatten)]
+    model: ModelArguments,
+
+    /// The second model, in any of the formats
+    other: PathBuf,
+
+    /// Read the second model as one of this format [default: what its name says]
+    #[arg(long, value_name = "NAME", value_parser = rayweave::formats::Format::NAMES)]
+    other_format: Option<String>,
+
+    /// Take the lengths of the second model in this unit, if its file says none [default: mm]
+    #[arg(long, value_name = "UNIT", value_parser = rayweave::scene::Unit::ALL.map(|(_, symbol, _)| symbol))]
+    other_unit: Option<String>,
+
+    /// What is compared with what [default: everything if one of the models has a single region, else regions by name]
+    #[arg(long, value_name = "WHAT")]
+    by: Option<By>,
+
+    /// Compare all that is in any region; the same as --by whole
+    #[arg(long, conflicts_with = "by")]
+    whole: bool,
+
+    /// Differences up to this thickness do not matter, in the unit of the first model [default: 1e-9 of its diagonal]
+    #[arg(long, value_name = "LENGTH")]
+    distance: Option<f64>,
+
+    #[command(flatten)]
+    within: WithinArguments,
+
+    /// Send rays through so many cells along each edge of a cross-section
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(2..=4096))]
+    cells: u32,
+
+    /// Measure volumes until half the width of their interval is this part of them
+    #[arg(long, value_name = "P", default_value_t = 1e-2)]
+    precision: f64,
+
+    /// The level of confidence of the intervals
+    #[arg(long, value_name = "C", default_value_t = 0.99)]
+    confidence: f64,
+
+    /// Ask at most so many rays for a volume
+    #[arg(long, value_name = "N", default_value_t = 1 << 20)]
+    rays: u64,
+
+    /// Chooses the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+
+    /// A picture of the thickest difference, cut open: .svg or .png
+    #[arg(short, long, value_name = "OUT")]
+    out: Option<PathBuf>,
+
+    /// The plane of the picture, as z=0.5 [default: that of x, y, z through the thickest difference which shows most of it]
+    #[arg(long, value_name = "PLANE", value_parser = super::section::plane, requires = "out")]
+    plane: Option<SectionPlane>,
+
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum By {
+    /// Regions of one name
+    Region,
+    /// All regions of one medium
+    Medium,
+    /// All that is in any region
+    Whole,
+}
+
+impl Diff {
+    /// As diff(1) has it, whatever is no answer is trouble.
+    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+        let is_same = self.compare(cli).map_err(|failure| match failure {
+            Failure::Cancelled | Failure::BrokenPipe => failure,
+            other => Failure::Trouble(Box::new(other)),
+        })?;
+        if is_same { Ok(()) } else { Err(Failure::Answer) }
+    }
+
+    fn compare(&self, cli: &Cli) -> Result<bool, Failure> {
+        self.out.as_deref().map_or(Ok(()), drawing::check)?;
+        let (format, unit) = (self.other_format.as_deref(), self.other_unit.as_deref());
+        let (a, b) = (self.model.load()?, self.model.load_other(&self.other, format, unit)?);
+        let settings = self.settings(cli)?;
+        let bar = terminal::counter("rays", cli.quiet);
+        let report = diff(&a, &b, &settings, &mut |rays| bar.set_position(rays));
+        bar.finish_and_clear();
+        let report = report?;
+        self.out.as_ref().map_or(Ok(()), |path| self.draw(path, [&a, &b], &report, &settings))?;
+        terminal::print(&match self.json {
+            true => format!("{:#}\n", self.as_json(&report)),
+            false => self.as_text(&report),
+        })?;
+        Ok(report.is_same())
+    }
+
+    fn settings(&self, cli: &Cli) -> Result<DiffSettings, Failure> {
+        let by = match (self.by, self.whole) {
+            (Some(By::Whole), _) | (_, true) => Match::Whole,
+            (Some(By::Region), _) => Match::Region,
+            (Some(By::Medium), _) => Match::Medium,
+            (None, false) => Match::Auto,
+        };
+        Ok(DiffSettings {
+            by,
+            distance: self.distance,
+            across: self.cells,
+            precision: self.precision,
+            confidence: self.confidence,
+            most_rays: self.rays,
+            within: self.within.bounds(),
+            seed: self.seed,
+            threads: cli.threads,
+            cancel: interrupt::token()?,
+        })
+    }
+
+    fn draw(
+        &self,
+        path: &std::path::Path,
+        [a, b]: [&Scene; 2],
+        report: &DiffReport,
+        settings: &DiffSettings,
+    ) -> Result<(), Failure> {
+        let section = diff_section(a, b, report, settings, self.plane)?;
+        let title = format!("A {}, B {}", self.model.name(), self.other.display());
+        drawing::save(path, &section_svg(&[section], &title, report.unit.symbol()))
+    }
+
+    fn as_text(&self, report: &DiffReport) -> String {
+        let (a, b, unit) = (self.model.name(), self.other.display(), report.unit.symbol());
+        let distance = terminal::short3(report.distance);
+        let verdict = match report.is_same() {
+            true => format!("the same solid: no difference thicker than {distance} {unit}"),
+            false => "different".to_owned(),
+        };
+        let rays = report.rays;
+        let mut text = format!("A {a}\nB {b}\n{verdict} ({rays} rays, lengths in {unit})\n\n");
+        let rows = report.pairs.iter().map(|pair| {
+            let volume = interval::text;
+            let verdict = verdict_of(pair);
+            let thickness = pair.spot.map_or_else(String::new, |spot| terminal::short3(spot.thickness));
+            let volumes = [volume(&pair.both), volume(&pair.a_only), volume(&pair.b_only)];
+            [vec![pair.name.clone(), verdict.to_owned()], volumes.into(), vec![thickness]].concat()
+        });
+        let what = match report.by {
+            Match::Medium => "medium",
+            Match::Region => "region",
+            Match::Whole | Match::Auto => "part",
+        };
+        let header = [what, "verdict", "both", "A only", "B only", "thickest"];
+        text += &terminal::table(&header, &rows.collect::<Vec<_>>(), &[false; 6]);
+        for pair in report.pairs.iter().filter(|pair| !pair.is_same) {
+            text += &example(pair);
+        }
+        text
+    }
+
+    fn as_json(&self, report: &DiffReport) -> Value {
+        json!({
+            "a": self.model.name(),
+            "b": self.other.display().to_string(),
+            "unit": report.unit.symbol(),
+            "is_same": report.is_same(),
+            "distance": report.distance,
+            "confidence": self.confidence,
+            "rays": report.rays,
+            "pairs": report.pairs.iter().map(pair_json).collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn verdict_of(pair: &Difference) -> &'static str {
+    match (pair.is_in, pair.is_same, pair.is_proved) {
+        ([true, false], false, _) => "only in A",
+        ([false, true], false, _) => "only in B",
+        (_, false, _) => "different",
+        (_, true, true) => "same (as written)",
+        (_, true, false) => "same",
+    }
+}
+
+/// Where a ray sees the thickest difference.
+fn example(pair: &Difference) -> String {
+    let Some(Spot { chord, thickness, is_a, .. }) = pair.spot else { return String::new() };
+    let point = |p: rayweave::Vec3| terminal::short_point(p.to_array());
+    let whose = if is_a { "A" } else { "B" };
+    let place = pair.place.map_or_else(String::new, |place| {
+        format!("; differences from {} to {}", point(place.lo), point(place.hi))
+    });
+    format!(
+        "\n{}: only in {whose}, {} thick, along the ray from {} to {}{place}",
+        pair.name,
+        terminal::short3(thickness),
+        point(chord.from),
+        point(chord.to)
+    ) + "\n"
+}
+
+fn pair_json(pair: &Difference) -> Value {
+    let spot = pair.spot.map(|spot| {
+        json!({
+            "at": spot.at.to_array(),
+            "thickness": spot.thickness,
+            "from": spot.chord.from.to_array(),
+            "to": spot.chord.to.to_array(),
+            "only_in": if spot.is_a { "A" } else { "B" },
+        })
+    });
+    json!({
+        "name": pair.name,
+        "is_in": pair.is_in,
+        "is_same": pair.is_same,
+        "is_proved": pair.is_proved,
+        "both": interval::json(&pair.both),
+        "a_only": interval::json(&pair.a_only),
+        "b_only": interval::json(&pair.b_only),
+        "spot": spot,
+        "place": pair.place.map(|place| [place.lo.to_array(), place.hi.to_array()]),
+    })
+}

@@ -1,0 +1,222 @@
+//! `rayweave section`: what a plane, or a stack of planes, cuts out of a model.
+
+use crate::arguments::{Cli, ModelArguments, SubjectArguments, WithinArguments, point};
+use crate::failure::Failure;
+use crate::terminal::{self, Unit};
+use crate::{drawing, interrupt};
+use clap::Args;
+use rayweave::scene::Scene;
+use rayweave::section::{
+    By, CrossSection, SectionPlane, SectionSettings, Sweep, cross_sections, section_dxf, section_svg,
+};
+use rayweave::{Error, Vec3};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Cut a model by a plane, or a stack of planes: areas, contours, pictures, DXF
+///
+/// A true cross-section: its contours keep to within a tolerance of the surfaces. The table tells the area of each medium. A .svg or
+/// .png is a picture, filled by medium, with a legend; a .dxf has closed polylines on a layer for each medium, at the height of
+/// the plane. Of a stack a picture shows all planes (at most 100), and a .dxf holds all.
+#[derive(Args)]
+pub struct Section {
+    #[command(flatten)]
+    model: ModelArguments,
+
+    #[command(flatten)]
+    subject: SubjectArguments,
+
+    #[command(flatten)]
+    within: WithinArguments,
+
+    /// The plane: xy, xz, yz, or a place along an axis, as z=0.5
+    #[arg(long, value_name = "PLANE", default_value = "xy", value_parser = plane, conflicts_with_all = ["point", "normal"])]
+    plane: SectionPlane,
+
+    /// A point of the plane; needs --normal
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "normal")]
+    point: Option<[f64; 3]>,
+
+    /// The normal of the plane, of any length; without --point the plane goes through the origin
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    normal: Option<[f64; 3]>,
+
+    /// A stack begins at this place along the axis of the plane, or its normal from the point
+    #[arg(long, value_name = "AT", allow_hyphen_values = true, requires = "to")]
+    from: Option<f64>,
+
+    /// A stack ends at this place
+    #[arg(long, value_name = "AT", allow_hyphen_values = true, requires = "from")]
+    to: Option<f64>,
+
+    /// The distance of the planes of a stack
+    #[arg(long, value_name = "LENGTH", requires = "from", conflicts_with = "count")]
+    step: Option<f64>,
+
+    /// The number of planes of a stack, from its beginning to its end [default: 10]
+    #[arg(long, value_name = "N", requires = "from", value_parser = clap::value_parser!(u32).range(2..))]
+    count: Option<u32>,
+
+    /// Where to write: .svg, .png, .dxf. May be repeated
+    #[arg(short, long, value_name = "OUT")]
+    out: Vec<PathBuf>,
+
+    /// How far contours may be from the truth [default: 1/10000 of the larger side of the model in the plane]
+    #[arg(long, value_name = "LENGTH")]
+    tolerance: Option<f64>,
+
+    /// Sweep the plane by so many columns at least: what is thinner than their distance may be overlooked
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=65536))]
+    columns: u32,
+
+    /// Keep regions apart that are of one medium
+    #[arg(long)]
+    by_region: bool,
+
+    /// Print JSON, with all contours
+    #[arg(long)]
+    json: bool,
+}
+
+/// A plane as an argument says it.
+pub fn plane(text: &str) -> Result<SectionPlane, String> {
+    text.parse().map_err(|error: Error| error.to_string())
+}
+
+impl Section {
+    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+        self.out.iter().try_for_each(|path| check(path))?;
+        let planes = self.planes()?;
+        let scene = self.model.load()?;
+        let by = if self.by_region { By::Region } else { By::Medium };
+        let sweep = Sweep { threads: cli.threads, cancel: interrupt::token()? };
+        let (tolerance, columns, within) = (self.tolerance, self.columns, self.within.bounds());
+        let settings = SectionSettings { by, tolerance, columns, within, sweep };
+        let bar = terminal::progress_bar(Some(planes.len() as u64), Unit::Percent, cli.quiet);
+        let mut progress = |done: usize| bar.set_position(done as u64);
+        let (solid, evaluator) = (self.subject.solid.as_deref(), self.subject.evaluator.as_deref());
+        let found = cross_sections(&scene, solid, evaluator, &planes, &settings, &mut progress);
+        bar.finish_and_clear();
+        let found = found?;
+        self.refuse_nothing(&scene, &found)?;
+        self.out.iter().try_for_each(|path| self.save(path, &found, scene.unit.symbol()))?;
+        let is_taken = self.out.iter().any(|path| path == Path::new("-"));
+        match () {
+            () if is_taken => Ok(()),
+            () if self.json => terminal::print(&format!("{:#}\n", self.as_json(&scene, &found))),
+            () => terminal::print(&self.as_text(&scene, &found)),
+        }
+    }
+
+    fn planes(&self) -> Result<Vec<SectionPlane>, Failure> {
+        let plane = match self.normal {
+            Some(normal) => {
+                SectionPlane::new(Vec3::from(self.point.unwrap_or_default()), Vec3::from(normal))?
+            }
+            None => self.plane,
+        };
+        let (Some(from), Some(to)) = (self.from, self.to) else { return Ok(vec![plane]) };
+        let evenly = (to - from) / f64::from(self.count.unwrap_or(10) - 1);
+        // a stack without height is one plane
+        let step = self.step.unwrap_or(if to == from { 1.0 } else { evenly });
+        Ok(plane.stack(from, to, step)?)
+    }
+
+    /// A plane beside the model is a mistake.
+    fn refuse_nothing(&self, scene: &Scene, found: &[CrossSection]) -> Result<(), Failure> {
+        if found.iter().any(|section| !section.parts.is_empty()) {
+            return Ok(());
+        }
+        let compiled = rayweave::Compiled::named(scene, self.subject.solid.as_deref())?;
+        let (bounds, what) = (
+            compiled.program.bounds(),
+            match found {
+                [only] => format!("the plane {}", only.plane),
+                all => format!("none of the {} planes", all.len()),
+            },
+        );
+        let verb = if found.len() == 1 { "does not meet" } else { "meets" };
+        let reach = match bounds.is_empty() {
+            true => "it is empty".to_owned(),
+            false => {
+                let corner = |p: Vec3| terminal::short_point(p.to_array());
+                format!("it reaches from {} to {}", corner(bounds.lo), corner(bounds.hi))
+            }
+        };
+        Err(Failure::Input(format!("{}: {what} {verb} the model ({reach})", self.model.name())))
+    }
+
+    fn save(&self, path: &Path, found: &[CrossSection], unit: &str) -> Result<(), Failure> {
+        match is_dxf(path) {
+            true => terminal::save(path, section_dxf(found, unit).as_bytes()),
+            false => drawing::save(path, &section_svg(found, &self.model.name(), unit)),
+        }
+    }
+
+    fn as_text(&self, scene: &Scene, found: &[CrossSection]) -> String {
+        let (model, unit) = (self.model.name(), scene.unit.symbol());
+        let tolerance = found.iter().map(|section| section.tolerance).fold(0.0, f64::max);
+        let tolerance = terminal::short(tolerance);
+        let mut text =
+            format!("{model}: contours within {tolerance} {unit} of the truth, lengths in {unit}\n\n");
+        let rows = found.iter().flat_map(|section| {
+            section.parts.iter().map(|part| {
+                // as many digits as the tolerance can vouch for
+                let digits = |value: f64, error: f64| rayweave::render::axis::number(value, error);
+                let area = digits(part.area, section.tolerance * part.perimeter);
+                let perimeter = digits(part.perimeter, 1e-3 * part.perimeter);
+                vec![
+                    section.plane.to_string(),
+                    part.name.clone(),
+                    area,
+                    perimeter,
+                    part.contours.len().to_string(),
+                ]
+            })
+        });
+        let what = if self.by_region { "region" } else { "medium" };
+        let header = ["plane", what, "area", "perimeter", "contours"];
+        text += &terminal::table(&header, &rows.collect::<Vec<_>>(), &[false, false, true, true, true]);
+        text
+    }
+
+    fn as_json(&self, scene: &Scene, found: &[CrossSection]) -> Value {
+        json!({
+            "model": self.model.name(),
+            "unit": scene.unit.symbol(),
+            "sections": found.iter().map(section_json).collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn section_json(section: &CrossSection) -> Value {
+    let parts = section.parts.iter().map(|part| {
+        json!({
+            "name": part.name,
+            "area": part.area,
+            "area_error": section.tolerance * part.perimeter,
+            "perimeter": part.perimeter,
+            "contours": part.contours,
+        })
+    });
+    json!({
+        "plane": section.plane.to_string(),
+        "offset": section.plane.offset(),
+        "axes": section.plane.axis_names(),
+        "tolerance": section.tolerance,
+        "parts": parts.collect::<Vec<_>>(),
+    })
+}
+
+fn is_dxf(path: &Path) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case("dxf"))
+}
+
+/// Whether something can be written to a file of this name, before any work is done.
+fn check(path: &Path) -> Result<(), Failure> {
+    let problem = || {
+        let path = path.display();
+        Failure::Usage(format!("{path}: unknown format (sections are written as .svg, .png or .dxf)"))
+    };
+    (is_dxf(path) || drawing::is_drawing(path)).then_some(()).ok_or_else(problem)
+}

@@ -1,0 +1,64 @@
+//! `rayweave check`.
+
+use crate::bench::{BALL, Bench, CEMENTED};
+
+/// Two plates, the second 0.5 deep in the first.
+const PLATES: &str = "rayweave = 1\nunit = \"mm\"\n[solid.a]\nbox = { size = [8, 8, 2] }\n[solid.b]\nbox = { size = [4, 4, 2] }\n\
+    transform = [{ translate = [0, 0, 1.5] }]\n[[region]]\nsolid = \"a\"\n[[region]]\nsolid = \"b\"";
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("plates.toml", PLATES);
+    bench
+}
+
+#[test]
+fn findings_with_places() {
+    let bench = bench();
+    let said = bench.says(&["check", "plates.toml", "--cells", "32", "--pictures", "found"]);
+    assert!(said.starts_with("plates.toml: overlap 1; lengths in mm\n"), "{said}");
+    assert!(said.contains("overlap: a and b take the same space, where b wins as the later one"), "{said}");
+    assert!(said.contains("0.5 mm deep, volume 8 ") && said.contains("ray from ("), "{said}");
+    let picture = bench.read("found/1-overlap.svg");
+    assert!(picture.contains(">both<") && picture.contains("a and b take the same space"), "{picture}");
+    let said = bench.says(&["check", "ball.toml", "--cells", "16"]);
+    assert!(said.starts_with("ball.toml: nothing found"), "{said}");
+}
+
+#[test]
+fn exit_codes_and_json() {
+    let bench = bench();
+    let run = bench.run(&["check", "plates.toml", "--cells", "32", "--fail-on", "thin,overlap", "--json"]);
+    assert_eq!((run.code, run.err.as_str()), (1, ""));
+    let json: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let finding = &json["findings"][0];
+    assert_eq!((finding["kind"].as_str(), finding["size"].as_f64()), (Some("overlap"), Some(0.5)));
+    assert!((finding["volume"]["value"].as_f64().unwrap() - 8.0).abs() < 0.2, "{finding}");
+    assert!(json["scope"]["rays"].as_u64().unwrap() > 6000 && json["scope"]["pairs"] == 1, "{json}");
+    bench.says(&["check", "plates.toml", "--cells", "16", "--fail-on", "thin,gap"]);
+    assert_eq!(bench.run(&["check", "plates.toml", "--cells", "16", "--fail-on", "all"]).code, 1);
+    // touching is no fault: the two glasses of a doublet
+    let said = bench.says(&["check", "cemented.toml", "--cells", "16", "--fail-on", "all"]);
+    assert!(said.contains("touch: left and right touch"), "{said}");
+    assert_eq!(bench.run(&["check", "cemented.toml", "--cells", "16", "--fail-on", "touch"]).code, 1);
+    let run = bench.run(&["check", "cemented.toml", "--cells", "16", "--wall", "2.5", "--fail-on", "thin"]);
+    assert!(
+        run.code == 1 && run.out.contains("thin: left is thin") && CEMENTED.contains("left"),
+        "{}",
+        run.out
+    );
+}
+
+#[test]
+fn refusals() {
+    let bench = bench();
+    let failed = bench.fails(2, &["check", "plates.toml", "--fail-on", "overlaps"]);
+    assert!(failed.contains("did you mean `overlap`?"), "{failed}");
+    assert!(bench.fails(2, &["check", "plates.toml", "--wall", "nan"]).contains("the wall is NaN"));
+    assert!(bench.fails(2, &["check", "plates.toml", "--gap", "-1"]).contains("-1"));
+    bench.fails(3, &["check", "none.toml"]);
+    bench.write("floor.toml", "rayweave = 1\n[solid.f]\nhalf_space = { normal = [0, 0, 1], offset = 0 }");
+    assert!(bench.fails(3, &["check", "floor.toml"]).contains("check it within a box?"));
+    bench.write("far.toml", BALL.replace("R = 1.0", "R = 1e200"));
+    bench.fails(3, &["check", "far.toml", "--cells", "8", "--define", "R=1e400"]);
+}

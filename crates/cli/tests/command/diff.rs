@@ -1,0 +1,70 @@
+//! `rayweave diff`.
+
+use crate::bench::{BALL, Bench, CEMENTED};
+
+/// The ball of glass in inches, in another order of words.
+const IN_INCHES: &str = "rayweave = 1\nunit = \"in\"\n[solid.bead]\nellipsoid = { radii = [0.0787401574803149606, 0.03937007874015748, 0.03937007874015748] }\n\
+    transform = [{ scale = [0.5, 1, 1] }]\n[[region]]\nsolid = \"bead\"";
+
+#[test]
+fn the_same_is_0() {
+    let bench = Bench::new();
+    let said = bench.says(&["diff", "ball.toml", "ball.toml"]);
+    assert!(said.contains("the same solid: no difference thicker than 3.46e-9 mm"), "{said}");
+    assert!(said.contains("same (as written)"), "{said}");
+    bench.write("bead.toml", IN_INCHES);
+    let said = bench.says(&["diff", "ball.toml", "bead.toml", "--cells", "32"]);
+    assert!(said.contains("the same solid") && !said.contains("as written"), "{said}");
+    // another format
+    bench.write("cube.csg", "cube(size = [2, 2, 2], center = true);");
+    bench.write("cube.toml", "rayweave = 1\n[solid.cube]\nbox = { size = 2 }");
+    bench.says(&["diff", "cube.toml", "cube.csg", "--cells", "16"]);
+}
+
+#[test]
+fn a_difference_is_1_and_is_told() {
+    let bench = Bench::new();
+    bench.write("large.toml", BALL.replace("R = 1.0", "R = 1.25"));
+    let run = bench.run(&["diff", "ball.toml", "large.toml", "--cells", "32", "--json", "-o", "d.svg"]);
+    assert_eq!((run.code, run.err.as_str()), (1, ""));
+    let json: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let pair = &json["pairs"][0];
+    let shell = 4.0 / 3.0 * std::f64::consts::PI * (1.25f64.powi(3) - 1.0);
+    let (value, width) =
+        (pair["b_only"]["value"].as_f64().unwrap(), pair["b_only"]["half_width"].as_f64().unwrap());
+    assert!((value - shell).abs() <= width && width < 0.05 * shell, "{pair}");
+    assert!(pair["a_only"]["value"] == 0.0 && pair["spot"]["only_in"] == "B", "{pair}");
+    let svg = bench.read("d.svg");
+    assert!(svg.contains(">B only<") && svg.contains(">both<") && !svg.contains(">A only<"), "{svg}");
+    // as far as matters they are the same
+    bench.says(&["diff", "ball.toml", "large.toml", "--cells", "32", "--distance", "1.1"]);
+    let run = bench.run(&["diff", "cemented.toml", "ball.toml", "--by", "region", "--cells", "16"]);
+    assert_eq!(run.code, 1);
+    assert!(run.out.contains("only in A") && run.out.contains("only in B"), "{}", run.out);
+    bench.write("moved.toml", CEMENTED.replace("[3, 1, 1]", "[3.5, 1, 1]"));
+    let run = bench.run(&["diff", "cemented.toml", "moved.toml", "--cells", "24", "--rays", "100000"]);
+    assert!(
+        run.code == 1 && run.out.contains("right: only in B, 0.5 thick, along the ray from "),
+        "{}",
+        run.out
+    );
+    assert!(run.out.lines().any(|line| line.starts_with("left") && line.contains("same")), "{}", run.out);
+}
+
+#[test]
+fn trouble_is_2() {
+    let bench = Bench::new();
+    assert!(bench.fails(2, &["diff", "ball.toml", "none.toml"]).contains("none.toml"));
+    bench.write("broken.toml", "rayweave = 1\n[solid.a]\nspere = {}");
+    assert!(bench.fails(2, &["diff", "broken.toml", "ball.toml"]).contains("did you mean `sphere`?"));
+    assert!(
+        bench
+            .fails(2, &["diff", "ball.toml", "ball.toml", "--distance", "nan"])
+            .contains("the distance is NaN")
+    );
+    assert!(bench.fails(2, &["diff", "ball.toml", "ball.toml", "-o", "d.pdf"]).contains("d.pdf"));
+    bench.write("floor.toml", "rayweave = 1\n[solid.f]\nhalf_space = { normal = [0, 0, 1], offset = 0 }");
+    let failed = bench.fails(2, &["diff", "floor.toml", "ball.toml"]);
+    assert!(failed.contains("compare them within a box?"), "{failed}");
+    bench.fails(2, &["diff", "ball.toml"]);
+}

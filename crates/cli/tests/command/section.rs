@@ -1,0 +1,69 @@
+//! `rayweave section`.
+
+use crate::bench::{BALL, Bench, CEMENTED};
+use std::f64::consts::PI;
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("ball.toml", BALL);
+    bench.write("cemented.toml", CEMENTED);
+    bench
+}
+
+#[test]
+fn areas_of_media() {
+    let said = bench().says(&["section", "cemented.toml", "--plane", "z=0.5"]);
+    let row = |name: &str| -> Vec<String> {
+        let line = said.lines().find(|line| line.contains(name)).unwrap();
+        line.split_whitespace().map(str::to_owned).collect()
+    };
+    assert!(said.starts_with("cemented.toml: contours within 0.00"), "{said}");
+    assert_eq!(row("crown")[..5], ["z", "=", "0.5", "crown", "4"]);
+    assert_eq!(row("flint")[..5], ["z", "=", "0.5", "flint", "6"]);
+    let water: f64 = row("water")[4].parse().unwrap();
+    assert!((water - (PI * 99.75 - 10.0)).abs() < 0.05, "{said}");
+}
+
+#[test]
+fn json_has_the_contours() {
+    let json = bench().json(&["section", "ball.toml", "--point", "0,0,0.6", "--normal", "0,0,-2", "--json"]);
+    let part = &json["sections"][0]["parts"][0];
+    let (area, error) = (part["area"].as_f64().unwrap(), part["area_error"].as_f64().unwrap());
+    assert!((area - 0.64 * PI).abs() <= error && error < 1e-2, "{part}");
+    let contour = part["contours"][0].as_array().unwrap();
+    let off = contour.iter().map(|p| (p[0].as_f64().unwrap().hypot(p[1].as_f64().unwrap()) - 0.8).abs());
+    assert!(off.fold(0.0, f64::max) < 3e-4);
+}
+
+#[test]
+fn drawings_of_a_stack() {
+    let bench = bench();
+    let stack = ["--from", "-0.9", "--to", "0.9", "--count", "7"];
+    let outs = ["-o", "b.svg", "-o", "b.png", "-o", "b.dxf"];
+    let said = bench.says(&[&["section", "ball.toml"], &stack[..], &outs[..]].concat());
+    assert_eq!(said.lines().filter(|line| line.starts_with("z = ")).count(), 7, "{said}");
+    assert_eq!(bench.read("b.svg").matches("class=\"cut\"").count(), 7);
+    assert!(bench.bytes("b.png").starts_with(b"\x89PNG"));
+    let dxf = bench.read("b.dxf");
+    assert_eq!(dxf.matches("\nPOLYLINE\n").count(), 7);
+    assert!(dxf.contains("\nLAYER\n2\nGLASS\n") && dxf.ends_with("0\nEOF\n"), "{dxf}");
+    // nothing but the drawing goes to standard output
+    assert!(bench.says(&["section", "ball.toml", "-o", "-"]).starts_with("<svg "));
+}
+
+#[test]
+fn refusals() {
+    let bench = bench();
+    let failed = bench.fails(3, &["section", "ball.toml", "--plane", "z=1.5"]);
+    assert!(failed.contains("z = 1.5 does not meet the model (it reaches from (-1, -1, -1)"), "{failed}");
+    bench.write("empty.toml", "rayweave = 1\n[solid.a]\nexpr = \"b & c\"\n[solid.b]\nsphere = { radius = 1 }\n[solid.c]\nsphere = { radius = 1 }\ntransform = [{ translate = [9, 0, 0] }]\n[[region]]\nsolid = \"a\"");
+    assert!(bench.fails(3, &["section", "empty.toml"]).contains("the model (it is empty)"));
+    let failed = bench.fails(2, &["section", "ball.toml", "--plane", "z=nan"]);
+    assert!(failed.contains("`z=nan` is no plane"), "{failed}");
+    bench.fails(2, &["section", "ball.toml", "--normal", "0,0,0"]);
+    bench.fails(2, &["section", "ball.toml", "--tolerance", "nan"]);
+    bench.fails(2, &["section", "ball.toml", "--from", "0", "--to", "1", "--step", "-1"]);
+    let failed = bench.fails(2, &["section", "ball.toml", "-o", "b.pdf"]);
+    assert!(failed.contains(".svg, .png or .dxf"), "{failed}");
+    bench.fails(3, &["section", "none.toml"]);
+}

@@ -1,0 +1,150 @@
+//! Operands without effect, and meshes that may not be what was meant.
+
+use super::probe::{FEW, Probe};
+use super::{Finding, Kind};
+use crate::Error;
+use rayweave_math::Affine;
+use rayweave_model::{Node, Program, Region, Solid};
+use rayweave_shape::primitive::Primitive;
+use std::collections::HashSet;
+
+/// An operator with more operands is not looked at: each would be compared with all others.
+const MOST_OPERANDS: usize = 64;
+
+/// Looks at all operators of all regions, each once.
+pub fn findings(regions: &[Region], probe: &mut Probe<'_>) -> Result<Vec<Finding>, Error> {
+    let mut walk = Walk { region: "", met: HashSet::new(), found: Vec::new(), probe };
+    for region in regions {
+        walk.region = &region.name;
+        walk.solid(&region.solid)?;
+    }
+    Ok(walk.found)
+}
+
+struct Walk<'a, 'p> {
+    region: &'a str,
+    /// The nodes that were met, by where they are: solids share them.
+    met: HashSet<*const Node>,
+    found: Vec<Finding>,
+    probe: &'a mut Probe<'p>,
+}
+
+impl<'a> Walk<'a, '_> {
+    fn solid(&mut self, solid: &Solid) -> Result<(), Error> {
+        let mut waiting = vec![(solid.clone(), Affine::IDENTITY)];
+        while let Some((solid, map)) = waiting.pop() {
+            if !self.met.insert(solid.node()) {
+                continue;
+            }
+            match solid.node() {
+                Node::Primitive(Primitive::Mesh(mesh)) => self.mesh(mesh),
+                Node::Transformed(own, inner) => waiting.push((inner.clone(), own.then(&map))),
+                Node::Placed(inner, maps) => {
+                    // one copy stands for all
+                    waiting.extend(maps.first().map(|own| (inner.clone(), own.then(&map))));
+                }
+                node => {
+                    self.operator(node, &map)?;
+                    let operands: Vec<Solid> = match node {
+                        Node::Difference(a, b) => vec![a.clone(), b.clone()],
+                        node => node.operands().to_vec(),
+                    };
+                    waiting.extend(operands.into_iter().rev().map(|operand| (operand, map)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn operator(&mut self, node: &Node, map: &Affine) -> Result<(), Error> {
+        match node {
+            Node::Union(all) => {
+                self.each(all, map, |own, others| own - &Solid::union(others), "adds nothing to")
+            }
+            Node::Intersection(all) => {
+                self.each(all, map, |own, others| &Solid::intersection(others) - own, "takes nothing from")
+            }
+            Node::Difference(a, b) => {
+                let holes = united(b);
+                if holes.len() > MOST_OPERANDS {
+                    return Ok(());
+                }
+                holes.iter().try_for_each(|hole| self.operand(hole, &(a & hole), map, "takes nothing from"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Each operand beside all others; `effect` is the part of space in which the operand matters.
+    fn each(
+        &mut self,
+        all: &[Solid],
+        map: &Affine,
+        effect: impl Fn(&Solid, Vec<Solid>) -> Solid,
+        what: &str,
+    ) -> Result<(), Error> {
+        if !(2..=MOST_OPERANDS).contains(&all.len()) {
+            return Ok(());
+        }
+        for (k, own) in all.iter().enumerate() {
+            let others = all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, other)| other.clone());
+            self.operand(own, &effect(own, others.collect()), map, what)?;
+        }
+        Ok(())
+    }
+
+    fn operand(&mut self, own: &Solid, effect: &Solid, map: &Affine, what: &str) -> Result<(), Error> {
+        if self.probe.scope.operands >= self.probe.settings.most_pairs as u64 {
+            return Ok(());
+        }
+        self.probe.scope.operands += 1;
+        let effect = effect.apply(*map);
+        let bounds = Program::compile(&effect)?.bounds();
+        let is_proved = bounds.is_empty();
+        if is_proved || self.probe.is_there(&effect, &bounds, 2 * FEW)?.is_none() {
+            let text = format!("{} {what} what it is joined with in {}", label(own), self.region);
+            let finding = Finding::new(Kind::Absorbed, &[self.region], text);
+            let place = Program::compile(&own.apply(*map))?.bounds();
+            let at = (place.is_finite() && !place.is_empty()).then(|| place.centre());
+            self.found.push(Finding { is_proved, at, ..finding });
+        }
+        Ok(())
+    }
+
+    fn mesh(&mut self, mesh: &rayweave_shape::primitive::Mesh) {
+        let diagnosis = mesh.solid().to_mesh().diagnose();
+        if !diagnosis.is_sound() {
+            let text = format!("the mesh in {} may not be what was meant: {diagnosis}", self.region);
+            let finding = Finding::new(Kind::Mesh, &[self.region], text);
+            self.found.push(Finding { is_proved: true, ..finding });
+        }
+    }
+}
+
+/// The operands of a union, below names; anything else alone.
+fn united(solid: &Solid) -> Vec<Solid> {
+    match solid.node() {
+        Node::Union(all) => all.clone(),
+        Node::Named(_, inner) if matches!(inner.node(), Node::Union(_)) => united(inner),
+        _ => vec![solid.clone()],
+    }
+}
+
+/// What a solid is called: by its name, or by what it is.
+fn label(solid: &Solid) -> String {
+    let mut solid = solid;
+    loop {
+        match solid.node() {
+            Node::Named(name, _) => return name.to_string(),
+            Node::Transformed(_, inner) | Node::Placed(inner, _) => solid = inner,
+            Node::Primitive(primitive) => return format!("a {}", primitive.name()),
+            Node::Union(_) => return "a union".to_owned(),
+            Node::Intersection(_) => return "an intersection".to_owned(),
+            Node::Difference(..) => return "a difference".to_owned(),
+            Node::SymmetricDifference(_) => return "a symmetric difference".to_owned(),
+            Node::Complement(_) => return "a complement".to_owned(),
+            Node::Vacuum => return "vacuum".to_owned(),
+            Node::Plenum => return "plenum".to_owned(),
+        }
+    }
+}

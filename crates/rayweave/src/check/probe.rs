@@ -1,0 +1,142 @@
+//! Rays that look for something in a box.
+
+use super::{CheckSettings, Scope};
+use crate::diff::judge::thinnest;
+use crate::{AnyEvaluator, Error};
+use rayweave_analysis::measure::{Chord, Estimate, Settings, measure};
+use rayweave_analysis::survey::{Cancelled, Piece, Survey, survey};
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{Evaluator, Program, RegionId, Solid};
+use std::sync::Arc;
+
+/// Pieces of one search that are looked at again, the thickest first.
+const MOST_DOUBTS: usize = 256;
+
+/// Cells along an edge of the box of a small part.
+pub const FEW: u32 = 10;
+
+/// What sends rays, and counts them.
+pub struct Probe<'a> {
+    pub settings: &'a CheckSettings,
+    /// Where rays look at most.
+    pub frame: Bounds,
+    pub scope: Scope,
+    progress: &'a mut dyn FnMut(u64),
+    searches: u64,
+}
+
+/// The thickest place of a solid that was met.
+#[derive(Clone, Copy, Debug)]
+pub struct Met {
+    pub thickness: f64,
+    pub chord: Chord,
+}
+
+impl<'a> Probe<'a> {
+    pub fn new(settings: &'a CheckSettings, frame: Bounds, progress: &'a mut dyn FnMut(u64)) -> Probe<'a> {
+        let diagonal = if frame.is_empty() { 0.0 } else { frame.size().length() };
+        let or = |length: Option<f64>, part: f64| length.unwrap_or(part * diagonal);
+        let scope = Scope {
+            wall: or(settings.wall, 1e-5),
+            gap: or(settings.gap, 1e-5),
+            distance: or(settings.distance, 1e-9),
+            ..Scope::default()
+        };
+        Probe { settings, frame, scope, progress, searches: 0 }
+    }
+
+    /// Sends the rays of a survey through a box.
+    pub fn survey<E: Evaluator, T: Default + Send>(
+        &mut self,
+        evaluator: &E,
+        bounds: &Bounds,
+        across: u32,
+        visit: impl Fn(&mut T, &Piece<'_>) + Sync,
+        merge: impl FnMut(T),
+    ) -> Result<(), Error> {
+        let bounds = if bounds.is_finite() { *bounds } else { bounds.intersection(&self.frame) };
+        if bounds.is_empty() {
+            return Ok(());
+        }
+        self.searches += 1;
+        let survey_settings = Survey {
+            bounds,
+            across,
+            seed: self.settings.seed,
+            stream: self.searches,
+            threads: self.settings.threads,
+            cancel: self.settings.cancel.clone(),
+        };
+        let asked = survey(evaluator, &survey_settings, visit, merge);
+        self.scope.rays += asked.map_err(|Cancelled| Error::cancelled())?;
+        (self.progress)(self.scope.rays);
+        Ok(())
+    }
+
+    /// The thickest place of a solid that rays through a box have met; `None` if they met nothing of it.
+    pub fn thickest(&mut self, solid: &Solid, bounds: &Bounds, across: u32) -> Result<Option<Met>, Error> {
+        let program = Arc::new(Program::compile(solid)?);
+        let bounds = bounds.intersection(&program.bounds());
+        if bounds.is_empty() {
+            return Ok(None);
+        }
+        let evaluator = AnyEvaluator::new(None, program)?;
+        let mut doubts: Vec<(f64, Chord, [Vec3; 2])> = Vec::new();
+        let visit = |found: &mut Vec<_>, piece: &Piece<'_>| {
+            if piece.region() != RegionId(0) {
+                found.push((piece.thickness(), piece.chord(), piece.normals()));
+            }
+        };
+        self.survey(&evaluator, &bounds, across, visit, |some: Vec<_>| doubts.extend(some))?;
+        doubts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        Ok(thickest_of(&evaluator, &doubts))
+    }
+
+    /// Whether there is more of a solid than rounding leaves.
+    pub fn is_there(&mut self, solid: &Solid, bounds: &Bounds, across: u32) -> Result<Option<Met>, Error> {
+        let met = self.thickest(solid, bounds, across)?;
+        Ok(met.filter(|met| met.thickness > self.scope.distance))
+    }
+
+    /// The volume of a solid in a box, to about 2 %; `None` if it has no end there.
+    pub fn volume(&mut self, solid: &Solid) -> Result<Option<Estimate>, Error> {
+        let frame = crate::section::clipped(
+            vec![rayweave_model::Region { name: String::new(), solid: solid.clone(), medium: 1 }],
+            Some(self.frame.grown(1e-6 * self.frame.size().length())),
+        )?;
+        let program = Program::compile_regions(&frame)?;
+        if !program.bounds().is_finite() {
+            return Ok(None);
+        }
+        let settings = Settings {
+            precision: 0.02,
+            confidence: self.settings.confidence,
+            most_rays: 1 << 16,
+            seed: self.settings.seed,
+            threads: self.settings.threads,
+            cancel: self.settings.cancel.clone(),
+            within: None,
+        };
+        let measured = measure(&AnyEvaluator::new(None, Arc::new(program))?, &settings, &mut |_| ())?;
+        self.scope.rays += measured.rays;
+        Ok(Some(measured.regions[0].volume))
+    }
+}
+
+/// The thickest piece that is as thick from other sides.
+fn thickest_of(evaluator: &AnyEvaluator, doubts: &[(f64, Chord, [Vec3; 2])]) -> Option<Met> {
+    let mut scratch = evaluator.scratch();
+    let mut best: Option<Met> = None;
+    for (thickness, chord, normals) in doubts.iter().take(MOST_DOUBTS) {
+        // those that follow are thinner than what is known
+        if best.is_some_and(|best| best.thickness >= *thickness) {
+            break;
+        }
+        let is_in = |region| region != RegionId(0);
+        let (thickness, chord) = thinnest(evaluator, (*thickness, *chord, *normals), is_in, &mut scratch);
+        if best.is_none_or(|best| thickness > best.thickness) {
+            best = Some(Met { thickness, chord });
+        }
+    }
+    best
+}
