@@ -291,3 +291,58 @@ fn what_cannot_be_written_says_why() {
     let refused = write(&ball, None, Format::Mesh(MeshFormat::Stl), &fine).unwrap_err().to_string();
     assert!(refused.contains("more than 20000 corners around a circle"), "{refused}");
 }
+
+/// The volume by lines along z through the cells of a grid.
+fn volume_by_rays(solid: &Solid, bounds: &Bounds) -> f64 {
+    const CELLS: usize = 150;
+    let size = bounds.size();
+    let line = |k: usize| {
+        let cell = Vec3::new((k % CELLS) as f64 + 0.5, (k / CELLS) as f64 + 0.5, -1.0) / CELLS as f64;
+        Ray::new(bounds.lo + size * cell, Vec3::Z)
+    };
+    let batch: RayBatch = (0..CELLS * CELLS).map(line).collect();
+    let length = |times: Vec<f64>| times.chunks(2).map(|pair| pair[1] - pair[0]).sum::<f64>();
+    let sum: f64 = times(solid, &batch).into_iter().map(length).sum();
+    sum / (CELLS * CELLS) as f64 * size.x * size.y
+}
+
+#[test]
+fn booleans_of_twenty_pairs_of_meshes_agree_with_those_of_the_kernel() {
+    let mut rng = ChaCha8Rng::seed_from_u64(20);
+    let solid = |primitive: &Primitive, map: &Affine| {
+        let mesh = mesh(&Solid::from(primitive.clone()), 0.05).mapped(|p| map.point(p)).unwrap();
+        Solid::from(Primitive::from(primitive::Mesh::from(Polyhedron::new(&mesh).unwrap())))
+    };
+    let names = ["sphere", "torus", "cylinder", "cone", "mesh"];
+    for round in 0..20 {
+        let mut number = || rng.random_range(-0.6..0.6);
+        let turn = Affine::rotation(Vec3::new(number(), number(), 1.0), 90.0 * number());
+        let random = turn.then(&Affine::translate(Vec3::new(number(), number(), number())));
+        // moved along the axis or within their ends, equal shapes have faces in common
+        let shifts =
+            [Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 0.25, 0.0), Vec3::new(0.0, 0.0, 0.5), Vec3::ZERO];
+        let map = if round % 2 == 0 { random } else { Affine::translate(shifts[round / 2 % 4]) };
+        let first = Primitive::example(names[round % names.len()]).unwrap();
+        let second = if round % 2 == 0 {
+            Primitive::example(names[(round / 2 + 1) % 5]).unwrap()
+        } else {
+            first.clone()
+        };
+        let (a, b) = (solid(&first, &Affine::IDENTITY), solid(&second, &map));
+        let result = match round % 3 {
+            0 => a | b,
+            1 => a & b,
+            _ => a - b,
+        };
+        let bounds = Program::compile(&result).unwrap().bounds();
+        let expected = if bounds.is_empty() { 0.0 } else { volume_by_rays(&result, &bounds) };
+        // a solid less itself
+        if expected < 1e-9 {
+            continue;
+        }
+        let made = mesh(&result, 1.0);
+        let size = bounds.size();
+        let error = (made.volume() - expected).abs();
+        assert!(error < 2e-3 * size.x * size.y * size.z, "{round}: {} {expected}", made.volume());
+    }
+}

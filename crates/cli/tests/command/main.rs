@@ -2,10 +2,10 @@
 
 mod bench;
 mod check;
+mod convert;
 mod diff;
 mod export;
 mod formats;
-
 mod infill;
 mod info;
 mod interrupt;

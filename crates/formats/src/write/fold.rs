@@ -1,7 +1,7 @@
 //! One walk over a solid for all writers: from the shapes up, without a complement.
 
 use super::WriteError;
-use rayweave_math::Affine;
+use rayweave_math::{Affine, Bounds};
 use rayweave_model::{Node, Solid};
 use rayweave_shape::primitive::Primitive;
 
@@ -22,6 +22,9 @@ pub(super) trait Builder {
     type Part: Clone;
 
     /// A box that holds the whole model.
+    fn clip(&self) -> Bounds;
+
+    /// That box as a part.
     fn everything(&mut self) -> Self::Part;
 
     /// A shape under a map, as far as the box reaches; `None` for nothing.
@@ -33,6 +36,20 @@ pub(super) trait Builder {
     /// The region that is being written, for messages.
     fn region(&self) -> String;
 }
+
+/// What is known of a part outside of the box, where infinite shapes have been cut off somewhere.
+#[derive(Clone, Copy)]
+struct Outside {
+    /// It is as it should be.
+    is_exact: bool,
+    /// There is nothing.
+    is_empty: bool,
+}
+
+const NOTHING: Outside = Outside { is_exact: true, is_empty: true };
+
+/// A part, or nothing.
+type Known<P> = (Option<P>, Outside);
 
 enum Task<'s> {
     Enter(&'s Solid, Affine),
@@ -50,7 +67,7 @@ enum Join {
 /// A solid as a part; `None` if it is nothing.
 pub(super) fn fold<B: Builder>(solid: &Solid, builder: &mut B) -> Result<Option<B::Part>, WriteError> {
     let mut tasks = vec![Task::Enter(solid, Affine::IDENTITY)];
-    let mut parts: Vec<Option<B::Part>> = Vec::new();
+    let mut parts: Vec<Known<B::Part>> = Vec::new();
     let mut count = 0;
     while let Some(task) = tasks.pop() {
         match task {
@@ -64,11 +81,37 @@ pub(super) fn fold<B: Builder>(solid: &Solid, builder: &mut B) -> Result<Option<
             }
             Task::Join(join, n) => {
                 let operands = parts.split_off(parts.len() - n);
-                parts.push(joined(join, operands, builder)?);
+                let outside = outside(join, operands.iter().map(|(_, outside)| *outside));
+                let operands = operands.into_iter().map(|(part, _)| part).collect();
+                parts.push((joined(join, operands, builder)?, outside));
             }
         }
     }
-    Ok(parts.pop().flatten())
+    match parts.pop() {
+        Some((Some(part), outside)) if !outside.is_exact && !outside.is_empty => {
+            let everything = builder.everything();
+            builder.join(Operation::Intersection, vec![part, everything])
+        }
+        last => Ok(last.and_then(|(part, _)| part)),
+    }
+}
+
+fn outside(join: Join, mut operands: impl ExactSizeIterator<Item = Outside>) -> Outside {
+    let Some(first) = operands.next() else {
+        return NOTHING;
+    };
+    let all = operands.fold((first, first), |(all, any), one| {
+        let both = Outside { is_exact: all.is_exact && one.is_exact, is_empty: all.is_empty && one.is_empty };
+        (both, Outside { is_empty: any.is_empty || one.is_empty, ..any })
+    });
+    let (all, any) = all;
+    match join {
+        Join::Plain(Operation::Union) | Join::Symmetric => all,
+        Join::Plain(Operation::Intersection) => Outside { is_empty: any.is_empty, ..all },
+        Join::Plain(Operation::Difference) => Outside { is_empty: first.is_empty, ..all },
+        // the box less something
+        Join::Complement => Outside { is_exact: false, is_empty: true },
+    }
 }
 
 /// The part of a node without operands; for others the work is put on the stack.
@@ -77,12 +120,18 @@ fn enter<'s, B: Builder>(
     place: Affine,
     builder: &mut B,
     tasks: &mut Vec<Task<'s>>,
-) -> Result<Option<Option<B::Part>>, WriteError> {
+) -> Result<Option<Known<B::Part>>, WriteError> {
     let join = match solid.node() {
-        Node::Vacuum => return Ok(Some(None)),
-        Node::Plenum => return Ok(Some(Some(builder.everything()))),
-        Node::Intersection(all) if all.is_empty() => return Ok(Some(Some(builder.everything()))),
-        Node::Primitive(shape) => return Ok(Some(builder.leaf(shape, &place)?)),
+        Node::Vacuum => return Ok(Some((None, NOTHING))),
+        Node::Plenum => return Ok(Some(everything(builder))),
+        Node::Intersection(all) if all.is_empty() => return Ok(Some(everything(builder))),
+        Node::Primitive(shape) => {
+            let bounds = shape.lower().bounds;
+            let there = bounds.transformed(&place);
+            let is_empty = bounds.is_finite() && builder.clip().intersection(&there) == there;
+            let outside = Outside { is_exact: bounds.is_finite(), is_empty };
+            return Ok(Some((builder.leaf(shape, &place)?, outside)));
+        }
         Node::Named(_, inner) => {
             tasks.push(Task::Enter(inner, place));
             return Ok(None);
@@ -105,6 +154,10 @@ fn enter<'s, B: Builder>(
     tasks.push(Task::Join(join, solid.node().operand_refs().count()));
     tasks.extend(solid.node().operand_refs().rev().map(|operand| Task::Enter(operand, place)));
     Ok(None)
+}
+
+fn everything<B: Builder>(builder: &mut B) -> Known<B::Part> {
+    (Some(builder.everything()), Outside { is_exact: false, is_empty: true })
 }
 
 fn joined<B: Builder>(

@@ -14,10 +14,9 @@ use super::remark::Remarks;
 use super::{RemarkKind, WriteError};
 use rayweave_math::{Affine, Bounds, Mat3, Vec3, any_perpendicular};
 use rayweave_mesh::Mesh;
-use rayweave_model::Solid;
 use rayweave_scene::{Medium, Unit};
 use rayweave_shape::primitive::{Primitive, Value};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
 /// Columns of a map that are perpendicular to this part of their lengths are taken to be.
@@ -43,8 +42,8 @@ struct Writer<'m, 's> {
     defines: String,
     solids: String,
     count: usize,
-    /// A shape without an end was cut to the box.
-    is_cut: bool,
+    /// The regions that were written.
+    known: HashMap<usize, Option<Part>>,
 }
 
 pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, WriteError> {
@@ -54,8 +53,8 @@ pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, Wri
     }
     let clip = Bounds::new(scale * model.clip.lo, scale * model.clip.hi);
     let (defines, solids) = (String::new(), String::new());
-    let mut writer =
-        Writer { model, remarks, region: 0, scale, clip, defines, solids, count: 0, is_cut: false };
+    let known = HashMap::new();
+    let mut writer = Writer { model, remarks, region: 0, scale, clip, defines, solids, count: 0, known };
     let names = Names::new(model);
     let (mut volumes, mut placements) = (String::new(), String::new());
     for (number, region) in model.regions() {
@@ -235,17 +234,23 @@ impl Writer<'_, '_> {
         Ok(Some(part))
     }
 
+    /// A region before anything is cut out of it, written once.
     fn whole(&mut self, number: usize) -> Result<Option<Part>, WriteError> {
-        (self.region, self.is_cut) = (number, false);
-        let solid = &self.model.scene.regions[number].solid;
-        let scaled: Solid =
-            if self.scale == 1.0 { solid.clone() } else { solid.scale(Vec3::splat(self.scale)) };
-        let made = fold(&scaled, self)?;
-        if let (Some(part), true) = (&made, self.is_cut) {
-            let room = self.everything();
-            return Ok(Some(self.pair("intersection", part, &room)));
+        if let Some(known) = self.known.get(&number) {
+            return Ok(known.clone());
         }
+        let made = self.made(number)?;
+        self.known.insert(number, made.clone());
         Ok(made)
+    }
+
+    fn made(&mut self, number: usize) -> Result<Option<Part>, WriteError> {
+        self.region = number;
+        let solid = &self.model.scene.regions[number].solid;
+        match self.scale == 1.0 {
+            true => fold(solid, self),
+            false => fold(&solid.scale(Vec3::splat(self.scale)), self),
+        }
     }
 
     /// A boolean of two solids, in the frame of the first.
@@ -412,17 +417,21 @@ fn decomposed(linear: &Mat3) -> Option<(Mat3, Vec3)> {
 impl Builder for Writer<'_, '_> {
     type Part = Part;
 
+    fn clip(&self) -> Bounds {
+        self.clip
+    }
+
     fn everything(&mut self) -> Part {
         let clip = self.clip;
         self.cuboid(&clip)
     }
 
     fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<Part>, WriteError> {
-        if let Some(part) = self.own(shape, place) {
+        let cut = facets::finite(shape, place, &self.clip);
+        if let Some(part) = self.own(cut.as_ref().unwrap_or(shape), place) {
             return Ok(Some(part));
         }
         let lowered = shape.lower();
-        self.is_cut |= !lowered.bounds.is_finite();
         let planes = facets::planes_of(&lowered);
         if let (Some([(normal, offset)]), false) = (planes.as_deref(), lowered.complement) {
             // the plane in the frame of the model

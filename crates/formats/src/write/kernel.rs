@@ -68,9 +68,9 @@ impl Body {
         }
     }
 
-    pub fn placed(&self, map: &Affine) -> Body {
+    pub fn placed(&self, map: &Affine) -> Result<Body, String> {
         if *map == Affine::IDENTITY {
-            return self.clone();
+            return Ok(self.clone());
         }
         let mesh = self.0.get_mesh_gl64(-1);
         let (points, mut triangles) = parts(&mesh);
@@ -78,7 +78,7 @@ impl Body {
             triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
         }
         let points: Vec<Vec3> = points.into_iter().map(|p| map.point(p)).collect();
-        Body::from_triangles(points, triangles).unwrap_or_else(|_| self.clone())
+        Body::from_triangles(points, triangles)
     }
 
     pub fn joined(&self, other: &Body) -> Result<Option<Body>, String> {

@@ -13,6 +13,7 @@ use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::Mesh;
 use rayweave_scene::Colour;
 use rayweave_shape::primitive::{Primitive, Value};
+use std::collections::{BTreeSet, HashMap};
 
 /// The most bytes of a file: what is shared is written out each time.
 const MOST_BYTES: usize = 256 << 20;
@@ -28,12 +29,12 @@ struct Writer<'m, 's> {
     remarks: &'m mut Remarks,
     region: usize,
     pieces: Vec<Piece>,
-    /// A shape without an end was cut to the box.
-    is_cut: bool,
+    /// The parts that regions are.
+    known: HashMap<usize, Option<usize>>,
 }
 
 pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, WriteError> {
-    let mut writer = Writer { model, remarks, region: 0, pieces: Vec::new(), is_cut: false };
+    let mut writer = Writer { model, remarks, region: 0, pieces: Vec::new(), known: HashMap::new() };
     let mut text = String::new();
     for (number, region) in model.regions() {
         let Some(part) = writer.carved(number)? else { continue };
@@ -47,8 +48,7 @@ pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, Wri
     if model.scene.unit != Default::default() {
         writer.remarks.add(RemarkKind::Dropped, format!("the unit ({})", model.scene.unit));
     }
-    let names: std::collections::BTreeSet<_> =
-        model.regions().map(|(_, region)| region.colour.to_string()).collect();
+    let names: BTreeSet<_> = model.regions().map(|(_, region)| region.colour.to_string()).collect();
     writer.remarks.add(RemarkKind::Dropped, "names of regions, media and faces (regions keep their colours)");
     if names.len() < model.regions().count() {
         writer.remarks.add(RemarkKind::Changed, "regions of one colour are one");
@@ -76,16 +76,19 @@ impl Writer<'_, '_> {
         if parts.len() > 1 { self.join(Operation::Difference, parts) } else { Ok(parts.pop()) }
     }
 
+    /// A region before anything is cut out of it.
     fn solid(&mut self, number: usize) -> Result<Option<usize>, WriteError> {
-        (self.region, self.is_cut) = (number, false);
-        let made = fold(&self.model.scene.regions[number].solid, self)?;
-        match made {
-            Some(part) if self.is_cut => {
-                let whole = self.everything();
-                self.join(Operation::Intersection, vec![part, whole])
-            }
-            made => Ok(made),
+        if let Some(known) = self.known.get(&number) {
+            return Ok(*known);
         }
+        let made = self.made(number)?;
+        self.known.insert(number, made);
+        Ok(made)
+    }
+
+    fn made(&mut self, number: usize) -> Result<Option<usize>, WriteError> {
+        self.region = number;
+        fold(&self.model.scene.regions[number].solid, self)
     }
 
     /// Writes a part and all parts of it, with a tab for each level.
@@ -170,6 +173,10 @@ impl Writer<'_, '_> {
 impl Builder for Writer<'_, '_> {
     type Part = usize;
 
+    fn clip(&self) -> Bounds {
+        self.model.clip
+    }
+
     fn everything(&mut self) -> usize {
         let text = cuboid(&self.model.clip);
         self.add(Piece::Text(text))
@@ -183,15 +190,14 @@ impl Builder for Writer<'_, '_> {
             let text = polyhedron(&mesh.solid().to_mesh());
             return Ok(Some(self.add(Piece::Text(under(place, &text)))));
         }
-        let lowered = shape.lower();
-        self.is_cut |= !lowered.bounds.is_finite();
-        let is_endless = matches!(shape, Primitive::Cylinder(_) | Primitive::Tube(_));
-        if facets::planes_of(&lowered).is_none() && !is_endless {
+        if let Some(text) =
+            facets::finite(shape, place, &self.model.clip).and_then(|cut| self.plain(&cut, place))
+        {
+            return Ok(Some(self.add(Piece::Text(under(place, &text)))));
+        }
+        if facets::planes_of(&shape.lower()).is_none() {
             let what = format!("`{}`, by triangles within {:.3e}", shape.name(), self.model.tolerance);
             self.remarks.add(RemarkKind::Approximated, what);
-        }
-        if let Some(text) = self.endless(shape, place) {
-            return Ok(Some(self.add(Piece::Text(under(place, &text)))));
         }
         let request = Request { shape, place, clip: &self.model.clip, tolerance: self.model.tolerance };
         let failed = |why: String| WriteError::Kernel {
@@ -214,26 +220,6 @@ impl Builder for Writer<'_, '_> {
 
     fn region(&self) -> String {
         self.model.scene.regions[self.region].name.clone()
-    }
-}
-
-impl Writer<'_, '_> {
-    /// A cylinder or tube without ends, as long as the box.
-    fn endless(&self, shape: &Primitive, place: &Affine) -> Option<String> {
-        let room = self.model.clip.transformed(&place.inverse().ok()?);
-        let height = 2.0 * room.lo.z.abs().max(room.hi.z.abs());
-        let number = |name: &str| number(shape, name);
-        let finite = match shape {
-            Primitive::Cylinder(_) => {
-                rayweave_shape::primitive::Cylinder::new(number("radius")?, height).ok()?.into()
-            }
-            Primitive::Tube(_) => {
-                let (outer, inner) = (number("outer_radius")?, number("inner_radius")?);
-                rayweave_shape::primitive::Tube::new(outer, inner, height).ok()?.into()
-            }
-            _ => return None,
-        };
-        self.plain(&finite, place)
     }
 }
 

@@ -6,7 +6,7 @@ use super::kernel::Body;
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError, WriteOptions};
-use rayweave_math::{Affine, Vec3};
+use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::Mesh;
 use rayweave_mesh::files::{MeshFormat, WriteOptions as MeshOptions, write_parts};
 use rayweave_scene::Unit;
@@ -16,8 +16,6 @@ use rayweave_shape::primitive::Primitive;
 struct Triangulator<'m, 's> {
     model: &'m Model<'s>,
     region: usize,
-    /// A shape without an end was cut to the box.
-    is_cut: bool,
 }
 
 impl Triangulator<'_, '_> {
@@ -29,12 +27,15 @@ impl Triangulator<'_, '_> {
 impl Builder for Triangulator<'_, '_> {
     type Part = Body;
 
+    fn clip(&self) -> Bounds {
+        self.model.clip
+    }
+
     fn everything(&mut self) -> Body {
         Body::cuboid(&self.model.clip)
     }
 
     fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<Body>, WriteError> {
-        self.is_cut |= !shape.lower().bounds.is_finite();
         let request = Request { shape, place, clip: &self.model.clip, tolerance: self.model.tolerance };
         facets::body(&request).map_err(|why| self.failed(format!("`{}`: {why}", shape.name())))
     }
@@ -74,14 +75,7 @@ fn joined(by: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, String> {
 
 /// The solid of a region before anything is cut out of it.
 fn solid(model: &Model, region: usize) -> Result<Option<Body>, WriteError> {
-    let mut builder = Triangulator { model, region, is_cut: false };
-    let made = fold(&model.scene.regions[region].solid, &mut builder)?;
-    match made {
-        Some(body) if builder.is_cut => {
-            body.common(&Body::cuboid(&model.clip)).map_err(|why| builder.failed(why))
-        }
-        made => Ok(made),
-    }
+    fold(&model.scene.regions[region].solid, &mut Triangulator { model, region })
 }
 
 /// The meshes of all regions, with their names.
@@ -123,6 +117,10 @@ pub(super) fn write(
     for (name, body) in &bodies {
         let failed = |why: String| WriteError::Kernel { region: name.clone(), why };
         let mesh = body.mesh().map_err(failed)?;
+        let diagnosis = mesh.diagnose();
+        if !diagnosis.is_sound() {
+            remarks.add(RemarkKind::Approximated, format!("the mesh of `{name}` is not sound: {diagnosis}"));
+        }
         let mesh = mesh.mapped(|p| in_format(p, format, model.scene.unit));
         parts.push((name.as_str(), mesh.map_err(|error| failed(error.to_string()))?));
     }

@@ -14,7 +14,7 @@ pub(super) use polytope::planes_of;
 
 use super::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
-use rayweave_shape::primitive::{Lowered, Primitive, Value};
+use rayweave_shape::primitive::{Cylinder, Lowered, Paraboloid, Primitive, Tube, Value};
 use rayweave_shape::surface::Surface;
 pub(super) use revolved::circle_count;
 use revolved::{Profile, revolved};
@@ -52,13 +52,30 @@ pub(super) fn number(shape: &Primitive, name: &str) -> Option<f64> {
     })
 }
 
+/// A cylinder, tube or paraboloid without an end as one that ends outside of the box; `None` for others.
+pub(super) fn finite(shape: &Primitive, place: &Affine, clip: &Bounds) -> Option<Primitive> {
+    let room = clip.transformed(&place.inverse().ok()?);
+    // as much beyond the box as it is high, so that no end lies in a face of it
+    let reach = 3.0 * room.lo.z.abs().max(room.hi.z.abs());
+    let number = |name: &str| number(shape, name);
+    if number("height").is_none_or(f64::is_finite) {
+        return None;
+    }
+    Some(match shape {
+        Primitive::Cylinder(_) => Cylinder::new(number("radius")?, reach).ok()?.into(),
+        Primitive::Tube(_) => Tube::new(number("outer_radius")?, number("inner_radius")?, reach).ok()?.into(),
+        Primitive::Paraboloid(_) => Paraboloid::new(number("focal_length")?, reach).ok()?.into(),
+        _ => return None,
+    })
+}
+
 /// The shape as a body of triangles; `None` if nothing of it is in the box.
 pub(super) fn body(request: &Request) -> Result<Option<Body>, String> {
     let Some(clip) = request.local_clip() else {
         return Ok(None);
     };
     let made = local(request.shape, &clip, request.local_tolerance())?;
-    Ok(made.map(|body| body.placed(request.place)))
+    made.map(|body| body.placed(request.place)).transpose()
 }
 
 fn local(shape: &Primitive, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
@@ -124,7 +141,7 @@ fn curved(
             let profile = Profile::arc([0.0, 0.0], sphere.radius, [-90.0, 90.0], tolerance)?;
             let n = circle_count(sphere.radius, 0.5 * tolerance)?;
             let body = revolved(&profile, n, Vec3::ONE)?;
-            Ok(Some(body.placed(&Affine::translate(sphere.centre))))
+            body.placed(&Affine::translate(sphere.centre)).map(Some)
         }
         Some(surface @ Surface::Object(_)) => sag::body(surface, lowered, clip, tolerance),
         Some(surface) => sections::implicit(surface, lowered, clip, tolerance),

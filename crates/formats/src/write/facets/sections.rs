@@ -126,7 +126,7 @@ impl Elliptic {
         let n = circle_count(profile.reach(), 0.5 * tolerance)?;
         let body = revolved(&profile, n, Vec3::new(x / widest, y / widest, 1.0))?;
         let linear = Mat3::from_cols(self.axes[0], self.axes[1], self.axes[2]);
-        Ok(body.placed(&Affine { linear, translation: self.origin }))
+        body.placed(&Affine { linear, translation: self.origin })
     }
 }
 

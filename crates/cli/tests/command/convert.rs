@@ -1,0 +1,78 @@
+//! `rayweave convert`, and meshes given as models.
+
+use crate::bench::Bench;
+
+const PART: &str = "rayweave = 1\n[solid.plate]\nbox = { size = [4, 4, 2] }\n[solid.bore]\ncylinder = { radius = 1 }\n\
+    [solid.part]\nexpr = 'plate - bore'\n";
+
+/// The times of a probe across the part.
+fn crossings(bench: &Bench, file: &str) -> usize {
+    let told = bench.says(&["probe", file, "--from", "-9,0.1,0.2", "--to", "9,0.1,0.2"]);
+    told.matches("> world").count() + told.matches("world >").count()
+}
+
+#[test]
+fn every_format_is_written_and_read() {
+    let bench = Bench::new();
+    bench.write("part.toml", PART);
+    for ending in ["toml", "csg", "gdml", "stl", "obj", "ply", "off", "3mf"] {
+        let out = format!("out.{ending}");
+        let done = bench.run(&["convert", "part.toml", &out, "--tolerance", "0.01"]);
+        assert_eq!((done.code, done.out.as_str()), (0, ""), "{ending}: {}", done.err);
+        let is_mesh = !["toml", "csg", "gdml"].contains(&ending);
+        assert_eq!(
+            done.err.contains("approximated: curved faces, by triangles within 1.000e-2"),
+            is_mesh,
+            "{}",
+            done.err
+        );
+        // in GDML there is a world of its own around the part
+        assert_eq!(crossings(&bench, &out), if ending == "gdml" { 2 } else { 4 }, "{ending}");
+    }
+    // by name, to standard output
+    let text = bench.says(&["convert", "part.toml", "-", "--to", "openscad"]);
+    assert!(text.contains("difference() {") && text.contains("cylinder("), "{text}");
+}
+
+#[test]
+fn what_cannot_be_written_leaves_no_file() {
+    let bench = Bench::new();
+    bench.write("part.toml", PART);
+    bench.write("rod.toml", "rayweave = 1\n[solid.rod]\ncylinder = { radius = 1 }\n");
+    assert!(bench.fails(3, &["convert", "rod.toml", "rod.stl"]).contains("region `rod` has no end"));
+    assert!(bench.fails(2, &["convert", "part.toml", "part.step"]).contains("unknown format"));
+    assert!(
+        bench.fails(2, &["convert", "part.toml", "part.stl", "--tolerance", "0"]).contains("tolerance is 0")
+    );
+    assert!(!bench.path("rod.stl").exists() && !bench.path("part.stl").exists());
+}
+
+#[test]
+fn open_meshes_are_refused_with_place_and_count_or_repaired() {
+    let bench = Bench::new();
+    bench.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+    let refused = bench.fails(3, &["info", "open.obj"]);
+    assert!(refused.contains("3 edges belong to an odd number of triangles, the first at"), "{refused}");
+    assert!(refused.contains("holes: 1") && refused.contains("--repair"), "{refused}");
+    let mended = bench.run(&["info", "open.obj", "--repair", "--unit", "in"]);
+    assert!(mended.err.contains("the mesh was repaired: 1 holes with a plane rim closed"), "{}", mended.err);
+    assert!(mended.code == 0 && mended.out.contains("lengths in in"), "{}", mended.out);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_mesh_too_large_for_memory_is_refused_before_it_is_read() {
+    let bench = Bench::new();
+    // ten million triangles, as far as the file says: a hole on the disk
+    let file = std::fs::File::create(bench.path("huge.stl")).unwrap();
+    file.set_len(84 + 50 * 10_000_000).unwrap();
+    let mut head = vec![b' '; 80];
+    head.extend(10_000_000u32.to_le_bytes());
+    std::os::unix::fs::FileExt::write_all_at(&file, &head, 0).unwrap();
+    let command = format!("ulimit -v 1000000; exec '{}' info huge.stl", env!("CARGO_BIN_EXE_rayweave"));
+    let output =
+        std::process::Command::new("sh").current_dir(bench.path("")).args(["-c", &command]).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{told}");
+    assert!(told.contains("10000000 triangles (at most") && told.contains("no more memory"), "{told}");
+}
