@@ -45,8 +45,20 @@ impl Rays<'_> {
     /// # Errors
     /// [`BadRay`] for the first that is not.
     pub fn check(&self) -> Result<(), BadRay> {
+        if self.are_plain() {
+            return Ok(());
+        }
         let check = |ray: usize| self.get(ray).check().map_err(|problem| BadRay { ray, problem });
         (0..self.len()).try_for_each(check)
+    }
+
+    /// True only if all rays pass the check: column by column, without a branch for each ray.
+    fn are_plain(&self) -> bool {
+        let is_small = |column: &[f64]| column.iter().fold(true, |all, x| all & (x.abs() <= Ray::MOST));
+        let [x, y, z] = self.directions;
+        let goes = |((x, y), z): ((&f64, &f64), &f64)| x.abs().max(y.abs()).max(z.abs()) >= Ray::LEAST;
+        let all_go = x.iter().zip(y).zip(z).fold(true, |all, direction| all & goes(direction));
+        all_go && self.origins.iter().chain(&self.directions).all(|column| is_small(column))
     }
 }
 
@@ -82,6 +94,22 @@ impl RayBatch {
     /// True if there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Appends rays with directions of unit length along those given, which are not 0.
+    pub fn extend_normalised(&mut self, rays: Rays<'_>) {
+        for (own, given) in self.origins.iter_mut().zip(rays.origins) {
+            own.extend_from_slice(given);
+        }
+        let first = self.directions[0].len();
+        for (own, given) in self.directions.iter_mut().zip(rays.directions) {
+            own.extend_from_slice(given);
+        }
+        let [x, y, z] = self.directions.each_mut().map(|column| &mut column[first..]);
+        for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+            let unit = Vec3::new(*x, *y, *z).normalize();
+            (*x, *y, *z) = (unit.x, unit.y, unit.z);
+        }
     }
 
     /// Forgets all rays and keeps the memory.

@@ -15,6 +15,7 @@ pub struct Beam {
     wavelength_nm: Vec<f64>,
     power: Vec<f64>,
     source: Vec<u32>,
+    /// Nothing beyond the last ray that has any.
     stokes: Vec<Option<Stokes>>,
 }
 
@@ -40,7 +41,10 @@ impl Beam {
         self.wavelength_nm.push(light.wavelength_nm);
         self.power.push(light.power);
         self.source.push(light.source);
-        self.stokes.push(light.stokes);
+        if light.stokes.is_some() {
+            self.stokes.resize(self.len() - 1, None);
+            self.stokes.push(light.stokes);
+        }
     }
 
     /// The rays.
@@ -89,7 +93,7 @@ impl Beam {
             wavelength_nm: self.wavelength_nm[i],
             power: self.power[i],
             source: self.source[i],
-            stokes: self.stokes[i],
+            stokes: self.stokes.get(i).copied().flatten(),
         }
     }
 
@@ -100,19 +104,26 @@ impl Beam {
     pub fn check(&self, system: &System) -> Result<(), OpticsError> {
         self.rays().check()?;
         let bad = |column, ray, value, range| OpticsError::BadLight { column, ray, value, range };
-        for (ray, &value) in self.power.iter().enumerate() {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(bad("power", ray, value, "it has to be at least 0 and finite"));
-            }
+        let first = |column: &[f64], is_good: fn(f64) -> bool| {
+            // without a branch for each ray, unless there is one that is wrong
+            let all = column.iter().fold(true, |all, &value| all & is_good(value));
+            if all { None } else { column.iter().position(|&value| !is_good(value)) }
+        };
+        if let Some(ray) = first(&self.power, |power| (power >= 0.0) & power.is_finite()) {
+            return Err(bad("power", ray, self.power[ray], "it has to be at least 0 and finite"));
         }
-        for (ray, &value) in self.wavelength_nm.iter().enumerate() {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(bad("wavelength_nm", ray, value, "it has to be greater than 0 and finite"));
-            }
+        if let Some(ray) = first(&self.wavelength_nm, |length| (length > 0.0) & length.is_finite()) {
+            let value = self.wavelength_nm[ray];
+            return Err(bad("wavelength_nm", ray, value, "it has to be greater than 0 and finite"));
         }
+        let least = self.wavelength_nm.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = self.wavelength_nm.iter().copied().fold(0.0, f64::max);
         system.media().try_for_each(|medium| {
             let range_nm @ [lo, hi] = medium.range_nm();
             let outside = |&wavelength: &f64| !(lo..=hi).contains(&wavelength);
+            if least >= lo && most <= hi {
+                return Ok(());
+            }
             let Some(ray) = self.wavelength_nm.iter().position(outside) else { return Ok(()) };
             let (wavelength_nm, medium) = (self.wavelength_nm[ray], medium.name().to_owned());
             Err(OpticsError::Wavelength { ray, wavelength_nm, medium, range_nm })
@@ -143,11 +154,15 @@ impl Emitter for Beam {
     }
 
     fn emit(&self, range: Range<usize>, beam: &mut Beam) {
+        let known = self.stokes.len().clamp(range.start, range.end);
+        if known > range.start {
+            beam.stokes.resize(beam.len(), None);
+            beam.stokes.extend_from_slice(&self.stokes[range.start..known]);
+        }
         beam.rays.extend(self.rays(), range.clone());
         beam.wavelength_nm.extend_from_slice(&self.wavelength_nm[range.clone()]);
         beam.power.extend_from_slice(&self.power[range.clone()]);
-        beam.source.extend_from_slice(&self.source[range.clone()]);
-        beam.stokes.extend_from_slice(&self.stokes[range]);
+        beam.source.extend_from_slice(&self.source[range]);
     }
 }
 

@@ -2,14 +2,18 @@
 
 use crate::abreast::{Around, Gone};
 use crate::beam::{Beam, Light};
+use crate::foresee::Step;
 use crate::interface::Stokes;
 use crate::segments::{Event, Segment};
 use crate::system::System;
 use crate::trace::mixed;
-use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Crossing, Face, FirstHits, PlacementId, RayBatch, RegionId, Start, StartLists};
+use rayweave_math::Vec3;
+use rayweave_model::{
+    Crossing, Face, FirstHits, PlacementId, RayBatch, Rays, RegionId, Start, StartLists, SurfaceId,
+};
 use rayweave_shape::Ray;
 use rayweave_shape::lanes::LANES;
+use std::ops::Range;
 
 /// What a ray carries along.
 #[derive(Clone, Copy, Debug)]
@@ -141,27 +145,37 @@ impl Generation {
         self.on_sheets.clear();
     }
 
-    /// Appends the light of a source, whose rays are numbered from `first` on, with directions of unit length.
-    pub fn set_out(&mut self, beam: &Beam, first: u64, polarised: bool) {
-        let (rays, count, packets) = (beam.rays(), beam.len(), &mut self.packets);
-        packets.wavelength_nm.extend_from_slice(beam.wavelengths_nm());
-        packets.power.extend_from_slice(beam.powers());
-        packets.source.extend_from_slice(beam.sources());
+    /// Appends rays of a beam, the first of which has the number `first`, with directions of unit length.
+    pub fn set_out(&mut self, beam: &Beam, range: Range<usize>, first: u64, polarised: bool) {
+        let (rays, packets) = (beam.rays(), &mut self.packets);
+        packets.wavelength_nm.extend_from_slice(&beam.wavelengths_nm()[range.clone()]);
+        packets.power.extend_from_slice(&beam.powers()[range.clone()]);
+        packets.source.extend_from_slice(&beam.sources()[range.clone()]);
+        let numbers = range.clone().map(|i| first + i as u64);
+        packets.id.extend(numbers.clone().map(|number| number as i64));
+        packets.stream.extend(numbers.map(mixed));
+        let count = packets.id.len();
         packets.path.resize(count, 0.0);
         packets.parent.resize(count, -1);
         packets.generation.resize(count, 0);
-        let numbers = first..first + count as u64;
-        packets.id.extend(numbers.clone().map(|number| number as i64));
-        packets.stream.extend(numbers.map(mixed));
-        self.first.resize(count + 1, 0);
-        for i in 0..count {
-            let Ray { origin, direction } = rays.get(i);
-            self.rays.push(Ray::new(origin, direction.normalize()));
-        }
-        for i in (0..count).filter(|_| polarised) {
+        self.first.resize(count + 1, self.starts.len() as u32);
+        let part = |columns: [_; 3]| columns.map(|column: &[f64]| &column[range.clone()]);
+        let (origins, directions) = (part(rays.origins), part(rays.directions));
+        self.rays.extend_normalised(Rays { origins, directions });
+        for i in range.filter(|_| polarised) {
             let Light { ray, power, stokes, .. } = beam.get(i);
             let known = stokes.map(|stokes| stokes.with_power(power));
             self.stokes.push(known.unwrap_or(Stokes::unpolarised(power, ray.direction.normalize())));
+        }
+    }
+
+    /// Appends all rays of another generation that start on no sheets.
+    pub fn append(&mut self, other: &Generation) {
+        let lists = StartLists { first: &other.first, entries: &other.starts };
+        for i in 0..other.len() {
+            self.starts.extend_from_slice(lists.of(i));
+            let Traveller { ray, packet, stokes } = other.get(i);
+            self.push(ray, packet, stokes);
         }
     }
 
@@ -176,19 +190,48 @@ impl Generation {
     /// first of their parents is `parent`, or none of them has one.
     pub fn follow(&mut self, other: &Packets, at: usize, gone: &Gone, face: Face, parent: Option<i64>) {
         let (here, packets) = (at..at + LANES, &mut self.packets);
-        self.rays.extend(gone.rays(), 0..LANES);
         packets.wavelength_nm.extend_from_slice(&other.wavelength_nm[here.clone()]);
         packets.power.extend_from_slice(&other.power[here.clone()]);
-        packets.path.extend_from_slice(&gone.path);
         packets.id.extend_from_slice(&other.id[here.clone()]);
         packets.stream.extend_from_slice(&other.stream[here.clone()]);
         packets.source.extend_from_slice(&other.source[here.clone()]);
         packets.generation.extend(other.generation[here].iter().map(|generation| generation + 1));
-        let Face { surface, placement, .. } = face;
+        self.go_on(gone, Some(face), parent);
+    }
+
+    /// Appends rays `at..at + 8` of a beam, the first of which has the number `first`, after some events that happened to
+    /// all of them alike, the last one at a face.
+    pub fn join(
+        &mut self,
+        (beam, first): (&Beam, u64),
+        at: usize,
+        gone: &Gone,
+        (events, face): (u32, Option<Face>),
+        parent: Option<i64>,
+    ) {
+        let (here, packets) = (at..at + LANES, &mut self.packets);
+        packets.wavelength_nm.extend_from_slice(&beam.wavelengths_nm()[here.clone()]);
+        packets.power.extend_from_slice(&beam.powers()[here.clone()]);
+        packets.source.extend_from_slice(&beam.sources()[here.clone()]);
+        let numbers = here.map(|i| first + i as u64);
+        packets.id.extend(numbers.clone().map(|number| number as i64));
+        packets.stream.extend(numbers.map(mixed));
+        packets.generation.extend([events; LANES]);
+        self.go_on(gone, face, parent);
+    }
+
+    /// Appends the ways of eight rays.
+    fn go_on(&mut self, gone: &Gone, face: Option<Face>, parent: Option<i64>) {
+        self.rays.extend(gone.rays(), 0..LANES);
+        self.packets.path.extend_from_slice(&gone.path);
         for lane in 0..LANES {
-            packets.parent.push(parent.map_or(-1, |parent| parent + lane as i64));
+            self.packets.parent.push(parent.map_or(-1, |parent| parent + lane as i64));
             let inside = gone.inside >> lane & 1 == 1;
-            self.starts.push(Start { surface, placement, inside });
+            self.starts.extend(face.map(|face| Start {
+                surface: face.surface,
+                placement: face.placement,
+                inside,
+            }));
             self.first.push(self.starts.len() as u32);
         }
     }
@@ -256,6 +299,28 @@ impl Met {
         self.sheets.clear();
     }
 
+    /// The sheet that eight rays meet first, if that is the same one and no solid comes before it, and the surface in
+    /// which they do so.
+    pub fn common_sheet(&self, at: usize) -> Option<(usize, SurfaceId)> {
+        let mut left = &self.sheets[self.sheets.partition_point(|met| met.ray < at)..];
+        let (sheet, surface) = left.first().map(|met| (met.sheet, met.crossing.face.surface))?;
+        for i in at..at + LANES {
+            let first = left.first().filter(|met| met.ray == i && met.crossing.t < self.t[i])?;
+            if (first.sheet, first.crossing.face.surface) != (sheet, surface) {
+                return None;
+            }
+            left = &left[left.partition_point(|met| met.ray == i)..];
+        }
+        Some((sheet, surface))
+    }
+
+    /// The face that eight rays meet, if it is the same one.
+    pub fn common_face(&self, at: usize) -> Option<usize> {
+        let face = self.face[at];
+        let is_same = self.face[at..at + LANES].iter().all(|&other| other == face);
+        usize::try_from(face).ok().filter(|_| is_same)
+    }
+
     /// Columns to be filled.
     pub fn columns(&mut self) -> (FirstHits<'_>, &mut Vec<(usize, Crossing)>) {
         let Met { t, face, placement, before, after, normal: [x, y, z], between, .. } = self;
@@ -280,7 +345,7 @@ impl Met {
     }
 
     /// What eight rays meet, if it is one face between the same regions, the same on both sides.
-    pub fn common(&self, at: usize) -> Option<Common> {
+    pub fn common(&self, at: usize) -> Option<Step> {
         let here = at..at + LANES;
         let (face, before, after) = (*self.face.get(at)?, self.before[at], self.after[at]);
         let is_same = self.face.get(here.clone())?.iter().all(|&other| other == face)
@@ -289,7 +354,7 @@ impl Met {
             && self.placement[here].iter().all(|&other| other == 0);
         let between = || self.between_from(at).is_some_and(|(ray, _)| *ray < at + LANES);
         let face = usize::try_from(face).ok().filter(|_| is_same && !between())?;
-        Some(Common { face, before: RegionId(before), after: RegionId(after) })
+        Some(Step { face, left: face, entered: face, before: RegionId(before), after: RegionId(after) })
     }
 
     pub fn between(&self, i: usize) -> Option<&(usize, Crossing)> {
@@ -307,15 +372,7 @@ impl Met {
     }
 }
 
-/// What eight rays meet.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Common {
-    pub face: usize,
-    pub before: RegionId,
-    pub after: RegionId,
-}
-
-/// The rays that may meet a sheet before a solid.
+/// Some rays of a generation, to be asked about.
 #[derive(Debug, Default)]
 pub(crate) struct Part {
     pub rays: RayBatch,
@@ -325,18 +382,26 @@ pub(crate) struct Part {
     pub starts: Vec<Start>,
 }
 
-/// Room around the box of a sheet, relative to all lengths at hand: far more than any tolerance.
-const ROOM: f64 = 1e-9;
-
 impl Part {
-    /// Gathers them: by the ends of the piece of each ray up to what it meets.
-    pub fn gather(&mut self, now: &Generation, met: &Met, sheet: usize, bounds: &Bounds) {
+    fn clear(&mut self) {
         self.rays.clear();
         self.numbers.clear();
         self.first.clear();
         self.starts.clear();
         self.first.push(0);
-        let (rays, around) = (now.rays.rays(), Around::new(bounds, ROOM));
+    }
+
+    fn push(&mut self, ray: Ray, number: usize, starts: impl IntoIterator<Item = Start>) {
+        self.rays.push(ray);
+        self.numbers.push(number);
+        self.starts.extend(starts);
+        self.first.push(self.starts.len() as u32);
+    }
+
+    /// Gathers those that may meet a sheet before a solid: by the ends of the piece of each ray up to that.
+    pub fn gather(&mut self, now: &Generation, met: &Met, sheet: usize, around: &Around) {
+        self.clear();
+        let rays = now.rays.rays();
         let mut on = now.on_sheets.iter().filter(|on| on.sheet == sheet).peekable();
         for at in (0..now.len()).step_by(LANES) {
             let eight = if at + LANES <= now.len() { around.may_touch(rays, at, &met.t) } else { None };
@@ -346,10 +411,7 @@ impl Part {
             let is_asked = |i: &usize| eight.is_none_or(|eight| eight >> (i - at) & 1 == 1);
             for i in (at..now.len().min(at + LANES)).filter(is_asked) {
                 while on.next_if(|on| on.ray < i).is_some() {}
-                self.rays.push(rays.get(i));
-                self.numbers.push(i);
-                self.starts.extend(on.next_if(|on| on.ray == i).map(|on| on.start));
-                self.first.push(self.starts.len() as u32);
+                self.push(rays.get(i), i, on.next_if(|on| on.ray == i).map(|on| on.start));
             }
         }
     }

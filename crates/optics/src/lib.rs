@@ -37,6 +37,7 @@ pub mod design;
 mod element;
 mod error;
 pub mod file;
+mod foresee;
 mod generation;
 pub mod glass;
 pub mod gradient;

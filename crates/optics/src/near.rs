@@ -4,21 +4,28 @@
 //! that no offset is needed and nothing is met twice. At edges it starts on several surfaces at a time: on all within
 //! `delta` of the point.
 
+mod tree;
+
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{Crossing, LeafId, PlacementId, Program, Start, SurfaceId, dress};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{delta, delta_of};
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+pub(crate) use tree::Tree;
 
 /// All surfaces of a program with the boxes in which they matter.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Near {
     entries: Vec<Entry>,
+    /// Where they matter.
+    boxes: Vec<Bounds>,
+    tree: Tree,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    bounds: Bounds,
     placement: PlacementId,
     surface: SurfaceId,
 }
@@ -34,24 +41,39 @@ pub(crate) enum Leaves {
 
 impl Near {
     pub fn new(program: &Program) -> Near {
-        let mut entries: Vec<Entry> = Vec::new();
+        let (mut entries, mut boxes) = (Vec::new(), Vec::<Bounds>::new());
+        let mut matters = HashMap::new();
         for placement in (0..program.prototypes()[0].placements).map(PlacementId) {
-            let (world_from_local, group) = program.placement(placement);
-            let first = entries.len();
-            for leaf in program.prototype(group).leaves.clone().map(LeafId) {
-                let bounds = program.leaf_bounds(leaf).transformed(&world_from_local);
-                for facet in program.leaf(leaf).facets() {
-                    add(&mut entries, first, Entry { bounds, placement, surface: facet.surface() });
+            let (world_from_local, id) = program.placement(placement);
+            let group = program.prototype(id);
+            let boxes_of_leaves = matters.entry(id).or_insert_with(|| program.matters(group));
+            let mut known = HashMap::new();
+            for (leaf, bounds) in group.leaves.clone().map(LeafId).zip(&*boxes_of_leaves) {
+                if bounds.is_empty() {
+                    continue;
+                }
+                let bounds = bounds.transformed(&world_from_local);
+                for surface in program.leaf(leaf).facets().iter().map(|facet| facet.surface()) {
+                    let new = entries.len();
+                    let at = *known.entry(surface).or_insert(new);
+                    if at == new {
+                        entries.push(Entry { placement, surface });
+                        boxes.push(bounds);
+                    } else {
+                        boxes[at] = boxes[at].union(&bounds);
+                    }
                 }
             }
         }
-        Near { entries }
+        let tree = Tree::new(&boxes);
+        Near { entries, boxes, tree }
     }
 
     /// The surfaces with their boxes; `None` if some belong to placed solids.
     pub fn own(&self) -> Option<impl Iterator<Item = (Bounds, SurfaceId)> + '_> {
         let is_own = self.entries.iter().all(|entry| entry.placement == PlacementId(0));
-        is_own.then(|| self.entries.iter().map(|entry| (entry.bounds, entry.surface)))
+        let surfaces = self.entries.iter().map(|entry| entry.surface);
+        is_own.then(|| self.boxes.iter().copied().zip(surfaces))
     }
 
     /// Adds the surfaces at a time of a ray to a start list, that of a crossing, if there is one there, in any case.
@@ -86,26 +108,23 @@ impl Near {
         let lengths = ray.origin.abs().element_sum() + t.abs() * ray.direction.abs().element_sum();
         // boxes are grown by more than any tolerance: only those matter within which the point may lie
         let margin = 1e3 * delta_of(lengths);
-        for entry in self.entries.iter().filter(|entry| entry.bounds.grown(margin).contains(point)) {
+        let is_around = |bounds: &Bounds| bounds.grown(margin).contains(point);
+        let mut add = |entry: &Entry| {
             let listed = |s: &Start| (s.surface, s.placement) == (entry.surface, entry.placement);
-            if entry.is_far(program, point, lengths) {
-                continue;
+            if entry.is_far(program, point, lengths) || starts[first..].iter().any(listed) {
+                return;
             }
-            if starts[first..].iter().any(listed) {
-                continue;
-            }
-            if let Some(inside) = entry.side(program, ray, t, leaves) {
-                starts.push(Start { surface: entry.surface, placement: entry.placement, inside });
-            }
-        }
-    }
-}
-
-fn add(entries: &mut Vec<Entry>, first: usize, new: Entry) {
-    let known = entries[first..].iter_mut().find(|entry| entry.surface == new.surface);
-    match known {
-        Some(entry) => entry.bounds = entry.bounds.union(&new.bounds),
-        None => entries.push(new),
+            let side = entry.side(program, ray, t, leaves);
+            starts.extend(side.map(|inside| Start {
+                surface: entry.surface,
+                placement: entry.placement,
+                inside,
+            }));
+        };
+        let _ = self.tree.visit(is_around, |k| {
+            add(&self.entries[k]);
+            ControlFlow::Continue(())
+        });
     }
 }
 

@@ -1,9 +1,8 @@
 //! The trace as columns: one row for each piece of a ray between two events.
 
-use crate::abreast::Gone;
-use crate::generation::Generation;
 use rayweave_math::Vec3;
 use rayweave_shape::lanes::LANES;
+use std::ops::Range;
 
 /// What happens to light at the end of a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -96,6 +95,25 @@ pub struct Segment {
     pub event: Event,
 }
 
+/// A segment of each of eight rays to which the same happens.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EightRows<'a> {
+    pub id: [i64; LANES],
+    pub parent: [i64; LANES],
+    pub generation: [u32; LANES],
+    pub source: &'a [u32; LANES],
+    pub wavelength_nm: &'a [f64; LANES],
+    pub intensity: &'a [f64; LANES],
+    pub index: [f64; LANES],
+    pub start: [[f64; LANES]; 3],
+    pub end: [[f64; LANES]; 3],
+    pub direction: [[f64; LANES]; 3],
+    pub path: [f64; LANES],
+    pub element: usize,
+    pub surface: usize,
+    pub event: Event,
+}
+
 /// Segments as columns of equal length; see [`Segment`] for their meaning.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "the fields of Segment")]
@@ -145,32 +163,63 @@ impl Segments {
         self.event.reserve(rows);
     }
 
-    /// Appends a row for each ray `at..` of a generation that goes through the same face.
-    pub(crate) fn transmitted(
-        &mut self,
-        now: &Generation,
-        at: usize,
-        gone: &Gone,
-        index: &[f64; LANES],
-        [element, surface]: [usize; 2],
-    ) {
-        let (here, packets, rays) = (at..at + LANES, &now.packets, now.rays.rays());
-        self.id.extend_from_slice(&packets.id[here.clone()]);
-        self.parent.extend_from_slice(&packets.parent[here.clone()]);
-        self.generation.extend_from_slice(&packets.generation[here.clone()]);
-        self.source.extend_from_slice(&packets.source[here.clone()]);
-        self.wavelength_nm.extend_from_slice(&packets.wavelength_nm[here.clone()]);
-        self.intensity.extend_from_slice(&packets.power[here.clone()]);
-        self.index.extend_from_slice(index);
+    /// Appends a row for each of eight rays.
+    #[inline(always)]
+    pub(crate) fn extend(&mut self, rows: &EightRows<'_>) {
+        self.id.extend_from_slice(&rows.id);
+        self.parent.extend_from_slice(&rows.parent);
+        self.generation.extend_from_slice(&rows.generation);
+        self.source.extend_from_slice(rows.source);
+        self.wavelength_nm.extend_from_slice(rows.wavelength_nm);
+        self.intensity.extend_from_slice(rows.intensity);
+        self.index.extend_from_slice(&rows.index);
         for k in 0..3 {
-            self.start[k].extend_from_slice(&rays.origins[k][here.clone()]);
-            self.end[k].extend_from_slice(&gone.end[k]);
-            self.direction[k].extend_from_slice(&rays.directions[k][here.clone()]);
+            self.start[k].extend_from_slice(&rows.start[k]);
+            self.end[k].extend_from_slice(&rows.end[k]);
+            self.direction[k].extend_from_slice(&rows.direction[k]);
         }
-        self.path.extend_from_slice(&gone.path);
-        self.element.extend_from_slice(&[element as i32; LANES]);
-        self.surface.extend_from_slice(&[surface as i32; LANES]);
-        self.event.extend_from_slice(&[Event::Transmitted as u8; LANES]);
+        self.path.extend_from_slice(&rows.path);
+        self.element.extend_from_slice(&[rows.element as i32; LANES]);
+        self.surface.extend_from_slice(&[rows.surface as i32; LANES]);
+        self.event.extend_from_slice(&[rows.event as u8; LANES]);
+    }
+
+    /// Appends some of other rows, with their parents as they are.
+    pub(crate) fn append_range(&mut self, other: &Segments, rows: Range<usize>) {
+        self.id.extend_from_slice(&other.id[rows.clone()]);
+        self.parent.extend_from_slice(&other.parent[rows.clone()]);
+        self.generation.extend_from_slice(&other.generation[rows.clone()]);
+        self.source.extend_from_slice(&other.source[rows.clone()]);
+        self.wavelength_nm.extend_from_slice(&other.wavelength_nm[rows.clone()]);
+        self.intensity.extend_from_slice(&other.intensity[rows.clone()]);
+        self.index.extend_from_slice(&other.index[rows.clone()]);
+        for k in 0..3 {
+            self.start[k].extend_from_slice(&other.start[k][rows.clone()]);
+            self.end[k].extend_from_slice(&other.end[k][rows.clone()]);
+            self.direction[k].extend_from_slice(&other.direction[k][rows.clone()]);
+        }
+        self.path.extend_from_slice(&other.path[rows.clone()]);
+        self.element.extend_from_slice(&other.element[rows.clone()]);
+        self.surface.extend_from_slice(&other.surface[rows.clone()]);
+        self.event.extend_from_slice(&other.event[rows]);
+    }
+
+    /// Forgets all rows and keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.id.clear();
+        self.parent.clear();
+        self.generation.clear();
+        self.source.clear();
+        self.wavelength_nm.clear();
+        self.intensity.clear();
+        self.index.clear();
+        for columns in [&mut self.start, &mut self.end, &mut self.direction] {
+            columns.iter_mut().for_each(Vec::clear);
+        }
+        self.path.clear();
+        self.element.clear();
+        self.surface.clear();
+        self.event.clear();
     }
 
     /// Takes the last row away.
@@ -213,23 +262,11 @@ impl Segments {
 
     /// Appends other rows; their parents, which count from 0, are moved to where the rows come to stand.
     pub fn append(&mut self, other: &Segments) {
-        let before = self.len() as i64;
-        self.id.extend_from_slice(&other.id);
-        self.parent.extend(other.parent.iter().map(|&row| if row < 0 { row } else { row + before }));
-        self.generation.extend_from_slice(&other.generation);
-        self.source.extend_from_slice(&other.source);
-        self.wavelength_nm.extend_from_slice(&other.wavelength_nm);
-        self.intensity.extend_from_slice(&other.intensity);
-        self.index.extend_from_slice(&other.index);
-        for k in 0..3 {
-            self.start[k].extend_from_slice(&other.start[k]);
-            self.end[k].extend_from_slice(&other.end[k]);
-            self.direction[k].extend_from_slice(&other.direction[k]);
+        let before = self.len();
+        self.append_range(other, 0..other.len());
+        for row in self.parent[before..].iter_mut().filter(|row| **row >= 0) {
+            *row += before as i64;
         }
-        self.path.extend_from_slice(&other.path);
-        self.element.extend_from_slice(&other.element);
-        self.surface.extend_from_slice(&other.surface);
-        self.event.extend_from_slice(&other.event);
     }
 
     /// Row number `i`.

@@ -64,3 +64,10 @@ impl Default for Settings {
         }
     }
 }
+
+impl Settings {
+    /// True if polished faces do nothing but refract.
+    pub(crate) fn is_simple(&self) -> bool {
+        self.branches == Branches::Ideal && !self.polarised
+    }
+}

@@ -1,9 +1,10 @@
 //! Optical systems, compiled: solids with their media, and sheets.
 
-use crate::abreast::Abreast;
+use crate::abreast::{Abreast, Around};
 use crate::component::{Sheet, with_prefix};
 use crate::element::{Action, Body, Element, Finish, Material};
 use crate::error::OpticsError;
+use crate::foresee::Foresight;
 use crate::medium::Medium;
 use crate::near::Near;
 use num_complex::Complex64;
@@ -204,6 +205,8 @@ pub(crate) struct Plate {
     pub near: Near,
     /// A box around all of it.
     pub bounds: Bounds,
+    pub around: Around,
+    pub foresight: Option<Foresight>,
     pub frame: Affine,
     pub action: Action,
 }
@@ -218,8 +221,13 @@ impl Plate {
         let program = Program::compile_regions(&regions)
             .map_err(|problem| OpticsError::Geometry { element: element.name.clone(), problem })?;
         let near = Near::new(&program);
-        let (bounds, program) = (program.bounds(), Arc::new(program));
-        Ok(Plate { element: number, program, near, bounds, frame: sheet.frame, action: action.clone() })
+        // of several surfaces, one that is met before the one that is guessed could be overlooked
+        let is_one = Program::compile(&sheet.surface).is_ok_and(|alone| alone.surfaces().len() == 1);
+        let foresight = Foresight::new(&program).filter(|_| is_one);
+        let bounds = program.bounds();
+        let (program, frame, action) = (Arc::new(program), sheet.frame, action.clone());
+        let around = Around::new(&bounds);
+        Ok(Plate { element: number, program, near, bounds, around, foresight, frame, action })
     }
 }
 
@@ -288,6 +296,7 @@ impl Solids {
         Ok(System {
             around: boxes.fold(program.bounds(), |all, one| all.union(&one)),
             abreast: Abreast::new(&program, &near),
+            foresight: Foresight::new(&program),
             near,
             faces: faces(&program),
             program: Arc::new(program),
@@ -353,6 +362,7 @@ pub struct System {
     pub(crate) program: Arc<Program>,
     pub(crate) near: Near,
     pub(crate) abreast: Option<Abreast>,
+    pub(crate) foresight: Option<Foresight>,
     /// The faces by their numbers.
     pub(crate) faces: Vec<Face>,
     pub(crate) media: Vec<Substance>,

@@ -1,9 +1,13 @@
 //! The loop: light through a system, event by event.
 //!
-//! Rays are followed in chunks, all rays of a chunk a generation at a time. A ray that leaves an interface starts on its
+//! Rays are followed in chunks: eight at a time as far as it is foreseen what they meet, then all rays of a chunk that are
+//! left a generation at a time. A ray that leaves an interface starts on its
 //! surface, without any offset (see [`rayweave_model::Start`]); one that goes straight on through a sheet stays the same ray.
 
-use crate::abreast::Arrived;
+mod eight;
+mod flight;
+mod rows;
+
 use crate::beam::{Beam, Emitter};
 use crate::error::OpticsError;
 use crate::generation::{Generation, Met, OnSheet, Part, SheetMet, Traveller};
@@ -12,14 +16,16 @@ use crate::interact::{Arriving, Going, Outcome};
 use crate::interface::refract;
 use crate::near::{Leaves, foot, is_inside, stepped};
 use crate::segments::{Balance, Event, Segment, Segments};
-use crate::settings::{Branches, Keep, Settings};
+use crate::settings::{Keep, Settings};
 use crate::system::{Plate, System};
+use flight::waiting_for;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::{Crossing, Evaluator, Face, Limit, Program, Query, RayAnswer, RegionId, Start, dress};
 use rayweave_shape::Ray;
 use rayweave_shape::lanes::LANES;
 use rayweave_shape::surface::delta;
+use rows::{Pool, Rows};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -70,15 +76,32 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     /// [`OpticsError`] for light that cannot be traced, and if the run is cancelled.
     pub fn trace(&self, light: &impl Emitter, settings: &Settings) -> Result<Trace, OpticsError> {
         let mut trace = Trace::default();
-        trace.balance = self.run(light, settings, |segments| {
-            if trace.segments.is_empty() {
+        self.trace_into(light, settings, &mut trace)?;
+        Ok(trace)
+    }
+
+    /// The same in place of what a trace held before, in its memory: where many are made one after the other, new memory may
+    /// take longer to get than light takes on its way. After an error the trace holds some of the segments.
+    ///
+    /// # Errors
+    /// Those of [`Tracer::trace`].
+    pub fn trace_into(
+        &self,
+        light: &impl Emitter,
+        settings: &Settings,
+        trace: &mut Trace,
+    ) -> Result<(), OpticsError> {
+        let segments = &mut trace.segments;
+        segments.clear();
+        trace.balance = self.run_with(light, settings, |rows| {
+            if segments.is_empty() {
                 // all chunks come to about as many rows
-                trace.segments.reserve(segments.len() * light.count().div_ceil(CHUNK));
+                segments.reserve(rows.len() * light.count().div_ceil(CHUNK));
             }
-            trace.segments.append(&segments);
+            rows.append_to(segments, settings.keep);
             Ok::<(), OpticsError>(())
         })?;
-        Ok(trace)
+        Ok(())
     }
 
     /// Traces light and gives the segments away chunk by chunk, in the order of the source, so that a run of any length
@@ -92,23 +115,39 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
         settings: &Settings,
         mut sink: impl FnMut(Segments) -> Result<(), X>,
     ) -> Result<Balance, X> {
+        self.run_with(light, settings, |rows| {
+            let mut segments = Segments::default();
+            segments.reserve(rows.len());
+            rows.append_to(&mut segments, settings.keep);
+            sink(segments)
+        })
+    }
+
+    fn run_with<X: From<OpticsError>>(
+        &self,
+        light: &impl Emitter,
+        settings: &Settings,
+        mut sink: impl FnMut(&Rows) -> Result<(), X>,
+    ) -> Result<Balance, X> {
+        let pool = Pool::default();
         let count = light.count();
         let chunks = (0..count).step_by(CHUNK).map(|at| at..(at + CHUNK).min(count));
         let mut balance =
             Balance { absorbed: vec![0.0; self.system.element_names().len()], ..Balance::default() };
         let work = |worker: &mut Worker<'_, E>, range: Range<usize>| worker.chunk(light, range);
-        let merge = |found: Result<(Segments, Balance), OpticsError>| {
-            let (segments, part) = found?;
+        let merge = |found: Result<(Rows, Balance), OpticsError>| -> Result<(), X> {
+            let (rows, part) = found?;
             balance.add(&part);
-            sink(segments)
+            sink(&rows)?;
+            pool.give(rows);
+            Ok(())
         };
         let threads = thread_count(settings.threads);
-        drive(threads, &settings.cancel, chunks, || Worker::new(self, settings), work, merge).map_err(
-            |stopped| match stopped {
+        drive(threads, &settings.cancel, chunks, || Worker::new(self, settings, &pool), work, merge)
+            .map_err(|stopped| match stopped {
                 Stopped::Cancelled => OpticsError::Cancelled.into(),
                 Stopped::Failed(error) => error,
-            },
-        )?;
+            })?;
         Ok(balance)
     }
 }
@@ -117,64 +156,82 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
 pub(crate) struct Worker<'t, E: Evaluator> {
     pub(crate) tracer: &'t Tracer<'t, E>,
     settings: &'t Settings,
+    pool: &'t Pool,
     scratch: E::Scratch,
     sheet_scratch: Vec<E::Scratch>,
     beam: Beam,
     now: Generation,
     next: Generation,
     met: Met,
+    /// The rays that join those of a round.
+    waiting: Vec<Generation>,
+    /// The number of the first ray of the beam.
+    first: u64,
     part: Part,
     indices: Indices,
-    pub(crate) rows: Segments,
+    pub(crate) rows: Rows,
     pub(crate) balance: Balance,
 }
 
 impl<'t, E: Evaluator> Worker<'t, E> {
-    fn new(tracer: &'t Tracer<'t, E>, settings: &'t Settings) -> Self {
+    fn new(tracer: &'t Tracer<'t, E>, settings: &'t Settings, pool: &'t Pool) -> Self {
         Worker {
             tracer,
             settings,
+            pool,
             scratch: tracer.solids.scratch(),
             sheet_scratch: tracer.sheets.iter().map(Evaluator::scratch).collect(),
             beam: Beam::default(),
             now: Generation::default(),
             next: Generation::default(),
             met: Met::default(),
+            waiting: Vec::new(),
+            first: 0,
             part: Part::default(),
             indices: Indices::default(),
-            rows: Segments::default(),
+            rows: Rows::default(),
             balance: Balance::default(),
         }
     }
 
     /// Follows the rays of a range to their ends.
-    fn chunk(
-        &mut self,
-        light: &impl Emitter,
-        range: Range<usize>,
-    ) -> Result<(Segments, Balance), OpticsError> {
+    fn chunk(&mut self, light: &impl Emitter, range: Range<usize>) -> Result<(Rows, Balance), OpticsError> {
         self.balance =
             Balance { absorbed: vec![0.0; self.tracer.system.element_names().len()], ..Balance::default() };
         self.beam.clear();
         light.emit(range.clone(), &mut self.beam);
         self.beam.check(self.tracer.system).map_err(|error| moved(error, range.start))?;
+        self.balance.emitted = self.beam.powers().iter().sum();
+        self.first = range.start as u64;
         self.now.clear();
-        self.now.set_out(&self.beam, range.start as u64, self.settings.polarised);
-        self.balance.emitted = self.now.packets.power.iter().sum();
-        while self.now.len() > 0 {
+        self.fly();
+        self.follow();
+        let next = self.pool.take().unwrap_or_default();
+        Ok((std::mem::replace(&mut self.rows, next), std::mem::take(&mut self.balance)))
+    }
+
+    /// Follows rays round by round until none is left.
+    fn follow(&mut self) {
+        self.now.clear();
+        let mut round = 0;
+        while self.now.len() > 0 || round < self.waiting.len() {
+            let waiting = waiting_for(&mut self.waiting, round);
+            match self.now.len() {
+                0 => std::mem::swap(&mut self.now, waiting),
+                _ => self.now.append(waiting),
+            }
+            waiting.clear();
+            self.rows.rounds.push(self.rows.single.len());
             self.generation();
+            round += 1;
         }
-        let rows = std::mem::take(&mut self.rows);
-        // the next chunk will need about as many
-        self.rows.reserve(rows.len());
-        Ok((rows, std::mem::take(&mut self.balance)))
     }
 
     /// One event for every ray, or several where it passes sheets.
     fn generation(&mut self) {
         self.ask();
         let (now, met) = (std::mem::take(&mut self.now), std::mem::take(&mut self.met));
-        let is_simple = self.settings.branches == Branches::Ideal && !self.settings.polarised;
+        let is_simple = self.settings.is_simple();
         let mut sheets = &met.sheets[..];
         let mut i = 0;
         while i < now.len() {
@@ -211,8 +268,8 @@ impl<'t, E: Evaluator> Worker<'t, E> {
     }
 
     fn ask_sheet(&mut self, sheet: usize) {
-        let bounds = &self.tracer.system.plates[sheet].bounds;
-        self.part.gather(&self.now, &self.met, sheet, bounds);
+        let around = &self.tracer.system.plates[sheet].around;
+        self.part.gather(&self.now, &self.met, sheet, around);
         let query = Query { limit: Limit::All, starts: self.part.lists(), ..Query::nearest() };
         let (numbers, found) = (&self.part.numbers, &mut self.met.sheets);
         let mut take = |answer: RayAnswer<'_>| {
@@ -221,83 +278,6 @@ impl<'t, E: Evaluator> Worker<'t, E> {
         };
         let scratch = &mut self.sheet_scratch[sheet];
         self.tracer.sheets[sheet].crossings(self.part.rays.rays(), &query, scratch, &mut take);
-    }
-
-    /// [`Worker::transmit`] for eight rays that all meet the same face; `None`, with nothing done, if that is not what
-    /// happens.
-    fn transmit_eight(&mut self, now: &Generation, met: &Met, at: usize) -> Option<()> {
-        let system = self.tracer.system;
-        let abreast = system.abreast.as_ref()?;
-        let common = met.common(at)?;
-        let (left, entered) = (
-            system.polished(common.before, common.face).ok()?,
-            system.polished(common.after, common.face).ok()?,
-        );
-        let indices = self.indices_of_eight(now, at, [common.before, common.after])?;
-        let packets = &now.packets;
-        let (limit, threshold) = (self.settings.generation_limit, self.settings.threshold);
-        for i in at..at + LANES {
-            let (generation, power) = (packets.generation[i], packets.power[i]);
-            if generation + 1 >= limit || power < threshold || power <= 0.0 {
-                return None;
-            }
-        }
-        let face = system.faces[common.face];
-        let [x, y, z] = &met.normal;
-        let arrived = Arrived {
-            rays: now.rays.rays(),
-            at,
-            t: &met.t,
-            normal: [x, y, z],
-            path: &packets.path,
-            indices,
-            surface: face.surface,
-        };
-        let gone = abreast.refract(&arrived)?;
-        let row = self.rows.len() as i64;
-        let keeps = self.settings.keep == Keep::All;
-        if keeps {
-            let element = entered.or(left).unwrap_or(0);
-            self.rows.transmitted(now, at, &gone, &indices[0], [element, common.face]);
-        }
-        self.next.follow(packets, at, &gone, face, keeps.then_some(row));
-        Some(())
-    }
-
-    /// The indices on the two sides of a face for each of eight rays; `None` if they are equal, or anything is absorbed.
-    fn indices_of_eight(
-        &mut self,
-        now: &Generation,
-        at: usize,
-        [before, after]: [RegionId; 2],
-    ) -> Option<[[f64; LANES]; 2]> {
-        let system = self.tracer.system;
-        let is_clear = |region| system.substance(region).is_uniform();
-        if !is_clear(before) || !is_clear(after) {
-            return None;
-        }
-        let [before, after] = [before, after].map(|region| system.program.medium_of(region));
-        let wavelengths = now.packets.wavelength_nm.get(at..at + LANES)?;
-        let mut indices = [[0.0; LANES]; 2];
-        let mut last: Option<(f64, f64, f64)> = None;
-        for (lane, &wavelength) in wavelengths.iter().enumerate() {
-            let (_, here, behind) = match last {
-                Some(known @ (same, ..)) if same == wavelength => known,
-                _ => {
-                    let (here, behind) = (
-                        self.indices.of(system, before, wavelength),
-                        self.indices.of(system, after, wavelength),
-                    );
-                    if here.absorption != 0.0 || here.index.re == behind.index.re {
-                        return None;
-                    }
-                    (wavelength, here.index.re, behind.index.re)
-                }
-            };
-            last = Some((wavelength, here, behind));
-            (indices[0][lane], indices[1][lane]) = (here, behind);
-        }
-        Some(indices)
     }
 
     /// What happens to nearly all light: it goes on through a polished face into another clear medium. False, with nothing
@@ -468,14 +448,14 @@ impl<'t, E: Evaluator> Worker<'t, E> {
     /// Appends a row and answers with the parent of those that follow.
     fn record(&mut self, mut row: Segment, element: usize, surface: usize, event: Event) -> i64 {
         (row.element, row.surface, row.event) = (element as i32, surface as i32, event);
-        self.rows.push(row);
+        self.rows.single.push(row);
         self.parent_of_next()
     }
 
     /// The row that was appended last, for those that follow it.
     pub(crate) fn parent_of_next(&self) -> i64 {
         match self.settings.keep {
-            Keep::All => self.rows.len() as i64 - 1,
+            Keep::All => self.rows.single.len() as i64 - 1,
             Keep::Ends => -1,
         }
     }
@@ -483,7 +463,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
     /// The last row is not the end of its light.
     pub(crate) fn forget_way(&mut self) {
         if self.settings.keep == Keep::Ends {
-            self.rows.pop();
+            self.rows.single.pop();
         }
     }
 
@@ -498,7 +478,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
             false => self.balance.escaped += light.packet.power,
         }
         if self.settings.keep_escaped {
-            self.rows.push(light.segment((from, f64::NAN), light.packet.power, index.re));
+            self.rows.single.push(light.segment((from, f64::NAN), light.packet.power, index.re));
         }
     }
 

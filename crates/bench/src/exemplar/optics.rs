@@ -9,7 +9,9 @@ use rand::RngExt;
 use rayweave::math::Affine;
 use rayweave::model::RayBatch;
 use rayweave::optics::component::{Aperture, Sheet, biconvex};
-use rayweave::optics::{Action, Assembly, Beam, Element, Keep, Light, Medium, Settings, System, Tracer};
+use rayweave::optics::{
+    Action, Assembly, Beam, Element, Keep, Light, Medium, Settings, System, Trace, Tracer,
+};
 use rayweave::shapes::{box_from_corners, half_space};
 use rayweave::{Packets, Ray, Vec3};
 use std::num::NonZeroUsize;
@@ -91,7 +93,15 @@ impl Exemplar for Optics {
             let run = move || _ = std::hint::black_box(tracer.trace(beam, &settings));
             Contender::here("Rayweave", Role::Ours, rays.len(), run).threads(threads)
         };
+        let again = |threads: usize| {
+            let (settings, tracer, beam) = (settings(threads), &tracer, &beam);
+            let mut trace = Trace::default();
+            let run = move || _ = std::hint::black_box(tracer.trace_into(beam, &settings, &mut trace));
+            let name = "Rayweave, into the same memory";
+            Contender::here(name, Role::Ours, rays.len(), run).threads(threads)
+        };
         let mut contenders = bench.on_threads(ours);
+        contenders.extend(bench.on_threads(again));
         contenders.extend(bench.peers.contenders("optics.trace", &file, rays.len()));
         let mut section = Section::new(self.name, "ray", self.about);
         section.take(contest(contenders, &bench.effort), |_| None);

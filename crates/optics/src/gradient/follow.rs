@@ -177,7 +177,7 @@ impl<E: Evaluator> Worker<'_, E> {
 
     /// A piece of a curve that ends in the middle of the medium.
     fn record_piece(&mut self, row: Segment) -> i64 {
-        self.rows.push(Segment { event: Event::Curved, ..row });
+        self.rows.single.push(Segment { event: Event::Curved, ..row });
         self.parent_of_next()
     }
 
