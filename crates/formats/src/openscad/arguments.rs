@@ -111,6 +111,7 @@ fn order(item: &str) -> &'static [&'static str] {
         "cylinder" => &["h", "r1", "r2", "center"],
         "polygon" => &["points", "paths"],
         "polyhedron" => &["points", "faces"],
+        "resize" => &["newsize", "auto"],
         _ => &[],
     }
 }

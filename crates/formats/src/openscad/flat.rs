@@ -9,6 +9,7 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_rootray::Side;
 use rayweave_space::Point;
 use rayweave_space::polygon::{PolygonError, Polygons, from_polygons};
+use std::cell::Cell;
 
 /// A region of the plane, by its number in [`Flats`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +35,10 @@ enum Node {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Flats {
     nodes: Vec<Node>,
+    /// Discs have the facets of OpenSCAD.
+    pub facets: bool,
+    /// Discs were taken by their chords since this was last asked for.
+    pub has_chords: Cell<bool>,
 }
 
 /// What is still to be done on a walk over a region.
@@ -43,6 +48,10 @@ enum Task {
 }
 
 impl Flats {
+    pub fn new(facets: bool) -> Flats {
+        Flats { facets, ..Flats::default() }
+    }
+
     fn add(&mut self, node: Node) -> Flat {
         self.nodes.push(node);
         Flat(self.nodes.len() as u32 - 1)

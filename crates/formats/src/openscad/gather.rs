@@ -10,9 +10,9 @@ use super::hull2::touching_points;
 use super::part::Part;
 use super::primitive::CylinderSizes;
 use super::reader::Reader;
+use super::region::boundary;
 use super::revolve::plane_similarity;
-use super::sum::{is_convex_leaf, leaves};
-use super::{mesh, transform};
+use super::{mesh, sum, transform};
 use rayweave_math::{Affine, Vec3};
 use rayweave_space::Point;
 
@@ -32,6 +32,7 @@ pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Ve
         match node.name.as_str() {
             "group" | "union" | "render" | "color" | "hull" => {}
             "multmatrix" => inner = transform::matrix(&arguments)?.then(&map),
+            "resize" => inner = reader.resized.get(&number).copied().unwrap_or(Affine::IDENTITY).then(&map),
             "linear_extrude" => {
                 extruded(reader, number, &arguments, &map, &mut found)?;
                 continue;
@@ -76,10 +77,7 @@ fn check_convex(reader: &Reader, number: usize, name: &str, arguments: &Argument
         "polyhedron" => mesh::is_convex(arguments)?,
         "linear_extrude" => match reader.extruded.get(&number) {
             None => true,
-            Some(flat) => match &leaves(arguments, &reader.flats, *flat)?[..] {
-                [(leaf, _)] => is_convex_leaf(arguments, leaf)?,
-                _ => false,
-            },
+            Some(flat) => sum::is_convex(arguments, &reader.flats, *flat)?,
         },
         _ => true,
     };
@@ -150,7 +148,7 @@ fn disc([radius, z]: [f64; 2], factor: f64, map: &Affine, fragments: usize) -> G
     }
 }
 
-fn cube(arguments: &Arguments) -> Result<Vec<Vec3>, Refusal> {
+pub(super) fn cube(arguments: &Arguments) -> Result<Vec<Vec3>, Refusal> {
     let size = Vec3::from_array(arguments.point("size", 1.0)?);
     if size.min_element() <= 0.0 {
         return Ok(Vec::new());
@@ -204,10 +202,12 @@ fn extruded(
 /// A disc of the plane, with the number of its facets; a point, if its radius is 0.
 pub(super) type Round = (Point<2>, f64, usize);
 
-/// The discs and points of a region that is a union of its leaves.
+/// The discs and points of which a region has the hull: those of its leaves or, if something is cut out of it, the corners of
+/// its boundary.
 pub(super) fn round(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Vec<Round>, Refusal> {
     if !flats.is_union(flat) {
-        return Err(arguments.refusal("the hull of what is cut out of something cannot be read"));
+        let contours = boundary(arguments, flats, flat)?;
+        return Ok(contours.into_iter().flatten().map(|p| (p, 0.0, 1)).collect());
     }
     let of_leaf = |leaf: &Leaf, map: &Affine| {
         let point = |p: &Point<2>| (image(map, *p), 0.0, 1);

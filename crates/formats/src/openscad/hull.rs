@@ -47,6 +47,17 @@ impl Generator {
         }
     }
 
+    /// The lower and the upper corner of the box around it.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        let reach = match self {
+            Generator::Ball { radius, .. } => Vec3::splat(*radius),
+            Generator::Disc { axis, radius, .. } => {
+                *radius * Vec3::from_array(axis.to_array().map(|a| libm::sqrt((1.0 - a * a).max(0.0))))
+            }
+        };
+        [self.centre() - reach, self.centre() + reach]
+    }
+
     fn vertex_count(&self) -> usize {
         match *self {
             Generator::Ball { radius: 0.0, .. } => 1,

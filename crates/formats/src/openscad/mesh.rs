@@ -1,4 +1,4 @@
-//! Solids within triangles: `polyhedron`, twisted `linear_extrude`, `import` of meshes, `surface`.
+//! Solids within triangles: `polyhedron`, twisted `linear_extrude`.
 //!
 //! Inside is what a line reaches after an odd number of crossings, so that faces may be cut into triangles as fans, which
 //! overlap where a face is not convex.
@@ -13,12 +13,9 @@ use super::part::Part;
 use super::primitive::solid;
 use super::value::Value;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
-use rayweave_mesh::files::{MeshFormat, ReadOptions, read};
 use rayweave_model::Solid;
-use rayweave_scene::Source;
 use rayweave_shape::primitive::{Convex, Mesh};
 use rayweave_space::Point;
-use std::path::{Path, PathBuf};
 
 /// More triangles than these of one item say that its numbers are not meant.
 const MOST_TRIANGLES: usize = 20_000_000;
@@ -26,10 +23,11 @@ const MOST_TRIANGLES: usize = 20_000_000;
 /// A polyhedron of more faces is asked faster as a mesh, which has a hierarchy.
 const MOST_PLANES: usize = 64;
 
-/// The largest height map in bytes.
-const LARGEST_MAP: u64 = 64 << 20;
-
-fn within(arguments: &Arguments, vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Solid, Refusal> {
+pub(super) fn within(
+    arguments: &Arguments,
+    vertices: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+) -> Result<Solid, Refusal> {
     let mesh = rayweave_mesh::Mesh::new(vertices, triangles);
     let mesh = mesh.map_err(|error| arguments.refusal(&error.to_string()))?;
     solid(arguments, Mesh::new(&mesh))
@@ -70,7 +68,7 @@ pub(super) fn between_rings(rings: &[[f64; 2]], fragments: usize) -> (Vec<Vec3>,
 }
 
 /// The points and the triangles of a `polyhedron`.
-fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>), Refusal> {
+pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>), Refusal> {
     let points = arguments.get("points", "a list of points (x, y, z), all finite", |value| {
         value.list()?.iter().map(vector).collect::<Option<Vec<Vec3>>>()
     })?;
@@ -161,19 +159,30 @@ impl Twist {
     }
 
     pub fn leaf(&self, arguments: &Arguments, leaf: &Leaf, map: &Affine) -> Result<Solid, Refusal> {
+        let mut contours = leaf.contours();
+        contours.iter_mut().flatten().for_each(|p| *p = image(map, *p));
+        let (vertices, triangles) = self.towers(arguments, contours)?;
+        match triangles.is_empty() {
+            true => Ok(Solid::vacuum()),
+            false => within(arguments, vertices, triangles),
+        }
+    }
+
+    /// The vertices and triangles over contours.
+    pub fn towers(
+        &self,
+        arguments: &Arguments,
+        contours: Vec<Vec<Point<2>>>,
+    ) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), Refusal> {
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        for contour in leaf.contours() {
-            let contour: Vec<Point<2>> = contour.into_iter().map(|p| image(map, p)).collect();
+        for contour in contours {
             let contour = counter_clockwise(contour);
             if 2 * contour.len() * (self.slices + 1) + triangles.len() > MOST_TRIANGLES {
                 return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
             }
             self.tower(&contour, &mut vertices, &mut triangles);
         }
-        match triangles.is_empty() {
-            true => Ok(Solid::vacuum()),
-            false => within(arguments, vertices, triangles),
-        }
+        Ok((vertices, triangles))
     }
 
     /// Adds what is between the images of a contour at all heights.
@@ -223,111 +232,4 @@ fn counter_clockwise(mut contour: Vec<Point<2>>) -> Vec<Point<2>> {
         contour.reverse();
     }
     contour
-}
-
-/// The file that an item names, beside the dump.
-fn file(arguments: &Arguments, source: &Source) -> Result<PathBuf, Refusal> {
-    let name = arguments.get("file", "a text", |value| match value {
-        Value::Text(text) => Some(text.as_str()),
-        _ => None,
-    })?;
-    let name = name.filter(|name| !name.is_empty()).ok_or_else(|| arguments.refusal("it names no file"))?;
-    let folder = source.path().and_then(|path| path.parent()).unwrap_or(Path::new(""));
-    let path = folder.join(name);
-    match path.is_file() {
-        true => Ok(path),
-        false => Err(arguments.refusal(&format!("there is no file `{name}` beside the dump"))),
-    }
-}
-
-/// `import(file)`: the solid within a mesh.
-pub(super) fn import(arguments: &Arguments, source: &Source) -> Result<Part, Refusal> {
-    let path = file(arguments, source)?;
-    let format = MeshFormat::from_path(&path);
-    let format = format
-        .ok_or_else(|| arguments.refusal("only files of meshes can be imported: STL, OFF, 3MF, OBJ, PLY"))?;
-    let loaded = read(&path, Some(format), &ReadOptions::default());
-    let loaded = loaded.map_err(|error| arguments.refusal(&error.to_string()))?;
-    let (vertices, triangles) = loaded.mesh.into_parts();
-    Ok(within(arguments, vertices, triangles)?.into())
-}
-
-/// `surface(file, center)`: what is below a map of heights, in text.
-pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Part, Refusal> {
-    let path = file(arguments, source)?;
-    let rows = heights(arguments, &path)?;
-    let (width, depth) = (rows.first().map_or(0, Vec::len), rows.len());
-    if width < 2 || depth < 2 {
-        return Ok(Part::Empty);
-    }
-    let shift = match arguments.truth("center", false)? {
-        true => Vec3::new(-0.5 * (width - 1) as f64, -0.5 * (depth - 1) as f64, 0.0),
-        false => Vec3::ZERO,
-    };
-    let lowest = rows.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-    let (vertices, triangles) = relief(&rows, lowest - 1.0);
-    let vertices = vertices.into_iter().map(|p| p + shift).collect();
-    Ok(within(arguments, vertices, triangles)?.into())
-}
-
-/// The rows of a map, the first of which is at y = 0. Rows that are too short end with zeros.
-fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
-        return Err(arguments.refusal("maps of heights as pictures cannot be read"));
-    }
-    let unreadable = |error: std::io::Error| arguments.refusal(&format!("its file cannot be read: {error}"));
-    if std::fs::metadata(path).map_err(unreadable)?.len() > LARGEST_MAP {
-        return Err(arguments.refusal(&format!("its file is larger than {} MiB", LARGEST_MAP >> 20)));
-    }
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with('#')) {
-        let height = |word: &str| word.parse().ok().filter(|height: &f64| height.is_finite());
-        let row: Option<Vec<f64>> = line.split_whitespace().map(height).collect();
-        let reason = || {
-            arguments.refusal(&format!("line {} of its file holds something that is no number", number + 1))
-        };
-        let row = row.ok_or_else(reason)?;
-        if !row.is_empty() {
-            rows.push(row);
-        }
-    }
-    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
-    rows.iter_mut().for_each(|row| row.resize(width, 0.0));
-    Ok(rows)
-}
-
-/// Four triangles for each square of the map, around its middle, walls, and a floor.
-fn relief(rows: &[Vec<f64>], floor: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let (width, depth) = (rows[0].len(), rows.len());
-    let at = |x: usize, y: usize, z: f64| Vec3::new(x as f64, y as f64, z);
-    let mut vertices: Vec<Vec3> =
-        (0..depth).flat_map(|y| (0..width).map(move |x| at(x, y, rows[y][x]))).collect();
-    let grid = |x: usize, y: usize| (y * width + x) as u32;
-    let mut triangles = Vec::new();
-    for y in 0..depth - 1 {
-        for x in 0..width - 1 {
-            let corners = [grid(x, y), grid(x + 1, y), grid(x + 1, y + 1), grid(x, y + 1)];
-            let middle = vertices.len() as u32;
-            vertices.push(0.25 * corners.iter().map(|k| vertices[*k as usize]).sum::<Vec3>());
-            triangles.extend((0..4).map(|k| [corners[k], corners[(k + 1) % 4], middle]));
-        }
-    }
-    let rim: Vec<u32> = ((0..width - 1).map(|x| grid(x, 0)))
-        .chain((0..depth - 1).map(|y| grid(width - 1, y)))
-        .chain((1..width).rev().map(|x| grid(x, depth - 1)))
-        .chain((1..depth).rev().map(|y| grid(0, y)))
-        .collect();
-    let foot = vertices.len() as u32;
-    let below = |k: &u32| Vec3 { z: floor, ..vertices[*k as usize] };
-    let feet: Vec<Vec3> = rim.iter().map(below).collect();
-    vertices.extend(feet);
-    let n = rim.len() as u32;
-    for k in 0..n {
-        let (a, b) = (rim[k as usize], rim[((k + 1) % n) as usize]);
-        let (c, d) = (foot + k, foot + (k + 1) % n);
-        triangles.extend([[a, c, d], [a, d, b]]);
-    }
-    triangles.extend((1..n - 1).map(|k| [foot, foot + k + 1, foot + k]));
-    (vertices, triangles)
 }

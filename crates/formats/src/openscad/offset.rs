@@ -2,139 +2,92 @@
 
 use super::arguments::{Arguments, Refusal};
 use super::boolean::Operation;
-use super::extrude::{half_planes, is_convex};
+use super::drawing::shift;
 use super::facets::Fineness;
-use super::flat::{Flat, Flats, Leaf, image, simple};
+use super::flat::{Flat, Flats, Leaf};
 use super::gather::hull_of_discs;
 use super::part::Part;
+use super::region::{Contours, Corner, boundary, offset as moved};
 use super::revolve::plane_similarity;
-use super::sum::{flat_sum, leaves};
-use rayweave_math::{Affine, Vec3};
-use rayweave_space::Point;
-use rayweave_space::polygon::HalfPlane;
+use super::sum::flat_sum;
 
-/// `offset(r)` and `offset(delta, chamfer)`.
+/// `offset(r)` and `offset(delta, chamfer)`. What is truly round keeps discs at its corners.
 pub(super) fn offset(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Result<Part, Refusal> {
     let radius = arguments.number("r", 0.0)?;
     let delta = arguments.number("delta", 0.0)?;
-    match (radius, delta) {
-        (0.0, 0.0) => Ok(flat.into()),
-        (0.0, delta) => sharp(arguments, flats, flat, delta),
-        (r, _) if r > 0.0 => {
-            let fragments = Fineness::of(arguments)?.fragments(r);
-            flat_sum(arguments, flats, flat, &[([0.0; 2], r, fragments)])
-        }
-        (r, _) => shrunk(arguments, flats, flat, -r),
+    let by = if radius != 0.0 { radius } else { delta };
+    if by == 0.0 {
+        return Ok(flat.into());
+    }
+    if !flats.facets
+        && let Some(part) = disc(flats, flat, by)?
+    {
+        return Ok(part);
+    }
+    let fragments = Fineness::of(arguments)?.fragments(by.abs());
+    if radius > 0.0 && !flats.facets {
+        let flat = plain(arguments, flats, flat)?;
+        return flat_sum(arguments, flats, flat, &[([0.0; 2], radius, fragments)]);
+    }
+    let contours = boundary(arguments, flats, flat)?;
+    if radius < 0.0 && !flats.facets {
+        return Ok(shrunk(flats, contours, -radius, fragments));
+    }
+    let corner = match radius == 0.0 {
+        true if arguments.truth("chamfer", false)? => Corner::Cut,
+        true => Corner::Sharp,
+        false => Corner::Round(fragments),
+    };
+    let contours = moved(&contours, by, corner);
+    match contours.is_empty() {
+        true => Ok(Part::Empty),
+        false => Ok(flats.leaf(Leaf::Outline(contours)).into()),
     }
 }
 
-/// The one leaf of a region.
-fn only(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<(Leaf, Affine), Refusal> {
-    let mut all = leaves(arguments, flats, flat)?;
-    match (all.pop(), all.is_empty()) {
-        (Some(leaf), true) => Ok(leaf),
-        _ => Err(arguments.refusal(
-            "it shrinks, or keeps the corners of, more than one region: their common boundary is not known",
-        )),
+/// The region as it is or, if something is cut out of it, by its boundary.
+pub(super) fn plain(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Result<Flat, Refusal> {
+    if flats.is_union(flat) {
+        return Ok(flat);
     }
+    let contours = boundary(arguments, flats, flat)?;
+    Ok(flats.leaf(Leaf::Outline(contours)))
 }
 
-/// What is farther than a distance from the boundary of a leaf.
-fn shrunk(arguments: &Arguments, flats: &mut Flats, flat: Flat, by: f64) -> Result<Part, Refusal> {
-    let (leaf, map) = only(arguments, flats, flat)?;
-    if let (Leaf::Disc { radius, fragments }, Some(factor)) = (&leaf, plane_similarity(&map)) {
-        let radius = factor * radius - by;
-        if radius <= 0.0 {
-            return Ok(Part::Empty);
-        }
-        let disc = flats.leaf(Leaf::Disc { radius, fragments: *fragments });
-        return Ok(flats
-            .moved(Affine::translate(Vec3::new(map.translation.x, map.translation.y, 0.0)), disc)
-            .into());
+/// A disc grown or shrunk, if the region is one.
+fn disc(flats: &mut Flats, flat: Flat, by: f64) -> Result<Option<Part>, Refusal> {
+    let of_leaf = |leaf: &Leaf, map: &_| {
+        Ok(match (leaf, plane_similarity(map)) {
+            (Leaf::Disc { radius, fragments }, Some(factor)) => {
+                vec![Some(([map.translation.x, map.translation.y], factor * radius + by, *fragments))]
+            }
+            _ => vec![None],
+        })
+    };
+    let all = flats.fold(flat, of_leaf, |_, parts: Vec<Vec<_>>| parts.concat())?;
+    let [Some((centre, radius, fragments))] = all[..] else { return Ok(None) };
+    if radius <= 0.0 {
+        return Ok(Some(Part::Empty));
     }
-    let fragments = Fineness::of(arguments)?.fragments(by);
+    let disc = flats.leaf(Leaf::Disc { radius, fragments });
+    Ok(Some(flats.moved(shift(centre), disc).into()))
+}
+
+/// What is farther than a distance from a boundary.
+fn shrunk(flats: &mut Flats, contours: Contours, by: f64, fragments: usize) -> Part {
     let mut rims = Vec::new();
-    for contour in leaf.contours() {
-        let points: Vec<Point<2>> = contour.into_iter().map(|p| image(&map, p)).collect();
-        for (k, p) in points.iter().enumerate() {
-            let q = points[(k + 1) % points.len()];
+    for contour in &contours {
+        for (k, p) in contour.iter().enumerate() {
+            let q = contour[(k + 1) % contour.len()];
             if let Part::Flat(pieces) = hull_of_discs(flats, &[(*p, by, fragments), (q, by, fragments)]) {
                 rims.extend(pieces.into_iter().map(|piece| piece.body));
             }
         }
     }
-    let own = flats.leaf(leaf);
-    let mut operands = vec![flats.moved(map, own)];
+    if contours.is_empty() {
+        return Part::Empty;
+    }
+    let mut operands = vec![flats.leaf(Leaf::Outline(contours))];
     operands.extend(rims);
-    Ok(flats.join(Operation::Difference, operands).into())
-}
-
-/// A convex polygon with its edges moved outward and its corners kept, or cut off.
-fn sharp(arguments: &Arguments, flats: &mut Flats, flat: Flat, by: f64) -> Result<Part, Refusal> {
-    let (leaf, map) = only(arguments, flats, flat)?;
-    let contours = leaf.contours();
-    let contour: Vec<Point<2>> = contours.iter().flatten().map(|p| image(&map, *p)).collect();
-    let polygons = simple(arguments, contour)?.filter(|_| contours.len() == 1);
-    let Some(polygons) = polygons.filter(is_convex) else {
-        return Err(arguments.refusal("it keeps the corners of a region that is not convex"));
-    };
-    let moved = |h: &HalfPlane| {
-        let length = libm::hypot(h.normal[0], h.normal[1]);
-        (h.normal.map(|x| x / length), h.offset / length + by)
-    };
-    let mut walls: Vec<(Point<2>, f64)> = half_planes(&polygons).iter().map(moved).collect();
-    if by > 0.0 && arguments.truth("chamfer", false)? {
-        walls.extend(chamfers(&polygons.contours().flat_map(|c| c.corners.to_vec()).collect::<Vec<_>>(), by));
-    }
-    let [lo, hi] = polygons.corner_bounds();
-    // mitres of sharp corners reach far
-    let far = 100.0 * (hi[0] - lo[0] + hi[1] - lo[1] + by.abs());
-    let mut corners = vec![
-        [lo[0] - far, lo[1] - far],
-        [hi[0] + far, lo[1] - far],
-        [hi[0] + far, hi[1] + far],
-        [lo[0] - far, hi[1] + far],
-    ];
-    for wall in walls {
-        corners = clipped(&corners, wall);
-    }
-    match corners.len() >= 3 {
-        true => Ok(flats.leaf(Leaf::Outline(vec![corners])).into()),
-        false => Ok(Part::Empty),
-    }
-}
-
-/// Half-planes that cut off each corner at a distance from it, across the bisector.
-fn chamfers(corners: &[Point<2>], by: f64) -> Vec<(Point<2>, f64)> {
-    let n = corners.len();
-    let unit = |a: Point<2>, b: Point<2>| {
-        let d = [b[0] - a[0], b[1] - a[1]];
-        d.map(|x| x / libm::hypot(d[0], d[1]))
-    };
-    let cut = |k: usize| {
-        let (before, here, after) = (corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]);
-        let (u, v) = (unit(before, here), unit(after, here));
-        let out = [u[0] + v[0], u[1] + v[1]];
-        let out = out.map(|x| x / libm::hypot(out[0], out[1]));
-        (out, out[0] * here[0] + out[1] * here[1] + by)
-    };
-    (0..n).map(cut).collect()
-}
-
-/// A convex polygon cut by a half-plane `normal . p < offset` (I. E. Sutherland, G. W. Hodgman 1974).
-fn clipped(corners: &[Point<2>], (normal, offset): (Point<2>, f64)) -> Vec<Point<2>> {
-    let height = |p: Point<2>| normal[0] * p[0] + normal[1] * p[1] - offset;
-    let mut kept = Vec::with_capacity(corners.len() + 1);
-    for (k, &p) in corners.iter().enumerate() {
-        let q = corners[(k + 1) % corners.len()];
-        let (a, b) = (height(p), height(q));
-        if a <= 0.0 {
-            kept.push(p);
-        }
-        if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
-            let t = a / (a - b);
-            kept.push([0, 1].map(|axis| p[axis] + t * (q[axis] - p[axis])));
-        }
-    }
-    kept
+    flats.join(Operation::Difference, operands).into()
 }

@@ -2,16 +2,20 @@
 
 use super::arguments::{Arguments, Refusal};
 use super::boolean::{Operation, join, join_solids, whole};
+use super::drawing::TOLERANCE;
 use super::extrude::{Way, extruded};
 use super::flat::{self, Flat, Flats, Leaf};
+use super::hull::Generator;
+use super::import::Imported;
 use super::mesh::Twist;
 use super::part::{Part, Piece};
 use super::revolve::Turn;
+use super::shell::{self, Shell};
 use super::syntax::{Node, Tree};
 use super::text::{Fonts, text};
-use super::{gather, hull, hull2, mesh, offset, primitive, sum, transform};
+use super::{gather, hull, hull2, import, mesh, offset, primitive, region, relief, sum, transform};
 use crate::{LossKind, Options, Report};
-use rayweave_math::Affine;
+use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_scene::{
     Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit,
@@ -31,6 +35,12 @@ pub(super) struct Reader<'a> {
     pub flats: Flats,
     /// What is extruded by a node.
     pub extruded: HashMap<usize, Flat>,
+    /// Which nodes lie below one that asks for their shells.
+    wanted: Vec<bool>,
+    /// The shells of such nodes where they are not simply made of arguments.
+    pub shells: HashMap<usize, Vec<Shell>>,
+    /// The maps of `resize`.
+    pub resized: HashMap<usize, Affine>,
     fonts: Fonts,
     /// What hulls have cost so far.
     work: Cell<u64>,
@@ -48,8 +58,11 @@ impl<'a> Reader<'a> {
             tree,
             live: vec![true; tree.nodes.len()],
             parts: vec![Part::Empty; tree.nodes.len()],
-            flats: Flats::default(),
+            flats: Flats::new(options.facets),
             extruded: HashMap::new(),
+            wanted: wanted(tree),
+            shells: HashMap::new(),
+            resized: HashMap::new(),
             fonts: Fonts::new(&options.fonts),
             work: Cell::new(0),
             report: Report::default(),
@@ -109,13 +122,20 @@ impl<'a> Reader<'a> {
 
     fn part(&mut self, number: usize) -> Part {
         let node = &self.tree.nodes[number];
-        match self.read(number, node) {
-            Ok(part) => part,
-            Err(why) => {
-                self.report.add(LossKind::Refused, &item(node), *why);
-                Part::Refused
-            }
+        let part = self.read(number, node);
+        if self.flats.has_chords.take() {
+            let arguments = Arguments::new(self.source, node);
+            let why = format!("has chords in place of circles, off by at most {TOLERANCE:e} of their radius");
+            self.report.add(LossKind::Approximated, &item(node), arguments.approximation(&why));
         }
+        match part {
+            Ok(Part::Refused) => {}
+            Ok(part) => return part,
+            Err(why) => self.report.add(LossKind::Refused, &item(node), *why),
+        }
+        // those who walk over the items below them pass it by
+        self.live[number] = false;
+        Part::Refused
     }
 
     fn read(&mut self, number: usize, node: &'a Node) -> Result<Part, Refusal> {
@@ -137,12 +157,16 @@ impl<'a> Reader<'a> {
             "linear_extrude" => self.linear_extrude(number, node, &arguments),
             "rotate_extrude" => self.rotate_extrude(number, node, &arguments),
             "hull" => self.hull(number, node, &arguments),
-            "minkowski" => self.minkowski(node, &arguments),
+            "minkowski" => self.minkowski(number, node, &arguments),
             "offset" => self.offset(node, &arguments),
             "polyhedron" => mesh::polyhedron(&arguments),
-            "import" => mesh::import(&arguments, self.source),
-            "surface" => mesh::surface(&arguments, self.source),
-            "projection" => Err(arguments.refusal("the shadow or section of a solid is no formula")),
+            "import" => self.import(number, &arguments),
+            "surface" => {
+                let shell = relief::surface(&arguments, self.source)?;
+                self.within(number, &arguments, shell)
+            }
+            "projection" => self.projection(number, node, &arguments),
+            "resize" => self.resize(number, node, &arguments),
             _ => Err(arguments.refusal("items of this name cannot be read")),
         }
     }
@@ -249,7 +273,12 @@ impl<'a> Reader<'a> {
         node: &Node,
         arguments: &Arguments,
     ) -> Result<Result<Flat, Part>, Refusal> {
-        match self.joined(node, Operation::Union) {
+        // older items name the drawing themselves
+        let part = match import::word(arguments, "file")? {
+            Some("") | None => self.joined(node, Operation::Union),
+            _ => self.import(number, arguments)?,
+        };
+        match part {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces);
                 self.extruded.insert(number, flat);
@@ -298,13 +327,14 @@ impl<'a> Reader<'a> {
     fn hull(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         match self.joined(node, Operation::Union) {
             Part::Solid(_) => {
-                let generators = gather::generators(self, number, Affine::IDENTITY)?;
+                let generators = self.generators(number, arguments)?;
                 self.spend(arguments, hull::cost(&generators))?;
                 let found = hull::hull(arguments, &generators)?;
                 if !found.is_exact && !self.options.facets {
                     let why = arguments.approximation("is the hull of the facets of its parts");
                     self.report.add(LossKind::Approximated, "hull()", why);
                 }
+                self.keep(number, arguments, &[generators])?;
                 Ok(found.solid.map_or(Part::Empty, Part::from))
             }
             Part::Flat(pieces) => {
@@ -317,7 +347,128 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn minkowski(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
+    /// What a hull is the hull of: points where the parts are not made of convex things alone.
+    fn generators(&mut self, number: usize, arguments: &Arguments) -> Result<Vec<Generator>, Refusal> {
+        if let Ok(found) = gather::generators(self, number, Affine::IDENTITY) {
+            return Ok(found);
+        }
+        let (points, is_whole) = shell::hull_points(self, number)?;
+        if !is_whole {
+            let why = arguments.approximation("is the hull of slices: something is cut out of its parts");
+            self.report.add(LossKind::Approximated, "hull()", why);
+        }
+        Ok(points.into_iter().map(Generator::point).collect())
+    }
+
+    /// Keeps the hulls of generators as shells, if somebody wants them.
+    fn keep(
+        &mut self,
+        number: usize,
+        arguments: &Arguments,
+        parts: &[Vec<Generator>],
+    ) -> Result<(), Refusal> {
+        if self.wanted[number] {
+            let points = |part: &Vec<Generator>| part.iter().flat_map(Generator::vertices).collect();
+            let shells = parts.iter().map(|part| Shell::hull(arguments, points(part)));
+            self.shells.insert(number, shells.collect::<Result<_, _>>()?);
+        }
+        Ok(())
+    }
+
+    /// The solid within a shell, which is kept if somebody wants it.
+    fn within(&mut self, number: usize, arguments: &Arguments, shell: Shell) -> Result<Part, Refusal> {
+        if self.wanted[number] {
+            self.shells.insert(number, vec![shell.clone()]);
+        }
+        match shell.triangles.is_empty() {
+            true => Ok(Part::Empty),
+            false => Ok(mesh::within(arguments, shell.vertices, shell.triangles)?.into()),
+        }
+    }
+
+    fn import(&mut self, number: usize, arguments: &Arguments) -> Result<Part, Refusal> {
+        let facets = self.options.facets;
+        match import::import(arguments, self.source, facets, &mut self.flats, &mut self.report)? {
+            Imported::Drawing(part) => Ok(part),
+            Imported::Mesh(shell) => self.within(number, arguments, shell),
+        }
+    }
+
+    fn projection(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
+        match self.joined(node, Operation::Union) {
+            Part::Solid(_) => {}
+            Part::Flat(_) => {
+                return Err(arguments.refusal("its children are regions of the plane, not solids"));
+            }
+            other => return Ok(other),
+        }
+        let contours = match arguments.truth("cut", false)? {
+            true => shell::section(self, number)?,
+            false => {
+                let (contours, is_whole) = shell::shadow(self, number)?;
+                if !is_whole {
+                    let why =
+                        arguments.approximation("is the shadow of slices: something is cut out of its parts");
+                    self.report.add(LossKind::Approximated, "projection()", why);
+                }
+                contours
+            }
+        };
+        match contours.is_empty() {
+            true => Ok(Part::Empty),
+            false => Ok(self.flats.leaf(Leaf::Outline(contours)).into()),
+        }
+    }
+
+    fn resize(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
+        let part = self.joined(node, Operation::Union);
+        let size = match &part {
+            Part::Flat(pieces) => {
+                let flat = self.whole(pieces.clone());
+                let bounds = self.flat_bounds(arguments, flat)?;
+                bounds.map(|[lo, hi]| vec![hi[0] - lo[0], hi[1] - lo[1]])
+            }
+            Part::Solid(_) => {
+                self.solid_bounds(number, arguments)?.map(|[lo, hi]| (hi - lo).to_array().to_vec())
+            }
+            _ => return Ok(part),
+        };
+        let Some(size) = size else { return Ok(Part::Empty) };
+        let map = transform::resizing(arguments, &size)?;
+        self.resized.insert(number, map);
+        Ok(match part {
+            Part::Solid(pieces) => Part::Solid(mapped(pieces, |solid| solid.apply(map))),
+            Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.moved(map, flat))),
+            other => other,
+        })
+    }
+
+    fn flat_bounds(&self, arguments: &Arguments, flat: Flat) -> Result<Option<[[f64; 2]; 2]>, Refusal> {
+        let [lo, hi] = match self.flats.is_union(flat) {
+            true => self.flats.bounds(flat),
+            false => {
+                let contours = region::boundary(arguments, &self.flats, flat)?;
+                Leaf::Outline(contours).bounds(&Affine::IDENTITY)
+            }
+        };
+        Ok((lo[0] < hi[0] && lo[1] < hi[1]).then_some([lo, hi]))
+    }
+
+    fn solid_bounds(&mut self, number: usize, arguments: &Arguments) -> Result<Option<[Vec3; 2]>, Refusal> {
+        if let Ok(all) = gather::generators(self, number, Affine::IDENTITY) {
+            let all = all.iter().map(Generator::bounds);
+            return Ok(all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]));
+        }
+        let extent = shell::extent(self, number)?;
+        if !extent.is_exact {
+            let why = arguments
+                .approximation("takes its parts for as large as before something was cut out of them");
+            self.report.add(LossKind::Approximated, "resize()", why);
+        }
+        Ok(extent.bounds())
+    }
+
+    fn minkowski(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         let (mut solids, mut flats) = (Vec::new(), Vec::new());
         for child in &node.children {
             match std::mem::replace(&mut self.parts[*child as usize], Part::Empty) {
@@ -338,29 +489,31 @@ impl<'a> Reader<'a> {
                     let why = arguments.approximation("is the sum of the facets of its parts");
                     self.report.add(LossKind::Approximated, "minkowski()", why);
                 }
+                self.keep(number, arguments, &found.parts)?;
                 Ok(found.solid.map_or(Part::Empty, Part::from))
             }
         }
     }
 
-    /// The sum of regions of the plane: all but the first are convex.
+    /// The sum of regions of the plane: with discs kept, if all but the first are convex.
     fn flat_sum(&mut self, arguments: &Arguments, operands: &[Flat]) -> Result<Part, Refusal> {
-        let mut part = Part::from(operands[0]);
+        let mut flat = operands[0];
         for other in &operands[1..] {
-            let leaves = sum::leaves(arguments, &self.flats, *other)?;
-            let is_convex = match &leaves[..] {
-                [(leaf, _)] => sum::is_convex_leaf(arguments, leaf)?,
-                _ => false,
+            let part = match sum::is_convex(arguments, &self.flats, *other)? {
+                true => {
+                    let discs = gather::round(arguments, &self.flats, *other)?;
+                    let flat = offset::plain(arguments, &mut self.flats, flat)?;
+                    sum::flat_sum(arguments, &mut self.flats, flat, &discs)?
+                }
+                false => {
+                    let [a, b] = [flat, *other].map(|flat| region::boundary(arguments, &self.flats, flat));
+                    self.flats.leaf(Leaf::Outline(region::sum(arguments, &a?, &b?)?)).into()
+                }
             };
-            if !is_convex {
-                return Err(arguments.refusal("a part of the sum after the first is not convex"));
-            }
-            let discs = gather::round(arguments, &self.flats, *other)?;
             let Part::Flat(pieces) = part else { return Ok(part) };
-            let flat = self.whole(pieces);
-            part = sum::flat_sum(arguments, &mut self.flats, flat, &discs)?;
+            flat = self.whole(pieces);
         }
-        Ok(part)
+        Ok(flat.into())
     }
 
     fn offset(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
@@ -391,6 +544,16 @@ impl<'a> Reader<'a> {
         self.report.add(LossKind::Approximated, "model", why.in_file(self.source));
         plates
     }
+}
+
+/// The items whose parent, or one above it, asks for what bounds them.
+fn wanted(tree: &Tree) -> Vec<bool> {
+    let mut wanted = vec![false; tree.nodes.len()];
+    for (number, node) in tree.nodes.iter().enumerate() {
+        let asks = wanted[number] || ["projection", "resize", "hull"].contains(&node.name.as_str());
+        node.children.iter().for_each(|child| wanted[*child as usize] = asks);
+    }
+    wanted
 }
 
 fn mapped<T>(pieces: Vec<Piece<T>>, mut map: impl FnMut(T) -> T) -> Vec<Piece<T>> {

@@ -7,6 +7,8 @@ use super::extrude::{formula, odd};
 use super::facets::Fineness;
 use super::flat::{Flat, Flats, Leaf, image, simple};
 use super::primitive::solid;
+use super::region::filled;
+use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees, unit_vector_degrees};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{BoxFromCorners, Cylinder, HalfSpace, Quadric, Sphere, Torus, Wedge};
@@ -112,9 +114,13 @@ impl<'a> Turn<'a> {
         map: &Affine,
         mut wall: impl FnMut(HalfPlane) -> Result<Solid, Refusal>,
     ) -> Result<Solid, Refusal> {
+        let mut contours = leaf.contours();
+        contours.iter_mut().flatten().for_each(|p| *p = image(map, *p));
+        if contours.iter().any(|contour| simple(self.arguments, contour.clone()).is_err()) {
+            contours = filled(&contours, FillRule::EvenOdd);
+        }
         let mut parts = Vec::new();
-        for contour in leaf.contours() {
-            let contour = contour.into_iter().map(|p| image(map, p)).collect();
+        for contour in contours {
             if let Some(polygons) = simple(self.arguments, contour)? {
                 parts.push(formula(&polygons, &mut wall)?);
             }

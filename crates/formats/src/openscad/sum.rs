@@ -2,7 +2,7 @@
 
 use super::arguments::{Arguments, Refusal};
 use super::boolean::Operation;
-use super::extrude::is_convex;
+use super::extrude::is_convex as is_one_cell;
 use super::flat::{Flat, Flats, Leaf, image, simple};
 use super::gather::{Round, hull_of_discs, round};
 use super::hull::{Generator, cost as cost_of_hull, hull};
@@ -17,6 +17,8 @@ const MOST_SUMS: usize = 2000;
 pub(super) struct Sum {
     pub solid: Option<Solid>,
     pub is_exact: bool,
+    /// The convex parts of which it is the union.
+    pub parts: Vec<Vec<Generator>>,
 }
 
 /// About how many steps a sum takes.
@@ -48,7 +50,7 @@ pub(super) fn sum(arguments: &Arguments, operands: Vec<Vec<Vec<Generator>>>) -> 
         is_exact &= found.is_exact;
         parts.extend(found.solid);
     }
-    Ok(Sum { solid: (!parts.is_empty()).then(|| union(parts)), is_exact })
+    Ok(Sum { solid: (!parts.is_empty()).then(|| union(parts)), is_exact, parts: sums })
 }
 
 fn all_sums(a: &[Generator], b: &[Generator], is_exact: &mut bool) -> Vec<Generator> {
@@ -155,11 +157,24 @@ fn convex_pieces(arguments: &Arguments, leaf: &Leaf, map: &Affine) -> Result<Vec
     Ok(edges)
 }
 
-pub(super) fn is_convex_leaf(arguments: &Arguments, leaf: &Leaf) -> Result<bool, Refusal> {
+/// True if the region is one convex leaf.
+pub(super) fn is_convex(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<bool, Refusal> {
+    match flats.is_union(flat) {
+        true => match &leaves(arguments, flats, flat)?[..] {
+            [(leaf, _)] => is_convex_leaf(arguments, leaf),
+            _ => Ok(false),
+        },
+        false => Ok(false),
+    }
+}
+
+fn is_convex_leaf(arguments: &Arguments, leaf: &Leaf) -> Result<bool, Refusal> {
     match leaf {
         Leaf::Disc { .. } => Ok(true),
         Leaf::Outline(contours) => match &contours[..] {
-            [contour] => Ok(simple(arguments, contour.clone())?.is_some_and(|polygons| is_convex(&polygons))),
+            [contour] => {
+                Ok(simple(arguments, contour.clone())?.is_some_and(|polygons| is_one_cell(&polygons)))
+            }
             _ => Ok(false),
         },
     }

@@ -2,7 +2,7 @@
 
 use super::arguments::{Arguments, Refusal, finite};
 use super::value::Value;
-use rayweave_math::Affine;
+use rayweave_math::{Affine, Vec3};
 use rayweave_scene::Colour;
 
 /// The matrix of `multmatrix(m)`; the identity, if there is none.
@@ -47,4 +47,30 @@ pub(super) fn of_the_plane(map: &Affine) -> Affine {
     let [x, y, _, _] = map.to_rows();
     let rows = [[x[0], x[1], 0.0, x[3]], [y[0], y[1], 0.0, y[3]], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
     Affine::from_rows(&rows).unwrap_or(Affine::IDENTITY)
+}
+
+/// The map of `resize(newsize, auto)` for something of a size in two or three dimensions: a new size of 0 keeps the old one or,
+/// with `auto`, follows the largest new one.
+pub(super) fn resizing(arguments: &Arguments, size: &[f64]) -> Result<Affine, Refusal> {
+    let new: [f64; 3] = arguments.get("newsize", "3 finite numbers", finite)?.unwrap_or([0.0; 3]);
+    let truth = |value: &Value| match value {
+        Value::Truth(truth) => Some(f64::from(u8::from(*truth))),
+        other => other.number(),
+    };
+    let auto = arguments.get("auto", "true or false, or 3 of them", |value| match value {
+        Value::List(list) => list.iter().map(truth).collect::<Option<Vec<f64>>>(),
+        value => truth(value).map(|truth| vec![truth; 3]),
+    })?;
+    let auto = auto.unwrap_or_default();
+    let largest = (1..size.len()).fold(0, |most, k| if new[k] > new[most] { k } else { most });
+    let factor = |k: usize| if new[k] > 0.0 { new[k] / size[k] } else { 1.0 };
+    let mut scale = [1.0; 3];
+    for k in 0..size.len() {
+        let follows = new[k] <= 0.0 && auto.get(k).is_some_and(|auto| *auto != 0.0);
+        scale[k] = factor(if follows { largest } else { k });
+    }
+    match scale.iter().all(|factor| factor.is_finite() && *factor > 0.0) {
+        true => Ok(Affine::scale(Vec3::from_array(scale))),
+        false => Err(arguments.refusal("what it makes larger has no size")),
+    }
 }

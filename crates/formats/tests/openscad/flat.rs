@@ -142,6 +142,24 @@ fn hulls_of_the_plane_and_offsets() {
     check_volume(&over(&format!("offset(r = 0.5) {angle};")), false, 2.0 * grown, NEAR);
     check_volume(&over("minkowski() { square(3); circle(r = 1); }"), false, 2.0 * (9.0 + 12.0 + PI), NEAR);
     check_volume(&over("minkowski() { square(3); square([1, 2]); }"), false, 40.0, NEAR);
+    // what is cut out keeps its distance too: a plate with a hole grows outward and inward
+    let plate = "difference() { square(10, center = true); square(4, center = true); }";
+    check_volume(&over(&format!("offset(delta = 1) {{ {plate} }}")), false, 2.0 * (144.0 - 4.0), NEAR);
+    check_volume(&over(&format!("offset(r = 1) {{ {plate} }}")), false, 2.0 * (140.0 + PI - 4.0), NEAR);
+    check_volume(&over(&format!("offset(r = -1) {{ {plate} }}")), false, 2.0 * (64.0 - 32.0 - PI), NEAR);
+    check_volume(&over(&format!("offset(delta = -1) {{ {plate} }}")), false, 2.0 * (64.0 - 36.0), NEAR);
+    check_volume(
+        &over(&format!("offset(delta = 0.5) {angle};")),
+        false,
+        2.0 * (7.0 + 8.0 + 5.0 * 0.25 - 0.25),
+        NEAR,
+    );
+    check_volume(&over("offset(delta = 3) circle(r = 2);"), false, 50.0 * PI, NEAR);
+    // the sum of two frames: the hole of the larger one shrinks
+    let frame = "difference() { square(2, center = true); square(1, center = true); }";
+    check_volume(&over(&format!("minkowski() {{ {plate} {frame} }}")), false, 2.0 * (144.0 - 4.0), NEAR);
+    check_volume(&over(&format!("minkowski() {{ {angle}; {angle}; }}")), false, 2.0 * 37.0, NEAR);
+    check_volume(&over(&format!("hull() {{ {plate} }}")), false, 200.0, NEAR);
     // chamfers cut each corner by a triangle of the height sqrt(2) - 1
     let cut = (2f64.sqrt() - 1.0).powi(2);
     check_volume(

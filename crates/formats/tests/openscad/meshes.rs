@@ -1,8 +1,8 @@
 //! Solids within triangles: twisted ones, those of points and faces, and those of files beside a dump.
 
+use crate::folder::Folder;
 use crate::measure::{check_volume, losses, read, volume};
-use rayweave_formats::{Imported, LossKind, Options, load};
-use std::path::PathBuf;
+use rayweave_formats::LossKind;
 
 const NEAR: f64 = 1e-3;
 
@@ -69,29 +69,6 @@ fn twisted_solids() {
     assert!(part > 0.9 * whole, "{part} of {whole}");
 }
 
-/// A folder of its own, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Folder {
-        let folder = std::env::temp_dir().join(format!("rayweave-openscad-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("a folder");
-        Folder(folder)
-    }
-
-    /// Reads a dump that stands in the folder.
-    fn read(&self, text: &str) -> Imported {
-        std::fs::write(self.0.join("part.csg"), text).expect("a file");
-        load(self.0.join("part.csg"), None, &[], &Options::default()).expect("it is a dump")
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 const TETRAHEDRON: &str = "OFF\n4 4 0\n0 0 0\n3 0 0\n0 3 0\n0 0 4\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
 
 #[test]
@@ -116,7 +93,7 @@ fn files_beside_the_dump() {
     assert!((measured(corner) / 2.490002 - 1.0).abs() < 2.0 * NEAR);
     for (text, message) in [
         ("import(file = \"gone.stl\"); cube(1);", "there is no file `gone.stl` beside the dump"),
-        ("import(file = \"part.csg\"); cube(1);", "only files of meshes"),
+        ("import(file = \"part.csg\"); cube(1);", "only meshes (STL, OFF, 3MF, OBJ, PLY) and drawings"),
         ("import(file = \"open.off\"); cube(1);", "import() is left out"),
         ("surface(file = \"part.off\"); cube(1);", "line 1 of its file holds something that is no number"),
         ("import(layer = \"x\"); cube(1);", "it names no file"),
@@ -125,4 +102,33 @@ fn files_beside_the_dump() {
         assert_eq!(report.count(LossKind::Refused), 1, "{text}");
         assert!(report.warnings().to_string().contains(message), "{}", report.warnings());
     }
+}
+
+/// Pictures as maps of heights. The volumes are those of what OpenSCAD 2021.01 exports: grey, colours, and grey with alpha,
+/// which does not count.
+#[test]
+fn pictures_of_heights() {
+    let grey = [0u8, 100, 200, 50, 150, 255];
+    let colours = [255u8, 0, 0, 0, 255, 0, 0, 0, 255, 10, 20, 30, 255, 255, 255, 0, 0, 0];
+    let alpha = [100u8, 255, 100, 128, 100, 0, 50, 255, 150, 255, 255, 255];
+    let cases: [(png::ColorType, &[u8], bool, f64); 4] = [
+        (png::ColorType::Grayscale, &grey, false, 100.5294),
+        (png::ColorType::Grayscale, &grey, true, 103.4709),
+        (png::ColorType::Rgb, &colours, false, 96.7031),
+        (png::ColorType::GrayscaleAlpha, &alpha, false, 98.5294),
+    ];
+    let folder = Folder::new("pictures");
+    for (kind, bytes, invert, expected) in cases {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, 3, 2);
+        encoder.set_color(kind);
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(bytes)).expect("a picture");
+        folder.write("map.png", &file);
+        let text = format!("surface(file = \"map.png\", center = false, invert = {invert});");
+        let found = volume(&folder.read(&text).scene, 300);
+        assert!((found / expected - 1.0).abs() < 2e-3, "{kind:?} {invert}: {found} instead of {expected}");
+    }
+    folder.write("map.png", b"\x89PNG\r\n\x1a\n");
+    let report = folder.read("surface(file = \"map.png\");").report;
+    assert!(report.warnings().to_string().contains("its picture cannot be read"), "{}", report.warnings());
 }

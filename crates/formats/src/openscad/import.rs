@@ -1,0 +1,135 @@
+//! `import`: meshes as solids, drawings as regions of the plane.
+
+use super::arguments::{Arguments, Refusal};
+use super::boolean::Operation;
+use super::drawing::{Drawing, LARGEST, TOLERANCE, shift};
+use super::dxf::{self, DxfOptions};
+use super::facets::Fineness;
+use super::flat::Flats;
+use super::part::Part;
+use super::shell::Shell;
+use super::svg::{self, SvgOptions};
+use super::value::Value;
+use crate::{LossKind, Report};
+use rayweave_math::{Affine, Vec3};
+use rayweave_mesh::files::{MeshFormat, ReadOptions, read};
+use rayweave_scene::Source;
+use std::path::{Path, PathBuf};
+
+/// The file that an item names, beside the dump.
+pub(super) fn file(arguments: &Arguments, source: &Source) -> Result<PathBuf, Refusal> {
+    let name = word(arguments, "file")?;
+    let name = name.filter(|name| !name.is_empty()).ok_or_else(|| arguments.refusal("it names no file"))?;
+    let folder = source.path().and_then(|path| path.parent()).unwrap_or(Path::new(""));
+    let path = folder.join(name);
+    match path.is_file() {
+        true => Ok(path),
+        false => Err(arguments.refusal(&format!("there is no file `{name}` beside the dump"))),
+    }
+}
+
+/// An argument that is a text.
+pub(super) fn word<'a>(arguments: &Arguments<'a>, name: &str) -> Result<Option<&'a str>, Refusal> {
+    arguments.get(name, "a text", |value| match value {
+        Value::Text(text) => Some(text.as_str()),
+        _ => None,
+    })
+}
+
+/// The text of a file that is not too large.
+pub(super) fn text_of(arguments: &Arguments, path: &Path, largest: u64) -> Result<String, Refusal> {
+    let unreadable = |error: std::io::Error| arguments.refusal(&format!("its file cannot be read: {error}"));
+    if std::fs::metadata(path).map_err(unreadable)?.len() > largest {
+        return Err(arguments.refusal(&format!("its file is larger than {} MiB", largest >> 20)));
+    }
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    // old drawings have names in other codes, which do not matter
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// What a file holds.
+pub(super) enum Imported {
+    Drawing(Part),
+    Mesh(Shell),
+}
+
+/// `import(file, layer, origin, scale, center, dpi)`.
+pub(super) fn import(
+    arguments: &Arguments,
+    source: &Source,
+    facets: bool,
+    flats: &mut Flats,
+    report: &mut Report,
+) -> Result<Imported, Refusal> {
+    let path = file(arguments, source)?;
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    match ending.to_str() {
+        Some("svg") => {
+            let dpi = arguments.number("dpi", 72.0)?;
+            let options = SvgOptions { facets, dpi: if dpi > 0.0 { dpi } else { 72.0 } };
+            let drawing = svg::read(&text_of(arguments, &path, LARGEST)?, options);
+            drawn(arguments, drawing, flats, report).map(Imported::Drawing)
+        }
+        Some("dxf") => {
+            let layer = word(arguments, "layer")?.unwrap_or_default();
+            let options = DxfOptions { facets, fineness: Fineness::of(arguments)?, layer };
+            let drawing = dxf::read(&text_of(arguments, &path, LARGEST)?, &options);
+            let mut drawing = drawing.map_err(|why| arguments.refusal(&why))?;
+            let origin: [f64; 2] = arguments.point("origin", 0.0)?;
+            let scale = arguments.point::<2>("scale", 1.0)?[0];
+            let map = shift(origin.map(|x| -x)).then(&Affine::scale(Vec3::new(scale, scale, 1.0)));
+            drawing.leaves.iter_mut().for_each(|(_, own)| *own = own.then(&map));
+            drawn(arguments, Ok(drawing), flats, report).map(Imported::Drawing)
+        }
+        _ => mesh(arguments, &path).map(Imported::Mesh),
+    }
+}
+
+/// The union of what is drawn.
+fn drawn(
+    arguments: &Arguments,
+    drawing: Result<Drawing, String>,
+    flats: &mut Flats,
+    report: &mut Report,
+) -> Result<Part, Refusal> {
+    let drawing = drawing.map_err(|why| arguments.refusal(&why))?;
+    for (what, why, line) in &drawing.refused {
+        let problem = arguments.approximation(&format!("leaves out `{what}` in line {line} of its file"));
+        report.add(LossKind::Refused, "import()", problem.why(why));
+    }
+    if drawing.has_chords {
+        let why = format!("has chords in place of curves, off by at most {TOLERANCE:e} of their size");
+        report.add(LossKind::Approximated, "import()", arguments.approximation(&why));
+    }
+    if drawing.closed > 0 {
+        let why = arguments.approximation("closes lines that are open by straight ones");
+        report.add(LossKind::Approximated, "import()", why);
+    }
+    let moved = |(leaf, map)| {
+        let flat = flats.leaf(leaf);
+        if map == Affine::IDENTITY { flat } else { flats.moved(map, flat) }
+    };
+    let all: Vec<_> = drawing.leaves.into_iter().map(moved).collect();
+    if all.is_empty() {
+        return Ok(Part::Empty);
+    }
+    let flat = flats.join(Operation::Union, all);
+    if !arguments.truth("center", false)? {
+        return Ok(flat.into());
+    }
+    let [lo, hi] = flats.bounds(flat);
+    let middle = [0, 1].map(|k| -0.5 * (lo[k] + hi[k]));
+    Ok(flats.moved(shift(middle), flat).into())
+}
+
+/// The solid within a mesh.
+fn mesh(arguments: &Arguments, path: &Path) -> Result<Shell, Refusal> {
+    let format = MeshFormat::from_path(path);
+    let format = format.ok_or_else(|| {
+        arguments.refusal("only meshes (STL, OFF, 3MF, OBJ, PLY) and drawings (SVG, DXF) can be imported")
+    })?;
+    let loaded = read(path, Some(format), &ReadOptions::default());
+    let loaded = loaded.map_err(|error| arguments.refusal(&error.to_string()))?;
+    let (vertices, triangles) = loaded.mesh.into_parts();
+    Ok(Shell { vertices, triangles, is_convex: false })
+}

@@ -1,0 +1,120 @@
+//! `surface`: what is below a map of heights.
+
+use super::arguments::{Arguments, Refusal};
+use super::import::{file, text_of};
+use super::shell::Shell;
+use rayweave_math::Vec3;
+use rayweave_scene::Source;
+use std::path::Path;
+
+/// The largest height map in bytes.
+const LARGEST_MAP: u64 = 64 << 20;
+
+/// The most pixels of a picture, and the most bytes that its reader may ask for.
+const MOST_PIXELS: usize = 4_000_000;
+const MOST_BYTES: usize = 256 << 20;
+
+/// `surface(file, center, invert)`: what is below a map of heights, in text or as a picture.
+pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, Refusal> {
+    let path = file(arguments, source)?;
+    let is_picture = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    let rows = if is_picture { brightness(arguments, &path)? } else { heights(arguments, &path)? };
+    let (width, depth) = (rows.first().map_or(0, Vec::len), rows.len());
+    if width < 2 || depth < 2 {
+        return Ok(Shell::default());
+    }
+    let shift = match arguments.truth("center", false)? {
+        true => Vec3::new(-0.5 * (width - 1) as f64, -0.5 * (depth - 1) as f64, 0.0),
+        false => Vec3::ZERO,
+    };
+    // under a picture the floor is at 0, or one below what is lower than 1
+    let highest_floor = if is_picture { 1.0 } else { f64::INFINITY };
+    let lowest = rows.iter().flatten().copied().fold(highest_floor, f64::min);
+    let (vertices, triangles) = relief(&rows, lowest - 1.0);
+    let vertices = vertices.into_iter().map(|p| p + shift).collect();
+    Ok(Shell { vertices, triangles, is_convex: false })
+}
+
+/// The brightness of a picture in percent, its lowest row first. With `invert` it is 1 - b for a byte b, as OpenSCAD has it.
+fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
+    let invert = arguments.truth("invert", false)?;
+    let unreadable =
+        |error: &dyn std::fmt::Display| arguments.refusal(&format!("its picture cannot be read: {error}"));
+    let file = std::fs::File::open(path).map_err(|error| unreadable(&error))?;
+    let mut decoder =
+        png::Decoder::new_with_limits(std::io::BufReader::new(file), png::Limits { bytes: MOST_BYTES });
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().map_err(|error| unreadable(&error))?;
+    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    if width.saturating_mul(height) > MOST_PIXELS {
+        return Err(arguments.refusal(&format!("it has more than {MOST_PIXELS} pixels")));
+    }
+    let size = reader.output_buffer_size().ok_or_else(|| unreadable(&"it is too large"))?;
+    let mut bytes = vec![0; size];
+    let frame = reader.next_frame(&mut bytes).map_err(|error| unreadable(&error))?;
+    let samples = frame.color_type.samples();
+    let height_of = |pixel: &[u8]| {
+        let [r, g, b] =
+            if samples < 3 { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] }.map(f64::from);
+        // the weights of ITU-R BT.709
+        let value = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        100.0 / 255.0 * if invert { 1.0 - value } else { value }
+    };
+    let row = |row: &[u8]| row[..width * samples].chunks_exact(samples).map(height_of).collect();
+    Ok(bytes.chunks_exact(frame.line_size).take(height).map(row).rev().collect())
+}
+
+/// The rows of a map, the first of which is at y = 0. Rows that are too short end with zeros.
+fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
+    let text = text_of(arguments, path, LARGEST_MAP)?;
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with('#')) {
+        let height = |word: &str| word.parse().ok().filter(|height: &f64| height.is_finite());
+        let row: Option<Vec<f64>> = line.split_whitespace().map(height).collect();
+        let reason = || {
+            arguments.refusal(&format!("line {} of its file holds something that is no number", number + 1))
+        };
+        let row = row.ok_or_else(reason)?;
+        if !row.is_empty() {
+            rows.push(row);
+        }
+    }
+    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
+    rows.iter_mut().for_each(|row| row.resize(width, 0.0));
+    Ok(rows)
+}
+
+/// Four triangles for each square of the map, around its middle, walls, and a floor.
+fn relief(rows: &[Vec<f64>], floor: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let (width, depth) = (rows[0].len(), rows.len());
+    let at = |x: usize, y: usize, z: f64| Vec3::new(x as f64, y as f64, z);
+    let mut vertices: Vec<Vec3> =
+        (0..depth).flat_map(|y| (0..width).map(move |x| at(x, y, rows[y][x]))).collect();
+    let grid = |x: usize, y: usize| (y * width + x) as u32;
+    let mut triangles = Vec::new();
+    for y in 0..depth - 1 {
+        for x in 0..width - 1 {
+            let corners = [grid(x, y), grid(x + 1, y), grid(x + 1, y + 1), grid(x, y + 1)];
+            let middle = vertices.len() as u32;
+            vertices.push(0.25 * corners.iter().map(|k| vertices[*k as usize]).sum::<Vec3>());
+            triangles.extend((0..4).map(|k| [corners[k], corners[(k + 1) % 4], middle]));
+        }
+    }
+    let rim: Vec<u32> = ((0..width - 1).map(|x| grid(x, 0)))
+        .chain((0..depth - 1).map(|y| grid(width - 1, y)))
+        .chain((1..width).rev().map(|x| grid(x, depth - 1)))
+        .chain((1..depth).rev().map(|y| grid(0, y)))
+        .collect();
+    let foot = vertices.len() as u32;
+    let below = |k: &u32| Vec3 { z: floor, ..vertices[*k as usize] };
+    let feet: Vec<Vec3> = rim.iter().map(below).collect();
+    vertices.extend(feet);
+    let n = rim.len() as u32;
+    for k in 0..n {
+        let (a, b) = (rim[k as usize], rim[((k + 1) % n) as usize]);
+        let (c, d) = (foot + k, foot + (k + 1) % n);
+        triangles.extend([[a, c, d], [a, d, b]]);
+    }
+    triangles.extend((1..n - 1).map(|k| [foot, foot + k + 1, foot + k]));
+    (vertices, triangles)
+}

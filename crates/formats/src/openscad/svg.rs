@@ -1,0 +1,410 @@
+//! Drawings in SVG, as OpenSCAD imports them: what closed shapes enclose, painted or not, and strokes where a shape is open.
+//!
+//! *Source*: W3C, *Scalable Vector Graphics (SVG) 1.1*, chapters 7 to 9; where a page lies, and how many pieces curves have with
+//! facets, as in OpenSCAD 2021.01. What is hidden (`display`, `visibility`) and what is only defined is not there, and `use` is
+//! followed, as SVG says it and OpenSCAD does not.
+
+use super::drawing::{Drawing, MOST_POINTS, TOLERANCE, arc, chords, curve, pieces, plane_map};
+use super::flat::Leaf;
+use super::region::{Contours, filled};
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::mesh::float::stroke::offset::StrokeOffset;
+use i_overlay::mesh::float::style::{LineCap, LineJoin, StrokeStyle};
+use rayweave_math::Affine;
+use rayweave_space::Point;
+use roxmltree::{Document, Node, ParsingOptions};
+use std::collections::HashMap;
+use std::str::FromStr;
+use svgtypes::{
+    Align, AspectRatio, Length, LengthUnit, PointsParser, SimplePathSegment, SimplifyingPathParser,
+};
+use svgtypes::{Transform, ViewBox};
+
+/// How deep elements may lie in each other, uses counted.
+const DEEPEST: usize = 100;
+/// The most elements, those that are used counted every time.
+const MOST_ELEMENTS: usize = 200_000;
+/// The pieces of a full ellipse and of a curve with facets.
+const FACETS: (usize, usize) = (40, 20);
+
+/// How a drawing is read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SvgOptions {
+    /// Curves in as many pieces as OpenSCAD makes of them.
+    pub facets: bool,
+    /// Pixels per inch, positive.
+    pub dpi: f64,
+}
+
+/// An element that is still to be read, with what it has from those around it.
+struct Task<'a, 'input> {
+    node: Node<'a, 'input>,
+    map: Affine,
+    style: Style,
+    depth: usize,
+}
+
+/// What elements have from those around them.
+#[derive(Clone, Copy, Debug)]
+struct Style {
+    width: f64,
+    cap: Cap,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Cap {
+    Butt,
+    Round,
+    Square,
+}
+
+struct Reader<'a, 'input> {
+    document: &'a Document<'input>,
+    named: HashMap<&'a str, Node<'a, 'input>>,
+    options: SvgOptions,
+    /// The distance by which chords may be off, in units of the drawing.
+    within: f64,
+    points: usize,
+    drawing: Drawing,
+}
+
+/// Reads a text; an error says what is wrong, and where.
+pub(super) fn read(text: &str, options: SvgOptions) -> Result<Drawing, String> {
+    let limits = ParsingOptions { allow_dtd: true, nodes_limit: 4_000_000, entity_resolver: None };
+    check_depth(text)?;
+    let document =
+        Document::parse_with_options(text, limits).map_err(|error| format!("it is no SVG: {error}"))?;
+    let root = document.root_element();
+    if root.tag_name().name() != "svg" {
+        return Err(format!("it is no SVG: its outermost element is `{}`", root.tag_name().name()));
+    }
+    let (page, size) = page(root, options.dpi);
+    let within = TOLERANCE * size;
+    let named = document.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
+    let mut reader =
+        Reader { document: &document, named, options, within, points: 0, drawing: Drawing::default() };
+    reader.elements(root, page)?;
+    Ok(reader.drawing)
+}
+
+/// Refuses nesting so deep that reading it would use up the call stack: more opening than closing tags.
+fn check_depth(text: &str) -> Result<(), String> {
+    let (mut depth, bytes) = (0usize, text.as_bytes());
+    for (k, _) in text.match_indices('<') {
+        match bytes.get(k + 1) {
+            Some(b'/') => depth = depth.saturating_sub(1),
+            Some(b'!' | b'?') => {}
+            _ => {
+                let end = text[k..].find('>').map_or(text.len(), |end| k + end);
+                depth += usize::from(bytes.get(end.wrapping_sub(1)) != Some(&b'/'));
+            }
+        }
+        if depth > 10 * DEEPEST {
+            return Err(format!("its elements lie more than {} deep", 10 * DEEPEST));
+        }
+    }
+    Ok(())
+}
+
+/// A length in millimetres.
+fn millimetres(length: Length, dpi: f64) -> Option<f64> {
+    let factor = match length.unit {
+        LengthUnit::None | LengthUnit::Px => 25.4 / dpi,
+        LengthUnit::In => 25.4,
+        LengthUnit::Cm => 10.0,
+        LengthUnit::Mm => 1.0,
+        LengthUnit::Pt => 25.4 / 72.0,
+        LengthUnit::Pc => 25.4 / 6.0,
+        LengthUnit::Em | LengthUnit::Ex | LengthUnit::Percent => return None,
+    };
+    Some(factor * length.number).filter(|length| length.is_finite() && *length > 0.0)
+}
+
+/// The map from the drawing to the plane, y upward, and the larger side of the page in units of the drawing.
+fn page(root: Node, dpi: f64) -> (Affine, f64) {
+    let given = |name| root.attribute(name).and_then(|text| Length::from_str(text).ok());
+    let length = |name| given(name).and_then(|length| millimetres(length, dpi));
+    let (width, height) = (length("width"), length("height"));
+    let Some(view) = root.attribute("viewBox").and_then(|text| ViewBox::from_str(text).ok()) else {
+        // without it a unit is a millimetre, but the page still is as high as it says
+        let top = height.unwrap_or(0.0);
+        return (plane_map([1.0, 0.0, 0.0, -1.0, 0.0, top]), width.unwrap_or(100.0).max(top));
+    };
+    let pixel = 25.4 / dpi;
+    let (width, height) = (width.unwrap_or(view.w * pixel), height.unwrap_or(view.h * pixel));
+    let ratio = root.attribute("preserveAspectRatio").and_then(|text| AspectRatio::from_str(text).ok());
+    let (align, slice) = ratio.map_or((Align::XMidYMid, false), |ratio| (ratio.align, ratio.slice));
+    let own = [width / view.w, height / view.h];
+    let even = if slice { own[0].max(own[1]) } else { own[0].min(own[1]) };
+    let scale = if align == Align::None { own } else { [even; 2] };
+    let (x, y) = shares(align);
+    let left = x * (width - scale[0] * view.w);
+    let above = y * (height - scale[1] * view.h);
+    // the box's y counts with the other sign, as in OpenSCAD
+    let map = [scale[0], 0.0, 0.0, -scale[1], left - scale[0] * view.x, height - above - scale[1] * view.y];
+    (plane_map(map), view.w.max(view.h))
+}
+
+/// How much of the room that is left over is on the left and above.
+fn shares(align: Align) -> (f64, f64) {
+    match align {
+        Align::None | Align::XMinYMin => (0.0, 0.0),
+        Align::XMidYMin => (0.5, 0.0),
+        Align::XMaxYMin => (1.0, 0.0),
+        Align::XMinYMid => (0.0, 0.5),
+        Align::XMidYMid => (0.5, 0.5),
+        Align::XMaxYMid => (1.0, 0.5),
+        Align::XMinYMax => (0.0, 1.0),
+        Align::XMidYMax => (0.5, 1.0),
+        Align::XMaxYMax => (1.0, 1.0),
+    }
+}
+
+/// What `style` says of a property or, if it does not, the attribute of its name.
+fn property<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
+    let of_style = node.attribute("style").into_iter().flat_map(|style| style.split(';'));
+    let mut pairs = of_style.filter_map(|pair| pair.split_once(':'));
+    let found = pairs.find(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());
+    found.or_else(|| node.attribute(name))
+}
+
+fn number(node: Node, name: &str) -> f64 {
+    let length = node.attribute(name).and_then(|text| Length::from_str(text.trim()).ok());
+    length.map_or(0.0, |length| length.number)
+}
+
+impl<'a, 'input> Reader<'a, 'input> {
+    fn elements(&mut self, root: Node<'a, 'input>, map: Affine) -> Result<(), String> {
+        let style = Style { width: 1.0, cap: Cap::Square };
+        let mut waiting = vec![Task { node: root, map, style, depth: 0 }];
+        let mut count = 0;
+        while let Some(task) = waiting.pop() {
+            count += 1;
+            if count > MOST_ELEMENTS || task.depth > DEEPEST {
+                return Err(format!(
+                    "it has more than {MOST_ELEMENTS} elements, or lies more than {DEEPEST} deep"
+                ));
+            }
+            self.element(task, &mut waiting)?;
+        }
+        Ok(())
+    }
+
+    fn element(&mut self, task: Task<'a, 'input>, waiting: &mut Vec<Task<'a, 'input>>) -> Result<(), String> {
+        let Task { node, mut map, style, depth } = task;
+        if !node.is_element()
+            || property(node, "display") == Some("none")
+            || property(node, "visibility") == Some("hidden")
+        {
+            return Ok(());
+        }
+        let style = style.of(node);
+        if let Some(transform) = node.attribute("transform") {
+            match Transform::from_str(transform) {
+                Ok(Transform { a, b, c, d, e, f }) => map = plane_map([a, b, c, d, e, f]).then(&map),
+                Err(error) => return self.refuse(node, &format!("its transform cannot be read: {error}")),
+            }
+        }
+        match node.tag_name().name() {
+            "svg" if depth > 0 => self.refuse(node, "drawings within drawings cannot be read"),
+            "svg" | "g" | "a" | "switch" => {
+                waiting.extend(node.children().rev().map(|node| Task { node, map, style, depth: depth + 1 }));
+                Ok(())
+            }
+            "use" => self.follow(Task { node, map, style, depth }, waiting),
+            "circle" | "ellipse" => self.ellipse(node, &map),
+            "rect" => self.rectangle(node, &map),
+            "line" => {
+                let ends = [("x1", "y1"), ("x2", "y2")].map(|(x, y)| [number(node, x), number(node, y)]);
+                self.chains(node, vec![(ends.to_vec(), false)], &map, style)
+            }
+            "polyline" | "polygon" => {
+                let points = node.attribute("points").unwrap_or_default();
+                let points = PointsParser::from(points).map(|(x, y)| [x, y]).collect();
+                self.chains(node, vec![(points, node.tag_name().name() == "polygon")], &map, style)
+            }
+            "path" => self.path(node, &map, style),
+            "text" | "image" | "foreignObject" => self.refuse(node, "only shapes are read"),
+            // definitions, names, what is not drawn
+            _ => Ok(()),
+        }
+    }
+
+    fn refuse(&mut self, node: Node, why: &str) -> Result<(), String> {
+        let line = self.document.text_pos_at(node.range().start).row as usize;
+        self.drawing.refused.push((node.tag_name().name().to_owned(), why.to_owned(), line));
+        Ok(())
+    }
+
+    /// What a `use` names, moved.
+    fn follow(&mut self, task: Task<'a, 'input>, waiting: &mut Vec<Task<'a, 'input>>) -> Result<(), String> {
+        let Task { node, map, style, depth } = task;
+        let name =
+            node.attributes().find(|attribute| attribute.name() == "href").map(|attribute| attribute.value());
+        let id = name.and_then(|name| name.strip_prefix('#')).unwrap_or_default();
+        let Some(found) = self.named.get(id).copied() else {
+            return self.refuse(node, "it uses what is not there");
+        };
+        let map = plane_map([1.0, 0.0, 0.0, 1.0, number(node, "x"), number(node, "y")]).then(&map);
+        if found.tag_name().name() == "symbol" {
+            waiting.extend(found.children().rev().map(|node| Task { node, map, style, depth: depth + 1 }));
+        } else {
+            waiting.push(Task { node: found, map, style, depth: depth + 1 });
+        }
+        Ok(())
+    }
+
+    fn push(&mut self, contours: Contours, map: &Affine) -> Result<(), String> {
+        self.points += contours.iter().map(Vec::len).sum::<usize>();
+        if self.points > MOST_POINTS {
+            return Err(format!("it has more than {MOST_POINTS} points"));
+        }
+        if contours.iter().any(|contour| contour.len() >= 3) {
+            self.drawing.leaves.push((Leaf::Outline(contours), *map));
+        }
+        Ok(())
+    }
+
+    fn ellipse(&mut self, node: Node, map: &Affine) -> Result<(), String> {
+        let radii = match node.tag_name().name() {
+            "circle" => [number(node, "r"); 2],
+            _ => [number(node, "rx"), number(node, "ry")],
+        };
+        if radii[0] <= 0.0 || radii[1] <= 0.0 {
+            return Ok(());
+        }
+        let own = plane_map([radii[0], 0.0, 0.0, radii[1], number(node, "cx"), number(node, "cy")]).then(map);
+        let disc = Leaf::Disc { radius: 1.0, fragments: FACETS.0 };
+        if self.options.facets {
+            return self.push(disc.contours(), &own);
+        }
+        self.drawing.leaves.push((disc, own));
+        Ok(())
+    }
+
+    fn rectangle(&mut self, node: Node, map: &Affine) -> Result<(), String> {
+        let [x, y, w, h] = ["x", "y", "width", "height"].map(|name| number(node, name));
+        if w <= 0.0 || h <= 0.0 {
+            return Ok(());
+        }
+        let given = ["rx", "ry"].map(|name| node.attribute(name).map(|_| number(node, name)));
+        let rx = given[0].or(given[1]).unwrap_or(0.0).clamp(0.0, 0.5 * w);
+        let ry = given[1].or(given[0]).unwrap_or(0.0).clamp(0.0, 0.5 * h);
+        if rx == 0.0 || ry == 0.0 {
+            return self.push(vec![vec![[x, y], [x + w, y], [x + w, y + h], [x, y + h]]], map);
+        }
+        let pieces = if self.options.facets { FACETS.0 / 4 } else { chords(90.0) };
+        self.drawing.has_chords |= !self.options.facets;
+        let centres =
+            [[x + w - rx, y + h - ry], [x + rx, y + h - ry], [x + rx, y + ry], [x + w - rx, y + ry]];
+        let corner = |(k, c): (usize, &Point<2>)| {
+            let points = arc([rx, ry], 90.0 * k as f64, 90.0 * (k + 1) as f64, pieces);
+            points.into_iter().map(|p| [c[0] + p[0], c[1] + p[1]]).collect::<Vec<_>>()
+        };
+        self.push(vec![centres.iter().enumerate().flat_map(corner).collect()], map)
+    }
+
+    fn path(&mut self, node: Node, map: &Affine, style: Style) -> Result<(), String> {
+        let mut chains: Vec<(Vec<Point<2>>, bool)> = Vec::new();
+        for segment in SimplifyingPathParser::from(node.attribute("d").unwrap_or_default()) {
+            // as SVG has it: a path is drawn up to its first error
+            let Ok(segment) = segment else {
+                self.refuse(node, "a part of its path cannot be read")?;
+                break;
+            };
+            self.segment(segment, &mut chains)?;
+        }
+        self.chains(node, chains, map, style)
+    }
+
+    fn segment(
+        &mut self,
+        segment: SimplePathSegment,
+        chains: &mut Vec<(Vec<Point<2>>, bool)>,
+    ) -> Result<(), String> {
+        if let SimplePathSegment::MoveTo { x, y } = segment {
+            chains.push((vec![[x, y]], false));
+            return Ok(());
+        }
+        let Some((chain, is_closed)) = chains.last_mut() else { return Ok(()) };
+        let Some(&start) = chain.last() else { return Ok(()) };
+        let before = chain.len();
+        match segment {
+            SimplePathSegment::MoveTo { .. } => {}
+            SimplePathSegment::LineTo { x, y } => chain.push([x, y]),
+            SimplePathSegment::CurveTo { x1, y1, x2, y2, x, y } => {
+                let control = [start, [x1, y1], [x2, y2], [x, y]];
+                curve(control, self.options.pieces(&control, self.within), chain);
+            }
+            SimplePathSegment::Quadratic { x1, y1, x, y } => {
+                let control = [start, [x1, y1], [x, y]];
+                curve(control, self.options.pieces(&control, self.within), chain);
+            }
+            SimplePathSegment::ClosePath => *is_closed = true,
+        }
+        self.drawing.has_chords |= chain.len() > before + 1 && !self.options.facets;
+        self.points += chain.len() - before;
+        match self.points > MOST_POINTS {
+            true => Err(format!("it has more than {MOST_POINTS} points")),
+            false => Ok(()),
+        }
+    }
+
+    /// Closed chains as one region, and the strokes of open ones.
+    fn chains(
+        &mut self,
+        node: Node,
+        chains: Vec<(Vec<Point<2>>, bool)>,
+        map: &Affine,
+        style: Style,
+    ) -> Result<(), String> {
+        let is_finite = |(chain, _): &(Vec<Point<2>>, bool)| chain.iter().flatten().all(|x| x.abs() < 1e150);
+        if !chains.iter().all(is_finite) {
+            return self.refuse(node, "its numbers are too large");
+        }
+        let (mut closed, mut strokes) = (Contours::new(), Contours::new());
+        for (chain, is_closed) in chains {
+            match is_closed || (chain.len() > 2 && chain.first() == chain.last()) {
+                true => closed.push(chain),
+                false if chain.len() > 1 => strokes.extend(style.stroke(chain)),
+                false => {}
+            }
+        }
+        self.push(filled(&closed, FillRule::EvenOdd), map)?;
+        self.push(filled(&strokes, FillRule::NonZero), map)
+    }
+}
+
+impl SvgOptions {
+    fn pieces<const N: usize>(&self, control: &[Point<2>; N], within: f64) -> usize {
+        if self.facets { FACETS.1 } else { pieces(control, within) }
+    }
+}
+
+impl Style {
+    fn of(self, node: Node) -> Style {
+        let width = property(node, "stroke-width").and_then(|text| Length::from_str(text).ok());
+        let cap = match property(node, "stroke-linecap") {
+            Some("butt") => Cap::Butt,
+            Some("round") => Cap::Round,
+            Some("square") => Cap::Square,
+            _ => self.cap,
+        };
+        Style { width: width.map_or(self.width, |width| width.number), cap }
+    }
+
+    /// What a pen draws along an open chain.
+    fn stroke(&self, chain: Vec<Point<2>>) -> Contours {
+        if self.width <= 0.0 || self.width.is_nan() {
+            return Contours::new();
+        }
+        let cap = match self.cap {
+            Cap::Butt => LineCap::Butt,
+            Cap::Round => LineCap::Round(0.1),
+            Cap::Square => LineCap::Square,
+        };
+        let style =
+            StrokeStyle::new(self.width).line_join(LineJoin::Miter(0.0)).start_cap(cap.clone()).end_cap(cap);
+        vec![chain].stroke_as::<i64>(style, false).into_iter().flatten().collect()
+    }
+}

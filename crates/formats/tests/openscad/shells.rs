@@ -1,0 +1,155 @@
+//! Sections, shadows, sizes, and hulls of what is cut: by closed forms, and beside OpenSCAD.
+
+use crate::folder::Folder;
+use crate::measure::{check_volume, losses, read, volume};
+use rayweave_formats::LossKind;
+use rayweave_model::Program;
+use std::f64::consts::PI;
+
+const NEAR: f64 = 2e-3;
+
+fn moved(x: f64, y: f64, z: f64) -> String {
+    format!("multmatrix([[1, 0, 0, {x}], [0, 1, 0, {y}], [0, 0, 1, {z}], [0, 0, 0, 1]])")
+}
+
+/// The volume under a projection of height 1, with what is approximated.
+fn projected(cut: bool, text: &str, facets: bool) -> f64 {
+    let text = format!("linear_extrude(height = 1) projection(cut = {cut}) {{ {text} }}");
+    let imported = read(&text, facets);
+    assert_eq!(imported.report.count(LossKind::Refused), 0, "{text}\n{}", imported.report.warnings());
+    volume(&imported.scene, 150)
+}
+
+fn check(cut: bool, text: &str, facets: bool, expected: f64) {
+    let found = projected(cut, text, facets);
+    assert!((found - expected).abs() < 4.0 * NEAR * expected, "{text}: {found} instead of {expected}");
+}
+
+#[test]
+fn sections() {
+    let drilled =
+        "difference() { cube(10, center = true); cylinder(h = 20, r1 = 3, r2 = 3, center = true); }";
+    check(true, drilled, false, 100.0 - 9.0 * PI);
+    check(true, &format!("{} sphere(r = 5);", moved(1.0, 2.0, 3.0)), false, 16.0 * PI);
+    // a face in the plane counts, from above and from below
+    check(true, "cube([2, 3, 4]);", false, 6.0);
+    check(true, &format!("{} cube([2, 3, 4]);", moved(0.0, 0.0, -4.0)), false, 6.0);
+    // a ring of a torus, and a prism on its side
+    check(true, &format!("rotate_extrude() {} circle(r = 1);", moved(4.0, 0.0, 0.0)), false, 16.0 * PI);
+    let lying = "multmatrix([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]) linear_extrude(height = 6, center = true) square([4, 2], center = true);";
+    check(true, lying, false, 24.0);
+    check(
+        true,
+        "intersection() { cube(4, center = true); multmatrix([[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 0], [0, 0, 0, 1]]) cube(4, center = true); }",
+        false,
+        9.0,
+    );
+    check(
+        true,
+        &format!("hull() {{ cube(2, center = true); {} cube(2, center = true); }}", moved(3.0, 0.0, 0.0)),
+        false,
+        10.0,
+    );
+    check(true, "minkowski() { cube(2, center = true); cube(1, center = true); }", false, 9.0);
+    check(true, "resize(newsize = [4, 0, 0]) cube(2, center = true);", false, 8.0);
+    let (refused, messages) = losses("linear_extrude(height = 1) projection() square(1);", LossKind::Refused);
+    assert!(refused == 1 && messages.contains("not solids"), "{messages}");
+    assert_eq!(read("linear_extrude(height = 1) projection(cut = true) multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 9], [0, 0, 0, 1]]) cube(1);", false).scene.regions.len(), 0);
+}
+
+#[test]
+fn shadows() {
+    check(false, &format!("{} sphere(r = 5);", moved(1.0, 2.0, 3.0)), false, 25.0 * PI);
+    // a cube on its edge
+    let edge = "multmatrix([[0.70710678, 0, 0.70710678, 0], [0, 1, 0, 0], [-0.70710678, 0, 0.70710678, 0], [0, 0, 0, 1]]) cube(2, center = true);";
+    check(false, edge, false, 4.0 * 2f64.sqrt());
+    check(false, &format!("cube(2); {} cube([2, 2, 9]);", moved(1.0, 0.0, 5.0)), false, 6.0);
+    // through a hole that goes all the way light falls, through another it does not
+    let plate = "cube([10, 10, 2]);";
+    let hole = |z: f64| format!("{} cylinder(h = 4, r1 = 2, r2 = 2);", moved(5.0, 5.0, z));
+    check(false, &format!("difference() {{ {plate} {} }}", hole(-1.0)), false, 100.0 - 4.0 * PI);
+    check(false, &format!("difference() {{ {plate} {} }}", hole(1.0)), false, 100.0);
+}
+
+#[test]
+fn sizes() {
+    check_volume("resize(newsize = [10, 0, 0], auto = [0, 0, 0]) cube([2, 3, 4]);", false, 120.0, NEAR);
+    check_volume(
+        "resize(newsize = [10, 0, 0], auto = [1, 1, 1]) cube([2, 3, 4]);",
+        false,
+        24.0 * 125.0,
+        NEAR,
+    );
+    check_volume(
+        "resize(newsize = [10, 6, 0], auto = [0, 0, 1]) cube([2, 3, 4]);",
+        false,
+        10.0 * 6.0 * 20.0,
+        NEAR,
+    );
+    check_volume("resize(newsize = [4, 6, 8]) sphere(r = 7);", false, 4.0 / 3.0 * PI * 24.0, NEAR);
+    check_volume(
+        "linear_extrude(height = 2) resize(newsize = [10, 0, 0], auto = [0, 0, 0]) circle(r = 1);",
+        false,
+        10.0 * PI,
+        NEAR,
+    );
+    // what is cut out in the middle does not make it smaller
+    check_volume(
+        "resize(newsize = [5, 5, 5]) difference() { cube(10); multmatrix([[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, -1], [0, 0, 0, 1]]) cube([8, 8, 12]); }",
+        false,
+        125.0 * 0.36,
+        NEAR,
+    );
+    let (approximated, messages) = losses(
+        "resize(newsize = [5, 5, 5]) difference() { cube(10); cube([11, 11, 5]); }",
+        LossKind::Approximated,
+    );
+    assert!(approximated == 1 && messages.contains("before something was cut"), "{messages}");
+    // the facets of a sphere do not reach its poles, in OpenSCAD neither
+    let box_of = |text: &str, facets| {
+        let scene = read(text, facets).scene;
+        Program::compile_regions(&scene.model_regions()).expect("the solids compile").bounds()
+    };
+    let bounds = box_of("resize(newsize = [0, 0, 9]) sphere(r = 5, $fn = 8);", true);
+    assert!(
+        (bounds.hi.z - 4.5).abs() < 1e-9 && (bounds.hi.x - 5.0 * (PI / 8.0).cos()).abs() < 1e-9,
+        "{bounds:?}"
+    );
+}
+
+#[test]
+fn hulls_of_anything() {
+    let folder = Folder::new("hulls");
+    folder.write("part.off", "OFF\n4 4 0\n0 0 0\n3 0 0\n0 3 0\n0 0 4\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+    let hull = folder.read("hull() { import(file = \"part.off\"); cube(1); }");
+    assert!(hull.report.is_empty(), "{}", hull.report.warnings());
+    // the cube lies within: 4 x + 4 y + 3 z is 11 at its corner, and 12 on the face
+    assert!((volume(&hull.scene, 200) / 6.0 - 1.0).abs() < NEAR);
+    // what is cut out within does not matter
+    check_slices(
+        "difference() { cube(10); multmatrix([[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, -1], [0, 0, 0, 1]]) cube([8, 8, 12]); }",
+        1000.0,
+    );
+    // two of four corners of a square are gone
+    check_slices(
+        "difference() { cube([10, 10, 1]); multmatrix([[1, 0, 0, 5], [0, 1, 0, 5], [0, 0, 1, -1], [0, 0, 0, 1]]) cube([9, 9, 3]); }",
+        100.0 - 12.5,
+    );
+    check_volume(
+        "hull() { rotate_extrude($fn = 8) multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) square(2); }",
+        true,
+        2.0 * 100.0 * (PI / 4.0).sin(),
+        NEAR,
+    );
+}
+
+fn check_slices(text: &str, expected: f64) {
+    let imported = read(&format!("hull() {{ {text} }}"), false);
+    assert!(
+        imported.report.warnings().to_string().contains("hull of slices"),
+        "{}",
+        imported.report.warnings()
+    );
+    let found = volume(&imported.scene, 200);
+    assert!((found / expected - 1.0).abs() < 2.0 * NEAR, "{text}: {found} instead of {expected}");
+}
