@@ -338,7 +338,7 @@ impl PyModel {
 
     /// Writes the model to a file, complete or not at all, in the format of its ending (native where that tells none) or the one
     /// that `format` names, as `load` takes them. Curved faces that the format has not are triangles within `tolerance`, in the unit
-    /// of the model, a thousandth of its diagonal if it is not given. With `text`, STL and PLY are text. Returns what was approximated, dropped
+    /// of the model, a five-thousandth of its diagonal if it is not given. With `text`, STL and PLY are text. Returns what was approximated, dropped
     /// or said in another way, as sentences.
     #[pyo3(signature = (path, *, format = None, tolerance = None, text = false))]
     fn save(

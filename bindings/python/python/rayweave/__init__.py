@@ -3,6 +3,7 @@
 from rayweave import optics, rootray, space
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._check import Check, Finding, check
+from rayweave._convert import convert
 from rayweave._core import (
     Explanation,
     Model,
@@ -20,7 +21,6 @@ from rayweave._core import (
     union,
     vacuum,
 )
-from rayweave._convert import convert
 from rayweave._diff import Diff, diff
 from rayweave._drawing import Drawing
 from rayweave._explain import Entry, Operand, Passage, Question

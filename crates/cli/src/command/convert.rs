@@ -30,7 +30,7 @@ pub struct Convert {
     to: Option<String>,
 
     /// The greatest distance between a curved face and the triangles that stand for it, in the unit of the model [default: a
-    /// thousandth of the model's diagonal]
+    /// five-thousandth of the model's diagonal]
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<f64>,
 

@@ -28,7 +28,7 @@ use remark::Remarks;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WriteOptions {
     /// The greatest distance, in the unit of the scene, between a curved face and the triangles that stand for it; greater
-    /// than 0. If it is not given, a thousandth of the diagonal of the box around the model.
+    /// than 0. If it is not given, a five-thousandth of the diagonal of the box around the model.
     pub tolerance: Option<f64>,
     /// Text, where meshes may be text or binary (STL, PLY).
     pub text: bool,

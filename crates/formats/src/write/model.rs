@@ -11,7 +11,7 @@ use rayweave_scene::{Scene, SceneRegion};
 const MARGIN: f64 = 0.125;
 
 /// The part of the diagonal of a model that is the tolerance if none is given.
-const USUAL_TOLERANCE: f64 = 1e-3;
+const USUAL_TOLERANCE: f64 = 2e-4;
 
 /// A scene with what all writers ask of it.
 pub(super) struct Model<'s> {

@@ -112,6 +112,9 @@ pub(super) fn write(
         let all = Body::union(all).map_err(|why| WriteError::Kernel { region: "model".to_owned(), why })?;
         bodies = all.into_iter().map(|body| (String::new(), body)).collect();
     }
+    if bodies.is_empty() {
+        remarks.add(RemarkKind::Changed, "there is nothing in the model, nor in the file");
+    }
     tell(model, format, options, remarks);
     let mut parts = Vec::new();
     for (name, body) in &bodies {
