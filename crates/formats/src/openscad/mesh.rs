@@ -20,6 +20,9 @@ use rayweave_space::Point;
 /// More triangles than these of one item say that its numbers are not meant.
 const MOST_TRIANGLES: usize = 20_000_000;
 
+/// More slices than these say the same.
+const MOST_SLICES: f64 = 20_000.0;
+
 /// A polyhedron of more faces is asked faster as a mesh, which has a hierarchy.
 const MOST_PLANES: usize = 64;
 
@@ -142,7 +145,10 @@ impl Twist {
         let [lo, hi] = flats.bounds(flat);
         let reach = [0, 1].map(|k| hi[k].abs().max(lo[k].abs()));
         let slices = match arguments.number("slices", 0.0)? {
-            given if given >= 1.0 => given.min(1e6) as usize,
+            given if given > MOST_SLICES => {
+                return Err(arguments.refusal(&format!("it has more than {MOST_SLICES} slices")));
+            }
+            given if given >= 1.0 => given as usize,
             _ => fineness.slices(reach, degrees.abs(), way),
         };
         Ok(Twist { way: *way, degrees, slices })

@@ -84,6 +84,21 @@ fn deep_hulls_end() {
     assert!(report.warnings().to_string().contains("would take too long"));
 }
 
+/// Numbers that ask for all memory are refused, with the item that they stand in.
+#[test]
+fn huge_counts() {
+    for (text, message) in [
+        ("linear_extrude(height = 1, twist = 90, slices = 1e9) square(1);", "more than 20000 slices"),
+        ("cylinder(h = 1, r1 = 1, r2 = 1, $fn = 1e9);", "$fn is more than 10000"),
+        ("text(text = \"a\", $fn = 1e300);", "$fn is more than 10000"),
+    ] {
+        let options = Options { facets: true, ..Options::default() };
+        let imported = parse(text, Format::OpenScad, &[], &options).expect("a dump");
+        let messages = imported.report.warnings().to_string();
+        assert!(messages.contains(message), "{text}: {messages}");
+    }
+}
+
 #[test]
 fn damaged_bytes_never_panic() {
     use rand::{Rng, RngExt, SeedableRng};
