@@ -292,7 +292,7 @@ def test_tolerances_of_the_focal_length() -> None:
     sigma = math.hypot(slopes[0] * 0.02 / math.sqrt(3), slopes[1] * 0.01)
     assert found["merit"].std() == pytest.approx(sigma, rel=4 / math.sqrt(1000))
     assert found.quantile(0.5) == pytest.approx(f, abs=5 * sigma / math.sqrt(500))
-    assert found.units == {"radius 1": "mm", "radius 2": "mm", "merit": "mm", "shift": "mm"}
+    assert found.units == {"radius 1": "mm", "radius 2": "mm", "merit": "mm", "shift": "mm", "lost": ""}
     assert found.failures == 0
 
 

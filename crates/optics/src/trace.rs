@@ -36,7 +36,7 @@ const CHUNK: usize = 2048;
 #[derive(Debug)]
 pub struct Tracer<'a, E> {
     pub(crate) system: &'a System,
-    solids: E,
+    pub(crate) solids: E,
     sheets: Vec<E>,
     frames: Vec<(Affine, Affine)>,
 }

@@ -726,6 +726,7 @@ def tolerance(
     trials: int,
     *,
     refocus: bool,
+    vignette: bool,
     rings: int,
     seed: int,
     threads: int | None,
@@ -771,6 +772,9 @@ class CompiledSystem:
         settings: dict[str, Any],
         progress: Callable[[int, int], object] | None = None,
     ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]: ...
+    def phases(
+        self, columns: dict[str, NDArray[Any]]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
     def stream(
         self, sources: Sequence[LightSource], settings: dict[str, Any], rows: int
     ) -> SegmentStream: ...
@@ -812,6 +816,7 @@ def optical_component(
     numbers: Sequence[float],
     outline: _Outline | None = None,
     off_axis: tuple[float, float] = ...,
+    terms: Sequence[tuple[Sequence[float], Sequence[float]]] = ...,
 ) -> list[Solid]: ...
 def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float: ...
 def glass_names() -> list[str]: ...

@@ -1,10 +1,11 @@
 //! Lenses, mirrors, prisms and sheets as solids.
 
 use pyo3::prelude::*;
-use rayweave::optics::component::{self, Aperture, Blank, ComponentError, Cpc, Sheet};
+use rayweave::optics::component::{self, Aperture, Asphere, Blank, ComponentError, Cpc, Sheet};
 use rayweave::{Affine, Solid};
 
 use crate::error::bad_value;
+use crate::optics::prescription::terms;
 use crate::solid::PySolid;
 use crate::vectors::matrix;
 
@@ -29,15 +30,18 @@ impl Outline {
 /// The solids of a component, most often one: `numbers` are the parameters of the function of that name in their order, but
 /// for the apertures.
 #[pyfunction]
-#[pyo3(signature = (kind, numbers, outline=None, off_axis=(0.0, 0.0)))]
+#[pyo3(signature = (kind, numbers, outline=None, off_axis=(0.0, 0.0), terms=Vec::new()))]
 pub fn optical_component(
     kind: &str,
     numbers: Vec<f64>,
     outline: Option<Outline>,
     off_axis: (f64, f64),
+    terms: Vec<(Vec<f64>, Vec<f64>)>,
 ) -> PyResult<Vec<PySolid>> {
     let aperture = outline.as_ref().map_or_else(|| Ok(Aperture::circle(f64::NAN)), Outline::aperture)?;
     let blank = |thickness: f64| Blank::new(aperture, thickness).off_axis(off_axis.0, off_axis.1);
+    // the face of the number k with its terms
+    let face = |k: usize, radius: f64, conic: f64| asphere(terms.get(k), radius, conic);
     let one = |solid: Result<Solid, ComponentError>| solid.map(|solid| vec![solid]);
     let solids = match (kind, numbers.as_slice()) {
         ("lens", &[r1, r2, t]) => one(component::lens(r1, r2, t, aperture)),
@@ -46,6 +50,10 @@ pub fn optical_component(
         ("plano_convex", &[r, t]) => one(component::plano_convex(r, t, aperture)),
         ("plano_concave", &[r, t]) => one(component::plano_concave(r, t, aperture)),
         ("conic_lens", &[r1, k1, r2, k2, t]) => one(component::conic_lens(r1, k1, r2, k2, t, aperture)),
+        ("aspheric_lens", &[r1, k1, r2, k2, t]) => {
+            one(component::aspheric_lens(&face(0, r1, k1)?, &face(1, r2, k2)?, t, aperture))
+        }
+        ("aspheric_mirror", &[r, k, t]) => one(component::aspheric_mirror(&face(0, r, k)?, &blank(t))),
         ("cylindrical_lens", &[r1, r2, t, w, h]) => one(component::cylindrical_lens(r1, r2, t, w, h)),
         ("window", &[t]) => one(component::window(t, aperture)),
         ("ball_lens", &[d]) => one(component::ball_lens(d)),
@@ -87,6 +95,13 @@ pub fn optical_component(
         _ => return Err(bad_value(format!("there is no component {kind:?} with {} numbers", numbers.len()))),
     };
     Ok(solids.map_err(bad_value)?.into_iter().map(PySolid::from_solid).collect())
+}
+
+/// A face by its conic and its even and odd terms.
+fn asphere(given: Option<&(Vec<f64>, Vec<f64>)>, radius: f64, conic: f64) -> PyResult<Asphere> {
+    let plain = Asphere::conic(radius, conic);
+    let Some((even, odd)) = given else { return Ok(plain) };
+    Ok(Asphere { even: terms("even", even)?, odd: terms("odd", odd)?, ..plain })
 }
 
 /// The focal length of a thick lens in air (see `rayweave.optics.lensmaker`).

@@ -49,7 +49,7 @@ fn named<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
 
 /// The merits of trials with their deviations, and what each parameter does alone.
 #[pyfunction]
-#[pyo3(signature = (lens, errors, merit, trials, *, refocus, rings, seed, threads))]
+#[pyo3(signature = (lens, errors, merit, trials, *, refocus, vignette, rings, seed, threads))]
 #[allow(clippy::too_many_arguments)] // those of the function in Python
 pub fn tolerance<'py>(
     lens: &Bound<'py, PyPrescription>,
@@ -57,6 +57,7 @@ pub fn tolerance<'py>(
     merit: &str,
     trials: u64,
     refocus: bool,
+    vignette: bool,
     rings: usize,
     seed: u64,
     threads: Option<&Bound<'py, PyAny>>,
@@ -66,6 +67,7 @@ pub fn tolerance<'py>(
     let start = Tolerancing::new(lens.get().lens(), named("merit", merit, &MERITS)?);
     let start = start.rings(rings).seed(seed).threads(threads);
     let start = if refocus { start.refocused() } else { start };
+    let start = if vignette { start.vignetted() } else { start };
     let tolerancing = errors.iter().try_fold(start, |all, error| {
         let (parameter, spread) = error.read()?;
         Ok::<_, PyErr>(all.add(parameter, spread))
@@ -79,6 +81,8 @@ pub fn tolerance<'py>(
     table.set_item("deviations", columns.collect::<Vec<_>>())?;
     table.set_item("merits", PyArray1::from_vec(py, found.merits))?;
     table.set_item("shifts", PyArray1::from_vec(py, found.shifts))?;
+    let lost = found.lost.into_iter().map(|lost| lost as i64).collect();
+    table.set_item("lost", PyArray1::<i64>::from_vec(py, lost))?;
     let alone: Vec<(f64, f64, f64)> = alone.iter().map(|one| (one.minus, one.plus, one.slope)).collect();
     table.set_item("alone", alone)?;
     Ok(table)

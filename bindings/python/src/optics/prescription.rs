@@ -57,23 +57,39 @@ fn substance<'py>(py: Python<'py>, behind: &Behind) -> PyResult<Bound<'py, PyAny
     }
 }
 
-/// Radius, thickness, material, conic constant, semi-diameter and hole of a surface.
+/// Radius, thickness, material, conic constant, semi-diameter and hole of a surface, and its even and odd terms.
 #[derive(FromPyObject)]
-struct Row<'py>(f64, f64, Substance<'py>, f64, Option<f64>, f64);
+struct Row<'py>(f64, f64, Substance<'py>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>);
 
 impl Row<'_> {
-    fn surface(&self) -> Surface {
-        let Row(radius, thickness, behind, conic, semi_diameter, hole) = self;
+    fn surface(&self) -> PyResult<Surface> {
+        let Row(radius, thickness, behind, conic, semi_diameter, hole, even, odd) = self;
         let surface = Surface::new(*radius, *thickness, behind.behind()).conic(*conic).hole(*hole);
-        match semi_diameter {
+        let surface = surface.even(terms("even", even)?).odd(terms("odd", odd)?);
+        Ok(match semi_diameter {
             Some(semi_diameter) => surface.semi_diameter(*semi_diameter),
             None => surface,
-        }
+        })
     }
 }
 
+/// Eight coefficients; those that are not given are 0.
+pub fn terms(name: &str, given: &[f64]) -> PyResult<[f64; 8]> {
+    let mut terms = [0.0; 8];
+    let places = terms.get_mut(..given.len());
+    let too_many = || bad_value(format!("{name} has {} coefficients (8 at most)", given.len()));
+    places.ok_or_else(too_many)?.copy_from_slice(given);
+    Ok(terms)
+}
+
+/// The coefficients up to the last that is not 0.
+fn given(terms: &[f64; 8]) -> Vec<f64> {
+    let count = terms.iter().rposition(|&c| c != 0.0).map_or(0, |last| last + 1);
+    terms[..count].to_vec()
+}
+
 /// The same on its way out.
-type RowOut<'py> = (f64, f64, Bound<'py, PyAny>, f64, Option<f64>, f64);
+type RowOut<'py> = (f64, f64, Bound<'py, PyAny>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>);
 
 /// What is not said of single surfaces.
 #[derive(FromPyObject)]
@@ -110,7 +126,7 @@ impl PyPrescription {
     #[new]
     #[pyo3(signature = (rows, frame))]
     fn new(rows: Vec<Row<'_>>, frame: Frame) -> PyResult<Self> {
-        let surfaces = rows.iter().map(Row::surface).collect();
+        let surfaces = rows.iter().map(Row::surface).collect::<PyResult<_>>()?;
         let lens = framed(Prescription::new(surfaces), frame)?;
         // what is wrong is said at once
         lens.first_order(lens.primary_nm()).map_err(bad_value)?;
@@ -134,8 +150,8 @@ impl PyPrescription {
     fn rows<'py>(&self, py: Python<'py>) -> PyResult<Vec<RowOut<'py>>> {
         let row = |surface: &Surface| {
             let behind = substance(py, &surface.behind)?;
-            let Surface { radius, thickness, conic, semi_diameter, hole, .. } = surface;
-            Ok((*radius, *thickness, behind, *conic, *semi_diameter, *hole))
+            let Surface { radius, thickness, conic, semi_diameter, hole, even, odd, .. } = surface;
+            Ok((*radius, *thickness, behind, *conic, *semi_diameter, *hole, given(even), given(odd)))
         };
         self.lens.surfaces.iter().map(row).collect()
     }

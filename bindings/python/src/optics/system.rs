@@ -203,6 +203,18 @@ impl PySystem {
         Ok((columns(py, segments)?, accounts(py, &balance)?))
     }
 
+    /// The phases of s and p of the rows of a whole trace, whose columns are given, in degrees.
+    #[pyo3(signature = (columns))]
+    #[allow(clippy::type_complexity)] // two arrays
+    fn phases<'py>(
+        &self,
+        columns: &Bound<'py, PyDict>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let (py, segments) = (columns.py(), rows_of(columns)?);
+        let found = py.detach(|| Tracer::new(&self.system, Packets::new).phases(&segments));
+        Ok((PyArray1::from_vec(py, found.s), PyArray1::from_vec(py, found.p)))
+    }
+
     /// Traces the light of sources in the background, in tables of at least so many rows.
     #[pyo3(signature = (sources, settings, rows))]
     fn stream(
@@ -454,6 +466,44 @@ pub fn columns(py: Python<'_>, segments: Segments) -> PyResult<Bound<'_, PyDict>
     table.set_item("surface", PyArray1::from_vec(py, segments.surface))?;
     table.set_item("event", PyArray1::from_vec(py, segments.event))?;
     Ok(table)
+}
+
+/// Segments from columns by name, as [`columns`] gives them.
+fn rows_of(table: &Bound<'_, PyDict>) -> PyResult<Segments> {
+    let vectors = [["x0", "y0", "z0"], ["x1", "y1", "z1"], ["x_tilt", "y_tilt", "z_tilt"]];
+    let [start, end, direction] = vectors.map(|names| -> PyResult<[Vec<f64>; 3]> {
+        let [x, y, z] = names.map(|name| column(table, name));
+        Ok([x?, y?, z?])
+    });
+    let segments = Segments {
+        id: column(table, "id")?,
+        parent: column(table, "parent")?,
+        generation: column(table, "generation")?,
+        source: column(table, "source")?,
+        wavelength_nm: column(table, "wavelength_nm")?,
+        intensity: column(table, "intensity")?,
+        index: column(table, "index")?,
+        start: start?,
+        end: end?,
+        direction: direction?,
+        path: column(table, "path")?,
+        element: column(table, "element")?,
+        surface: column(table, "surface")?,
+        event: column(table, "event")?,
+    };
+    let last = segments.parent.iter().zip(0..).all(|(&parent, row)| parent < row);
+    if last {
+        Ok(segments)
+    } else {
+        Err(bad_value("parent names a row that is not before its own (all rows of a trace are needed)"))
+    }
+}
+
+fn column<T: numpy::Element + Clone>(table: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {
+    let missing = || bad_value(format!("there is no column {name:?}"));
+    let array = table.get_item(name)?.ok_or_else(missing)?;
+    let array = array.cast::<PyArray1<T>>().map_err(|_| bad_value(format!("{name} is of another type")))?;
+    Ok(array.try_readonly().map_err(bad_value)?.as_array().to_vec())
 }
 
 /// A balance as a table.

@@ -16,7 +16,7 @@ pub fn sag(radius: f64, conic: f64, height: f64) -> Option<f64> {
     Profile::conic(radius, conic).sag(height)
 }
 
-/// An aspheric surface of revolution: a conic (see [`sag`]) and terms in even powers of the distance from the axis.
+/// An aspheric surface of revolution: a conic (see [`sag`]) and terms in powers of the distance from the axis.
 ///
 /// ```
 /// use rayweave_optics::component::Asphere;
@@ -34,12 +34,20 @@ pub struct Asphere {
     /// The coefficients of r^2, r^4, ..., r^16 in the unit of lengths to the power -1, -3, ..., -15. That of r^2 adds to the
     /// curvature.
     pub even: [f64; 8],
+    /// The coefficients of r, r^3, ..., r^15 in the unit of lengths to the power 0, -2, ..., -14. That of r makes a cone
+    /// around the vertex, an axicon: it has no part in first-order data, as the others have none.
+    pub odd: [f64; 8],
 }
 
 impl Asphere {
     /// A conic without terms.
     pub const fn conic(radius: f64, conic: f64) -> Asphere {
-        Asphere { radius, conic, even: [0.0; 8] }
+        Asphere { radius, conic, even: [0.0; 8], odd: [0.0; 8] }
+    }
+
+    /// True if it is more than a conic.
+    pub(crate) fn has_terms(&self) -> bool {
+        self.even != [0.0; 8] || self.odd != [0.0; 8]
     }
 
     /// The height over the vertex plane `height` away from the axis; `None` beyond where the conic ends.
@@ -59,13 +67,21 @@ pub(super) struct Profile {
     pub cylindrical: bool,
     /// The coefficients of r^2, r^4, ...
     pub even: [f64; 8],
+    /// The coefficients of r, r^3, ...
+    pub odd: [f64; 8],
     /// How far from the axis a surface with such terms has to be right; of no meaning without.
     pub domain: f64,
 }
 
 impl Profile {
-    pub const PLANE: Profile =
-        Profile { radius: f64::INFINITY, conic: 0.0, cylindrical: false, even: [0.0; 8], domain: 0.0 };
+    pub const PLANE: Profile = Profile {
+        radius: f64::INFINITY,
+        conic: 0.0,
+        cylindrical: false,
+        even: [0.0; 8],
+        odd: [0.0; 8],
+        domain: 0.0,
+    };
 
     pub fn sphere(radius: f64) -> Profile {
         Profile::conic(radius, 0.0)
@@ -76,7 +92,7 @@ impl Profile {
     }
 
     pub fn asphere(of: &Asphere) -> Profile {
-        Profile { even: of.even, ..Profile::conic(of.radius, of.conic) }
+        Profile { even: of.even, odd: of.odd, ..Profile::conic(of.radius, of.conic) }
     }
 
     /// The same, right as far from the axis as something reaches, and a little farther: the end of the surface is outside.
@@ -93,12 +109,13 @@ impl Profile {
     }
 
     pub fn has_terms(&self) -> bool {
-        self.even != [0.0; 8]
+        self.even != [0.0; 8] || self.odd != [0.0; 8]
     }
 
     /// The same seen from the other side.
     pub fn reversed(self) -> Profile {
-        Profile { radius: -self.radius, even: self.even.map(|c| -c), ..self }
+        let [even, odd] = [self.even, self.odd].map(|terms| terms.map(|c| -c));
+        Profile { radius: -self.radius, even, odd, ..self }
     }
 
     /// The distance from the axis at which the surface turns back.
@@ -113,7 +130,9 @@ impl Profile {
         // at the limit itself rounding may leave less than nothing
         let at_limit = height <= self.limit();
         let square = height * height;
-        let terms = self.even.iter().rev().fold(0.0, |sum, c| (sum + c) * square);
+        let even = self.even.iter().rev().fold(0.0, |sum, c| (sum + c) * square);
+        let odd = self.odd.iter().rev().fold(0.0, |sum, c| sum * square + c);
+        let terms = even + height.abs() * odd;
         (under_root >= 0.0 || at_limit).then(|| height * ratio / (1.0 + under_root.max(0.0).sqrt()) + terms)
     }
 
@@ -131,7 +150,7 @@ impl Profile {
         }
         if self.has_terms() {
             let forms = [1.0 / self.radius, self.conic];
-            let terms: [&[f64]; 2] = [&self.even, &[]];
+            let terms: [&[f64]; 2] = [&self.even, &self.odd];
             let above = solid(primitive::Asphere::new(self.domain, forms, terms, f64::INFINITY)?);
             return Ok(above.translate([0.0, 0.0, vertex]).named(name));
         }
@@ -169,6 +188,7 @@ impl Profile {
         super::error::finite(part, parameter, self.conic)?;
         for (k, &c) in self.even.iter().enumerate() {
             super::error::finite(part, format!("the coefficient of r^{}", 2 * k + 2), c)?;
+            super::error::finite(part, format!("the coefficient of r^{}", 2 * k + 1), self.odd[k])?;
         }
         Ok(self)
     }

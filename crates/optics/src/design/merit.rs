@@ -25,27 +25,29 @@ pub enum Merit {
 pub(super) struct Judge {
     merit: Merit,
     refocus: bool,
+    vignettes: bool,
     pupil: Vec<[f64; 2]>,
     centroid: [f64; 2],
 }
 
-/// A merit and the shift of the image that refocused it.
+/// A merit, the shift of the image that refocused it, and how many rays of all fields and wavelengths did not arrive.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Verdict {
     pub merit: f64,
     pub shift: f64,
+    pub lost: usize,
 }
 
 impl Judge {
     pub fn new(
         lens: &Prescription,
         merit: Merit,
-        refocus: bool,
+        [refocus, vignettes]: [bool; 2],
         pupil: Vec<[f64; 2]>,
     ) -> Result<Judge, DesignError> {
-        let mut judge = Judge { merit, refocus, pupil, centroid: [0.0; 2] };
+        let mut judge = Judge { merit, refocus, vignettes, pupil, centroid: [0.0; 2] };
         if merit == Merit::ImageShift {
-            let (images, _) = judge.images(&Variant::new(lens, &[])?)?;
+            let (images, _) = judge.images(&judge.variant(lens, &[])?)?;
             judge.centroid =
                 images.first().and_then(|rays| Spot::of(rays)).map_or([0.0; 2], |spot| spot.centroid);
         }
@@ -54,20 +56,38 @@ impl Judge {
 
     /// The merit with changes of parameters; NaN if no light arrives.
     pub fn ask(&self, lens: &Prescription, changes: &[(Parameter, f64)]) -> Result<Verdict, DesignError> {
-        let variant = Variant::new(lens, changes)?;
+        let variant = self.variant(lens, changes)?;
         let nm = lens.primary_nm();
-        let plain = |merit: f64| Verdict { merit, shift: 0.0 };
+        let plain = |merit: f64| Verdict { merit, shift: 0.0, lost: 0 };
         match self.merit {
             Merit::FocalLength => Ok(plain(variant.first_order(nm)?.focal_length)),
             Merit::BackFocalDistance => Ok(plain(variant.first_order(nm)?.back_focal_distance)),
             Merit::SpotRms | Merit::ImageShift => {
                 let (images, shift) = self.images(&variant)?;
-                Ok(Verdict { merit: self.of_spots(&images), shift })
+                Ok(Verdict { merit: self.of_spots(&images), shift, lost: self.lost(lens, &images) })
             }
             Merit::WavefrontRms => {
-                let shift = if self.refocus { self.images(&variant)?.1 } else { 0.0 };
-                Ok(Verdict { merit: self.of_wavefronts(&variant, shift)?, shift })
+                let (images, shift) = self.images(&variant)?;
+                let lost = self.lost(lens, &images);
+                Ok(Verdict { merit: self.of_wavefronts(&variant, shift)?, shift, lost })
             }
+        }
+    }
+
+    fn variant(&self, lens: &Prescription, changes: &[(Parameter, f64)]) -> Result<Variant, DesignError> {
+        Ok(Variant { vignettes: self.vignettes, ..Variant::new(lens, changes)? })
+    }
+
+    /// How many of the rays that were sent are not there.
+    fn lost(&self, lens: &Prescription, images: &[Vec<Arrival>]) -> usize {
+        self.sent(lens).saturating_sub(images.iter().map(Vec::len).sum())
+    }
+
+    /// The rays of all fields and wavelengths; none for a merit that follows none.
+    pub fn sent(&self, lens: &Prescription) -> usize {
+        match self.merit {
+            Merit::FocalLength | Merit::BackFocalDistance => 0,
+            _ => lens.fields.len() * lens.lines.len() * self.pupil.len(),
         }
     }
 

@@ -120,7 +120,7 @@ impl<'a> Optimiser<'a> {
 }
 
 /// The step that changes a prescription about as much as any other parameter's: lengths and curvatures by the length of the
-/// system.
+/// system, terms by that and the height of the light.
 fn scale(parameter: Parameter, lens: &Prescription) -> Result<f64, DesignError> {
     let value = parameter.value(lens)?;
     let length = lens.surfaces.iter().map(|surface| surface.thickness.abs()).sum::<f64>();
@@ -129,6 +129,12 @@ fn scale(parameter: Parameter, lens: &Prescription) -> Result<f64, DesignError> 
         Quantity::Radius => value.abs(),
         Quantity::Curvature => 1.0 / length,
         Quantity::Thickness => length,
+        // as high at the rim of the pupil as a sphere of a curvature as above
+        Quantity::Term(power) => {
+            let height = 0.5 * lens.first_order(lens.primary_nm())?.entrance_pupil.diameter;
+            let height = if height > 0.0 && height.is_finite() { height } else { length };
+            0.5 / length * libm::pow(height, 2.0 - f64::from(power))
+        }
         _ => 1.0,
     })
 }

@@ -20,6 +20,8 @@ pub enum Quantity {
     Thickness,
     /// The conic constant.
     Conic,
+    /// The coefficient of a power of the distance from the axis, 1 to 16.
+    Term(u8),
     /// The index of refraction behind it, at all wavelengths by the same amount.
     Index,
     /// A place off the axis along x.
@@ -33,7 +35,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them with their names.
+    /// All of them with their names, but for the terms.
     const NAMES: [(&str, Quantity); 9] = [
         ("radius", Quantity::Radius),
         ("curvature", Quantity::Curvature),
@@ -46,8 +48,11 @@ impl Quantity {
         ("tilt y", Quantity::TiltY),
     ];
 
-    fn name(self) -> &'static str {
-        Quantity::NAMES.iter().find(|(_, known)| *known == self).map_or("", |(name, _)| name)
+    /// A quantity by its name; `r^4` is that of a term.
+    fn named(name: &str) -> Option<Quantity> {
+        let power = || name.strip_prefix("r^")?.parse().ok().filter(|power| POWERS.contains(power));
+        let known = Quantity::NAMES.into_iter().find(|(known, _)| *known == name);
+        known.map(|(_, quantity)| quantity).or_else(|| power().map(Quantity::Term))
     }
 
     /// True if it moves surfaces as they are.
@@ -56,10 +61,26 @@ impl Quantity {
     }
 }
 
+/// The powers that an asphere has.
+const POWERS: std::ops::RangeInclusive<u8> = 1..=16;
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Quantity::Term(power) => write!(f, "r^{power}"),
+            _ => {
+                let name =
+                    Quantity::NAMES.iter().find(|(_, known)| known == self).map_or("", |(name, _)| name);
+                f.write_str(name)
+            }
+        }
+    }
+}
+
 /// A number of a prescription: a quantity and the surfaces that it is of, counted from 1.
 ///
 /// Surfaces `first` to `last` are moved as one body, about the vertex of the first; all other quantities are those of one
-/// surface. Its text is the name of the quantity with the numbers: `radius 2`, `decentre y 3-4`.
+/// surface. Its text is the name of the quantity with the numbers: `radius 2`, `r^4 1`, `decentre y 3-4`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Parameter {
     /// What is meant.
@@ -72,7 +93,7 @@ pub struct Parameter {
 
 impl fmt::Display for Parameter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.quantity.name(), self.first)?;
+        write!(f, "{} {}", self.quantity, self.first)?;
         if self.last == self.first { Ok(()) } else { write!(f, "-{}", self.last) }
     }
 }
@@ -83,7 +104,7 @@ impl FromStr for Parameter {
     fn from_str(text: &str) -> Result<Parameter, DesignError> {
         let parsed = || {
             let (name, numbers) = text.trim().rsplit_once(' ')?;
-            let (_, quantity) = Quantity::NAMES.into_iter().find(|(known, _)| *known == name.trim())?;
+            let quantity = Quantity::named(name.trim())?;
             let (first, last) = numbers.split_once('-').unwrap_or((numbers, numbers));
             let (first, last) = (first.parse().ok()?, last.parse().ok()?);
             let is_one = first == last || quantity.is_pose();
@@ -123,6 +144,9 @@ impl Parameter {
             Quantity::Curvature => Ok(1.0 / surface.radius),
             Quantity::Thickness => Ok(surface.thickness),
             Quantity::Conic => Ok(surface.conic),
+            Quantity::Term(power) => term(&mut surface.clone(), power)
+                .map(|c| *c)
+                .ok_or_else(|| self.absent("an asphere has the powers 1 to 16 of r")),
             Quantity::Index => Ok(self.medium(surface)?.index(lens.primary_nm()).re),
             _ => Ok(0.0),
         }
@@ -148,6 +172,11 @@ impl Parameter {
             Quantity::Curvature => surface.radius = 1.0 / (1.0 / surface.radius + change),
             Quantity::Thickness => surface.thickness += change,
             Quantity::Conic => surface.conic += change,
+            Quantity::Term(power) => {
+                if let Some(coefficient) = term(surface, power) {
+                    *coefficient += change;
+                }
+            }
             Quantity::Index => {
                 let medium = self.medium(surface)?;
                 surface.behind = Behind::Medium(shifted(medium, change));
@@ -156,6 +185,12 @@ impl Parameter {
         }
         Ok(())
     }
+}
+
+/// The coefficient of a power of r.
+fn term(surface: &mut Surface, power: u8) -> Option<&mut f64> {
+    let place = usize::from(power.checked_sub(1)?) / 2;
+    if power.is_multiple_of(2) { surface.even.get_mut(place) } else { surface.odd.get_mut(place) }
 }
 
 /// A medium with an index that is everywhere greater by the same amount.
@@ -189,10 +224,24 @@ mod tests {
 
     #[test]
     fn names_are_read_as_they_are_written() {
-        for text in ["radius 2", "curvature 1", "decentre y 3-4", "tilt x 5", "index 12"] {
+        for text in
+            ["radius 2", "curvature 1", "decentre y 3-4", "tilt x 5", "index 12", "r^4 1", "r^16 3", "r^1 2"]
+        {
             assert_eq!(text.parse::<Parameter>().unwrap().to_string(), text);
         }
-        for text in ["", "radius", "radius x", "radius 1-2", "tilt 3", "tilt x 4-3", "girth 2", "radius -1"] {
+        for text in [
+            "",
+            "radius",
+            "radius x",
+            "radius 1-2",
+            "tilt 3",
+            "tilt x 4-3",
+            "girth 2",
+            "radius -1",
+            "r^0 1",
+            "r^17 1",
+            "r^ 1",
+        ] {
             assert!(text.parse::<Parameter>().is_err(), "{text}");
         }
     }

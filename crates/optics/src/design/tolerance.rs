@@ -54,6 +54,7 @@ pub struct Tolerancing<'a> {
     merit: Merit,
     errors: Vec<(Parameter, Spread)>,
     refocus: bool,
+    vignettes: bool,
     rings: usize,
     seed: u64,
     threads: Option<NonZeroUsize>,
@@ -68,6 +69,7 @@ impl<'a> Tolerancing<'a> {
             merit,
             errors: Vec::new(),
             refocus: false,
+            vignettes: false,
             rings: 6,
             seed: 0,
             threads: None,
@@ -84,6 +86,11 @@ impl<'a> Tolerancing<'a> {
     /// The same with the image moved along the axis, in every trial, to where the mean square radius of all spots is least.
     pub fn refocused(self) -> Tolerancing<'a> {
         Tolerancing { refocus: true, ..self }
+    }
+
+    /// The same in which a ray ends where it meets a surface beyond the semi-diameter that is stated for it, or in its hole.
+    pub fn vignetted(self) -> Tolerancing<'a> {
+        Tolerancing { vignettes: true, ..self }
     }
 
     /// The same with another number of rings of rays in the pupil.
@@ -123,7 +130,7 @@ impl<'a> Tolerancing<'a> {
                 return Err(DesignError::BadNumber { what, value: scale, range });
             }
         }
-        Judge::new(self.lens, self.merit, self.refocus, hexapolar(self.rings))
+        Judge::new(self.lens, self.merit, [self.refocus, self.vignettes], hexapolar(self.rings))
     }
 
     /// The merits of so many trials. One in which no light arrives, or in which a number is out of its range, has the merit
@@ -142,6 +149,7 @@ impl<'a> Tolerancing<'a> {
             deviations: vec![Vec::new(); self.errors.len()],
             merits: Vec::new(),
             shifts: Vec::new(),
+            lost: Vec::new(),
         };
         let chunks = (0..count).step_by(CHUNK as usize).map(|at| at..(at + CHUNK).min(count));
         let work = |(): &mut (), chunk: std::ops::Range<u64>| -> Vec<(Vec<f64>, Verdict)> {
@@ -162,7 +170,7 @@ impl<'a> Tolerancing<'a> {
             (0..self.errors.len()).map(|k| self.errors[k].1.deviation(self.numbers(k, trial))).collect();
         let changes: Vec<(Parameter, f64)> =
             self.errors.iter().map(|error| error.0).zip(deviations.iter().copied()).collect();
-        let nothing = Verdict { merit: f64::NAN, shift: f64::NAN };
+        let nothing = Verdict { merit: f64::NAN, shift: f64::NAN, lost: judge.sent(self.lens) };
         (deviations, judge.ask(self.lens, &changes).unwrap_or(nothing))
     }
 
@@ -219,6 +227,8 @@ pub struct Trials {
     pub merits: Vec<f64>,
     /// By how much the image was moved along the axis; 0 if it was not asked for.
     pub shifts: Vec<f64>,
+    /// How many rays of all fields and wavelengths did not arrive in every trial; 0 for merits that follow none.
+    pub lost: Vec<usize>,
 }
 
 impl Trials {
@@ -226,6 +236,7 @@ impl Trials {
         self.deviations.iter_mut().zip(deviations).for_each(|(column, value)| column.push(*value));
         self.merits.push(verdict.merit);
         self.shifts.push(verdict.shift);
+        self.lost.push(verdict.lost);
     }
 
     fn known(&self) -> impl Iterator<Item = f64> {

@@ -3,7 +3,7 @@
 use super::{DesignError, Parameter, Quantity};
 use crate::analysis::{Arrival, Wavefront, followed, moved, reference_radius};
 use crate::paraxial::FirstOrder;
-use crate::prescription::{Pose, Prescription, PrescriptionError, Resolved};
+use crate::prescription::{Pass, Pose, Prescription, PrescriptionError, Resolved, Surface};
 use rayweave_math::{Affine, Vec3};
 
 /// A prescription with other values of some parameters.
@@ -11,6 +11,8 @@ use rayweave_math::{Affine, Vec3};
 pub(super) struct Variant {
     pub lens: Prescription,
     pub resolved: Resolved,
+    /// Whether a ray ends where it is beyond the semi-diameter that is stated for a surface.
+    pub vignettes: bool,
 }
 
 impl Variant {
@@ -22,7 +24,7 @@ impl Variant {
         }
         let mut resolved = lens.resolved()?;
         resolved.poses = poses(&resolved, changes);
-        Ok(Variant { lens, resolved })
+        Ok(Variant { lens, resolved, vignettes: false })
     }
 
     /// First-order data at a wavelength; what is off the axis does not count.
@@ -41,6 +43,7 @@ impl Variant {
         let mut found = Vec::with_capacity(pupil.len());
         for (id, &point) in pupil.iter().enumerate() {
             match self.lens.follow_resolved(&self.resolved, &launch.ray(point), wavelength_nm) {
+                Ok(passes) if self.vignettes && !self.passes(&passes) => {}
                 Ok(passes) => {
                     let last = passes.last();
                     found.extend(last.map(|last| followed(&self.resolved, id, last, wavelength_nm)));
@@ -50,6 +53,17 @@ impl Variant {
             }
         }
         Ok(found)
+    }
+
+    /// True if a ray keeps within all semi-diameters that are stated, in the coordinates of each surface, and out of holes.
+    fn passes(&self, passes: &[Pass]) -> bool {
+        let keeps = |(k, (pass, surface)): (usize, (&Pass, &Surface))| {
+            let local = self.resolved.poses.get(k).map(|pose| pose.local(pass.point, pass.direction).0);
+            let place = local.unwrap_or(pass.point);
+            let r = libm::hypot(place.x, place.y);
+            surface.hole <= r && surface.semi_diameter.is_none_or(|most| r <= most)
+        };
+        passes.iter().zip(&self.lens.surfaces).enumerate().all(keeps)
     }
 
     /// The rays of a field at all wavelengths, with their weights.

@@ -82,7 +82,7 @@ struct Conicoid {
     vertex: f64,
     curvature: f64,
     conic: f64,
-    /// The same with terms in even powers of the distance from the axis.
+    /// The same with terms in powers of the distance from the axis.
     form: Asphere,
 }
 
@@ -91,7 +91,7 @@ const STEPS: u32 = 40;
 
 impl Conicoid {
     fn has_terms(&self) -> bool {
-        self.form.even != [0.0; 8]
+        self.form.has_terms()
     }
 
     /// How far a ray has to go to the surface: with terms, by Newton's method from the conic or, where it is missed, from the
@@ -118,7 +118,11 @@ impl Conicoid {
     fn sag_and_slope(&self, r: f64) -> Option<[f64; 2]> {
         let (c, square) = (self.curvature, r * r);
         let root = (1.0 - (1.0 + self.conic) * c * c * square).sqrt();
-        let terms = (0..8).rev().fold(0.0, |sum, k| sum * square + (2 * k + 2) as f64 * self.form.even[k]);
+        let Asphere { even, odd, .. } = &self.form;
+        let even = (0..8).rev().fold(0.0, |sum, k| sum * square + (2 * k + 2) as f64 * even[k]);
+        let odd = (0..8).rev().fold(0.0, |sum, k| sum * square + (2 * k + 1) as f64 * odd[k]);
+        // at the tip of a cone there is no slope: 0
+        let terms = even + if r > 0.0 { odd / r } else { 0.0 };
         let sag = self.form.sag(r)?;
         (root > 0.0).then_some([sag, c / root + terms])
     }

@@ -1,7 +1,7 @@
 //! Prescriptions: optical systems as designers write them, surface by surface along the axis.
 //!
 //! The axis is z, the light comes from -z. A surface has a radius of curvature (positive if its centre lies on the side of
-//! +z, infinite for a plane), a conic constant (see [`sag`](crate::component::sag)), even aspheric terms, the distance to the next surface along z
+//! +z, infinite for a plane), a conic constant (see [`sag`](crate::component::sag)), aspheric terms, the distance to the next surface along z
 //! (negative where light travels back after a mirror) and the medium behind it. Surfaces are counted from 1; 0 is the object.
 //! The vertex of surface 1 is the origin. Lengths are in any unit, millimetres unless [`Prescription::unit_nm`] says otherwise.
 //!
@@ -104,6 +104,8 @@ pub struct Surface {
     pub conic: f64,
     /// The coefficients of r^2, r^4, ..., r^16, as of [`Asphere`].
     pub even: [f64; 8],
+    /// The coefficients of r, r^3, ..., r^15, as of [`Asphere`].
+    pub odd: [f64; 8],
     /// The distance along z from this vertex to the next one.
     pub thickness: f64,
     /// What lies behind it.
@@ -117,7 +119,8 @@ pub struct Surface {
 impl Surface {
     /// A spherical surface, or with an infinite radius a plane.
     pub fn new(radius: f64, thickness: f64, behind: Behind) -> Surface {
-        Surface { radius, conic: 0.0, even: [0.0; 8], thickness, behind, semi_diameter: None, hole: 0.0 }
+        let (even, odd) = ([0.0; 8], [0.0; 8]);
+        Surface { radius, conic: 0.0, even, odd, thickness, behind, semi_diameter: None, hole: 0.0 }
     }
 
     /// A plane between equal media: a place for a stop.
@@ -133,6 +136,11 @@ impl Surface {
     /// The same with terms in r^2, r^4, ..., r^16.
     pub fn even(self, even: [f64; 8]) -> Surface {
         Surface { even, ..self }
+    }
+
+    /// The same with terms in r, r^3, ..., r^15.
+    pub fn odd(self, odd: [f64; 8]) -> Surface {
+        Surface { odd, ..self }
     }
 
     /// The same with a clear semi-diameter.
@@ -162,7 +170,7 @@ impl Surface {
 
     /// Its form.
     pub(crate) fn asphere(&self) -> Asphere {
-        Asphere { radius: self.radius, conic: self.conic, even: self.even }
+        Asphere { radius: self.radius, conic: self.conic, even: self.even, odd: self.odd }
     }
 }
 

@@ -135,7 +135,7 @@ impl Surface {
         if let Some((what, value)) = finite.into_iter().find(|(_, value)| !value.is_finite()) {
             return Err(bad(named(what), value, "finite"));
         }
-        if let Some(value) = self.even.into_iter().find(|c| !c.is_finite()) {
+        if let Some(value) = self.even.into_iter().chain(self.odd).find(|c| !c.is_finite()) {
             return Err(bad(named("a coefficient"), value, "finite"));
         }
         if let Some(semi_diameter) = self.semi_diameter {

@@ -1,6 +1,6 @@
 //! Light pipes and the compound parabolic concentrator.
 
-use crate::probe::{Probe, assert_close, gauss_legendre};
+use crate::probe::{Probe, assert_close, gauss_legendre, reflected};
 use rayweave_math::Vec3;
 use rayweave_optics::component::*;
 use std::f64::consts::PI;
@@ -137,4 +137,60 @@ fn refusals() {
     let fine = Cpc::new(1.0, 30.0, 1e-12).unwrap_err().to_string();
     assert!(fine.contains("at most 4096 are allowed"), "{fine}");
     assert!(Cpc::new(1.0, 90.0, 1e-3).is_err() && Cpc::new(-1.0, 20.0, 1e-3).is_err());
+}
+
+/// The share of light at an angle that comes out of the exit, for rays spread evenly over the entrance.
+fn transmission(cpc: &Cpc, probe: &Probe, degrees: f64, rays: u32) -> f64 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let passes = |k: &u32| {
+        // a spiral with the golden angle covers a disc evenly (H. Vogel, Math. Biosci. 44, 179, 1979)
+        let radius = cpc.entrance_radius * ((f64::from(*k) + 0.5) / f64::from(rays)).sqrt() * (1.0 - 1e-9);
+        let angle = 2.399_963_229_728_653 * f64::from(*k);
+        let mut point = Vec3::new(radius * angle.cos(), radius * angle.sin(), -0.5 * cpc.length);
+        let mut direction = Vec3::new(sin, 0.0, cos);
+        for _ in 0..200 {
+            let Some(hit) = probe.next(point, direction, 1e-9) else { return false };
+            match hit.face.as_str() {
+                "back.plane" => return true,
+                "front.plane" => return false,
+                _ => (point, direction) = (hit.point, reflected(direction, hit.normal)),
+            }
+        }
+        false
+    };
+    (0..rays).filter(passes).count() as f64 / f64::from(rays)
+}
+
+/// The concentrator of revolution passes nearly all light within the acceptance angle and nearly none beyond it; between, over a
+/// few degrees, skew rays are turned back within the angle and let through beyond it (W. T. Welford and R. Winston, *High
+/// Collection Nonimaging Optics*, 1989, section 4.4). Of light from everywhere no more can pass than etendue allows, where
+/// all within the angle would: `pi a^2 sin^2 = pi a'^2`.
+#[test]
+fn flux() {
+    let acceptance = 30.0_f64;
+    let cpc = Cpc::new(1.0, acceptance, 1e-3).unwrap();
+    assert_close(
+        (cpc.entrance_radius / cpc.exit_radius).powi(2),
+        1.0 / acceptance.to_radians().sin().powi(2),
+        1e-12,
+    );
+    let probe = Probe::new(&cpc.solid().unwrap());
+    let curve: Vec<(f64, f64)> = (0..=22)
+        .map(|k| 2.0 * f64::from(k) + 0.5)
+        .map(|degrees| (degrees, transmission(&cpc, &probe, degrees, 160)))
+        .collect();
+    for &(degrees, share) in &curve {
+        match degrees {
+            _ if degrees < 22.0 => assert!(share > 0.97, "{degrees} {share}"),
+            _ if degrees > 34.0 => assert!(share < 0.03, "{degrees} {share}"),
+            _ => {}
+        }
+    }
+    // of light of equal radiance from everywhere: the integral of T(theta) sin(2 theta), which etendue bounds by sin^2 of the angle
+    let flux: f64 = curve
+        .iter()
+        .map(|(degrees, share)| share * (2.0 * degrees.to_radians()).sin() * 2f64.to_radians())
+        .sum();
+    let most = acceptance.to_radians().sin().powi(2);
+    assert!(flux < 1.01 * most && flux > 0.98 * most, "{flux} {most}");
 }

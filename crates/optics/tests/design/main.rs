@@ -8,5 +8,6 @@ mod lenses;
 mod optimum;
 mod paraxial;
 mod prescription;
+mod terms;
 mod tolerances;
 mod zmx;

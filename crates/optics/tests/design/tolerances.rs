@@ -203,6 +203,7 @@ fn quantiles_and_failures() {
         deviations: Vec::new(),
         merits: vec![4.0, f64::NAN, 1.0, 2.0, 3.0],
         shifts: Vec::new(),
+        lost: Vec::new(),
     };
     assert_eq!(trials.failures(), 1);
     let found = [0.0, 0.25, 0.5, 1.0].map(|fraction| trials.quantile(fraction));

@@ -113,7 +113,7 @@ fn all_problems_are_told_with_their_lines() {
         "line 2: the unit \"FURLONG\" is not known (MM, CM, IN and METER are)",
         "line 3: \"x\" is no number",
         "line 4: fields are of type 4 (0 to 3 are read: angle, object height, paraxial and real image height)",
-        "line 8: the surface is of type TOROIDAL (only STANDARD and EVENASPH surfaces are read)",
+        "line 8: the surface is of type TOROIDAL (surfaces of prescriptions are of revolution; components and solids need not be)",
         "line 9: no glass is named \"BK8\"",
         "line 10: number 1 of the line is missing",
         "line 11: the distance to the next surface is infinite (only that of the object may be)",

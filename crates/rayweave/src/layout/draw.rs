@@ -4,7 +4,7 @@ use super::{FAINTEST, Layout, Part, RayColour};
 use crate::legend::{self, Entry, Lights, paint};
 use crate::plan::Plan;
 use rayweave_math::Vec3;
-use rayweave_optics::{Segment, Segments};
+use rayweave_optics::{Event, Segment, Segments};
 use rayweave_render::svg::{Anchor, Pixels, Svg};
 use rayweave_render::{PALETTE, Rgba};
 use std::collections::{BTreeMap, HashMap};
@@ -36,6 +36,9 @@ const STYLE: &str = "\
 const MEDIA: [&str; 7] = ["#cfe4f4", "#f6e4c8", "#d3ecd6", "#e6d9ee", "#f7d9d4", "#d2eeea", "#ecebc4"];
 /// The fill of what no light goes through.
 const OPAQUE: &str = "#b9c0c8";
+
+/// The sine of the angle between chord and direction below which a piece of a ray is straight.
+const STRAIGHT: f64 = 1e-6;
 
 /// Widths and opacities of rays, by the least part of their power that they still have.
 const WEIGHTS: [(f64, f64, f64); 4] =
@@ -118,8 +121,9 @@ impl<'a> Drawing<'a> {
     fn rays(&mut self) {
         let segments = &self.layout.segments;
         let emitted = emitted(segments);
+        let tangents = tangents(segments);
         let mut paths: BTreeMap<(usize, String), String> = BTreeMap::new();
-        for segment in segments.iter() {
+        for (segment, tangent) in segments.iter().zip(tangents) {
             let part = segment.intensity / emitted.get(&segment.id).copied().unwrap_or(1.0);
             if part < FAINTEST {
                 continue;
@@ -128,7 +132,10 @@ impl<'a> Drawing<'a> {
             let Some([from, to]) = self.visible(&segment) else { continue };
             let path = paths.entry((WEIGHTS.len() - weight, self.colour(&segment))).or_default();
             let ([x0, y0], [x1, y1]) = (self.plan.place(from).map(Pixels), self.plan.place(to).map(Pixels));
-            let _ = write!(path, "M{x0} {y0}L{x1} {y1}");
+            let _ = match tangent.and_then(|tangent| self.bows(&segment, tangent)) {
+                Some([[x2, y2], [x3, y3]]) => write!(path, "M{x0} {y0}C{x2} {y2} {x3} {y3} {x1} {y1}"),
+                None => write!(path, "M{x0} {y0}L{x1} {y1}"),
+            };
         }
         // faint rays first
         for ((weight, colour), path) in paths {
@@ -136,6 +143,19 @@ impl<'a> Drawing<'a> {
             let stroke = format!(r#" stroke="{colour}" stroke-width="{width}" stroke-opacity="{opacity}""#);
             self.svg.path("ray", path, &stroke);
         }
+    }
+
+    /// The inner points of Bezier's form of the cubic with the ends and the tangents of a piece of a curve, of which all is in the
+    /// window; the tangents are a third as long as the chord.
+    fn bows(&self, segment: &Segment, tangent: Vec3) -> Option<[[Pixels; 2]; 2]> {
+        let Layout { cut, lo, hi, .. } = self.layout;
+        let third = (segment.end - segment.start).length() / 3.0;
+        let is_inside = |point: Vec3| {
+            cut.place(point).iter().zip(lo.iter().zip(hi)).all(|(x, (lo, hi))| lo <= x && x <= hi)
+        };
+        let is_whole = is_inside(segment.start) && is_inside(segment.end);
+        let inner = [segment.start + third * tangent, segment.end - third * segment.direction];
+        is_whole.then(|| inner.map(|point| self.plan.place(cut.place(point)).map(Pixels)))
     }
 
     fn colour(&self, segment: &Segment) -> String {
@@ -191,6 +211,24 @@ fn emitted(segments: &Segments) -> HashMap<i64, f64> {
     first.map(|segment| (segment.id, segment.intensity)).collect()
 }
 
+/// The direction at the start of every piece of a curve: that at the end of the piece before or, where the curve begins, that
+/// of the parabola with the ends of the piece and the direction at its end. `None` for what is straight.
+fn tangents(segments: &Segments) -> Vec<Option<Vec3>> {
+    let rows: Vec<Segment> = segments.iter().collect();
+    let before = |row: &Segment| usize::try_from(row.parent).ok().and_then(|parent| rows.get(parent));
+    let tangent = |row: &Segment| {
+        let chord = (row.end - row.start).try_normalize()?;
+        if chord.cross(row.direction).length() <= STRAIGHT {
+            return None;
+        }
+        match before(row).filter(|before| before.event == Event::Curved) {
+            Some(before) => Some(before.direction),
+            None => (2.0 * chord.dot(row.direction) * chord - row.direction).try_normalize(),
+        }
+    };
+    rows.iter().map(tangent).collect()
+}
+
 fn sources(count: usize) -> Vec<Entry> {
     let entry =
         |k: u32| Entry { name: format!("source {k}"), colour: paint(source_colour(k)), is_line: true };
@@ -235,5 +273,52 @@ mod tests {
         assert_eq!(clip([-5.0, 1.0], [-1.0, 1.0]), None);
         assert_eq!(clip([0.0, 9.0], [9.0, 9.0]), None);
         assert_eq!(clip([-4.0, 4.0], [1.0, 14.0]), None);
+    }
+
+    /// In a rod of graded glass rays are sines (Born & Wolf, 7th edition, section 3.2): the cubics of the drawing keep to them where
+    /// chords do not.
+    #[test]
+    fn rays_in_a_gradient_are_drawn_as_curves() {
+        let g = 0.3;
+        let place = |z: f64| Vec3::new((g * z).cos(), 0.0, z);
+        let slope = |z: f64| Vec3::new(-g * (g * z).sin(), 0.0, 1.0).normalize();
+        let mut segments = Segments::default();
+        for k in 0..3 {
+            let (from, to) = (2.0 * f64::from(k), 2.0 * f64::from(k) + 2.0);
+            segments.push(Segment {
+                id: 0,
+                parent: i64::from(k) - 1,
+                generation: 0,
+                source: 0,
+                wavelength_nm: 500.0,
+                intensity: 1.0,
+                index: 1.5,
+                start: place(from),
+                end: place(to),
+                direction: slope(to),
+                path: 0.0,
+                element: -1,
+                surface: -1,
+                event: Event::Curved,
+            });
+        }
+        for (segment, tangent) in segments.iter().zip(tangents(&segments)) {
+            let tangent = tangent.unwrap();
+            let third = (segment.end - segment.start).length() / 3.0;
+            let (b, c) = (segment.start + third * tangent, segment.end - third * segment.direction);
+            let middle = (segment.start + 3.0 * b + 3.0 * c + segment.end) / 8.0;
+            let off = (middle.x - place(middle.z).x).abs();
+            let chord = 0.5 * (segment.start + segment.end);
+            assert!(off < 0.1 * (chord.x - place(chord.z).x).abs(), "{off}");
+        }
+        let straight = Segment {
+            end: Vec3::Z,
+            start: Vec3::ZERO,
+            direction: Vec3::Z,
+            ..segments.iter().next().unwrap()
+        };
+        let mut alone = Segments::default();
+        alone.push(straight);
+        assert_eq!(tangents(&alone), [None]);
     }
 }

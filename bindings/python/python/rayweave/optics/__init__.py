@@ -9,10 +9,13 @@ from rayweave.optics._columns import Columns
 from rayweave.optics._design import Goal, Optimum, Sensitivities, Trials, goal, optimise, tolerance
 from rayweave.optics._elements import (
     Aperture,
+    Asphere,
     Element,
     Finish,
     Material,
     aperture_stop,
+    aspheric_lens,
+    aspheric_mirror,
     axicon,
     baffle,
     ball_lens,
@@ -91,6 +94,7 @@ def glass(name: str) -> Glass:
 
 __all__ = [
     "Aperture",
+    "Asphere",
     "Balance",
     "Columns",
     "Distortion",
@@ -130,6 +134,8 @@ __all__ = [
     "Wavefront",
     "ZernikeFit",
     "aperture_stop",
+    "aspheric_lens",
+    "aspheric_mirror",
     "axicon",
     "baffle",
     "ball_lens",

@@ -39,8 +39,8 @@ class Sensitivities(Columns):
 
 
 class Trials(Columns):
-    """Trials with errors: the deviation of every parameter under its name, the `merit` (NaN where no light arrives), and `shift`, by
-    how much the image was moved to refocus it. `nominal` is the merit without errors, `sensitivities` what each parameter does."""
+    """Trials with errors: the deviation of every parameter under its name, the `merit` (NaN where no light arrives), `shift`, by
+    how much the image was moved to refocus it, and `lost`, how many rays of all fields and wavelengths did not arrive. `nominal` is the merit without errors, `sensitivities` what each parameter does."""
 
     nominal: float
     sensitivities: Sensitivities
@@ -74,17 +74,19 @@ def tolerance(
     *,
     trials: int = 1000,
     refocus: bool = False,
+    vignette: bool = False,
     rings: int = 6,
     seed: int = 0,
     threads: int | None = None,
 ) -> Trials:
     """Draws errors of parameters at random and tells what they do to a merit.
 
-    Parameters are called by a quantity and surfaces, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic 1", "index 1"; and
-    for surfaces that are moved as one body, about the vertex of the first, "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3"
+    Parameters are called by a quantity and surfaces, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic 1", "index 1", "r^4 1" (the
+    coefficient of a power of the distance from the axis, 1 to 16); and for surfaces that are moved as one body, about the vertex of the first, "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3"
     (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"), both over all fields,
     the "focal length", the "back focal distance", or the way of the first field's centroid ("image shift"). Rays go from surface to
-    surface through the paraxial entrance pupil in so many `rings`, whatever the semi-diameters.
+    surface through the paraxial entrance pupil in so many `rings`, whatever the semi-diameters; with `vignette` those
+    end that meet a surface beyond the semi-diameter stated for it, or in its hole.
 
     With `refocus` the image of every trial is moved to where the mean square radius of all spots is least. Trial k is the same whatever
     the number of trials and of `threads`, and the errors of a parameter do not depend on the others.
@@ -96,6 +98,7 @@ def tolerance(
         merit,
         trials,
         refocus=refocus,
+        vignette=vignette,
         rings=rings,
         seed=seed,
         threads=threads,
@@ -104,7 +107,7 @@ def tolerance(
     units = {name: _unit(name, lens.unit) for name in spreads}
     columns = dict(zip(spreads, found["deviations"], strict=True))
     table = Trials(
-        {**columns, "merit": found["merits"], "shift": found["shifts"]},
+        {**columns, "merit": found["merits"], "shift": found["shifts"], "lost": found["lost"]},
         {**units, "merit": unit, "shift": lens.unit},
     )
     table.nominal = found["nominal"]
@@ -131,6 +134,9 @@ def _spread(spread: Spread) -> tuple[str, float]:
 
 def _unit(name: str, unit: str) -> str:
     kind = name.split()[0]
+    if kind.startswith("r^"):
+        power = int(kind[2:]) - 1
+        return "" if power == 0 else f"1/{unit}" if power == 1 else f"1/{unit}^{power}"
     return {"tilt": "degrees", "conic": "", "index": "", "curvature": f"1/{unit}"}.get(kind, unit)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rayweave import _core
 from rayweave._core import RayweaveError, Sheet, Solid
 
 if TYPE_CHECKING:
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 
 _AXES = {"zx": (2, 0), "zy": (2, 1), "xy": (0, 1)}
 _LINES = 800
+#: The sine of the angle between chord and direction below which a piece of a ray is straight.
+_STRAIGHT = 1e-6
+_CURVED = _core.event_names().index("curved")
 
 
 def draw(
@@ -35,9 +39,9 @@ def draw(
     tilts = np.stack([trace[f"{k}_tilt"] for k in "xyz"], axis=1)[chosen]
     ends = np.where(np.isnan(ends), starts + length * tilts, ends)
     _sections(trace.system, axis, across, up, limits)
-    lines = np.stack([starts[:, [across, up]], ends[:, [across, up]]], axis=1)
+    lines = [line[:, [across, up]] for line in _lines(trace, starts, ends, tilts, chosen)]
     shades = _colours(trace, color, chosen)
-    axis.add_collection(LineCollection(list(lines), colors=shades, linewidths=width, zorder=3))
+    axis.add_collection(LineCollection(lines, colors=shades, linewidths=width, zorder=3))
     axis.set_aspect("equal")
     axis.set_xlabel("xyz"[across])
     axis.set_ylabel("xyz"[up])
@@ -52,6 +56,35 @@ def _pieces(trace: Trace, rays: int) -> tuple[NDArray[Any], NDArray[Any], NDArra
     starts = np.stack([trace[f"{k}0"] for k in "xyz"], axis=1)[chosen]
     ends = np.stack([trace[f"{k}1"] for k in "xyz"], axis=1)[chosen]
     return starts, ends, chosen
+
+
+def _lines(
+    trace: Trace, starts: NDArray[Any], ends: NDArray[Any], tilts: NDArray[Any], chosen: NDArray[Any]
+) -> list[NDArray[np.float64]]:
+    """Points (M, 3) of every piece of a ray: its ends, or of a piece of a curve, whose direction is that at its end, points of the
+    cubic with its ends and directions."""
+    lines = list(np.stack([starts, ends], axis=1))
+    chords = ends - starts
+    lengths = np.linalg.norm(chords, axis=1)
+    chords /= np.where(lengths > 0, lengths, 1.0)[:, None]
+    bent = np.linalg.norm(np.cross(chords, tilts), axis=1) > _STRAIGHT
+    # the direction at the start: that at the end of the piece before or, where the curve begins, that of a parabola
+    parents = trace["parent"][chosen]
+    # of a part of a trace the rows before are not there
+    known = (parents >= 0) & (parents < trace.rows)
+    parents = np.where(known, parents, 0)
+    meets = np.stack([trace[f"{k}1"] for k in "xyz"], axis=1)[parents] == starts
+    curved = known & (trace["event"][parents] == _CURVED) & meets.all(axis=1)
+    before = np.stack([trace[f"{k}_tilt"] for k in "xyz"], axis=1)[parents]
+    parabola = 2.0 * (chords * tilts).sum(axis=1)[:, None] * chords - tilts
+    first = np.where(curved[:, None], before, parabola)
+    t = np.linspace(0.0, 1.0, 9)[:, None]
+    for k in np.flatnonzero(bent):
+        inner = starts[k] + lengths[k] / 3 * first[k], ends[k] - lengths[k] / 3 * tilts[k]
+        points = starts[k], *inner, ends[k]
+        weights = (1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3
+        lines[k] = np.sum([weight * point for weight, point in zip(weights, points, strict=True)], axis=0)
+    return lines
 
 
 def _bodies(system: System) -> list[tuple[Solid, bool]]:

@@ -161,9 +161,12 @@ def _component(
     material: Material,
     aperture: Aperture | None = None,
     off_axis: tuple[float, float] = (0.0, 0.0),
+    terms: list[tuple[list[float], list[float]]] | None = None,
 ) -> Element:
     outline = None if aperture is None else _outline(aperture)
-    (solid,) = _core.optical_component(kind, [float(number) for number in numbers], outline, off_axis)
+    (solid,) = _core.optical_component(
+        kind, [float(number) for number in numbers], outline, off_axis, terms or []
+    )
     return Element(name, solid, material)
 
 
@@ -207,6 +210,59 @@ def conic_lens(
 ) -> Element:
     """A lens whose faces are conics of revolution with the conic constants k (0 a sphere, -1 a paraboloid)."""
     return _component("conic_lens", (r1, k1, r2, k2, thickness), name, material, aperture)
+
+
+@dataclass(frozen=True)
+class Asphere:
+    """A surface of revolution: a conic with terms in powers of the distance r from the axis.
+
+    `radius` is the radius of curvature at the vertex, inf for none, and `conic` the conic constant; `even` are the coefficients of
+    r^2, r^4, ..., r^16 and `odd` those of r, r^3, ..., r^15, as many as are needed: in the unit of lengths to the power 1 less that
+    of r. The sag is `c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2))` and the sum of the terms (ISO 10110-12).
+    """
+
+    radius: float = float("inf")
+    conic: float = 0.0
+    even: tuple[float, ...] = ()
+    odd: tuple[float, ...] = ()
+
+    def _terms(self) -> tuple[list[float], list[float]]:
+        return [float(c) for c in self.even], [float(c) for c in self.odd]
+
+
+def aspheric_lens(
+    front: Asphere | float,
+    back: Asphere | float,
+    thickness: float,
+    *,
+    aperture: Aperture,
+    material: Material = "N-BK7",
+    name: str = "lens",
+) -> Element:
+    """A lens whose faces are aspheres, or spheres by their radii; otherwise a `lens`."""
+    faces = [_asphere(front), _asphere(back)]
+    numbers = (faces[0].radius, faces[0].conic, faces[1].radius, faces[1].conic, thickness)
+    terms = [face._terms() for face in faces]
+    return _component("aspheric_lens", numbers, name, material, aperture, terms=terms)
+
+
+def aspheric_mirror(
+    face: Asphere | float,
+    thickness: float,
+    *,
+    aperture: Aperture,
+    off_axis: tuple[float, float] = (0.0, 0.0),
+    name: str = "mirror",
+) -> Element:
+    """A mirror whose face is an asphere with its vertex at the origin, and faces -z: concave if the radius is negative. The rim and
+    the back absorb."""
+    face = _asphere(face)
+    numbers = (face.radius, face.conic, thickness)
+    return _faced("aspheric_mirror", numbers, name, aperture, off_axis, [face._terms()])
+
+
+def _asphere(face: Asphere | float) -> Asphere:
+    return face if isinstance(face, Asphere) else Asphere(float(face))
 
 
 def cemented(
@@ -337,9 +393,14 @@ def lenslet_array(
 
 
 def _faced(
-    kind: str, numbers: _Numbers, name: str, aperture: Aperture, off_axis: tuple[float, float]
+    kind: str,
+    numbers: _Numbers,
+    name: str,
+    aperture: Aperture,
+    off_axis: tuple[float, float],
+    terms: list[tuple[list[float], list[float]]] | None = None,
 ) -> Element:
-    mirror = _component(kind, numbers, name, "absorber", aperture, off_axis)
+    mirror = _component(kind, numbers, name, "absorber", aperture, off_axis, terms)
     return mirror.with_finish(reflecting(), "front")
 
 

@@ -51,6 +51,10 @@ class Surface:
     `radius` is positive if the centre lies on the side of +z, inf for a plane; `thickness` is the distance along z to the next
     surface, negative where light travels back; `conic` the conic constant (0 a sphere, -1 a paraboloid); `semi_diameter` the clear
     one, by default what the rays of all fields need and 2 % more; `hole` the semi-diameter of a hole in a mirror.
+
+    `even` are the coefficients of r^2, r^4, ..., r^16 and `odd` those of r, r^3, ..., r^15, as many as are needed; they add to the
+    sag of the conic. That of r^2 adds to the curvature; that of r makes a cone around the vertex and has no part in
+    first-order data.
     """
 
     radius: float = float("inf")
@@ -59,9 +63,16 @@ class Surface:
     conic: float = 0.0
     semi_diameter: float | None = None
     hole: float = 0.0
+    even: tuple[float, ...] = ()
+    odd: tuple[float, ...] = ()
 
     def _row(self) -> tuple[Any, ...]:
-        return self.radius, self.thickness, self.behind, self.conic, self.semi_diameter, self.hole
+        terms = [[float(c) for c in coefficients] for coefficients in (self.even, self.odd)]
+        return (self.radius, self.thickness, self.behind, self.conic, self.semi_diameter, self.hole, *terms)
+
+    @classmethod
+    def _of(cls, row: tuple[Any, ...]) -> Surface:
+        return cls(*row[:6], *map(tuple, row[6:]))
 
 
 @dataclass(frozen=True)
@@ -209,7 +220,7 @@ class Prescription:
     @property
     def surfaces(self) -> tuple[Surface, ...]:
         """The surfaces; the first is number 1."""
-        return tuple(Surface(*row) for row in self._compiled.rows())
+        return tuple(Surface._of(row) for row in self._compiled.rows())
 
     @property
     def fields(self) -> tuple[tuple[float, float], ...]:

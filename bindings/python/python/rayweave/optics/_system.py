@@ -245,6 +245,7 @@ class Trace(Mapping[str, NDArray[Any]]):
         self.system = system
         self.columns = columns
         self._balance = balance
+        self._is_whole = True
 
     @property
     def balance(self) -> Balance:
@@ -281,7 +282,23 @@ class Trace(Mapping[str, NDArray[Any]]):
             if event not in events:
                 raise _core.RayweaveError(f"there is no event {event!r} (there are {', '.join(events)})")
             chosen &= self.columns["event"] == events.index(event)
-        return Trace(self.system, {name: column[chosen] for name, column in self.columns.items()}, self._balance)
+        part = Trace(self.system, {name: column[chosen] for name, column in self.columns.items()}, self._balance)
+        part._is_whole = False
+        return part
+
+    def phases(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The phase of each row where its `path` ends, in degrees from 0 to 360: of light across the plane of incidence (s) and of
+        light in it (p).
+
+        It grows by 360 degrees a wavelength of the optical path and jumps where light is reflected or goes into another medium, by
+        the argument of Fresnel's amplitude or of that of a coating; waves go as exp(i (k.r - w t)), and p keeps its sign where light
+        is thrown back from a denser medium at normal incidence (Born & Wolf, Principles of Optics, section 1.5.2). The sums
+        hold for light that stays s or p, where all planes of incidence are one. Light that is scattered has none: NaN. Only
+        of a whole trace, not of what `at` has chosen.
+        """
+        if not self._is_whole:
+            raise _core.RayweaveError("the rows before are not there (ask the whole trace for phases, then choose)")
+        return self.system._compiled.phases(self.columns)
 
     def spot(self, element: str) -> Spot:
         """Where the light arrives at an element, in the coordinates in which it was made, with the power that it has where its last

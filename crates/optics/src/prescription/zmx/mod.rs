@@ -11,8 +11,8 @@
 //! | `XFLN`, `YFLN` (`XFLD`, `YFLD`) | fields |
 //! | `WAVM n` (`WAVL`, `WWGT`), `PWAV` | wavelengths in µm with weights, the primary one |
 //! | `SURF n` | begins a surface: 0 is the object, the last one the image |
-//! | `TYPE` | STANDARD, or EVENASPH |
-//! | `PARM 1` to `PARM 8` | of EVENASPH, the coefficients of r^2, r^4, ..., r^16 |
+//! | `TYPE` | STANDARD, EVENASPH or ODDASPHE |
+//! | `PARM 1` to `PARM 8` | of EVENASPH, the coefficients of r^2, r^4, ..., r^16; of ODDASPHE, those of r, r^2, ..., r^8 |
 //! | `CURV`, `CONI`, `DISZ` | curvature, conic constant, distance to the next surface |
 //! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number, which are also taken for unknown glasses |
 //! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is computed again) |

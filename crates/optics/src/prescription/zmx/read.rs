@@ -72,8 +72,8 @@ struct Record {
     diam: f64,
     hole: f64,
     is_stop: bool,
-    /// The coefficients of an even asphere.
-    even: [f64; 8],
+    /// The first eight parameters of a type that has them.
+    parameters: [f64; 8],
 }
 
 #[derive(Default)]
@@ -165,21 +165,17 @@ impl Reader {
         match keyword {
             "TYPE" => {
                 surface.kind = words.first().copied().unwrap_or("").to_owned();
-                if !matches!(surface.kind.as_str(), "STANDARD" | "EVENASPH") {
-                    let kind = &surface.kind;
-                    return Err(format!(
-                        "the surface is of type {kind} (only STANDARD and EVENASPH surfaces are read)"
-                    ));
-                }
+                known_type(&surface.kind)?;
             }
-            "PARM" if surface.kind == "EVENASPH" => {
+            "PARM" if matches!(surface.kind.as_str(), "EVENASPH" | "ODDASPHE") => {
                 let (place, value) = (whole(words, 0)?, number(words, 1)?);
-                match place.checked_sub(1).and_then(|k| surface.even.get_mut(k)) {
+                match place.checked_sub(1).and_then(|k| surface.parameters.get_mut(k)) {
                     Some(coefficient) => *coefficient = value,
                     None if value == 0.0 => {}
                     None => {
+                        let powers = if surface.kind == "EVENASPH" { "r^2 to r^16" } else { "r to r^8" };
                         return Err(format!(
-                            "the asphere has a parameter {place} (1 to 8 are read, r^2 to r^16)"
+                            "the asphere has a parameter {place} (1 to 8 are read, {powers})"
                         ));
                     }
                 }
@@ -300,12 +296,39 @@ impl Reader {
     }
 }
 
+/// Types of surfaces that a prescription has; of those that designers know the reason why others are not read.
+fn known_type(kind: &str) -> Result<(), String> {
+    let why = match kind {
+        "STANDARD" | "EVENASPH" | "ODDASPHE" => return Ok(()),
+        "BICONICX" | "BICONICZ" | "TOROIDAL" => {
+            "surfaces of prescriptions are of revolution; components and solids need not be"
+        }
+        "COORDBRK" => {
+            "all surfaces of a prescription are on one axis; `tilt` and `decentre` of tolerances move them"
+        }
+        _ => "STANDARD, EVENASPH and ODDASPHE surfaces are read",
+    };
+    Err(format!("the surface is of type {kind} ({why})"))
+}
+
 impl Record {
+    /// The coefficients of the even and the odd powers of r.
+    fn terms(&self) -> ([f64; 8], [f64; 8]) {
+        let every_second = |first: usize| {
+            std::array::from_fn(|k| self.parameters.get(2 * k + first).copied().unwrap_or(0.0))
+        };
+        match self.kind.as_str() {
+            "ODDASPHE" => (every_second(1), every_second(0)),
+            _ => (self.parameters, [0.0; 8]),
+        }
+    }
+
     fn surface(&self) -> Surface {
         Surface {
             radius: radius(self.curvature),
             conic: self.conic,
-            even: self.even,
+            even: self.terms().0,
+            odd: self.terms().1,
             thickness: self.thickness,
             behind: self.behind.clone().unwrap_or(Behind::Air),
             semi_diameter: self.semi_diameter,

@@ -9,7 +9,8 @@ use crate::prescription::{Behind, FieldKind, Prescription, PrescriptionError, Su
 /// semi-diameter of its own.
 ///
 /// # Errors
-/// [`PrescriptionError::Glass`] for media that do not exist.
+/// [`PrescriptionError::Glass`] for media that do not exist, [`PrescriptionError::Undefined`] for a surface with odd powers of r
+/// and any beyond r^8, which no type of surface holds.
 pub fn write_zmx(lens: &Prescription) -> Result<String, PrescriptionError> {
     let mut file = head(lens);
     let thickness = if lens.object_distance.is_finite() {
@@ -25,6 +26,11 @@ pub fn write_zmx(lens: &Prescription) -> Result<String, PrescriptionError> {
         file.extend((number == lens.stop).then(|| "  STOP".to_owned()));
         let glass = glass(&surface.behind);
         let glass = glass.map_err(|problem| PrescriptionError::Glass { surface: number, problem })?;
+        let has_high = surface.even[4..].iter().chain(&surface.odd[4..]).any(|&c| c != 0.0);
+        if surface.odd != [0.0; 8] && has_high {
+            let why = "a surface has odd powers of r, and one beyond r^8, which ODDASPHE does not hold";
+            return Err(PrescriptionError::Undefined { what: "Zemax file", why });
+        }
         let semi_diameter = match lens.aperture {
             SystemAperture::StopSemiDiameter(radius) if number == lens.stop => Some(radius),
             _ => surface.semi_diameter,
@@ -72,11 +78,15 @@ fn unit(unit_nm: f64) -> &'static str {
 
 fn surface_lines(surface: &Surface, glass: Option<String>) -> Vec<String> {
     let curvature = if surface.radius.is_infinite() { 0.0 } else { 1.0 / surface.radius };
-    let has_terms = surface.even != [0.0; 8];
-    let kind = if has_terms { "EVENASPH" } else { "STANDARD" };
+    let has_terms = surface.asphere().has_terms();
+    let (kind, parameters) = match surface.odd == [0.0; 8] {
+        true if !has_terms => ("STANDARD", surface.even),
+        true => ("EVENASPH", surface.even),
+        false => ("ODDASPHE", alternating(surface)),
+    };
     let mut lines = vec![format!("  TYPE {kind}"), format!("  CURV {:.15e}", curvature)];
     if has_terms {
-        lines.extend(surface.even.iter().zip(1..).map(|(c, k)| format!("  PARM {k} {c:e}")));
+        lines.extend(parameters.iter().zip(1..).map(|(c, k)| format!("  PARM {k} {c:e}")));
     }
     lines.extend((surface.conic != 0.0).then(|| format!("  CONI {}", surface.conic)));
     lines.push(format!("  DISZ {}", surface.thickness));
@@ -86,6 +96,11 @@ fn surface_lines(surface: &Surface, glass: Option<String>) -> Vec<String> {
         lines.push(format!("  CLAP {} {} 0", surface.hole, surface.semi_diameter.unwrap_or(0.0)));
     }
     lines
+}
+
+/// The coefficients of r, r^2, ..., r^8.
+fn alternating(surface: &Surface) -> [f64; 8] {
+    std::array::from_fn(|k| if k % 2 == 0 { surface.odd[k / 2] } else { surface.even[k / 2] })
 }
 
 /// The arguments of `GLAS`; none for air.

@@ -1,0 +1,110 @@
+//! Phases along rays: of the optical path, and the jumps where light is reflected or goes from one medium to another.
+
+use crate::element::Finish;
+use crate::interface::{Film, response};
+use crate::segments::{Event, Segment, Segments};
+use crate::system::Substance;
+use crate::trace::{Tracer, against};
+use num_complex::Complex64;
+use rayweave_model::{Collected, Crossing, Evaluator, Query, Window, dress};
+use rayweave_shape::Ray;
+
+/// The phase of each row of a table of segments where its [path](Segment::path) ends, in degrees from 0 to 360.
+///
+/// It grows along the ray as the optical path does, 360 degrees a wavelength, and jumps by the argument of the amplitude of
+/// reflection or transmission: of Fresnel's formulas, or of a stack of films with all reflections in it
+/// ([`response`]), for light that swings across the plane of incidence (s) and for light in that plane (p). Of
+/// beams that meet again amplitudes add: `sum sqrt(intensity) exp(i phase)`.
+///
+/// - Waves go as `exp(i (k.r - w t))`. With `p = k x s` for every beam p keeps its sign where light is thrown back from a denser medium
+///   at normal incidence, and s is reversed, by 180 degrees (Born & Wolf, *Principles of Optics*, 7th edition, section 1.5.2).
+/// - The sums of s and of p are those of light that stays s or p: where all planes of incidence are one, or at normal
+///   incidence. Where the plane turns from face to face, take the jump of each event alone.
+/// - Ideal mirrors and beam splitters are perfect conductors: 180 degrees for s, 0 for p. Polarisers, wave plates, thin lenses and gratings
+///   add nothing to the path's. Where light is scattered (rough and diffuse faces) it has no phase: NaN.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Phases {
+    /// Of light across the plane of incidence.
+    pub s: Vec<f64>,
+    /// Of light in the plane of incidence.
+    pub p: Vec<f64>,
+}
+
+/// Jumps of s and p, in degrees.
+type Jump = [f64; 2];
+
+const NONE: Jump = [0.0; 2];
+const UNKNOWN: Jump = [f64::NAN; 2];
+const CONDUCTOR: Jump = [180.0, 0.0];
+
+impl<E: Evaluator> Tracer<'_, E> {
+    /// The phases of the segments of a trace of this system, whose parents are rows before them, as in every
+    /// [`Trace`](crate::Trace). Each event is looked at again: this takes about as long as the trace.
+    pub fn phases(&self, segments: &Segments) -> Phases {
+        let mut jumps: Vec<Jump> = Vec::with_capacity(segments.len());
+        for row in segments.iter() {
+            let parent = usize::try_from(row.parent).ok().filter(|&parent| parent < jumps.len());
+            let sum = parent.map_or(NONE, |parent| {
+                let own = self.jump(&segments.get(parent), &row);
+                [0, 1].map(|k| jumps[parent][k] + own[k])
+            });
+            jumps.push(sum);
+        }
+        let waves = |row: Segment| row.path * self.system.unit_nm / row.wavelength_nm;
+        let whole = |k: usize| {
+            let rows = segments.iter().zip(&jumps);
+            rows.map(|(row, jump)| (360.0 * waves(row).fract() + jump[k]).rem_euclid(360.0)).collect()
+        };
+        Phases { s: whole(0), p: whole(1) }
+    }
+
+    /// From the end of a segment to the beginning of one that follows it.
+    fn jump(&self, before: &Segment, after: &Segment) -> Jump {
+        match before.event {
+            Event::Transmitted | Event::Reflected | Event::TotallyReflected | Event::Split => {}
+            Event::Scattered => return UNKNOWN,
+            _ => return NONE,
+        }
+        if before.surface as usize >= self.system.sheets_from() {
+            let goes_on = before.direction.dot(after.direction) > 1.0 - 1e-12;
+            return if goes_on { NONE } else { CONDUCTOR };
+        }
+        self.crossing(before).map_or(UNKNOWN, |(ray, crossing)| self.at_face(before, after, &ray, &crossing))
+    }
+
+    /// The crossing at the end of a segment, with the ray that makes it.
+    fn crossing(&self, row: &Segment) -> Option<(Ray, Crossing)> {
+        let length = (row.end - row.start).length();
+        // of a curve the tangent at its end
+        let ray = Ray::new(row.end - length * row.direction, row.direction);
+        let query = Query { window: Window::new(0.5 * length, 2.0 * length).ok()?, ..Query::nearest() };
+        let found: Collected = self.solids.one(ray, &query).ok()?;
+        let crossing = *found.of(0).first()?;
+        let surface = self.system.face_at(&crossing).surface;
+        (surface == row.surface as usize).then_some((ray, crossing))
+    }
+
+    fn at_face(&self, before: &Segment, after: &Segment, ray: &Ray, crossing: &Crossing) -> Jump {
+        let normal = against(dress::normal(&self.system.program, ray, crossing), ray.direction);
+        let is_reflected = after.direction.dot(normal) > 0.0;
+        let face = self.system.face_at(crossing);
+        let films: Vec<Film> = match face.finish {
+            Finish::Polished => Vec::new(),
+            // films are listed from outside
+            Finish::Coated(films) if face.from_inside => films.iter().rev().copied().collect(),
+            Finish::Coated(films) => films.clone(),
+            Finish::Rough { .. } | Finish::Diffuse { .. } => return UNKNOWN,
+            _ => return if is_reflected { CONDUCTOR } else { NONE },
+        };
+        let index = |substance: &Substance| substance.index_at(before.wavelength_nm, before.end);
+        let [front, behind] =
+            [crossing.before, crossing.after].map(|region| index(self.system.substance(region)));
+        let cosine = ray.direction.dot(normal).abs().min(1.0);
+        let found = response(front.re, &films, behind, cosine, before.wavelength_nm);
+        (if is_reflected { found.reflected } else { found.transmitted }).map(degrees)
+    }
+}
+
+fn degrees(amplitude: Complex64) -> f64 {
+    libm::atan2(amplitude.im, amplitude.re).to_degrees()
+}
