@@ -37,26 +37,44 @@ struct Seen {
 }
 
 impl Seen {
-    fn piece(&mut self, piece: &Piece<'_>, [thin, narrow]: [f64; 2]) {
+    /// What a piece tells; `is_mother` says whether the first region is around the second one.
+    fn piece(
+        &mut self,
+        piece: &Piece<'_>,
+        [thin, narrow]: [f64; 2],
+        is_mother: &impl Fn(RegionId, RegionId) -> bool,
+    ) {
         let (region, [before, after]) = (piece.region(), piece.neighbours());
-        let world = RegionId(0);
+        let (world, pair) = (RegionId(0), [before.min(after), before.max(after)]);
         if region == world {
             if before != world && after != world {
-                self.narrow(piece, [before.min(after), before.max(after)], narrow);
+                self.narrow(piece, pair, narrow);
             }
             return;
         }
         self.regions.insert(region);
-        if let Some(width) = width(piece, thin) {
-            let least = Thinnest { width, chord: piece.chord(), count: 1 };
-            self.thin.entry(region).and_modify(|known| *known = known.and(&least)).or_insert(least);
+        match width(piece, thin.max(narrow)) {
+            // what lies between daughters is a gap, whatever fills it
+            Some(_) if is_mother(region, before) && is_mother(region, after) => {
+                self.narrow(piece, pair, narrow);
+            }
+            Some(width) if width < thin => {
+                let least = Thinnest { width, chord: piece.chord(), count: 1 };
+                self.thin.entry(region).and_modify(|known| *known = known.and(&least)).or_insert(least);
+            }
+            _ => {}
         }
         if after != world && after != region {
-            let cosine = piece.normals()[1].dot((piece.chord().to - piece.chord().from).normalize_or_zero());
-            let contact = Contact { area: piece.area * cosine.abs(), chord: piece.chord() };
-            let known = self.contacts.entry([region.min(after), region.max(after)]);
-            known.and_modify(|known| known.area += contact.area).or_insert(contact);
+            self.touch(piece, [region.min(after), region.max(after)]);
         }
+    }
+
+    /// The end of a piece at another region.
+    fn touch(&mut self, piece: &Piece<'_>, pair: Two) {
+        let chord = piece.chord();
+        let cosine = piece.normals()[1].dot((chord.to - chord.from).normalize_or_zero());
+        let contact = Contact { area: piece.area * cosine.abs(), chord };
+        self.contacts.entry(pair).and_modify(|known| known.area += contact.area).or_insert(contact);
     }
 
     fn narrow(&mut self, piece: &Piece<'_>, pair: Two, narrow: f64) {
@@ -104,7 +122,14 @@ pub fn findings(
 ) -> Result<Vec<Finding>, Error> {
     let evaluator = AnyEvaluator::new(None, Arc::new(program))?;
     let limits = [probe.scope.wall, probe.scope.gap];
-    let visit = |seen: &mut Seen, piece: &Piece<'_>| seen.piece(piece, limits);
+    let is_mother =
+        |mother: RegionId, daughter: RegionId| match [mother, daughter].map(|r| r.index().checked_sub(1)) {
+            [Some(mother), Some(daughter)] => {
+                subject.hierarchy.is_some_and(|known| known.is_within(daughter, mother))
+            }
+            _ => false,
+        };
+    let visit = |seen: &mut Seen, piece: &Piece<'_>| seen.piece(piece, limits, &is_mother);
     let mut seen = Seen::default();
     let (frame, across) = (probe.frame, probe.settings.across);
     probe.survey(&evaluator, &frame, across, visit, |some: Seen| seen.add(some, true))?;

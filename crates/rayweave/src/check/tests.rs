@@ -163,6 +163,15 @@ fn daughters_and_copies() {
     assert_eq!((outside.kind, outside.regions.join(" ")), (Kind::Outside, "Crate Hall".to_owned()));
     assert!(is_about(outside.volume, 4500.0) && (outside.size.unwrap() - 5.0).abs() < 1e-9, "{outside:?}");
     assert!(hierarchy.is_within(2, 0) && !hierarchy.is_within(0, 2));
+    // 2.5 mm of the hall between the crate and a cell of it that was moved there is a gap, and no thin wall
+    let apart = DETECTOR.replace(r#"x="-25""#, r#"x="17.5""#);
+    let imported = rayweave_formats::parse(&apart, Format::Gdml, &[], &Options::default()).unwrap();
+    let settings = CheckSettings { wall: Some(3.0), gap: Some(3.0), ..quick() };
+    let report = check(&imported.scene, Some(&hierarchy), &settings, &mut |_| ()).unwrap();
+    let gap = report.of(Kind::Gap).next().unwrap();
+    assert!((gap.size.unwrap() - 2.5).abs() < 1e-9 && gap.regions.contains(&"Crate".to_owned()), "{gap:?}");
+    assert!(report.of(Kind::Thin).next().is_none(), "{report:?}");
+    let imported = rayweave_formats::parse(DETECTOR, Format::Gdml, &[], &Options::default()).unwrap();
     // without the hierarchy a crate that reaches out of a hall is two boxes that overlap
     let report = check(&imported.scene, None, &quick(), &mut |_| ()).unwrap();
     assert!(report.of(Kind::Overlap).any(|f| f.regions == ["Hall", "Crate"]), "{report:?}");

@@ -156,11 +156,13 @@ impl SectionPlane {
 
 impl fmt::Display for SectionPlane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let short =
-            |x: f64| rayweave_render::axis::number(x, 1e-4 * x.abs().max(1e-300)).replace('\u{2212}', "-");
-        let point = |p: Vec3| p.to_array().map(short).join(", ");
+        // the digits that the steps of a stack have; not what they round to
+        let number = |x: f64, part: f64| {
+            rayweave_render::axis::number(x, part * x.abs().max(1e-300)).replace('\u{2212}', "-")
+        };
+        let point = |p: Vec3| p.to_array().map(|x| number(x, 1e-4)).join(", ");
         match self.form {
-            Form::Axis(axis) => write!(f, "{} = {}", ["x", "y", "z"][axis], self.offset),
+            Form::Axis(axis) => write!(f, "{} = {}", ["x", "y", "z"][axis], number(self.offset, 1e-12)),
             Form::Oblique { normal, .. } => {
                 write!(f, "through ({}), normal ({})", point(self.point()), point(normal))
             }
@@ -196,6 +198,7 @@ mod tests {
         for text in ["", "w=1", "z", "z=", "z=nan", "z=inf", "1"] {
             assert!(text.parse::<SectionPlane>().unwrap_err().to_string().contains("as z=2.5"), "{text}");
         }
+        assert_eq!(SectionPlane::across(1, 6.0 - 4.0 * 1.2).unwrap().to_string(), "y = 1.2");
         let slanted = SectionPlane::new(Vec3::ONE, Vec3::new(0.0, 0.0, -4.0)).unwrap();
         assert_eq!(slanted.at(3.0).unwrap().to_string(), "through (1, 1, -2), normal (0, 0, -1)");
         for (point, normal) in
