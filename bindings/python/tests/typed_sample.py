@@ -17,6 +17,19 @@ def hit_arrays() -> None:
     assert times.shape == counts.shape
 
 
+def geometry() -> None:
+    ball = rayweave.sphere(1)
+    assert_type(rayweave.section(ball, "z=0.5", tolerance=0.01), rayweave.Section)
+    stack = rayweave.section(ball, at=[0, 0.5], by="region", within=[[-1, -1, -1], [1, 1, 1]])
+    assert_type(stack, list[rayweave.Section])
+    assert_type(stack[0].areas, NDArray[np.float64])
+    assert_type(stack[0].contours("solid"), tuple[NDArray[np.float64], ...])
+    assert_type(rayweave.diff(ball, ball, by="whole", cells=8).both, NDArray[np.float64])
+    report = rayweave.check(ball, cells=8, wall=0.1)
+    assert_type(report.findings, tuple[rayweave.Finding, ...])
+    assert_type(rayweave.thickness(ball, view="top", size=(4, 3)).lengths, NDArray[np.float64])
+
+
 def regions() -> None:
     region = rayweave.from_polygons([[[0, 0], [1, 0], [0, 1]], np.zeros((1, 2))], outside=1)
     assert_type(region.area, float)
@@ -139,6 +152,7 @@ def light() -> None:
 
 def main() -> None:
     hit_arrays()
+    geometry()
     regions()
     curves()
     root_rays()
