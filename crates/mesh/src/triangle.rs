@@ -27,37 +27,49 @@ pub(crate) fn normal(triangle: Triangle) -> Vec3 {
     cross / cross.length()
 }
 
-/// The point of a triangle that is closest to `p`.
-///
-/// *Source*: C. Ericson, Real-Time Collision Detection (2005), 5.1.5.
-pub(crate) fn closest_point([a, b, c]: Triangle, p: Vec3) -> Vec3 {
-    let (ab, ac) = (b - a, c - a);
-    let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
+/// The point of a triangle that is closest to `p`, to within a few roundings of the sizes at hand however thin the triangle
+/// is: where the point lies along the longest edge and where across are found one after the other, so that neither spoils the other.
+pub(crate) fn closest_point(triangle: Triangle, p: Vec3) -> Vec3 {
+    let [a, b, c] = from_longest_edge(triangle);
+    let (edge, to_c) = (b - a, c - a);
+    let per_length = 1.0 / edge.length_squared();
+    let along = |v: Vec3| v.dot(edge) * per_length;
+    let foot = along(to_c);
+    let across = to_c - foot * edge;
+    // what rounding left along the edge would tilt a short height
+    let across = across - along(across) * edge;
+    let s = along(p - a);
+    let height = (p - a - s * edge).dot(across) / across.length_squared();
+    let (at_a, at_b) = (1.0 - s - height * (1.0 - foot), s - height * foot);
+    // none of these holds for a triangle without height or edges
+    if height >= 0.0 && at_a >= 0.0 && at_b >= 0.0 {
+        return a + s * edge + height * across;
     }
-    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
+    let on_edges = [[a, b], [b, c], [c, a]].map(|edge| closest_on_edge(edge, p));
+    let nearer = |one: Vec3, other: Vec3| {
+        if (other - p).length_squared() < (one - p).length_squared() { other } else { one }
+    };
+    on_edges.into_iter().fold(on_edges[0], nearer)
+}
+
+/// The corners in the same turn, with the longest edge first.
+fn from_longest_edge([a, b, c]: Triangle) -> Triangle {
+    let [ab, bc, ca] = [b - a, c - b, a - c].map(|edge| edge.length_squared());
+    match () {
+        () if ab >= bc && ab >= ca => [a, b, c],
+        () if bc >= ca => [b, c, a],
+        () => [c, a, b],
     }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + (d1 / (d1 - d3)) * ab;
+}
+
+fn closest_on_edge([a, b]: [Vec3; 2], p: Vec3) -> Vec3 {
+    let edge = b - a;
+    let part = (p - a).dot(edge) / edge.length_squared();
+    match () {
+        () if part >= 1.0 => b,
+        () if part > 0.0 => a + part * edge,
+        () => a,
     }
-    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + (d2 / (d2 - d6)) * ac;
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        return b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
-    }
-    let scale = 1.0 / (va + vb + vc);
-    a + (vb * scale) * ab + (vc * scale) * ac
 }
 
 /// The side of the plane through a triangle on which a point is, exactly: -1, 0, 1.
@@ -137,4 +149,60 @@ fn overlap_in_plane(a: Triangle, b: Triangle) -> bool {
 fn separates(a: Triangle, b: Triangle, axis: usize) -> bool {
     let inner = turn_across(a, axis);
     (0..3).any(|k| b.iter().all(|&p| inner * turn_across([a[k], a[(k + 1) % 3], p], axis) <= 0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+    use rayweave_math::{Affine, UNIT_ROUNDOFF};
+
+    /// A triangle on the xy plane with edges of length 1 and less and this height, turned and moved.
+    fn placed(height: f64, map: &Affine) -> Triangle {
+        [Vec3::ZERO, Vec3::X, Vec3::new(0.3, height, 0.0)].map(|corner| map.point(corner))
+    }
+
+    fn random_map(rng: &mut ChaCha8Rng) -> Affine {
+        let mut vector = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+        let (axis, by) = (vector(), vector());
+        Affine::rotation(axis, rng.random_range(0.0..360.0)).then(&Affine::translate(by))
+    }
+
+    /// Points of a triangle, and points above and beside it, have the distances that they were given, however thin it is.
+    #[test]
+    fn distances_from_needles_are_exact_to_rounding() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for height in (0..14).map(|k| 10_f64.powi(-k)) {
+            for _ in 0..200 {
+                let map = random_map(&mut rng);
+                let triangle = placed(height, &map);
+                let mut weights = [0.0; 3].map(|_: f64| rng.random_range(0.0..1.0));
+                let sum: f64 = weights.iter().sum();
+                weights = weights.map(|weight| weight / sum);
+                let flat = weights[1] * Vec3::X + weights[2] * Vec3::new(0.3, height, 0.0);
+                let above = rng.random_range(0.0..0.5);
+                // the turned corners are rounded, by which the plane of a needle may turn: so above only where it cannot
+                let above = if height > 0.1 { above } else { 0.0 };
+                let beside = rng.random_range(0.0..0.5);
+                let cases = [
+                    (flat + above * Vec3::Z, above),
+                    (Vec3::new(flat.x, -beside, 0.0), beside),
+                    (Vec3::new(-beside, -0.1, 0.0), libm::hypot(beside, 0.1)),
+                ];
+                for (point, expected) in cases {
+                    let point = map.point(point);
+                    let found = (closest_point(triangle, point) - point).length();
+                    assert!((found - expected).abs() < 16.0 * UNIT_ROUNDOFF, "{height} {found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn triangles_without_area_have_closest_points() {
+        let on_a_line = [Vec3::ZERO, Vec3::X, 0.5 * Vec3::X];
+        assert_eq!(closest_point(on_a_line, Vec3::new(0.25, 1.0, 0.0)), 0.25 * Vec3::X);
+        assert_eq!(closest_point(on_a_line, Vec3::new(3.0, 1.0, 0.0)), Vec3::X);
+        assert_eq!(closest_point([Vec3::Y; 3], Vec3::X), Vec3::Y);
+    }
 }

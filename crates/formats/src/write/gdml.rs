@@ -47,6 +47,7 @@ struct Writer<'m, 's> {
 }
 
 pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, WriteError> {
+    model.tell_cuts(remarks);
     let scale = model.scene.unit.metres() / Unit::Millimetre.metres();
     if scale != 1.0 {
         remarks.add(RemarkKind::Changed, format!("lengths in {} are in mm", model.scene.unit));

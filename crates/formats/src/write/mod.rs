@@ -100,7 +100,7 @@ pub fn write(
         return Ok(native(scene, stated));
     }
     let mut remarks = Remarks::default();
-    let model = Model::new(scene, format, options, &mut remarks)?;
+    let model = Model::new(scene, format, options)?;
     if stated.is_some_and(|document| !document.foreign.is_empty()) {
         remarks.add(RemarkKind::Dropped, "tables of other programs and of optics");
     }

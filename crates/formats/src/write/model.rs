@@ -24,12 +24,7 @@ pub(super) struct Model<'s> {
 }
 
 impl<'s> Model<'s> {
-    pub fn new(
-        scene: &'s Scene,
-        format: Format,
-        options: &WriteOptions,
-        remarks: &mut Remarks,
-    ) -> Result<Model<'s>, WriteError> {
+    pub fn new(scene: &'s Scene, format: Format, options: &WriteOptions) -> Result<Model<'s>, WriteError> {
         let boxes: Vec<Bounds> = scene.regions.iter().map(region_bounds).collect::<Result<_, _>>()?;
         let is_endless = |bounds: &Bounds| !bounds.is_empty() && !bounds.is_finite();
         if let Some(number) = boxes.iter().position(is_endless) {
@@ -43,9 +38,6 @@ impl<'s> Model<'s> {
             return Err(WriteError::Tolerance(tolerance));
         }
         let later = later(&boxes);
-        if later.iter().any(|list| !list.is_empty()) {
-            remarks.add(RemarkKind::Changed, "regions have the later ones cut out that come near to them");
-        }
         // a flat region has no size in some direction
         let clip = whole.grown(MARGIN * diagonal);
         Ok(Model { scene, clip, tolerance, later })
@@ -54,6 +46,13 @@ impl<'s> Model<'s> {
     /// The regions that are more than the world, with their numbers.
     pub fn regions(&self) -> impl Iterator<Item = (usize, &'s SceneRegion)> {
         self.scene.regions.iter().enumerate().filter(|(_, region)| region.medium != 0)
+    }
+
+    /// A remark on what is cut out of regions.
+    pub fn tell_cuts(&self, remarks: &mut Remarks) {
+        if self.later.iter().any(|list| !list.is_empty()) {
+            remarks.add(RemarkKind::Changed, "regions have the later ones cut out that come near to them");
+        }
     }
 
     /// Remarks on what no format but the native one holds.

@@ -34,6 +34,7 @@ struct Writer<'m, 's> {
 }
 
 pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, WriteError> {
+    model.tell_cuts(remarks);
     let mut writer = Writer { model, remarks, region: 0, pieces: Vec::new(), known: HashMap::new() };
     let mut text = String::new();
     for (number, region) in model.regions() {

@@ -97,21 +97,37 @@ pub(super) fn meshes(model: &Model) -> Result<Vec<(String, Body)>, WriteError> {
     Ok(bodies)
 }
 
+/// All regions as one body: each is added as it is, so that no two bodies share a face that was cut, and what is of the medium of the
+/// world is taken away.
+fn whole(model: &Model) -> Result<Option<Body>, WriteError> {
+    let mut together = Vec::new();
+    for (number, region) in model.scene.regions.iter().enumerate() {
+        let failed = |why| WriteError::Kernel { region: region.name.clone(), why };
+        let Some(body) = solid(model, number)? else { continue };
+        if region.medium != 0 {
+            together.push(body);
+        } else if let Some(all) = Body::union(std::mem::take(&mut together)).map_err(failed)? {
+            together.extend(all.less(&body).map_err(failed)?);
+        }
+    }
+    Body::union(together).map_err(|why| WriteError::Kernel { region: "model".to_owned(), why })
+}
+
 pub(super) fn write(
     model: &Model,
     format: MeshFormat,
     options: &WriteOptions,
     remarks: &mut Remarks,
 ) -> Result<Vec<u8>, WriteError> {
-    let mut bodies = meshes(model)?;
     let is_plain =
         matches!(format, MeshFormat::Ply | MeshFormat::Off) || format == MeshFormat::Stl && !options.text;
-    if is_plain && bodies.len() > 1 {
+    let bodies = if is_plain && model.regions().count() > 1 {
         remarks.add(RemarkKind::Dropped, "what tells regions apart (they are one body)");
-        let all = bodies.into_iter().map(|(_, body)| body).collect();
-        let all = Body::union(all).map_err(|why| WriteError::Kernel { region: "model".to_owned(), why })?;
-        bodies = all.into_iter().map(|body| (String::new(), body)).collect();
-    }
+        whole(model)?.into_iter().map(|body| (String::new(), body)).collect()
+    } else {
+        model.tell_cuts(remarks);
+        meshes(model)?
+    };
     if bodies.is_empty() {
         remarks.add(RemarkKind::Changed, "there is nothing in the model, nor in the file");
     }
