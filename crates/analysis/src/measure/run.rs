@@ -76,7 +76,8 @@ pub fn measure<E: Evaluator>(
     let program = evaluator.program();
     let count = program.regions().len();
     let mut run = Run { evaluator, settings, progress, quantile, asked: 0, streams: 0 };
-    let boxes = program.region_bounds().into_iter().map(|own| run.clipped(own)).collect::<Vec<_>>();
+    let boxes = program.region_bounds().into_iter().map(|own| with_an_inside(run.clipped(own)));
+    let boxes = boxes.collect::<Vec<_>>();
     let whole = boxes.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
     let mut results = vec![Joined::default(); count];
     if !whole.is_empty() {
@@ -99,6 +100,11 @@ pub fn measure<E: Evaluator>(
 pub fn one_medium_each(regions: &[Region]) -> Vec<Region> {
     let own = |(k, region): (usize, &Region)| Region { medium: k as u32 + 1, ..region.clone() };
     regions.iter().enumerate().map(own).collect()
+}
+
+/// Nothing in place of a box without a width, of which no cross-section has an area.
+fn with_an_inside(own: Bounds) -> Bounds {
+    if own.size().min_element() > 0.0 { own } else { Bounds::EMPTY }
 }
 
 fn checked(settings: &Settings) -> Result<f64, MeasureError> {

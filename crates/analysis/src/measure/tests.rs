@@ -49,6 +49,14 @@ fn a_ball_far_from_the_origin() {
     }
 }
 
+/// Two cubes have a face in common and nothing else.
+#[test]
+fn a_box_without_a_width_holds_nothing() {
+    let found = one(&(cube(2.0) & cube(2.0).translate(2.0 * Vec3::X)), &quick());
+    assert_eq!((found.volume.value, found.volume.half_width), (0.0, 0.0), "{found:?}");
+    assert!(found.is_reached && found.centre.is_none(), "{found:?}");
+}
+
 #[test]
 fn what_is_flat_is_exact() {
     let solid = cube(2.0).scale(Vec3::new(1.0, 2.0, 3.0)).rotate_z(90.0);
