@@ -3,7 +3,7 @@
 use super::materials::Material;
 use super::structure::{Graph, Volume};
 use super::table::table;
-use super::{Context, Trouble};
+use super::{Context, NO_REGION, Trouble};
 use rayweave_math::Affine;
 use rayweave_model::Solid;
 use rayweave_scene::{Colour, Medium, Scene, SceneRegion, Table, Unit};
@@ -23,14 +23,14 @@ pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Optio
     let ancestry = Ancestry::new(graph, &order);
     let (mut regions, mut taken) = (Vec::new(), Taken::default());
     let mut names = HashMap::new();
-    for &volume in &order {
+    for &volume in order.iter().filter(|&&volume| !(volume == world && is_room(&graph.volumes[world]))) {
         let Some(solid) = ancestry.in_world(graph, volume) else {
             continue;
         };
         let name = taken.free(graph.volumes[volume].bare_name());
         names.insert(volume, name.clone());
         let medium = media.of(&graph.volumes[volume]);
-        let colour = colour(&graph.volumes[volume], medium, regions.is_empty());
+        let colour = colour(&graph.volumes[volume], medium, volume == world);
         regions.push(SceneRegion { name, solid, medium, colour });
     }
     let table = table(graph, world, &order, &names, &media.names);
@@ -47,6 +47,11 @@ pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Optio
         warnings: Default::default(),
     };
     Some((scene, table))
+}
+
+/// True for a world that was put around the regions of a scene when it was written.
+fn is_room(world: &Volume) -> bool {
+    world.auxiliary.iter().any(|tag| [tag.kind.as_str(), tag.value.as_str()] == NO_REGION)
 }
 
 /// The volumes within the world, mothers before all their daughters.

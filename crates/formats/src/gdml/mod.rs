@@ -39,6 +39,9 @@ use std::path::Path;
 use std::sync::Arc;
 use xml::{Files, Place};
 
+/// Kind and value of the auxiliary tag of a world that is only the room around a model which was no GDML file: it is no region.
+pub(crate) const NO_REGION: [&str; 2] = ["rayweave", "room"];
+
 /// The largest file in bytes.
 const LARGEST_FILE: u64 = 256 << 20;
 /// The memory that is taken for a byte of a file while it is read: 29 were measured for a file of placements.

@@ -12,6 +12,7 @@ use super::fold::{Builder, Operation, fold};
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError};
+use crate::gdml::NO_REGION;
 use rayweave_math::{Affine, Bounds, Mat3, Vec3, any_perpendicular};
 use rayweave_mesh::Mesh;
 use rayweave_scene::{Medium, Unit};
@@ -83,9 +84,9 @@ pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, Wri
     Ok(format!(
         "{HEAD}  <define>\n{defines}{}  </define>\n  <materials>\n{}  </materials>\n  <solids>\n{solids}  </solids>\n  \
          <structure>\n{volumes}    <volume name=\"{}\">\n      <materialref ref=\"{world_medium}\"/>\n      <solidref \
-         ref=\"{world}\"/>\n{placements}    </volume>\n  </structure>\n  <setup name=\"Default\" version=\"1.0\">\n    \
+         ref=\"{world}\"/>\n{placements}      <auxiliary auxtype=\"{}\" auxvalue=\"{}\"/>\n    </volume>\n  </structure>\n  <setup name=\"Default\" version=\"1.0\">\n    \
          <world ref=\"{}\"/>\n  </setup>\n</gdml>\n",
-        materials.0, materials.1, names.world, names.world
+        materials.0, materials.1, names.world, NO_REGION[0], NO_REGION[1], names.world
     )
     .into_bytes())
 }
