@@ -129,7 +129,7 @@ def test_diff_region_by_region():
     assert rayweave.diff(a, b, by="whole", cells=16).is_same
     with pytest.raises(RayweaveError, match="by is 'name'"):
         rayweave.diff(a, b, by="name")
-    with pytest.raises(RayweaveError, match="the distance is nan"):
+    with pytest.raises(RayweaveError, match="the distance is NaN"):
         rayweave.diff(a, b, distance=np.nan)
 
 
