@@ -26,8 +26,7 @@ fn every_format_is_written_and_read() {
             "{}",
             done.err
         );
-        // in GDML there is a world of its own around the part
-        assert_eq!(crossings(&bench, &out), if ending == "gdml" { 2 } else { 4 }, "{ending}");
+        assert_eq!(crossings(&bench, &out), 4, "{ending}");
     }
     // by name, to standard output
     let text = bench.says(&["convert", "part.toml", "-", "--to", "openscad", "--quiet"]);
