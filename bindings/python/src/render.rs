@@ -16,7 +16,9 @@ use rayweave::scene::{Camera, Colour, Medium, Projection, RenderSettings, Scene,
 use rayweave::{AnyEvaluator, Compiled};
 
 use crate::engine::thread_argument;
-use crate::error::{bad_type, bad_value};
+use crate::error::bad_value;
+use crate::interrupt::interruptible;
+use crate::measure::scene;
 use crate::model::PyModel;
 use crate::solid::PySolid;
 use crate::vectors::vector;
@@ -38,21 +40,21 @@ impl Subject {
             let (compiled, engine) = model.get().compiled(py)?;
             let (whole, scene) = (model.get().scene(), model.get().scene().clone().seen());
             if scene.regions.len() < whole.regions.len() {
-                let compiled = Compiled::new(&scene).map_err(bad_value)?;
-                let evaluator = AnyEvaluator::new(None, compiled.program.clone()).map_err(bad_value)?;
-                return Ok(Subject { scene, compiled, evaluator });
+                return Subject::of_scene(scene).map_err(bad_value);
             }
             return Ok(Subject { scene, compiled: compiled.clone(), evaluator: engine.evaluator().clone() });
         }
-        let Ok(solid) = object.cast::<PySolid>() else {
-            return Err(bad_type(format!("subject is {} (a Solid or a Model is needed)", object.get_type())));
-        };
-        let engine = solid.get().engine(py)?;
-        Ok(Subject {
-            scene: scene_of(solid.get().solid()),
-            compiled: compiled_of(engine.program.clone()),
-            evaluator: engine.evaluator().clone(),
-        })
+        let scene = scene(object)?;
+        let engine = object.cast::<PySolid>()?.get().engine(py)?;
+        let (compiled, evaluator) = (compiled_of(engine.program.clone()), engine.evaluator().clone());
+        Ok(Subject { scene, compiled, evaluator })
+    }
+
+    /// A scene, compiled anew.
+    fn of_scene(scene: Scene) -> Result<Subject, rayweave::Error> {
+        let compiled = Compiled::new(&scene)?;
+        let evaluator = AnyEvaluator::new(None, compiled.program.clone())?;
+        Ok(Subject { scene, compiled, evaluator })
     }
 }
 
@@ -94,10 +96,7 @@ impl Asked<'_> {
     }
 
     fn opened(&self, object: &Bound<'_, PyAny>) -> PyResult<Subject> {
-        let mut scene = match object.cast::<PyModel>() {
-            Ok(model) => model.get().scene().clone(),
-            Err(_) => Subject::new(object)?.scene,
-        };
+        let mut scene = scene(object)?;
         let open = || {
             for (name, opacity) in &self.opacity {
                 Opacity::new(name.as_deref(), *opacity)?.apply(&mut scene)?;
@@ -109,9 +108,7 @@ impl Asked<'_> {
             if let Some(explode) = &self.explode {
                 scene = explode.parse::<Explosion>()?.apply(&scene)?;
             }
-            let compiled = Compiled::new(&scene)?;
-            let evaluator = AnyEvaluator::new(None, compiled.program.clone())?;
-            Ok::<_, rayweave::Error>(Subject { scene, compiled, evaluator })
+            Subject::of_scene(scene)
         };
         open().map_err(bad_value)
     }
@@ -188,20 +185,7 @@ fn released<T: Send>(
     draw: impl FnOnce(&mut Run<'_>) -> Result<T, rayweave::Error> + Send,
 ) -> PyResult<T> {
     let cancel = Cancel::new();
-    let (token, mut interrupt) = (cancel.clone(), None);
-    let drawn = py.detach(|| {
-        let mut progress = |_| {
-            if let Err(error) = Python::attach(|py| py.check_signals()) {
-                interrupt = Some(error);
-                token.cancel();
-            }
-        };
-        draw(&mut Run { threads, cancel, progress: Some(&mut progress) })
-    });
-    match interrupt {
-        Some(error) => Err(error),
-        None => drawn.map_err(bad_value),
-    }
+    interruptible(py, &cancel, || draw(&mut Run { threads, cancel: cancel.clone(), progress: None }))
 }
 
 fn draw(
