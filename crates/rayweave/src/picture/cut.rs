@@ -54,7 +54,12 @@ impl Cut {
     /// [`crate::ErrorKind::Value`] for a percentage along an axis along which the model has no end or is empty,
     /// [`crate::ErrorKind::Compile`].
     pub fn apply(&self, scene: &Scene) -> Result<Scene, Error> {
-        let bounds = Program::compile_regions(&scene.model_regions())?.bounds();
+        let has_parts = self.0.iter().any(|condition| matches!(condition.place, Place::Part(_)));
+        // lengths need no box, which takes a compilation
+        let bounds = match has_parts {
+            true => Program::compile_regions(&scene.model_regions())?.bounds(),
+            false => Bounds::EMPTY,
+        };
         let sides = self.0.iter().map(|condition| condition.side(&bounds));
         let corner = Solid::intersection(sides.collect::<Result<Vec<_>, _>>()?);
         let mut scene = scene.clone();
