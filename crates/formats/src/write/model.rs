@@ -25,7 +25,7 @@ pub(super) struct Model<'s> {
 
 impl<'s> Model<'s> {
     pub fn new(scene: &'s Scene, format: Format, options: &WriteOptions) -> Result<Model<'s>, WriteError> {
-        let boxes: Vec<Bounds> = scene.regions.iter().map(region_bounds).collect::<Result<_, _>>()?;
+        let boxes = Program::compile_regions(&scene.model_regions())?.region_bounds();
         let is_endless = |bounds: &Bounds| !bounds.is_empty() && !bounds.is_finite();
         if let Some(number) = boxes.iter().position(is_endless) {
             return Err(WriteError::Unbounded { region: scene.regions[number].name.clone(), format });
@@ -77,10 +77,6 @@ impl<'s> Model<'s> {
             remarks.add(RemarkKind::Dropped, "numbers of media (index, density and others)");
         }
     }
-}
-
-fn region_bounds(region: &SceneRegion) -> Result<Bounds, WriteError> {
-    Ok(Program::compile(&region.solid)?.bounds())
 }
 
 /// For each box the later ones that meet it.
