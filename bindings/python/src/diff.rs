@@ -4,6 +4,7 @@ use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, diff, diff_section};
+use rayweave::measure::Settings;
 use rayweave::model::drive::Cancel;
 
 use crate::engine::thread_argument;
@@ -57,13 +58,15 @@ pub fn diff_columns<'py>(
         by,
         distance,
         across: cells,
-        precision,
-        confidence,
-        most_rays,
-        within: within.map(bounds),
-        seed,
-        threads: threads.map(thread_argument).transpose()?,
-        cancel: cancel.clone(),
+        measure: Settings {
+            precision,
+            confidence,
+            most_rays,
+            within: within.map(bounds),
+            seed,
+            threads: threads.map(thread_argument).transpose()?,
+            cancel: cancel.clone(),
+        },
     };
     let (report, section) = interruptible(py, &cancel, || {
         let report = diff(&first, &second, &settings, &mut |_| ())?;

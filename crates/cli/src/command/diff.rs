@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::{Args, ValueEnum};
 use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, Spot, diff, diff_section};
+use rayweave::measure;
 use rayweave::scene::Scene;
 use rayweave::section::{SectionPlane, section_svg};
 use serde_json::{Value, json};
@@ -135,13 +136,15 @@ impl Diff {
             by,
             distance: self.distance,
             across: self.cells,
-            precision: self.precision,
-            confidence: self.confidence,
-            most_rays: self.rays,
-            within: self.within.bounds(),
-            seed: self.seed,
-            threads: cli.threads,
-            cancel: interrupt::token()?,
+            measure: measure::Settings {
+                precision: self.precision,
+                confidence: self.confidence,
+                most_rays: self.rays,
+                within: self.within.bounds(),
+                seed: self.seed,
+                threads: cli.threads,
+                cancel: interrupt::token()?,
+            },
         })
     }
 

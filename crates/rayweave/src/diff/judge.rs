@@ -92,10 +92,10 @@ impl<'a> Judge<'a> {
         let settings = Survey {
             bounds: *bounds,
             across: self.settings.across,
-            seed: self.settings.seed,
+            seed: self.settings.measure.seed,
             stream: self.pairs,
-            threads: self.settings.threads,
-            cancel: self.settings.cancel.clone(),
+            threads: self.settings.measure.threads,
+            cancel: self.settings.measure.cancel.clone(),
         };
         let mut doubts: Vec<Doubt> = Vec::new();
         let visit = |doubts: &mut Vec<Doubt>, piece: &Piece<'_>| {
@@ -140,16 +140,8 @@ impl<'a> Judge<'a> {
     }
 
     fn measure(&mut self, evaluator: &AnyEvaluator, found: &mut Difference) -> Result<(), Error> {
-        let own = self.settings;
-        let settings = Settings {
-            precision: own.precision,
-            confidence: own.confidence,
-            most_rays: own.most_rays,
-            within: None,
-            seed: own.seed,
-            threads: own.threads,
-            cancel: own.cancel.clone(),
-        };
+        // the box was cut out of the models before
+        let settings = Settings { within: None, ..self.settings.measure.clone() };
         let (before, progress) = (self.asked, &mut self.progress);
         let measured = measure(evaluator, &settings, &mut |rays| progress(before + rays))?;
         self.asked += measured.rays;

@@ -33,11 +33,9 @@ pub use picture::diff_section;
 use crate::section::clipped;
 use crate::{Error, ErrorKind};
 use pairs::{Pair, pairs};
-use rayweave_analysis::measure::{Chord, Estimate};
+use rayweave_analysis::measure::{self, Chord, Estimate};
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::drive::Cancel;
 use rayweave_scene::{Scene, Unit};
-use std::num::NonZeroUsize;
 
 /// What is compared with what.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,37 +61,17 @@ pub struct DiffSettings {
     pub distance: Option<f64>,
     /// Cells along an edge of the cross-sections: there are six times its square of rays for each pair.
     pub across: u32,
-    /// The wanted half width of volumes, relative to them, as in [`crate::measure::Settings`].
-    pub precision: f64,
-    /// The level of confidence of volumes.
-    pub confidence: f64,
-    /// The most rays for a volume.
-    pub most_rays: u64,
-    /// Only what lies in this box is compared, in the unit of the first model.
-    pub within: Option<Bounds>,
-    /// Chooses the random numbers: equal seeds give equal results.
-    pub seed: u64,
-    /// The number of threads; results do not depend on it.
-    pub threads: Option<NonZeroUsize>,
-    /// Stops the run.
-    pub cancel: Cancel,
+    /// How volumes are measured. The box (in the unit of the first model), the seed, the threads and who may stop the run are those of
+    /// the whole comparison.
+    pub measure: measure::Settings,
 }
 
 /// 98,304 rays for each pair, volumes to 1 % at 99 % with at most 2^20 rays.
 impl Default for DiffSettings {
     fn default() -> Self {
-        DiffSettings {
-            by: Match::Auto,
-            distance: None,
-            across: 128,
-            precision: 1e-2,
-            confidence: 0.99,
-            most_rays: 1 << 20,
-            within: None,
-            seed: 0,
-            threads: None,
-            cancel: Cancel::new(),
-        }
+        let measure =
+            measure::Settings { precision: 1e-2, most_rays: 1 << 20, ..measure::Settings::default() };
+        DiffSettings { by: Match::Auto, distance: None, across: 128, measure }
     }
 }
 

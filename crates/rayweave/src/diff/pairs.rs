@@ -36,7 +36,7 @@ fn regions(scene: &Scene, factor: f64, settings: &DiffSettings) -> Result<Vec<Re
         true => region,
         false => Region { solid: region.solid.scale([factor; 3]), ..region },
     };
-    clipped(scene.model_regions().into_iter().map(scaled).collect(), settings.within)
+    clipped(scene.model_regions().into_iter().map(scaled).collect(), settings.measure.within)
 }
 
 /// Solids by name.

@@ -38,7 +38,7 @@ pub fn diff_section(
         None => program.bounds().centre(),
     };
     let kinds = Kinds { of: vec![1, 2, 3], names: COLOURS.map(|(name, c)| (name.to_owned(), c)).into() };
-    let sweep = Sweep { threads: settings.threads, cancel: settings.cancel.clone() };
+    let sweep = Sweep { threads: settings.measure.threads, cancel: settings.measure.cancel.clone() };
     let cut_settings = SectionSettings { sweep, ..SectionSettings::default() };
     let cutter = Cutter { evaluator: AnyEvaluator::new(None, program)?, kinds, settings: &cut_settings };
     match plane {

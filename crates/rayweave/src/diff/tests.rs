@@ -1,14 +1,20 @@
 //! Against closed forms, and against models that are the same by construction.
 
 use super::*;
+use rayweave_model::drive::Cancel;
 use std::f64::consts::PI;
+use std::num::NonZeroUsize;
 
 fn scene(text: &str) -> Scene {
     rayweave_scene::parse(&format!("rayweave = 1\n{text}")).unwrap().1
 }
 
 fn quick() -> DiffSettings {
-    DiffSettings { across: 32, most_rays: 1 << 17, ..DiffSettings::default() }
+    measured(measure::Settings { most_rays: 1 << 17, ..DiffSettings::default().measure })
+}
+
+fn measured(measure: measure::Settings) -> DiffSettings {
+    DiffSettings { across: 32, measure, ..DiffSettings::default() }
 }
 
 fn compared(a: &str, b: &str, settings: &DiffSettings) -> DiffReport {
@@ -112,7 +118,8 @@ fn within_a_box_and_without_end() {
     let refused = diff(&scene(&below(0.0)), &scene(&below(0.5)), &quick(), &mut |_| ()).unwrap_err();
     assert!(refused.is_solid() && refused.to_string().ends_with("compare them within a box?"), "{refused}");
     let within = Some(Bounds { lo: Vec3::splat(-1.0), hi: Vec3::new(1.0, 1.0, 2.0) });
-    let report = compared(&below(0.0), &below(0.5), &DiffSettings { within, ..quick() });
+    let report =
+        compared(&below(0.0), &below(0.5), &measured(measure::Settings { within, ..quick().measure }));
     assert!((report.pairs[0].b_only.value - 2.0).abs() < 1e-9, "{report:?}");
     assert!((report.pairs[0].spot.unwrap().thickness - 0.5).abs() < 1e-12, "{report:?}");
 }
@@ -120,7 +127,8 @@ fn within_a_box_and_without_end() {
 #[test]
 fn the_same_on_any_number_of_threads_and_refusals() {
     let on = |threads: usize| {
-        compared(BALL, &ball(1.2), &DiffSettings { threads: NonZeroUsize::new(threads), ..quick() })
+        let threads = NonZeroUsize::new(threads);
+        compared(BALL, &ball(1.2), &measured(measure::Settings { threads, ..quick().measure }))
     };
     assert_eq!(on(1), on(3));
     let fails = |settings: DiffSettings| {
@@ -129,8 +137,11 @@ fn the_same_on_any_number_of_threads_and_refusals() {
     assert!(fails(DiffSettings { distance: Some(-1.0), ..quick() }).starts_with("the distance is -1"));
     assert!(fails(DiffSettings { distance: Some(f64::NAN), ..quick() }).starts_with("the distance is NaN"));
     assert!(fails(DiffSettings { across: 0, ..quick() }).starts_with("there are 0 cells"));
-    assert!(fails(DiffSettings { precision: 0.0, ..quick() }).starts_with("the precision is 0"));
+    assert!(
+        fails(measured(measure::Settings { precision: 0.0, ..quick().measure }))
+            .starts_with("the precision is 0")
+    );
     let cancel = Cancel::new();
     cancel.cancel();
-    assert_eq!(fails(DiffSettings { cancel, ..quick() }), "cancelled");
+    assert_eq!(fails(measured(measure::Settings { cancel, ..quick().measure })), "cancelled");
 }
