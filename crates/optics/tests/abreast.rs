@@ -1,35 +1,16 @@
 //! Light eight rays at a time gets the bits that each ray gets alone: on tame systems, and where lanes are most easily wrong.
 
+mod common;
+
+use common::{D_NM, along_z, ball, block, disk, flat, glass, rod, solid};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Evaluator, Solid};
 use rayweave_optics::component::Sheet;
 use rayweave_optics::{
     Action, Assembly, Beam, Element, Keep, Light, Medium, Segment, Settings, System, Tracer,
 };
-use rayweave_shape::primitive::{CentredBox, Cylinder, HalfSpace, Primitive, Sphere};
+use rayweave_shape::primitive::HalfSpace;
 use rayweave_trace::{Packets, Reference};
-
-const D_NM: f64 = 587.5618;
-
-fn solid(shape: impl Into<Primitive>) -> Solid {
-    Solid::from(shape.into())
-}
-
-fn ball(radius: f64) -> Solid {
-    solid(Sphere::new(radius).unwrap())
-}
-
-fn block(x: f64, y: f64, z: f64) -> Solid {
-    solid(CentredBox::new(Vec3::new(x, y, z)).unwrap())
-}
-
-fn rod(radius: f64, height: f64) -> Solid {
-    solid(Cylinder::new(radius, height).unwrap())
-}
-
-fn glass(n: f64) -> Medium {
-    Medium::constant(&format!("n = {n}"), n, 0.0).unwrap()
-}
 
 fn transparent(name: &str, solid: &Solid, n: f64) -> Element {
     Element::transparent(name, solid.clone(), &glass(n))
@@ -40,28 +21,9 @@ fn screen(name: &str, surface: Solid, trim: Solid) -> Element {
     Element::sheet(name, Sheet { surface, trim, frame: Affine::IDENTITY }, Action::Absorb)
 }
 
-/// A sheet in the plane z, a square of a given size.
-fn flat(z: f64, size: f64) -> (Solid, Solid) {
-    let trim = block(size, size, size).translate(Vec3::Z * z);
-    (solid(HalfSpace::new(Vec3::Z, z).unwrap()), trim)
-}
-
 fn flat_screen(name: &str, z: f64, size: f64) -> Element {
     let (surface, trim) = flat(z, size);
     screen(name, surface, trim)
-}
-
-fn along_z(x: f64, y: f64) -> Light {
-    Light::new(Vec3::new(x, y, -50.0), Vec3::Z, D_NM)
-}
-
-/// Points all over a disk (Vogel's spiral).
-fn disk(count: usize, radius: f64) -> impl Iterator<Item = [f64; 2]> {
-    (0..count).map(move |k| {
-        let (r, angle) =
-            (radius * ((k as f64 + 0.5) / count as f64).sqrt(), 2.399_963_229_728_653 * k as f64);
-        [r * angle.cos(), r * angle.sin()]
-    })
 }
 
 /// The rows of each ray of a beam, as text in which every bit shows, and the sum of what was absorbed.

@@ -1,5 +1,8 @@
 //! Light through systems, against closed forms.
 
+mod common;
+
+use common::{D_NM, along_z, ball, below, block, disk, glass, near, plane, rod, solid, trace};
 use num_complex::Complex64;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
@@ -9,63 +12,12 @@ use rayweave_optics::{
     Action, Assembly, Beam, Branches, Element, Event, Finish, Keep, Light, Material, Medium, OpticsError,
     Segment, Settings, System, Trace, Tracer,
 };
-use rayweave_shape::primitive::{
-    CentredBox, Cylinder, Ellipsoid, HalfSpace, Paraboloid, Primitive, Prism, Sphere,
-};
+use rayweave_shape::primitive::{Ellipsoid, Paraboloid, Prism};
 use rayweave_trace::{Packets, Reference};
 use std::num::NonZeroUsize;
 
-const D_NM: f64 = 587.5618;
-
-fn solid(shape: impl Into<Primitive>) -> Solid {
-    Solid::from(shape.into())
-}
-
-fn ball(radius: f64) -> Solid {
-    solid(Sphere::new(radius).unwrap())
-}
-
-fn block(x: f64, y: f64, z: f64) -> Solid {
-    solid(CentredBox::new(Vec3::new(x, y, z)).unwrap())
-}
-
-fn rod(radius: f64, height: f64) -> Solid {
-    solid(Cylinder::new(radius, height).unwrap())
-}
-
-fn below(z: f64) -> Solid {
-    solid(HalfSpace::new(Vec3::Z, z).unwrap())
-}
-
-/// A sheet in the plane z, a square of a given size.
-fn plane(z: f64, size: f64) -> Sheet {
-    let trim = block(size, size, size).translate(Vec3::Z * z);
-    Sheet { surface: below(z), trim, frame: Affine::translate(Vec3::Z * z) }
-}
-
-fn glass(n: f64) -> Medium {
-    Medium::constant(&format!("n = {n}"), n, 0.0).unwrap()
-}
-
-fn trace(system: &System, beam: &Beam, settings: &Settings) -> Trace {
-    Tracer::new(system, Packets::new).trace(beam, settings).unwrap()
-}
-
 fn one(system: &System, light: Light, settings: &Settings) -> Vec<Segment> {
     trace(system, &Beam::from_iter([light]), settings).segments.iter().collect()
-}
-
-fn along_z(x: f64, y: f64) -> Light {
-    Light::new(Vec3::new(x, y, -50.0), Vec3::Z, D_NM)
-}
-
-/// Points all over a disk (Vogel's spiral).
-fn disk(count: usize, radius: f64) -> impl Iterator<Item = [f64; 2]> {
-    (0..count).map(move |k| {
-        let (r, angle) =
-            (radius * ((k as f64 + 0.5) / count as f64).sqrt(), 2.399_963_229_728_653 * k as f64);
-        [r * angle.cos(), r * angle.sin()]
-    })
 }
 
 /// Equal but for the end points of what has no end.
@@ -78,10 +30,6 @@ fn is_same(a: &Trace, b: &Trace) -> bool {
         rows.collect::<Vec<_>>()
     };
     a.balance == b.balance && open(a) == open(b)
-}
-
-fn near(found: f64, expected: f64, tolerance: f64) {
-    assert!((found - expected).abs() <= tolerance, "{found} is not {expected}");
 }
 
 #[test]
