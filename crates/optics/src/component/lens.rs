@@ -7,6 +7,8 @@ use super::aperture::solid;
 use super::element::Element;
 use super::error::{between, positive};
 use super::face::{Asphere, Face, Profile};
+use super::form::Form;
+use super::side::{between_sides, side};
 use super::{Aperture, ComponentError};
 use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
@@ -117,6 +119,37 @@ pub fn aspheric_lens(
     let profiles =
         [Profile::asphere(front).checked("lens", "r1")?, Profile::asphere(back).checked("lens", "r2")?];
     between_vertices("lens", profiles, positive("lens", "thickness", thickness)?, aperture)
+}
+
+/// A lens with surfaces of any form. Otherwise a [`lens`]; the faces of toroids are those of a [`toric_lens`](super::toric_lens),
+/// all that are neither these nor of revolution without terms `front.surface` and `back.surface`.
+///
+/// # Errors
+/// As of [`lens`], numbers that say nothing, and toroids that no solid is known for: those whose curve is turned about a nearer
+/// axis than its own centre, or is no circle. Where the surfaces cross is looked for at 33 x 33 points.
+///
+/// ```
+/// use rayweave_optics::component::{Aperture, Asphere, Figure, Form, freeform_lens};
+///
+/// let plane = Form::from(Asphere::conic(f64::INFINITY, 0.0));
+/// let biconic = Form::new(Asphere::conic(50.0, 0.0), Figure::Biconic { radius_x: 30.0, conic_x: -1.0 });
+/// let lens = freeform_lens(&biconic, &plane, 5.0, Aperture::circle(20.0))?;
+/// # Ok::<(), rayweave_optics::component::ComponentError>(())
+/// ```
+pub fn freeform_lens(
+    front: &Form,
+    back: &Form,
+    thickness: f64,
+    aperture: Aperture,
+) -> Result<Solid, ComponentError> {
+    if front.is_round() && back.is_round() {
+        return aspheric_lens(&front.asphere, &back.asphere, thickness, aperture);
+    }
+    let (part, centre) = ("lens", [0.0; 2]);
+    let half = 0.5 * positive(part, "thickness", thickness)?;
+    let front = side(part, "front", (front, -half), &aperture, centre)?;
+    let back = side(part, "back", (back, half), &aperture, centre)?;
+    between_sides(part, [&*front, &*back], &aperture, centre)
 }
 
 /// A lens that is curved along x only, so that it focuses to a line along y; `width` along x, `height` along y. Otherwise

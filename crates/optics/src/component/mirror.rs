@@ -8,6 +8,8 @@
 use super::element::Element;
 use super::error::{finite, positive};
 use super::face::{Asphere, Face, Profile};
+use super::form::Form;
+use super::side::{between_sides, side};
 use super::{Aperture, ComponentError};
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
@@ -41,12 +43,17 @@ impl Blank {
         Blank { turned: !self.turned, ..self }
     }
 
-    /// The substrate behind a surface.
-    fn cut(&self, part: &'static str, profile: Profile) -> Result<Solid, ComponentError> {
-        let thickness = positive(part, "thickness", self.thickness)?;
+    /// Its thickness, if its numbers say something.
+    fn checked(&self, part: &'static str) -> Result<f64, ComponentError> {
         for (axis, value) in ["x", "y"].into_iter().zip(self.off_axis) {
             finite(part, format!("off_axis {axis}"), value)?;
         }
+        positive(part, "thickness", self.thickness)
+    }
+
+    /// The substrate behind a surface.
+    fn cut(&self, part: &'static str, profile: Profile) -> Result<Solid, ComponentError> {
+        let thickness = self.checked(part)?;
         let profile = if self.turned { profile.reversed() } else { profile };
         let front = Face { name: "front", vertex: 0.0, profile };
         let back = Face { name: "back", vertex: thickness, profile: Profile::PLANE };
@@ -102,6 +109,25 @@ pub fn conic_mirror(radius: f64, conic: f64, blank: &Blank) -> Result<Solid, Com
 pub fn aspheric_mirror(face: &Asphere, blank: &Blank) -> Result<Solid, ComponentError> {
     let profile = Profile::asphere(face).checked("mirror", "radius")?;
     blank.cut("mirror", profile)
+}
+
+/// A mirror with a face of any form; otherwise an [`aspheric_mirror`].
+///
+/// # Errors
+/// As of [`freeform_lens`](super::freeform_lens).
+pub fn freeform_mirror(face: &Form, blank: &Blank) -> Result<Solid, ComponentError> {
+    if face.is_round() {
+        return aspheric_mirror(&face.asphere, blank);
+    }
+    let part = "mirror";
+    let thickness = blank.checked(part)?;
+    let face = if blank.turned { face.reversed() } else { face.clone() };
+    let plane = Form::from(Asphere::conic(f64::INFINITY, 0.0));
+    let (aperture, centre) = (&blank.aperture, blank.off_axis);
+    let front = side(part, "front", (&face, 0.0), aperture, centre)?;
+    let back = side(part, "back", (&plane, thickness), aperture, centre)?;
+    let solid = between_sides(part, [&*front, &*back], aperture, centre)?;
+    Ok(if blank.turned { solid.mirror(Vec3::Z) } else { solid })
 }
 
 /// A concave paraboloid: collimated light along the axis meets in the focus, exactly, whatever its distance from the axis.

@@ -53,12 +53,14 @@ mod concentrator;
 mod element;
 mod error;
 mod face;
+mod form;
 mod lens;
 mod lensmaker;
 mod mirror;
 mod prefix;
 mod prism;
 mod sheet;
+mod side;
 mod toric;
 
 pub use aperture::Aperture;
@@ -66,14 +68,15 @@ pub use array::{fresnel_lens, lenslet_array};
 pub use concentrator::{Cpc, light_pipe, tapered_light_pipe};
 pub use error::ComponentError;
 pub use face::{Asphere, sag};
+pub use form::{Figure, Form};
 pub use lens::{
     aspheric_lens, axicon, ball_lens, biconcave, biconvex, cemented, conic_lens, cylindrical_lens,
-    half_ball_lens, lens, plano_concave, plano_convex, rod, window,
+    freeform_lens, half_ball_lens, lens, plano_concave, plano_convex, rod, window,
 };
 pub use lensmaker::lensmaker;
 pub use mirror::{
-    Blank, aspheric_mirror, conic_mirror, elliptic_mirror, hyperbolic_mirror, parabolic_mirror, plane_mirror,
-    spherical_mirror,
+    Blank, aspheric_mirror, conic_mirror, elliptic_mirror, freeform_mirror, hyperbolic_mirror,
+    parabolic_mirror, plane_mirror, spherical_mirror,
 };
 pub use prefix::with_prefix;
 pub use prism::{
@@ -82,3 +85,5 @@ pub use prism::{
 };
 pub use sheet::Sheet;
 pub use toric::toric_lens;
+
+pub use rayweave_shape::surface::sag::Zernike;

@@ -3,6 +3,7 @@
 use super::aperture::solid;
 use super::error::positive;
 use super::face::{Face, Profile};
+use super::side::{Side, between_sides};
 use super::{Aperture, ComponentError};
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
@@ -39,40 +40,14 @@ pub fn toric_lens(
     let half = 0.5 * positive(part, "thickness", thickness)?;
     let [width, height] = aperture.checked()?.size();
     let box_of = [0.5 * width, 0.5 * height];
-    let front = Toric::new("front", front, -half, box_of)?;
-    let back = Toric::new("back", back, half, box_of)?;
-    check_gap(&front, &back, &aperture)?;
-    let (low, high) = (front.range()[0], back.range()[1]);
-    let margin = 0.25 * (high - low).max(width.min(height));
-    let ends = [front.floor(low - margin), back.ceiling(high + margin)];
-    let edge = aperture.column([0.0; 2], ends)?.named("edge");
-    Ok(Solid::intersection([front.beyond(ends[1])?, back.before(ends[0])?, edge]))
-}
-
-/// The surfaces must not cross at any of some points inside the aperture.
-fn check_gap(front: &Toric, back: &Toric, aperture: &Aperture) -> Result<(), ComponentError> {
-    let step = |k: i32| f64::from(k) / 16.0;
-    let points = (-16..=16).flat_map(|i| (-16..=16).map(move |j| [step(i), step(j)]));
-    let [width, height] = aperture.size();
-    let inside = points.map(|[u, v]| [0.5 * width * u, 0.5 * height * v]).filter(|&[x, y]| {
-        // the rim itself counts
-        aperture.contains([x * (1.0 - 1e-9), y * (1.0 - 1e-9)])
-    });
-    let crossing = inside.filter(|&point| back.z(point) < front.z(point));
-    match crossing.map(|[x, y]| libm::hypot(x, y)).min_by(f64::total_cmp) {
-        None => Ok(()),
-        Some(height) => Err(ComponentError::SurfacesCross {
-            part: "toric lens",
-            first: front.name.to_owned(),
-            second: back.name.to_owned(),
-            height,
-            reach: aperture.reach([0.0; 2]),
-        }),
-    }
+    let front = Toric::new(part, "front", front, -half, box_of)?;
+    let back = Toric::new(part, "back", back, half, box_of)?;
+    between_sides(part, [&front, &back], &aperture, [0.0; 2])
 }
 
 /// A toric surface over a rectangle.
-struct Toric {
+pub(super) struct Toric {
+    part: &'static str,
     name: &'static str,
     vertex: f64,
     /// The half sizes of the rectangle.
@@ -85,25 +60,25 @@ struct Toric {
 }
 
 impl Toric {
-    fn new(
+    pub fn new(
+        part: &'static str,
         name: &'static str,
         radii: [f64; 2],
         vertex: f64,
         half: [f64; 2],
     ) -> Result<Toric, ComponentError> {
-        let part = "toric lens";
         for (radius, along) in radii.into_iter().zip(["x", "y"]) {
             Profile::sphere(radius).checked(part, format!("{name} radius along {along}"))?;
         }
         let axis = usize::from(radii[1].abs() < radii[0].abs());
-        let toric = Toric { name, vertex, half, tube: radii[axis], axis, turn: radii[1 - axis] };
+        let toric = Toric { part, name, vertex, half, tube: radii[axis], axis, turn: radii[1 - axis] };
         toric.check_limits()?;
         Ok(toric)
     }
 
     /// The rectangle has to lie within the surface, and the surface over it in front of the torus' other side.
     fn check_limits(&self) -> Result<(), ComponentError> {
-        let (part, surface) = ("toric lens", self.name);
+        let (part, surface) = (self.part, self.name);
         let too_large = |reach, limit| Err(ComponentError::ApertureTooLarge { part, surface, reach, limit });
         let (across, along) = (self.half[self.axis], self.half[1 - self.axis]);
         if across > self.tube.abs() {
@@ -134,17 +109,6 @@ impl Toric {
         let sag = self.tube_sag(p);
         // turned about a circle of the radius turn - sag
         sag + Profile::sphere(self.turn - sag).sag(q.abs()).unwrap_or(self.turn - sag)
-    }
-
-    fn z(&self, point: [f64; 2]) -> f64 {
-        self.vertex + self.sag(point)
-    }
-
-    /// The heights over the rectangle: the sag is monotonic in both directions, so they end at the corners.
-    fn range(&self) -> [f64; 2] {
-        let [x, y] = self.half;
-        let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]].map(|corner| self.z(corner));
-        corners.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], z| [lo.min(z), hi.max(z)])
     }
 
     /// How far the surface goes from its vertex towards the centre of the tube.
@@ -185,7 +149,33 @@ impl Toric {
         self.vertex + self.turn
     }
 
-    /// The points on the side of +z, right where z < `until` and above [`Toric::floor`].
+    /// The sphere, cylinder (curved along x) or plane that it is.
+    fn simple(&self) -> Option<Face> {
+        let profile = Profile { cylindrical: self.turn.is_infinite(), ..Profile::sphere(self.tube) };
+        (!self.is_torus()).then_some(Face { name: self.name, vertex: self.vertex, profile })
+    }
+
+    /// A simple surface turned to where it is curved.
+    fn turned(&self, simple: Solid) -> Solid {
+        if self.axis == 1 && self.turn.is_infinite() { simple.rotate_z(90.0) } else { simple }
+    }
+}
+
+impl Side for Toric {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn z(&self, point: [f64; 2]) -> f64 {
+        self.vertex + self.sag(point)
+    }
+
+    fn range(&self) -> [f64; 2] {
+        let [x, y] = self.half;
+        let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]].map(|corner| self.z(corner));
+        corners.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], z| [lo.min(z), hi.max(z)])
+    }
+
     fn beyond(&self, until: f64) -> Result<Solid, ComponentError> {
         if let Some(face) = self.simple() {
             return Ok(self.turned(face.beyond(until)?));
@@ -202,7 +192,6 @@ impl Toric {
         Ok(inside | solid(HalfSpace::new(-Vec3::Z, -end)?).named(self.name))
     }
 
-    /// The points on the side of -z, right where z > `from` and below [`Toric::ceiling`].
     fn before(&self, from: f64) -> Result<Solid, ComponentError> {
         if let Some(face) = self.simple() {
             return Ok(self.turned(face.before(from)?));
@@ -219,7 +208,6 @@ impl Toric {
         Ok(outside | solid(HalfSpace::new(Vec3::Z, end)?).named(self.name))
     }
 
-    /// The lower end of a column in which [`Toric::beyond`] is right.
     fn floor(&self, wanted: f64) -> f64 {
         let low = self.range()[0];
         match self.simple() {
@@ -230,7 +218,6 @@ impl Toric {
         }
     }
 
-    /// The upper end of a column in which [`Toric::before`] is right.
     fn ceiling(&self, wanted: f64) -> f64 {
         let high = self.range()[1];
         match self.simple() {
@@ -239,16 +226,5 @@ impl Toric {
             None if self.turn > 0.0 => wanted.min(0.5 * (high + self.middle())),
             None => wanted,
         }
-    }
-
-    /// The sphere, cylinder (curved along x) or plane that it is.
-    fn simple(&self) -> Option<Face> {
-        let profile = Profile { cylindrical: self.turn.is_infinite(), ..Profile::sphere(self.tube) };
-        (!self.is_torus()).then_some(Face { name: self.name, vertex: self.vertex, profile })
-    }
-
-    /// A simple surface turned to where it is curved.
-    fn turned(&self, simple: Solid) -> Solid {
-        if self.axis == 1 && self.turn.is_infinite() { simple.rotate_z(90.0) } else { simple }
     }
 }

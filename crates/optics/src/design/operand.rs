@@ -3,7 +3,7 @@
 use super::variant::Variant;
 use super::{DesignError, Parameter};
 use crate::analysis::Spot;
-use crate::component::Asphere;
+use crate::component::{Asphere, Form};
 use crate::paraxial::Seidel;
 
 /// A Seidel sum, or a chromatic one.
@@ -210,7 +210,7 @@ fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
     })
 }
 
-/// The distance between two surfaces away from the axis; NaN where one of them has ended.
+/// The distance between two surfaces away from the axis, along y; NaN where one of them has ended.
 fn edge(variant: &Variant, surface: usize, height: f64) -> Result<f64, DesignError> {
     let lens = &variant.lens;
     let count = lens.surfaces.len();
@@ -218,7 +218,7 @@ fn edge(variant: &Variant, surface: usize, height: f64) -> Result<f64, DesignErr
         || crate::prescription::PrescriptionError::NoSuch { what: "surface", number: surface, count };
     let front = surface.checked_sub(1).and_then(|k| lens.surfaces.get(k)).ok_or_else(no_such)?;
     let back = lens.surfaces.get(surface);
-    let image = Asphere::conic(lens.image.radius, lens.image.conic);
-    let sag = |form: Asphere| form.sag(height).unwrap_or(f64::NAN);
-    Ok(front.thickness + sag(back.map_or(image, |back| back.asphere())) - sag(front.asphere()))
+    let image = Form::from(Asphere::conic(lens.image.radius, lens.image.conic));
+    let sag = |form: Form| form.sag([0.0, height]).unwrap_or(f64::NAN);
+    Ok(front.thickness + sag(back.map_or(image, |back| back.form())) - sag(front.form()))
 }

@@ -28,6 +28,16 @@ pub use seidel::Seidel;
 
 use crate::prescription::{Prescription, PrescriptionError, Resolved, SystemAperture};
 
+/// A plane that holds the axis, for systems that differ in both.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Meridian {
+    /// The plane of x and z.
+    X,
+    /// The plane of y and z.
+    #[default]
+    Y,
+}
+
 /// A pupil.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pupil {
@@ -77,7 +87,20 @@ impl Prescription {
     /// # Errors
     /// [`PrescriptionError`] for prescriptions that say nothing and wavelengths at which a medium has no index.
     pub fn first_order(&self, wavelength_nm: f64) -> Result<FirstOrder, PrescriptionError> {
-        self.first_order_resolved(&self.resolved()?, wavelength_nm)
+        self.first_order_along(Meridian::Y, wavelength_nm)
+    }
+
+    /// The same of rays in one of both meridians: what [`Prescription::first_order`] gives is along y. Curvatures at the
+    /// vertices count; a term in x y, which turns the meridians, and those in x and y alone, which tilt the surface, do not.
+    ///
+    /// # Errors
+    /// As of [`Prescription::first_order`].
+    pub fn first_order_along(
+        &self,
+        meridian: Meridian,
+        wavelength_nm: f64,
+    ) -> Result<FirstOrder, PrescriptionError> {
+        self.paraxial(&self.resolved()?, meridian, wavelength_nm)
     }
 
     pub(crate) fn first_order_resolved(
@@ -85,9 +108,20 @@ impl Prescription {
         resolved: &Resolved,
         wavelength_nm: f64,
     ) -> Result<FirstOrder, PrescriptionError> {
+        self.paraxial(resolved, Meridian::Y, wavelength_nm)
+    }
+
+    fn paraxial(
+        &self,
+        resolved: &Resolved,
+        meridian: Meridian,
+        wavelength_nm: f64,
+    ) -> Result<FirstOrder, PrescriptionError> {
         let n = resolved.indices(wavelength_nm)?;
         let last = self.surfaces.len();
-        let (front, back) = (self.matrix(&n, 0, self.stop - 1), self.matrix(&n, self.stop - 1, last));
+        let curvatures = resolved.curvatures(meridian);
+        let matrix = |from: usize, to: usize| self.matrix(&curvatures, &n, from, to);
+        let (front, back) = (matrix(0, self.stop - 1), matrix(self.stop - 1, last));
         let matrix = front.then(back);
         let (a, d, power) = (matrix.a, matrix.d, -matrix.c);
         let (n_object, n_image) = (n[0], n[last]);
@@ -113,15 +147,15 @@ impl Prescription {
             magnification: image.1,
             angular_magnification: d * n_object / n_image,
             image_distance: image.0,
-            petzval_sum: self.petzval_sum(&n),
+            petzval_sum: petzval_sum(&curvatures, &n),
         })
     }
 
     /// From in front of one surface, counted from 0, to in front of another; behind the last there is no distance.
-    fn matrix(&self, n: &[f64], from: usize, to: usize) -> Matrix {
+    fn matrix(&self, curvatures: &[f64], n: &[f64], from: usize, to: usize) -> Matrix {
         (from..to).fold(Matrix::IDENTITY, |matrix, k| {
             let surface = &self.surfaces[k];
-            let refracted = matrix.then(Matrix::surface(surface.curvature(), n[k], n[k + 1]));
+            let refracted = matrix.then(Matrix::surface(curvatures[k], n[k], n[k + 1]));
             let is_last = k + 1 == self.surfaces.len();
             if is_last { refracted } else { refracted.then(Matrix::distance(surface.thickness, n[k + 1])) }
         })
@@ -149,9 +183,16 @@ impl Prescription {
         let distance = -n_image * from_object.b / from_object.d;
         (distance, from_object.then(Matrix::distance(distance, n_image)).a)
     }
+}
 
-    fn petzval_sum(&self, n: &[f64]) -> f64 {
-        let surfaces = self.surfaces.iter().enumerate();
-        surfaces.map(|(k, surface)| surface.curvature() * (1.0 / n[k + 1] - 1.0 / n[k])).sum()
+fn petzval_sum(curvatures: &[f64], n: &[f64]) -> f64 {
+    curvatures.iter().zip(n.windows(2)).map(|(c, n)| c * (1.0 / n[1] - 1.0 / n[0])).sum()
+}
+
+impl Resolved {
+    /// The curvatures of all surfaces but the image at their vertices.
+    pub(crate) fn curvatures(&self, meridian: Meridian) -> Vec<f64> {
+        let surfaces = self.forms.iter().take(self.forms.len() - 1);
+        surfaces.map(|form| form.curvatures()[meridian as usize]).collect()
     }
 }

@@ -1,6 +1,7 @@
 //! Seidel sums: the third-order aberrations surface by surface.
 
-use crate::paraxial::Matrix;
+use crate::component::Form;
+use crate::paraxial::{Matrix, Meridian};
 use crate::prescription::{Prescription, PrescriptionError};
 
 /// The Seidel sums S_I to S_V and the chromatic sums C_I and C_II of one surface, or of all: wavefront aberrations, twice to
@@ -91,18 +92,23 @@ impl Prescription {
     /// The Seidel sums of every surface at the primary wavelength.
     ///
     /// # Errors
-    /// As of [`Prescription::first_order`], and a pupil that is infinitely far.
+    /// As of [`Prescription::first_order`], a pupil that is infinitely far, and a surface that is not of revolution.
     pub fn seidel(&self) -> Result<Vec<Seidel>, PrescriptionError> {
         let resolved = self.resolved()?;
+        if !resolved.forms.iter().all(Form::is_round) {
+            let why = "a surface is not of revolution";
+            return Err(PrescriptionError::Undefined { what: "Seidel sums", why });
+        }
+        let curvatures = resolved.curvatures(Meridian::Y);
         let n = resolved.indices(self.primary_nm())?;
         let of_line = |k: usize| resolved.indices(self.lines[k].wavelength_nm);
         let (first, last) = (of_line(0)?, of_line(self.lines.len() - 1)?);
         let [mut rim, mut principal] = self.paraxial_rays(n[0])?;
         let mut parts = Vec::with_capacity(self.surfaces.len());
         for (k, surface) in self.surfaces.iter().enumerate() {
-            let matrix = Matrix::surface(surface.curvature(), n[k], n[k + 1]);
+            let matrix = Matrix::surface(curvatures[k], n[k], n[k + 1]);
             let at = At {
-                curvature: surface.curvature(),
+                curvature: curvatures[k],
                 asphericity: surface.asphericity(),
                 n: [n[k], n[k + 1]],
                 dispersion: [first[k] - last[k], first[k + 1] - last[k + 1]],

@@ -45,7 +45,7 @@ pub use zmx::{Read, ZmxError, read_zmx, write_zmx};
 
 pub(crate) use resolved::{Pose, Resolved};
 
-use crate::component::Asphere;
+use crate::component::{Asphere, Figure, Form};
 use crate::glass::{Glass, GlassError};
 use crate::medium::Medium;
 
@@ -98,7 +98,7 @@ impl Behind {
 /// A surface and what lies behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// The radius of curvature at the vertex; infinite for a plane.
+    /// The radius of curvature at the vertex, along y if it differs from that along x; infinite for a plane.
     pub radius: f64,
     /// The conic constant.
     pub conic: f64,
@@ -106,6 +106,8 @@ pub struct Surface {
     pub even: [f64; 8],
     /// The coefficients of r, r^3, ..., r^15, as of [`Asphere`].
     pub odd: [f64; 8],
+    /// What makes it other than of revolution.
+    pub figure: Figure,
     /// The distance along z from this vertex to the next one.
     pub thickness: f64,
     /// What lies behind it.
@@ -120,7 +122,8 @@ impl Surface {
     /// A spherical surface, or with an infinite radius a plane.
     pub fn new(radius: f64, thickness: f64, behind: Behind) -> Surface {
         let (even, odd) = ([0.0; 8], [0.0; 8]);
-        Surface { radius, conic: 0.0, even, odd, thickness, behind, semi_diameter: None, hole: 0.0 }
+        let figure = Figure::Round;
+        Surface { radius, conic: 0.0, even, odd, figure, thickness, behind, semi_diameter: None, hole: 0.0 }
     }
 
     /// A plane between equal media: a place for a stop.
@@ -143,6 +146,11 @@ impl Surface {
         Surface { odd, ..self }
     }
 
+    /// The same with another figure: a biconic, a toroid, terms in x and y.
+    pub fn figure(self, figure: Figure) -> Surface {
+        Surface { figure, ..self }
+    }
+
     /// The same with a clear semi-diameter.
     pub fn semi_diameter(self, semi_diameter: f64) -> Surface {
         Surface { semi_diameter: Some(semi_diameter), ..self }
@@ -153,14 +161,10 @@ impl Surface {
         Surface { hole: semi_diameter, ..self }
     }
 
-    /// The curvature at the vertex, to which the term in r^2 adds.
-    pub(crate) fn curvature(&self) -> f64 {
-        1.0 / self.radius + 2.0 * self.even[0]
-    }
-
     /// By how much the coefficient of r^4 is larger than that of the sphere of the same curvature at the vertex, times 8.
     pub(crate) fn asphericity(&self) -> f64 {
-        let (base, vertex) = (1.0 / self.radius, self.curvature());
+        let base = 1.0 / self.radius;
+        let vertex = base + 2.0 * self.even[0];
         let cubes = match self.even[0] {
             0.0 => self.conic * base * base * base,
             _ => (1.0 + self.conic) * base * base * base - vertex * vertex * vertex,
@@ -169,8 +173,9 @@ impl Surface {
     }
 
     /// Its form.
-    pub(crate) fn asphere(&self) -> Asphere {
-        Asphere { radius: self.radius, conic: self.conic, even: self.even, odd: self.odd }
+    pub(crate) fn form(&self) -> Form {
+        let asphere = Asphere { radius: self.radius, conic: self.conic, even: self.even, odd: self.odd };
+        Form::new(asphere, self.figure.clone())
     }
 }
 

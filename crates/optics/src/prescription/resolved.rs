@@ -1,6 +1,7 @@
 //! A prescription with its media found, its vertices placed and its numbers checked.
 
 use super::{Behind, FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
+use crate::component::Form;
 use crate::medium::Medium;
 use rayweave_math::{Affine, Vec3};
 
@@ -9,6 +10,8 @@ use rayweave_math::{Affine, Vec3};
 pub(crate) struct Resolved {
     /// The place of every surface along z; the last is the image.
     pub vertices: Vec<f64>,
+    /// The form of every surface; the last is the image.
+    pub forms: Vec<Form>,
     /// The medium in front of every surface; the last is that in front of the image.
     pub media: Vec<Medium>,
     /// True where light travels towards +z in front of a surface.
@@ -48,6 +51,7 @@ impl Prescription {
         self.check()?;
         let mut resolved = Resolved {
             vertices: vec![0.0],
+            forms: self.surfaces.iter().map(Surface::form).chain([self.image_as_surface().form()]).collect(),
             media: vec![Medium::vacuum()],
             forward: vec![true],
             poses: Vec::new(),
@@ -138,6 +142,8 @@ impl Surface {
         if let Some(value) = self.even.into_iter().chain(self.odd).find(|c| !c.is_finite()) {
             return Err(bad(named("a coefficient"), value, "finite"));
         }
+        let form = self.form().checked("prescription", "the surface");
+        form.map_err(|problem| PrescriptionError::Component { surface: number, problem })?;
         if let Some(semi_diameter) = self.semi_diameter {
             positive(named("the semi-diameter"), semi_diameter)?;
         }

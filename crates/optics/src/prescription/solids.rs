@@ -3,7 +3,7 @@
 use super::resolved::{bad, positive};
 use super::{Behind, Prescription, PrescriptionError, Resolved, Surface};
 use crate::component::{
-    Aperture, Asphere, Blank, ComponentError, Sheet, aspheric_lens, aspheric_mirror, rod, with_prefix,
+    Aperture, Asphere, Blank, ComponentError, Form, Sheet, freeform_lens, freeform_mirror, rod, with_prefix,
 };
 use crate::element::{Action, Element, Finish};
 use crate::medium::Medium;
@@ -117,30 +117,35 @@ struct Builder<'a> {
 }
 
 /// A surface in its place: the number, from 0, vertex, form, semi-diameter.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Placed {
     k: usize,
     vertex: f64,
-    form: Asphere,
+    form: Form,
     reach: f64,
 }
 
 impl Placed {
-    fn z(&self, height: f64) -> Option<f64> {
-        Some(self.vertex + self.form.sag(height)?)
+    fn z(&self, place: [f64; 2]) -> Option<f64> {
+        Some(self.vertex + self.form.sag(place)?)
     }
 
-    /// The plane at its rim.
+    /// The heights over a circle about the axis; `None` where the surface has ended.
+    fn around(&self, radius: f64) -> Option<Vec<f64>> {
+        self.form.directions().map(|[x, y]| self.z([radius * x, radius * y])).collect()
+    }
+
+    /// The plane at the middle of its rim.
     fn rim(&self) -> Option<Placed> {
-        Some(Placed { vertex: self.z(self.reach)?, form: Asphere::conic(f64::INFINITY, 0.0), ..*self })
+        let heights = self.around(self.reach)?;
+        let vertex = heights.iter().sum::<f64>() / heights.len() as f64;
+        Some(Placed { vertex, form: Asphere::conic(f64::INFINITY, 0.0).into(), ..self.clone() })
     }
 }
 
 impl Builder<'_> {
     fn placed(&self, k: usize) -> Placed {
-        let image = &self.lens.image;
-        let surface = self.lens.surfaces.get(k);
-        let form = surface.map_or(Asphere::conic(image.radius, image.conic), Surface::asphere);
+        let form = self.resolved.forms[k].clone();
         Placed { k, vertex: self.resolved.vertices[k], form, reach: self.radii[k] }
     }
 
@@ -153,8 +158,7 @@ impl Builder<'_> {
     /// The surfaces at both ends of a space must not cross where both of them are.
     fn check_gap(&self, k: usize) -> Result<(), PrescriptionError> {
         for placed in [self.placed(k), self.placed(k + 1)] {
-            if placed.z(placed.reach).is_none() {
-                let limit = placed.form.radius.abs() / (1.0 + placed.form.conic).sqrt();
+            if let Some(limit) = placed.form.end(placed.reach) {
                 return Err(PrescriptionError::TooLarge {
                     surface: placed.k + 1,
                     reach: placed.reach,
@@ -167,7 +171,11 @@ impl Builder<'_> {
         }
         let [low, high] = self.ends(k);
         let reach = low.reach.min(high.reach);
-        let gap = |height: f64| Some(high.z(height)? - low.z(height)?);
+        let directions: Vec<_> = low.form.directions().chain(high.form.directions()).collect();
+        let gap = |height: f64| {
+            let gaps = directions.iter().map(|[x, y]| [height * x, height * y]);
+            gaps.filter_map(|place| Some(high.z(place)? - low.z(place)?)).reduce(f64::min)
+        };
         let is_open =
             |height: &f64| gap(*height).is_some_and(|gap| gap < -1e-12 * (reach + low.vertex.abs()));
         // steps, then halves: only the message tells where
@@ -225,7 +233,7 @@ impl Builder<'_> {
         }
         let name = format!("lens {}-{}", k + 1, k + 2);
         let wrong = |problem| told(problem, k);
-        let (solid, has_flat) = body(low, high).map_err(wrong)?;
+        let (solid, has_flat) = body(&low, &high).map_err(wrong)?;
         let mut element =
             Element::transparent(&name, solid, &self.resolved.media[k + 1]).face("edge", Finish::Absorber);
         if has_flat {
@@ -237,15 +245,21 @@ impl Builder<'_> {
 
     fn mirror(&mut self, k: usize, surface: &Surface) -> Result<usize, PrescriptionError> {
         let (placed, faces_back) = (self.placed(k), !self.resolved.forward[k]);
-        let rim = placed.form.sag(placed.reach).unwrap_or(0.0);
-        let towards_substrate = if faces_back { -rim } else { rim };
-        let thickness = towards_substrate.max(0.0) + 2.0 * SUBSTRATE * placed.reach;
+        let heights = placed.around(placed.reach).unwrap_or_default();
+        let rims: Vec<f64> = heights.iter().map(|z| z - placed.vertex).collect();
+        let towards = rims.iter().map(|rim| if faces_back { -rim } else { *rim });
+        let towards_substrate = towards.fold(0.0, f64::max);
+        let thickness = towards_substrate + 2.0 * SUBSTRATE * placed.reach;
         let blank = Blank::new(Aperture::circle(2.0 * placed.reach), thickness);
         let blank = if faces_back { blank.turned() } else { blank };
         let wrong = |problem| told(problem, k);
-        let mut solid = aspheric_mirror(&placed.form, &blank).map_err(wrong)?;
+        let mut solid = freeform_mirror(&placed.form, &blank).map_err(wrong)?;
         if surface.hole > 0.0 {
-            let bore = rod(2.0 * surface.hole, 4.0 * (thickness + rim.abs())).map_err(wrong)?;
+            let bore = rod(
+                2.0 * surface.hole,
+                4.0 * (thickness + rims.iter().fold(0.0, |most: f64, rim| most.max(rim.abs()))),
+            )
+            .map_err(wrong)?;
             solid = solid - with_prefix(&bore, "hole");
         }
         // all of it reflects but what is named: where the face lies in one of a lens, as on the back of a meniscus, it may
@@ -282,7 +296,8 @@ impl Builder<'_> {
         let k = self.lens.surfaces.len();
         let placed = self.placed(k);
         let wrong = |problem| told(problem, k);
-        let sheet = Sheet::conic(placed.form.radius, placed.form.conic, Aperture::circle(2.0 * placed.reach));
+        let sheet =
+            Sheet::conic(self.lens.image.radius, self.lens.image.conic, Aperture::circle(2.0 * placed.reach));
         let sheet =
             sheet.map_err(wrong)?.apply(&Affine::translate(Vec3::Z * placed.vertex)).map_err(wrong)?;
         Ok(Element::sheet(IMAGE, sheet, Action::Record))
@@ -290,17 +305,21 @@ impl Builder<'_> {
 }
 
 /// What lies between two surfaces, and whether it needs a flat rim.
-fn body(low: Placed, high: Placed) -> Result<(Solid, bool), ComponentError> {
+fn body(low: &Placed, high: &Placed) -> Result<(Solid, bool), ComponentError> {
     let reach = low.reach.max(high.reach);
     let whole = between(low, high, reach);
     let is_whole =
         !matches!(whole, Err(ComponentError::ApertureTooLarge { .. } | ComponentError::SurfacesCross { .. }));
     let narrow = low.reach.min(high.reach);
-    let flat = if low.reach > high.reach { (Some(low), high.rim()) } else { (low.rim(), Some(high)) };
+    let flat = if low.reach > high.reach {
+        (Some(low.clone()), high.rim())
+    } else {
+        (low.rim(), Some(high.clone()))
+    };
     match flat {
         (Some(front), Some(back)) if !is_whole && narrow < reach => {
             let core = between(low, high, narrow)?;
-            let ring = between(front, back, reach)?;
+            let ring = between(&front, &back, reach)?;
             let length = 4.0 * (reach + (back.vertex - front.vertex).abs());
             let bore = rod(2.0 * narrow, length)?.translate(Vec3::Z * front.vertex);
             Ok((core | with_prefix(&(ring - bore.named("bore")), "flat"), true))
@@ -309,10 +328,10 @@ fn body(low: Placed, high: Placed) -> Result<(Solid, bool), ComponentError> {
     }
 }
 
-fn between(low: Placed, high: Placed, reach: f64) -> Result<Solid, ComponentError> {
+fn between(low: &Placed, high: &Placed, reach: f64) -> Result<Solid, ComponentError> {
     let thickness = high.vertex - low.vertex;
     let aperture = Aperture::circle(2.0 * reach);
-    let solid = aspheric_lens(&low.form, &high.form, thickness, aperture)?;
+    let solid = freeform_lens(&low.form, &high.form, thickness, aperture)?;
     Ok(solid.translate(Vec3::Z * (low.vertex + 0.5 * thickness)))
 }
 

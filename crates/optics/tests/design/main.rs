@@ -4,6 +4,7 @@ mod analysis;
 mod aspheres;
 mod benches;
 mod designs;
+mod figures;
 mod lenses;
 mod optimum;
 mod paraxial;

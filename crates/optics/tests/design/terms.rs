@@ -77,11 +77,13 @@ fn odd_aspheres_are_read_and_written() {
     let beyond = lens.surfaces[0].clone().even(odd(&[0.0, 0.0, 0.0, 0.0, 1e-12]));
     let error = write_zmx(&Prescription { surfaces: vec![beyond], ..lens }).unwrap_err();
     assert!(error.to_string().contains("beyond r^8"), "{error}");
-    for (kind, why) in
-        [("BICONICX", "of revolution"), ("TOROIDAL", "of revolution"), ("COORDBRK", "one axis")]
-    {
+    for (kind, why) in [
+        ("BICONICX", "biconic has a parameter 3"),
+        ("XPOLYNOM", "polynomial has a parameter 1"),
+        ("COORDBRK", "COORDBRK (all"),
+    ] {
         let error = read_zmx(file.replace("ODDASPHE", kind).as_bytes()).unwrap_err().to_string();
-        assert!(error.contains(kind) && error.contains(why), "{error}");
+        assert!(error.contains(why), "{error}");
     }
 }
 

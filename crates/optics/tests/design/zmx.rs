@@ -104,7 +104,7 @@ fn unknown_glasses_are_taken_from_their_indices() {
 
 #[test]
 fn all_problems_are_told_with_their_lines() {
-    let file = "MODE NSC\nUNIT FURLONG\nENPD x\nFTYP 4\nSURF 0\n DISZ INFINITY\nSURF 1\n TYPE TOROIDAL\n GLAS BK8\n CURV\nSURF 2\n \
+    let file = "MODE NSC\nUNIT FURLONG\nENPD x\nFTYP 4\nSURF 0\n DISZ INFINITY\nSURF 1\n TYPE COORDBRK\n GLAS BK8\n CURV\nSURF 2\n \
                 TYPE EVENASPH\n PARM 9 1e-5\n DISZ INFINITY\nSURF 3\n";
     let problems: Vec<String> =
         read_zmx(file.as_bytes()).unwrap_err().problems.iter().map(ToString::to_string).collect();
@@ -113,11 +113,11 @@ fn all_problems_are_told_with_their_lines() {
         "line 2: the unit \"FURLONG\" is not known (MM, CM, IN and METER are)",
         "line 3: \"x\" is no number",
         "line 4: fields are of type 4 (0 to 3 are read: angle, object height, paraxial and real image height)",
-        "line 8: the surface is of type TOROIDAL (surfaces of prescriptions are of revolution; components and solids need not be)",
+        "line 8: the surface is of type COORDBRK (all surfaces of a prescription are on one axis;",
         "line 9: no glass is named \"BK8\"",
         "line 10: number 1 of the line is missing",
         "line 11: the distance to the next surface is infinite (only that of the object may be)",
-        "line 13: the asphere has a parameter 9 (1 to 8 are read, r^2 to r^16)",
+        "line 12: the asphere has a parameter 9 (1 to 8 are read, r^2 to r^16)",
         "line 15: no surface between object and image is the STOP",
         "line 15: the file has no aperture (one of ENPD, FNUM, OBNA, FLOA)",
         "line 15: the file has no wavelength (WAVM or WAVL)",

@@ -1,6 +1,7 @@
 //! Reader of Zemax files.
 
 use super::decimal;
+use super::kind::{Parameters, shaped};
 use crate::glass::{Problem, decode};
 use crate::prescription::{Behind, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture};
 use std::collections::HashSet;
@@ -62,6 +63,7 @@ const SILENT: [&str; 22] = [
 #[derive(Default)]
 struct Record {
     line: usize,
+    type_line: usize,
     kind: String,
     curvature: f64,
     conic: f64,
@@ -72,8 +74,8 @@ struct Record {
     diam: f64,
     hole: f64,
     is_stop: bool,
-    /// The first eight parameters of a type that has them.
-    parameters: [f64; 8],
+    /// The parameters of a type that has them; its extra data among them.
+    parameters: Parameters,
 }
 
 #[derive(Default)]
@@ -162,25 +164,16 @@ impl Reader {
     /// True if the keyword is one about the last surface that is read.
     fn of_surface(&mut self, keyword: &str, words: &[&str]) -> Result<bool, String> {
         let Some(surface) = self.surfaces.last_mut() else { return Ok(false) };
+        let is_standard = matches!(surface.kind.as_str(), "" | "STANDARD");
         match keyword {
             "TYPE" => {
+                surface.type_line = self.line;
                 surface.kind = words.first().copied().unwrap_or("").to_owned();
-                known_type(&surface.kind)?;
             }
-            "PARM" if matches!(surface.kind.as_str(), "EVENASPH" | "ODDASPHE") => {
-                let (place, value) = (whole(words, 0)?, number(words, 1)?);
-                match place.checked_sub(1).and_then(|k| surface.parameters.get_mut(k)) {
-                    Some(coefficient) => *coefficient = value,
-                    None if value == 0.0 => {}
-                    None => {
-                        let powers = if surface.kind == "EVENASPH" { "r^2 to r^16" } else { "r to r^8" };
-                        return Err(format!(
-                            "the asphere has a parameter {place} (1 to 8 are read, {powers})"
-                        ));
-                    }
-                }
-            }
-            "PARM" => {}
+            "PARM" if is_standard => {}
+            "XDAT" if is_standard => return Ok(false),
+            "PARM" => surface.parameters.set(whole(words, 0)?, number(words, 1)?)?,
+            "XDAT" => surface.parameters.set_extra(whole(words, 0)?, number(words, 1)?)?,
             "CURV" => surface.curvature = number(words, 0)?,
             "CONI" => surface.conic = number(words, 0)?,
             "DISZ" if words.first() == Some(&"INFINITY") => surface.thickness = f64::INFINITY,
@@ -239,8 +232,9 @@ impl Reader {
                 "the distance to the next surface is infinite (only that of the object may be)",
             );
         }
+        let surfaces = self.surfaces();
         match (self.problems.is_empty(), stop, self.aperture) {
-            (true, Some(stop), Some(aperture)) => Ok(self.prescription(stop, aperture, lines)),
+            (true, Some(stop), Some(aperture)) => Ok(self.prescription(surfaces, (stop, aperture), lines)),
             _ => {
                 self.problems.sort_by_key(|problem| problem.line);
                 Err(ZmxError { problems: self.problems })
@@ -264,7 +258,21 @@ impl Reader {
         (0..count).map(|k| [at(0, k), at(1, k)]).collect()
     }
 
-    fn prescription(self, stop: usize, aperture: SystemAperture, lines: Vec<Line>) -> Read {
+    /// All surfaces, object and image among them; what is wrong with their types and parameters is a problem.
+    fn surfaces(&mut self) -> Vec<Surface> {
+        let found: Vec<_> = self.surfaces.iter().map(|record| (record.type_line, record.surface())).collect();
+        let told = |(line, surface): (usize, Result<Surface, String>)| {
+            surface.map_err(|text| self.problem(line, &text)).ok()
+        };
+        found.into_iter().filter_map(told).collect()
+    }
+
+    fn prescription(
+        self,
+        surfaces: Vec<Surface>,
+        (stop, aperture): (usize, SystemAperture),
+        lines: Vec<Line>,
+    ) -> Read {
         let fields = self.fields();
         let last = self.surfaces.len() - 1;
         let image = &self.surfaces[last];
@@ -288,7 +296,7 @@ impl Reader {
             lines,
             primary: self.primary,
             object_distance: self.surfaces[0].thickness,
-            surfaces: self.surfaces[1..last].iter().map(Record::surface).collect(),
+            surfaces: surfaces[1..last].to_vec(),
             stop,
             image,
         };
@@ -296,44 +304,14 @@ impl Reader {
     }
 }
 
-/// Types of surfaces that a prescription has; of those that designers know the reason why others are not read.
-fn known_type(kind: &str) -> Result<(), String> {
-    let why = match kind {
-        "STANDARD" | "EVENASPH" | "ODDASPHE" => return Ok(()),
-        "BICONICX" | "BICONICZ" | "TOROIDAL" => {
-            "surfaces of prescriptions are of revolution; components and solids need not be"
-        }
-        "COORDBRK" => {
-            "all surfaces of a prescription are on one axis; `tilt` and `decentre` of tolerances move them"
-        }
-        _ => "STANDARD, EVENASPH and ODDASPHE surfaces are read",
-    };
-    Err(format!("the surface is of type {kind} ({why})"))
-}
-
 impl Record {
-    /// The coefficients of the even and the odd powers of r.
-    fn terms(&self) -> ([f64; 8], [f64; 8]) {
-        let every_second = |first: usize| {
-            std::array::from_fn(|k| self.parameters.get(2 * k + first).copied().unwrap_or(0.0))
-        };
-        match self.kind.as_str() {
-            "ODDASPHE" => (every_second(1), every_second(0)),
-            _ => (self.parameters, [0.0; 8]),
-        }
-    }
-
-    fn surface(&self) -> Surface {
-        Surface {
-            radius: radius(self.curvature),
-            conic: self.conic,
-            even: self.terms().0,
-            odd: self.terms().1,
-            thickness: self.thickness,
-            behind: self.behind.clone().unwrap_or(Behind::Air),
+    fn surface(&self) -> Result<Surface, String> {
+        let behind = self.behind.clone().unwrap_or(Behind::Air);
+        let conic = Surface {
             semi_diameter: self.semi_diameter,
-            hole: self.hole,
-        }
+            ..Surface::new(radius(self.curvature), self.thickness, behind).conic(self.conic).hole(self.hole)
+        };
+        shaped(&self.kind, &self.parameters, conic)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Writer of Zemax files.
 
 use super::decimal;
+use super::kind::written;
 use crate::medium::Medium;
 use crate::prescription::{Behind, FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
 
@@ -9,8 +10,8 @@ use crate::prescription::{Behind, FieldKind, Prescription, PrescriptionError, Su
 /// semi-diameter of its own.
 ///
 /// # Errors
-/// [`PrescriptionError::Glass`] for media that do not exist, [`PrescriptionError::Undefined`] for a surface with odd powers of r
-/// and any beyond r^8, which no type of surface holds.
+/// [`PrescriptionError::Glass`] for media that do not exist, [`PrescriptionError::Undefined`] for a surface that no type holds,
+/// as one with odd powers of r and any beyond r^8.
 pub fn write_zmx(lens: &Prescription) -> Result<String, PrescriptionError> {
     let mut file = head(lens);
     let thickness = if lens.object_distance.is_finite() {
@@ -26,19 +27,14 @@ pub fn write_zmx(lens: &Prescription) -> Result<String, PrescriptionError> {
         file.extend((number == lens.stop).then(|| "  STOP".to_owned()));
         let glass = glass(&surface.behind);
         let glass = glass.map_err(|problem| PrescriptionError::Glass { surface: number, problem })?;
-        let has_high = surface.even[4..].iter().chain(&surface.odd[4..]).any(|&c| c != 0.0);
-        if surface.odd != [0.0; 8] && has_high {
-            let why = "a surface has odd powers of r, and one beyond r^8, which ODDASPHE does not hold";
-            return Err(PrescriptionError::Undefined { what: "Zemax file", why });
-        }
         let semi_diameter = match lens.aperture {
             SystemAperture::StopSemiDiameter(radius) if number == lens.stop => Some(radius),
             _ => surface.semi_diameter,
         };
-        file.extend(surface_lines(&Surface { semi_diameter, ..surface.clone() }, glass));
+        file.extend(surface_lines(&Surface { semi_diameter, ..surface.clone() }, glass)?);
     }
     file.push(format!("SURF {}", lens.surfaces.len() + 1));
-    file.extend(surface_lines(&lens.image_as_surface(), None));
+    file.extend(surface_lines(&lens.image_as_surface(), None)?);
     Ok(file.join("\n") + "\n")
 }
 
@@ -76,18 +72,12 @@ fn unit(unit_nm: f64) -> &'static str {
     super::read::UNITS.iter().find(|(_, nm)| *nm == unit_nm).map_or("MM", |(name, _)| name)
 }
 
-fn surface_lines(surface: &Surface, glass: Option<String>) -> Vec<String> {
+fn surface_lines(surface: &Surface, glass: Option<String>) -> Result<Vec<String>, PrescriptionError> {
     let curvature = if surface.radius.is_infinite() { 0.0 } else { 1.0 / surface.radius };
-    let has_terms = surface.asphere().has_terms();
-    let (kind, parameters) = match surface.odd == [0.0; 8] {
-        true if !has_terms => ("STANDARD", surface.even),
-        true => ("EVENASPH", surface.even),
-        false => ("ODDASPHE", alternating(surface)),
-    };
+    let (kind, parameters) =
+        written(surface).map_err(|why| PrescriptionError::Undefined { what: "Zemax file", why })?;
     let mut lines = vec![format!("  TYPE {kind}"), format!("  CURV {:.15e}", curvature)];
-    if has_terms {
-        lines.extend(parameters.iter().zip(1..).map(|(c, k)| format!("  PARM {k} {c:e}")));
-    }
+    lines.extend(parameters);
     lines.extend((surface.conic != 0.0).then(|| format!("  CONI {}", surface.conic)));
     lines.push(format!("  DISZ {}", surface.thickness));
     lines.extend(glass.map(|glass| format!("  GLAS {glass}")));
@@ -95,12 +85,7 @@ fn surface_lines(surface: &Surface, glass: Option<String>) -> Vec<String> {
     if surface.hole > 0.0 {
         lines.push(format!("  CLAP {} {} 0", surface.hole, surface.semi_diameter.unwrap_or(0.0)));
     }
-    lines
-}
-
-/// The coefficients of r, r^2, ..., r^8.
-fn alternating(surface: &Surface) -> [f64; 8] {
-    std::array::from_fn(|k| if k % 2 == 0 { surface.odd[k / 2] } else { surface.even[k / 2] })
+    Ok(lines)
 }
 
 /// The arguments of `GLAS`; none for air.
