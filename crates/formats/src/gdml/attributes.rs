@@ -252,7 +252,7 @@ impl<'c> Numbers<'c> {
         };
         let to = self.number(element, "to")?;
         let step = self.number_or(element, "step", 1.0)?;
-        if step <= 0.0 {
+        if step <= 0.0 && from <= to {
             return Err(self.tell(Trouble::new(
                 "the step of the loop is not greater than 0 (it would not end)",
                 element.place,

@@ -10,7 +10,7 @@ use super::shape::twisted::{twisted, twisted_tube};
 use super::shape::{Made, Phi, cuboid};
 use super::xml::{Element, Place};
 use crate::LossKind;
-use rayweave_math::{Affine, Vec3};
+use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use std::collections::BTreeMap;
 
@@ -26,8 +26,33 @@ pub(super) struct Shape {
     pub solid: Solid,
     /// The element's name, as `box`.
     pub tag: String,
+    pub sizes: Sizes,
+}
+
+/// Numbers of a solid that divisions ask for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sizes {
     /// Lengths in millimetres and angles in degrees, by attribute.
-    pub sizes: BTreeMap<&'static str, f64>,
+    pub numbers: BTreeMap<&'static str, f64>,
+    /// Where the planes of a polycone or polyhedra are, in millimetres.
+    pub heights: Vec<f64>,
+}
+
+impl Sizes {
+    fn extend<const N: usize>(&mut self, numbers: [(&'static str, f64); N]) {
+        self.numbers.extend(numbers);
+    }
+
+    /// Those of a solid of revolution with planes.
+    fn planes(&mut self, planes: &[ZPlane], phi: Phi) {
+        self.heights = planes.iter().map(|plane| plane.z).collect();
+        self.extend([("start", phi.start), ("delta", phi.delta)]);
+    }
+
+    /// A number by its name, 0 if there is none.
+    pub fn number(&self, name: &str) -> f64 {
+        self.numbers.get(name).copied().unwrap_or(0.0)
+    }
 }
 
 /// The tags of solids.
@@ -115,7 +140,7 @@ impl Library {
     }
 
     fn shape(&self, numbers: &mut Numbers, element: &Element) -> Result<Shape, Failure> {
-        let mut sizes = BTreeMap::new();
+        let mut sizes = Sizes::default();
         let solid = match element.name.as_str() {
             "union" | "subtraction" | "intersection" => self.boolean(numbers, element),
             "multiUnion" => self.multi_union(numbers, element),
@@ -230,9 +255,6 @@ pub(super) fn bare(name: &str) -> &str {
     }
 }
 
-/// Sizes that divisions ask for.
-type Sizes = BTreeMap<&'static str, f64>;
-
 /// A solid that refers to no other.
 fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
     match e.name.as_str() {
@@ -263,13 +285,18 @@ fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
             sizes.extend([("start", phi.start), ("delta", phi.delta)]);
             cone([rmin1, rmax1], [rmin2, rmax2], z, phi)
         }
-        "polycone" => polycone(&z_planes(numbers, e)?, sector(numbers, e)?),
+        "polycone" => {
+            let (planes, phi) = (z_planes(numbers, e)?, sector(numbers, e)?);
+            sizes.planes(&planes, phi);
+            polycone(&planes, phi)
+        }
         "genericPolycone" => {
             generic_polycone(&corners(numbers, e, "rzpoint", ["r", "z"])?, sector(numbers, e)?)
         }
         "polyhedra" => {
-            let (planes, sides) = (z_planes(numbers, e)?, sides(numbers, e)?);
-            polyhedra(&planes, sides, sector(numbers, e)?)
+            let (planes, sides, phi) = (z_planes(numbers, e)?, sides(numbers, e)?, sector(numbers, e)?);
+            sizes.planes(&planes, phi);
+            polyhedra(&planes, sides, phi)
         }
         "genericPolyhedra" => {
             let (corners, sides) = (corners(numbers, e, "rzpoint", ["r", "z"])?, sides(numbers, e)?);
@@ -379,6 +406,7 @@ fn faceted(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
         "para" => {
             let [x, y, z] = numbers.lengths(e, ["x", "y", "z"])?;
             let [alpha, theta, phi] = numbers.angles(e, ["alpha", "theta", "phi"])?;
+            sizes.extend([("x", x), ("y", y), ("z", z), ("alpha", alpha), ("theta", theta), ("phi", phi)]);
             parallelepiped([x, y, z], alpha, theta, phi)
         }
         "tet" => {
@@ -547,8 +575,9 @@ pub(super) fn with_dimensions(numbers: &mut Numbers, dimensions: &Element) -> Op
             "InR" => "rmin",
             "OutR" => "rmax",
             "hz" => "z",
-            "StartPhi" => "startphi",
-            "DeltaPhi" => "deltaphi",
+            "StartPhi" | "startPhi" => "startphi",
+            "DeltaPhi" | "openPhi" => "deltaphi",
+            "numSide" => "numsides",
             "StartTheta" => "starttheta",
             "DeltaTheta" => "deltatheta",
             "TorR" | "SweptR" => "rtor",
@@ -565,13 +594,26 @@ pub(super) fn with_dimensions(numbers: &mut Numbers, dimensions: &Element) -> Op
         name: tag.to_owned(),
         place: dimensions.place,
         attributes: attributes.collect(),
-        children: Vec::new(),
+        children: dimensions.children.clone(),
         content: None,
     };
-    let mut sizes = BTreeMap::new();
-    let made =
-        primitive(numbers, &element, &mut sizes).map(|solid| Shape { solid, tag: tag.to_owned(), sizes });
+    let mut sizes = Sizes::default();
+    let solid = match tag {
+        "polyhedra" => polyhedra_to_corners(numbers, &element),
+        _ => primitive(numbers, &element, &mut sizes),
+    };
+    let made = solid.map(|solid| Shape { solid, tag: tag.to_owned(), sizes });
     refuse_or_keep(numbers, &element, made)
+}
+
+/// A polyhedra whose radii are distances of edges from the axis: so Geant4 takes those of `polyhedra_dimensions`.
+fn polyhedra_to_corners(numbers: &mut Numbers, e: &Element) -> Made {
+    let (mut planes, sides, phi) = (z_planes(numbers, e)?, sides(numbers, e)?, sector(numbers, e)?);
+    let (_, cos) = sin_cos_degrees(0.5 * phi.delta.min(360.0) / f64::from(sides));
+    for plane in &mut planes {
+        (plane.rmin, plane.rmax) = (cos * plane.rmin, cos * plane.rmax);
+    }
+    polyhedra(&planes, sides, phi)
 }
 
 #[cfg(test)]

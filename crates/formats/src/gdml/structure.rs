@@ -437,14 +437,24 @@ impl Builder<'_, '_> {
 
     fn replicas(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
         let count = self.numbers.whole(element, "number", 1, copies::MOST)?;
-        let Some(along) = element.child("replicate_along_axis") else {
-            return Err(self.numbers.tell(Trouble::new(
-                "`replicavol` has no `replicate_along_axis` (it is needed)",
-                element.place,
-            )));
+        let row = match (element.child("replicate_along_axis"), element.attribute("axis")) {
+            (Some(along), _) => self.row_along(along)?,
+            // of old files
+            (None, Some(_)) => self.row_of(element)?,
+            (None, None) => {
+                return Err(self.numbers.tell(Trouble::new(
+                    "`replicavol` has no `replicate_along_axis` (it is needed)",
+                    element.place,
+                )));
+            }
         };
-        let axis = along.child("direction").and_then(copies::direction);
-        let Some(axis) = axis else {
+        let row = copies::Row { count: count as usize, ..row };
+        self.refer(mother, element, empty(mother, element), Copies::Replicas(row))
+    }
+
+    /// `<replicate_along_axis>`: direction, width and offset as children.
+    fn row_along(&mut self, along: &Element) -> Result<copies::Row, Failure> {
+        let Some(axis) = along.child("direction").and_then(copies::direction) else {
             return Err(self
                 .numbers
                 .tell(Trouble::new("no direction (one of x, y, z, rho, phi is 1)", along.place)));
@@ -454,11 +464,11 @@ impl Builder<'_, '_> {
             None => Ok(0.0),
         };
         let (width, offset) = (quantity("width")?, quantity("offset")?);
-        let row = copies::Row { axis, count: count as usize, width, offset };
-        self.refer(mother, element, empty(mother, element), Copies::Replicas(row))
+        Ok(copies::Row { axis, count: 0, width, offset })
     }
 
-    fn divisions(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
+    /// Axis, width and offset as attributes.
+    fn row_of(&mut self, element: &Element) -> Result<copies::Row, Failure> {
         let attribute = self.numbers.need(element, "axis")?;
         let Some(axis) = copies::axis(&attribute.value) else {
             let trouble = Trouble::new(format!("`{}` is no axis", attribute.value), attribute.place);
@@ -466,13 +476,18 @@ impl Builder<'_, '_> {
                 .numbers
                 .tell(trouble.did_you_mean(&attribute.value, copies::AXES.map(|row| row.0))));
         };
+        let width = copies::quantity(self.numbers, element, axis, "width");
+        let offset = copies::quantity(self.numbers, element, axis, "offset");
+        Ok(copies::Row { axis, count: 0, width: width?, offset: offset? })
+    }
+
+    fn divisions(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
+        let row = self.row_of(element)?;
         let count = match element.attribute("number") {
             Some(_) => self.numbers.whole(element, "number", 0, copies::MOST)?,
             None => 0,
         };
-        let width = copies::quantity(self.numbers, element, axis, "width");
-        let offset = copies::quantity(self.numbers, element, axis, "offset");
-        let row = copies::Row { axis, count: count as usize, width: width?, offset: offset? };
+        let row = copies::Row { count: count as usize, ..row };
         self.refer(mother, element, empty(mother, element), Copies::Divisions(row))
     }
 

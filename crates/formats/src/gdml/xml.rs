@@ -31,7 +31,7 @@ pub(super) struct Place {
 }
 
 /// An element: `<name attribute="value">children</name>`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Element {
     pub name: String,
     /// The opening tag.

@@ -78,16 +78,27 @@ const TIP: [f64; 3] = [24.77211629518312, 6.295220222429869, 52.22529170584472];
 /// `G4Navigator`, through geant4-pybind 0.1.3).
 #[test]
 fn media_along_rays_are_those_of_geant4() {
-    let imported = parse(include_str!("structure.gdml")).unwrap();
+    media_are_those_of(include_str!("structure.gdml"), include_str!("structure.csv"), 300);
+}
+
+/// Divisions of parallelepipeds, polycones, polyhedra and along radii, replicas along the radius of a cone, polycones whose planes
+/// go back, and parameterised polycones and polyhedra, by the same.
+#[test]
+fn media_in_pieces_are_those_of_geant4() {
+    media_are_those_of(include_str!("copies.gdml"), include_str!("copies.csv"), 150);
+}
+
+fn media_are_those_of(file: &str, rays: &str, count: usize) {
+    let imported = parse(file).unwrap();
+    assert!(imported.report.is_empty());
     let program = Arc::new(Program::compile_regions(&imported.scene.model_regions()).unwrap());
     let weave = Weave::new(program);
     let medium = |region: RegionId| match region.index() {
         0 => "-",
         k => imported.scene.media[imported.scene.regions[k - 1].medium as usize].name.as_str(),
     };
-    let lines: Vec<&str> =
-        include_str!("structure.csv").lines().filter(|line| !line.starts_with('#')).collect();
-    assert_eq!(lines.len(), 300);
+    let lines: Vec<&str> = rays.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(lines.len(), count);
     for line in lines {
         let words: Vec<&str> = line.split(',').collect();
         let number = |k: usize| words[k].parse::<f64>().unwrap();
@@ -103,6 +114,104 @@ fn media_along_rays_are_those_of_geant4() {
         let near = |(a, b): (&(f64, &str), &(f64, &str))| (a.0 - b.0).abs() < 2e-6 && a.1 == b.1;
         assert!(ours.len() == theirs.len() && ours.iter().zip(&theirs).all(near), "{line}\n{ours:?}");
     }
+}
+
+/// The volume of all regions whose names begin in one way, from a grid of rays.
+fn volume_of(imported: &rayweave_formats::Imported, name: &str) -> f64 {
+    // each of a medium of its own, since only changes of the medium are crossings
+    let mut regions = imported.scene.model_regions();
+    regions.iter_mut().zip(1..).for_each(|(region, medium)| region.medium = medium);
+    let program = Arc::new(Program::compile_regions(&regions).unwrap());
+    let weave = Weave::new(program);
+    let is_wanted = |region: RegionId| {
+        region.index() > 0 && imported.scene.regions[region.index() - 1].name.starts_with(name)
+    };
+    let (count, half) = (160, 60.0);
+    let place = |k: usize| half * (2.0 * (k as f64 + 0.5) / count as f64 - 1.0);
+    let mut length = 0.0;
+    for (i, k) in (0..count).flat_map(|i| (0..count).map(move |k| (i, k))) {
+        let ray = Ray { origin: Vec3::new(place(i), place(k), -1000.0), direction: Vec3::Z };
+        for crossing in &weave.one(ray, &Query::default()).unwrap().crossings {
+            let sign = f64::from(u8::from(is_wanted(crossing.before)))
+                - f64::from(u8::from(is_wanted(crossing.after)));
+            length += sign * crossing.t;
+        }
+    }
+    length * (2.0 * half / count as f64).powi(2)
+}
+
+/// Each mother's volume by its formula, which the pieces have together and none of which is left to the mother.
+#[test]
+fn pieces_fill_their_mother() {
+    let half_turn = std::f64::consts::PI;
+    let trd = |x: &str| format!("<trd name=\"{x}\" x1=\"40\" x2=\"80\" y1=\"60\" y2=\"60\" z=\"100\"/>");
+    let trd_y = |x: &str| format!("<trd name=\"{x}\" x1=\"60\" x2=\"60\" y1=\"80\" y2=\"40\" z=\"100\"/>");
+    let frusta = |x: &str| {
+        format!(
+            "<polycone name=\"{x}\" startphi=\"1\" deltaphi=\"3\"><zplane z=\"-50\" rmin=\"5\" rmax=\"20\"/>\
+             <zplane z=\"30\" rmin=\"5\" rmax=\"50\"/></polycone>"
+        )
+    };
+    let frustum =
+        half_turn / 3.0 * 80.0 * (20.0 * 20.0 + 20.0 * 50.0 + 50.0 * 50.0) - half_turn * 25.0 * 80.0;
+    let cases: [(String, &str, f64); 3] = [
+        (trd("m") + &trd("s"), "axis=\"kXAxis\" number=\"4\"", 360_000.0),
+        (trd_y("m") + &trd_y("s"), "axis=\"kYAxis\" number=\"5\"", 360_000.0),
+        (
+            frusta("m") + &frusta("s"),
+            "axis=\"kPhi\" number=\"3\" unit=\"rad\"",
+            frustum * 3.0 / (2.0 * half_turn),
+        ),
+    ];
+    for (solids, division, expected) in cases {
+        let inner = format!(
+            "<divisionvol {division} width=\"0\" offset=\"0\"><volumeref ref=\"Piece\"/></divisionvol>"
+        );
+        let place = "<physvol><volumeref ref=\"Mother\"/></physvol>";
+        let structure =
+            volume("Piece", "s", "") + &volume("Mother", "m", &inner) + &volume("World", "big", place);
+        let imported = parse(&model("", &(BOXES.to_owned() + &solids), &structure)).unwrap();
+        let (pieces, rest) = (volume_of(&imported, "Piece"), volume_of(&imported, "Mother"));
+        assert!((pieces / expected - 1.0).abs() < 3e-3, "{division}: {pieces}, not {expected}");
+        assert!(rest.abs() < 1e-6 * expected, "{division}: {rest}");
+    }
+}
+
+/// Axis, width and offset were attributes of `replicavol` once.
+#[test]
+fn old_replicas_are_read() {
+    let row = "<replicavol axis=\"kXAxis\" number=\"4\" width=\"20\" offset=\"0\" unit=\"mm\"><volumeref ref=\"Slice\"/></replicavol>";
+    let structure = volume("Slice", "slab", "") + &volume("World", "big", row);
+    let imported = parse(&model("", BOXES, &structure)).unwrap();
+    let hits = along(&imported, [-100.0, 0.3, 0.1], [1.0, 0.0, 0.0]);
+    assert_eq!(names(&hits), [(0.0, "World"), (60.0, "Slice"), (140.0, "World"), (200.0, "-")]);
+}
+
+/// As pyg4ometry writes them: the width of copies around an axis in millimetres, which Geant4 takes for radians.
+#[test]
+fn angles_in_millimetres_are_radians() {
+    let wheel = |unit: &str| {
+        let row = format!(
+            "<replicavol number=\"2\"><volumeref ref=\"Slice\"/><replicate_along_axis><direction phi=\"1\"/>\
+             <width value=\"1.25\" unit=\"{unit}\"/><offset value=\"0.5\" unit=\"{unit}\"/></replicate_along_axis></replicavol>"
+        );
+        parse(&model("", BOXES, &(volume("Slice", "slab", "") + &volume("World", "big", &row)))).unwrap()
+    };
+    let (millimetres, radians) = (wheel("mm"), wheel("rad"));
+    assert_eq!(millimetres.scene.regions, radians.scene.regions);
+    assert!(
+        millimetres.scene.warnings.iter().any(|warning| warning.message().contains("no unit of an angle"))
+    );
+    assert_eq!(radians.scene.warnings.iter().count(), 0);
+}
+
+/// A loop whose range is empty has no steps, in whichever direction it would go.
+#[test]
+fn loops_without_steps_stand_for_nothing() {
+    let down = "<loop for=\"i\" from=\"3\" to=\"1\" step=\"-1\"><physvol><volumeref ref=\"Slice\"/></physvol></loop>";
+    let structure = volume("Slice", "slab", "") + &volume("World", "big", down);
+    let imported = parse(&model("<variable name=\"i\" value=\"3\"/>", BOXES, &structure)).unwrap();
+    assert_eq!(imported.scene.regions.len(), 1);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Solids with plane faces, and those that are ruled between two quadrilaterals.
 
-use super::round::{ZPlane, edges, in_order};
+use super::round::{ZPlane, edges, in_order, outline};
 use super::{Made, Phi, loose_box, of, union_of};
 use crate::gdml::attributes::{Failure, refused};
 use rayweave_math::{Affine, Mat3, Vec3, sin_cos_degrees, unit_vector_degrees};
@@ -204,7 +204,11 @@ pub(in crate::gdml) fn tetrahedron(corners: [Vec3; 4]) -> Made {
 
 /// `G4Polyhedra` from planes: the radii are distances of the side faces from the axis.
 pub(in crate::gdml) fn polyhedra(planes: &[ZPlane], sides: u32, phi: Phi) -> Made {
-    in_order(planes)?;
+    if !in_order(planes) {
+        let (_, cos) = sin_cos_degrees(0.5 * phi.delta.min(360.0) / f64::from(sides.max(1)));
+        let corners: Vec<[f64; 2]> = outline(planes).into_iter().map(|[r, z]| [r / cos, z]).collect();
+        return generic_polyhedra(&corners, sides, phi);
+    }
     let normals = side_normals(sides, phi, planes.len())?;
     let mut sections = Vec::new();
     for pair in planes.windows(2) {

@@ -74,9 +74,12 @@ fn section(a: ZPlane, b: ZPlane) -> Result<Option<Solid>, Failure> {
     })
 }
 
-/// `G4Polycone` from planes in order along z, up or down; two planes at one height make a step.
+/// `G4Polycone` from planes; two planes at one height make a step. Where they go back and forth along z, it is the polygon of
+/// their radii that is turned.
 pub(in crate::gdml) fn polycone(planes: &[ZPlane], phi: Phi) -> Made {
-    in_order(planes)?;
+    if !in_order(planes) {
+        return generic_polycone(&outline(planes), phi);
+    }
     let mut sections = Vec::new();
     for pair in planes.windows(2) {
         sections.extend(section(pair[0], pair[1])?);
@@ -84,13 +87,17 @@ pub(in crate::gdml) fn polycone(planes: &[ZPlane], phi: Phi) -> Made {
     phi.cut(union_of(sections, "it has no inside (no length, or no thickness)")?)
 }
 
-/// Refuses planes that go back and forth along z.
-pub(super) fn in_order(planes: &[ZPlane]) -> Result<(), Failure> {
+/// True if planes go up along z, or down.
+pub(super) fn in_order(planes: &[ZPlane]) -> bool {
     let goes = |sign: f64| planes.windows(2).all(|pair| sign * (pair[1].z - pair[0].z) >= 0.0);
-    match goes(1.0) || goes(-1.0) {
-        true => Ok(()),
-        false => refused("the planes are not in order along z"),
-    }
+    goes(1.0) || goes(-1.0)
+}
+
+/// The polygon (r, z) of planes: along the outer radii, and back along the inner ones.
+pub(super) fn outline(planes: &[ZPlane]) -> Vec<[f64; 2]> {
+    let outer = planes.iter().map(|plane| [plane.rmax, plane.z]);
+    let inner = planes.iter().rev().map(|plane| [plane.rmin, plane.z]);
+    outer.chain(inner).collect()
 }
 
 /// `G4GenericPolycone`: a polygon of corners (r, z), turned around the z axis.
