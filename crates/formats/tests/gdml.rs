@@ -8,6 +8,8 @@ mod malformed;
 mod solids;
 #[path = "gdml/structure.rs"]
 mod structure;
+#[path = "gdml/written.rs"]
+mod written;
 
 use rayweave_formats::{Format, Imported, Options};
 use rayweave_math::Vec3;

@@ -59,7 +59,7 @@ fn is_room(world: &Volume) -> bool {
 /// # Errors
 ///
 /// Volumes each of which is in the one before, the last and the first the same.
-fn order(graph: &Graph, world: usize) -> Result<Vec<usize>, Vec<usize>> {
+pub(super) fn order(graph: &Graph, world: usize) -> Result<Vec<usize>, Vec<usize>> {
     // 0: not met, 1: on the way down to the current one, 2: done
     let mut state = vec![0u8; graph.volumes.len()];
     let (mut way, mut done) = (vec![(world, 0)], Vec::new());
@@ -117,7 +117,7 @@ fn cycle_trouble(graph: &Graph, cycle: &[usize]) -> Trouble {
 type Mother = (usize, Arc<[Affine]>);
 
 /// Which volumes are placed where.
-struct Ancestry {
+pub(super) struct Ancestry {
     /// For each volume its mothers, each with the maps of all its placements there.
     mothers: HashMap<usize, Vec<Mother>>,
     /// The place of each volume in the order.
@@ -126,7 +126,7 @@ struct Ancestry {
 }
 
 impl Ancestry {
-    fn new(graph: &Graph, order: &[usize]) -> Ancestry {
+    pub fn new(graph: &Graph, order: &[usize]) -> Ancestry {
         let mut mothers: HashMap<usize, Vec<Mother>> = HashMap::new();
         for &mother in order {
             let (mut maps, mut met): (HashMap<usize, Vec<Affine>>, Vec<usize>) = Default::default();
@@ -148,7 +148,7 @@ impl Ancestry {
 
     /// All copies of a volume, in the frame of the world. Its solid goes up from mother to mother, and all ways that meet in one
     /// go on as one, so that what has many copies of many copies stays small.
-    fn in_world(&self, graph: &Graph, volume: usize) -> Option<Solid> {
+    pub fn in_world(&self, graph: &Graph, volume: usize) -> Option<Solid> {
         let solid = graph.volumes[volume].solid()?.clone();
         let mut waiting = std::collections::BTreeMap::from([(self.rank[&volume], vec![solid])]);
         while let Some((rank, parts)) = waiting.pop_last() {
@@ -205,7 +205,7 @@ struct Media {
 }
 
 /// The medium of volumes without material.
-const UNSPECIFIED: &str = "unspecified";
+pub(crate) const UNSPECIFIED: &str = "unspecified";
 
 impl Media {
     fn new(graph: &Graph) -> Media {

@@ -106,7 +106,7 @@ pub(super) fn read(numbers: &mut Numbers, materials: &mut Materials, section: &E
 fn material(numbers: &mut Numbers, element: &Element) -> Result<Material, Failure> {
     let mut material = Material {
         name: numbers.name(element)?,
-        tag: element.name.clone(),
+        tag: element.name.to_string(),
         state: element.text("state").to_owned(),
         formula: element.text("formula").to_owned(),
         ..Material::default()

@@ -8,7 +8,7 @@ use super::shape::faceted::*;
 use super::shape::round::*;
 use super::shape::twisted::{twisted, twisted_tube};
 use super::shape::{Made, Phi, cuboid};
-use super::xml::{Element, Place};
+use super::xml::{Element, Name, Place};
 use crate::LossKind;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
@@ -148,7 +148,7 @@ impl Library {
             "reflectedSolid" => self.reflected(numbers, element),
             _ => primitive(numbers, element, &mut sizes),
         }?;
-        Ok(Shape { solid, tag: element.name.clone(), sizes })
+        Ok(Shape { solid, tag: element.name.to_string(), sizes })
     }
 
     /// The operand that a child names.
@@ -570,7 +570,7 @@ fn twisted_tubs(numbers: &mut Numbers, e: &Element) -> Made {
 /// A solid of a paramvol's dimensions: the same kind as the volume's, with other numbers, whose names differ in part.
 pub(super) fn with_dimensions(numbers: &mut Numbers, dimensions: &Element) -> Option<Shape> {
     let tag = dimensions.name.strip_suffix("_dimensions")?;
-    let renamed = |name: &str| {
+    fn renamed(name: &str) -> &str {
         match name {
             "InR" => "rmin",
             "OutR" => "rmax",
@@ -586,12 +586,13 @@ pub(super) fn with_dimensions(numbers: &mut Numbers, dimensions: &Element) -> Op
             "Alpha" => "alpha",
             other => other,
         }
-        .to_owned()
-    };
-    let attributes =
-        dimensions.attributes.iter().map(|a| super::xml::Attribute { name: renamed(&a.name), ..a.clone() });
+    }
+    let attributes = dimensions
+        .attributes
+        .iter()
+        .map(|a| super::xml::Attribute { name: Name::new(renamed(&a.name)), ..a.clone() });
     let element = Element {
-        name: tag.to_owned(),
+        name: Name::new(tag),
         place: dimensions.place,
         attributes: attributes.collect(),
         children: dimensions.children.clone(),

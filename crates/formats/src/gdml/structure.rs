@@ -538,6 +538,11 @@ fn auxiliaries(element: &Element) -> Vec<Auxiliary> {
 }
 
 impl Graph {
+    /// Volumes alone.
+    pub fn of(volumes: Vec<Volume>) -> Graph {
+        Graph { volumes, ..Graph::default() }
+    }
+
     /// What is placed in a volume.
     pub fn daughters(&self, volume: usize) -> &[Daughter] {
         &self.volumes[self.volumes[volume].content].daughters

@@ -8,7 +8,7 @@ use super::Trouble;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Error, Reader};
 use rayweave_scene::{Diagnostic, Source, Span};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -30,22 +30,62 @@ pub(super) struct Place {
     pub span: Span,
 }
 
+/// The name of an element or attribute: all that are alike share one text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Name(Arc<str>);
+
+impl std::ops::Deref for Name {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
+
+impl Name {
+    pub fn new(name: &str) -> Name {
+        Name(name.into())
+    }
+
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl PartialEq<str> for Name {
+    fn eq(&self, other: &str) -> bool {
+        *self.0 == *other
+    }
+}
+
+impl PartialEq<&str> for Name {
+    fn eq(&self, other: &&str) -> bool {
+        *self.0 == **other
+    }
+}
+
+impl std::fmt::Display for Name {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
 /// An element: `<name attribute="value">children</name>`.
 #[derive(Clone, Debug)]
 pub(super) struct Element {
-    pub name: String,
+    pub name: Name,
     /// The opening tag.
     pub place: Place,
     pub attributes: Vec<Attribute>,
     pub children: Vec<Element>,
     /// The text before the first child that is not blank.
-    pub content: Option<Attribute>,
+    pub content: Option<Box<Attribute>>,
 }
 
 /// An attribute with its value as meant, references replaced.
 #[derive(Clone, Debug)]
 pub(super) struct Attribute {
-    pub name: String,
+    pub name: Name,
     pub value: String,
     /// The value between its quotation marks.
     pub place: Place,
@@ -130,6 +170,7 @@ pub(super) fn read(files: &mut Files, source: Arc<Source>) -> Result<Element, Tr
     let mut tree = Tree {
         files,
         entities: BTreeMap::new(),
+        names: HashMap::new(),
         roots: Vec::new(),
         open: Vec::new(),
         references: 0,
@@ -164,6 +205,8 @@ enum Entity {
 struct Tree<'f> {
     files: &'f mut Files,
     entities: BTreeMap<String, (Entity, Place)>,
+    /// The names that have been met.
+    names: HashMap<String, Name>,
     roots: Vec<Element>,
     /// The elements that are not closed yet.
     open: Vec<Element>,
@@ -226,30 +269,42 @@ impl Tree<'_> {
             let place = Place { file: place.file, span: Span::new(at, at + attribute.value.len()) };
             let value = self.unescaped(&attribute.value, place, depth)?;
             let verbatim = value == *attribute.value;
-            attributes.push(Attribute { name: attribute.key.as_ref().to_owned(), value, place, verbatim });
+            let name = self.name(attribute.key.as_ref());
+            attributes.push(Attribute { name, value, place, verbatim });
         }
-        self.open.push(Element {
-            name: tag.name().as_ref().to_owned(),
-            place,
-            attributes,
-            children: Vec::new(),
-            content: None,
-        });
+        // there are as many of them as elements, and memory is what limits the size of files
+        attributes.shrink_to_fit();
+        let name = self.name(tag.name().as_ref());
+        self.open.push(Element { name, place, attributes, children: Vec::new(), content: None });
         Ok(())
+    }
+
+    fn name(&mut self, name: &str) -> Name {
+        if let Some(known) = self.names.get(name) {
+            return known.clone();
+        }
+        let new = Name::new(name);
+        self.names.insert(name.to_owned(), new.clone());
+        new
     }
 
     fn content(&mut self, text: &str, place: Place) {
         if let Some(element) = self.open.last_mut().filter(|element| element.content.is_none()) {
             let (start, trimmed) = (text.len() - text.trim_start().len(), text.trim());
+            if trimmed.is_empty() {
+                return;
+            }
             let at = place.span.start + start;
             let place = Place { span: Span::new(at, at + trimmed.len()), ..place };
-            let content = Attribute { name: String::new(), value: trimmed.to_owned(), place, verbatim: true };
-            element.content = (!trimmed.is_empty()).then_some(content);
+            let name = Name::new("");
+            element.content =
+                Some(Box::new(Attribute { name, value: trimmed.to_owned(), place, verbatim: true }));
         }
     }
 
     fn close(&mut self) {
-        if let Some(element) = self.open.pop() {
+        if let Some(mut element) = self.open.pop() {
+            element.children.shrink_to_fit();
             let siblings = self.open.last_mut().map_or(&mut self.roots, |parent| &mut parent.children);
             siblings.push(element);
         }

@@ -2,8 +2,9 @@
 //!
 //! *Source*: the schema of GDML 3.1.6 and the GDML User's Guide 2.7, as for [`crate::gdml`], which reads what is written here.
 //!
-//! All lengths are millimetres. Each region is a volume of its own in a world, with the later regions cut out of it, because
-//! volumes must not overlap. Boxes, balls, ellipsoids, tubes, cones, rings and paraboloids are Geant4's own solids where the map
+//! All lengths are millimetres. Where the scene was a GDML file, and its table `[gdml]` still tells the same regions, its volumes
+//! lie in one another as they did; else each region is a volume of its own in a world, with the later regions cut out of it,
+//! because volumes must not overlap. Materials, properties and optical surfaces come from that table, too. Boxes, balls, ellipsoids, tubes, cones, rings and paraboloids are Geant4's own solids where the map
 //! keeps them so, with a scale along the axes of the shape as a `scaledSolid`; half-spaces are boxes as large as the world; other
 //! shapes with plane faces are `tessellated` exactly, and what is left within the tolerance.
 
@@ -12,19 +13,19 @@ use super::fold::{Builder, Operation, fold};
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError};
-use crate::gdml::NO_REGION;
+use crate::gdml::{NO_REGION, stated};
 use rayweave_math::{Affine, Bounds, Mat3, Vec3, any_perpendicular};
 use rayweave_mesh::Mesh;
-use rayweave_scene::{Medium, Unit};
+use rayweave_scene::{Datum, Foreign, Unit};
 use rayweave_shape::primitive::{Primitive, Value};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
+mod materials;
+mod tree;
+
 /// Columns of a map that are perpendicular to this part of their lengths are taken to be.
 const PERPENDICULAR: f64 = 1e-12;
-
-/// The density of media that say none, in g/cm3: that of intergalactic space, as `G4_Galactic`.
-const NO_DENSITY: f64 = 1e-25;
 
 /// A solid of the file in its own frame, and a rotation and translation.
 #[derive(Clone)]
@@ -47,48 +48,60 @@ struct Writer<'m, 's> {
     known: HashMap<usize, Option<Part>>,
 }
 
-pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, WriteError> {
-    model.tell_cuts(remarks);
+pub(super) fn write(
+    model: &Model,
+    table: Option<&Foreign>,
+    remarks: &mut Remarks,
+) -> Result<Vec<u8>, WriteError> {
     let scale = model.scene.unit.metres() / Unit::Millimetre.metres();
     if scale != 1.0 {
         remarks.add(RemarkKind::Changed, format!("lengths in {} are in mm", model.scene.unit));
+    }
+    let table = table.and_then(|foreign| match &foreign.value.value {
+        Datum::Table(table) => Some(table),
+        _ => None,
+    });
+    let told = table.filter(|_| scale == 1.0).and_then(|table| stated::tree(table, model.scene));
+    let told = told.filter(|told| tree::is_rigid(told));
+    if told.is_none() {
+        model.tell_cuts(remarks);
+        if table.is_some() {
+            remarks.add(
+                RemarkKind::Dropped,
+                "the tree of volumes, names of placements, skin and border surfaces",
+            );
+        }
     }
     let clip = Bounds::new(scale * model.clip.lo, scale * model.clip.hi);
     let (defines, solids) = (String::new(), String::new());
     let known = HashMap::new();
     let mut writer = Writer { model, remarks, region: 0, scale, clip, defines, solids, count: 0, known };
     let names = Names::new(model);
-    let (mut volumes, mut placements) = (String::new(), String::new());
-    for (number, region) in model.regions() {
-        let Some(part) = writer.carved(number)? else { continue };
-        let (name, material) = (&names.regions[number], &names.media[region.medium as usize]);
-        let _ = writeln!(
-            volumes,
-            "    <volume name=\"{name}\">\n      <materialref ref=\"{material}\"/>\n      <solidref ref=\"{}\"/>\n      \
-             <auxiliary auxtype=\"Color\" auxvalue=\"{}\"/>\n    </volume>",
-            part.solid, region.colour
-        );
-        let (position, rotation) = place_text(&part.place, true);
-        let _ = writeln!(
-            placements,
-            "      <physvol name=\"{name}_placed\">\n        <volumeref ref=\"{name}\"/>{position}{rotation}\n      </physvol>"
-        );
-    }
-    let half = clip.lo.abs().max(clip.hi.abs());
-    let world =
-        writer.solid("box", &lengths([("x", 2.0 * half.x), ("y", 2.0 * half.y), ("z", 2.0 * half.z)]));
+    let room = told.as_ref().is_none_or(|told| told[0].solid.is_none());
+    let needs = materials::Needs { room, all: told.is_none() };
+    let materials = materials::materials(model, &names, table, needs, writer.remarks);
+    let structure = match &told {
+        Some(told) => writer.tree(told, table, &materials.names)?,
+        None => writer.flat(&names, &materials.names)?,
+    };
     writer.remarks.add(RemarkKind::Dropped, "names of faces");
     model.tell_pictures(writer.remarks);
-    let materials = materials(model, &names, writer.remarks);
-    let (defines, solids, world_medium) = (writer.defines, writer.solids, &names.media[0]);
+    let Structure { volumes, world } = structure;
+    let (defines, solids, more) =
+        (writer.defines, writer.solids, table.map(materials::after).unwrap_or_default());
     Ok(format!(
-        "{HEAD}  <define>\n{defines}{}  </define>\n  <materials>\n{}  </materials>\n  <solids>\n{solids}  </solids>\n  \
-         <structure>\n{volumes}    <volume name=\"{}\">\n      <materialref ref=\"{world_medium}\"/>\n      <solidref \
-         ref=\"{world}\"/>\n{placements}      <auxiliary auxtype=\"{}\" auxvalue=\"{}\"/>\n    </volume>\n  </structure>\n  <setup name=\"Default\" version=\"1.0\">\n    \
-         <world ref=\"{}\"/>\n  </setup>\n</gdml>\n",
-        materials.0, materials.1, names.world, NO_REGION[0], NO_REGION[1], names.world
+        "{HEAD}  <define>\n{}{defines}  </define>\n  <materials>\n{}  </materials>\n  <solids>\n{solids}{}  </solids>\n  \
+         <structure>\n{volumes}  </structure>\n{}  <setup name=\"Default\" version=\"1.0\">\n    \
+         <world ref=\"{world}\"/>\n  </setup>\n</gdml>\n",
+        materials.defines, materials.text, more.surfaces, more.user
     )
     .into_bytes())
+}
+
+/// The elements of a structure, and the name of its world.
+struct Structure {
+    volumes: String,
+    world: String,
 }
 
 const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gdml xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" \
@@ -123,49 +136,6 @@ fn plain(name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     let plain = plain.replace("0x", "0_x");
     if plain.starts_with(|c: char| c.is_ascii_alphabetic()) { plain } else { format!("r_{plain}") }
-}
-
-/// Definitions of indices, and the materials.
-fn materials(model: &Model, names: &Names, remarks: &mut Remarks) -> (String, String) {
-    let (mut defines, mut text) = (String::new(), String::new());
-    for (medium, name) in model.scene.media.iter().zip(&names.media) {
-        let mut property = String::new();
-        if let Some(index) = medium.index {
-            let _ = writeln!(
-                defines,
-                "    <matrix name=\"{name}_index\" coldim=\"2\" values=\"1*eV {index:?} 10*eV {index:?}\"/>"
-            );
-            property = format!("      <property name=\"RINDEX\" ref=\"{name}_index\"/>\n");
-        }
-        let density = value(medium, "density").unwrap_or(NO_DENSITY);
-        let other = |tag: &str, own: &str, unit: &str| {
-            let line = |value: f64| format!("      <{tag} value=\"{value:?}\" unit=\"{unit}\"/>\n");
-            value(medium, own).map(line).unwrap_or_default()
-        };
-        let _ = write!(
-            text,
-            "    <material name=\"{name}\" Z=\"1\">\n{property}{}{}      <D value=\"{density:?}\" unit=\"g/cm3\"/>\n      \
-             <atom value=\"1.008\"/>\n    </material>\n",
-            other("T", "temperature", "K"),
-            other("P", "pressure", "pascal"),
-        );
-        let is_known = |name: &String| ["density", "temperature", "pressure"].contains(&name.as_str());
-        if medium.numbers.iter().any(|(name, _)| !is_known(name)) {
-            remarks.add(
-                RemarkKind::Dropped,
-                "numbers of media other than density, temperature, pressure and index",
-            );
-        }
-    }
-    remarks.add(
-        RemarkKind::Changed,
-        format!("media are hydrogen of their density, or of {NO_DENSITY:?} g/cm3 where they have none"),
-    );
-    (defines, text)
-}
-
-fn value(medium: &Medium, name: &str) -> Option<f64> {
-    medium.numbers.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
 }
 
 /// Attributes with lengths in millimetres.
@@ -222,6 +192,40 @@ impl Writer<'_, '_> {
     fn name(&mut self) -> String {
         self.count += 1;
         format!("s{}", self.count)
+    }
+
+    /// A volume for each region, with the later ones cut out of it, in a world around them.
+    fn flat(&mut self, names: &Names, media: &[String]) -> Result<Structure, WriteError> {
+        let (mut volumes, mut placements, model) = (String::new(), String::new(), self.model);
+        for (number, region) in model.regions() {
+            let Some(part) = self.carved(number)? else { continue };
+            let (name, material) = (&names.regions[number], &media[region.medium as usize]);
+            let _ = writeln!(
+                volumes,
+                "    <volume name=\"{name}\">\n      <materialref ref=\"{material}\"/>\n      <solidref ref=\"{}\"/>\n      \
+                 <auxiliary auxtype=\"Color\" auxvalue=\"{}\"/>\n    </volume>",
+                part.solid, region.colour
+            );
+            let (position, rotation) = place_text(&part.place, true);
+            let _ = writeln!(
+                placements,
+                "      <physvol name=\"{name}_placed\">\n        <volumeref ref=\"{name}\"/>{position}{rotation}\n      </physvol>"
+            );
+        }
+        let (world, name) = (self.room(), &names.world);
+        let _ = writeln!(
+            volumes,
+            "    <volume name=\"{name}\">\n      <materialref ref=\"{}\"/>\n      <solidref ref=\"{world}\"/>\n{placements}      \
+             <auxiliary auxtype=\"{}\" auxvalue=\"{}\"/>\n    </volume>",
+            media[0], NO_REGION[0], NO_REGION[1]
+        );
+        Ok(Structure { volumes, world: name.clone() })
+    }
+
+    /// A box around the origin that holds the whole model.
+    fn room(&mut self) -> String {
+        let half = self.clip.lo.abs().max(self.clip.hi.abs());
+        self.solid("box", &lengths([("x", 2.0 * half.x), ("y", 2.0 * half.y), ("z", 2.0 * half.z)]))
     }
 
     fn carved(&mut self, number: usize) -> Result<Option<Part>, WriteError> {

@@ -101,12 +101,14 @@ pub fn write(
     }
     let mut remarks = Remarks::default();
     let model = Model::new(scene, format, options)?;
-    if stated.is_some_and(|document| !document.foreign.is_empty()) {
+    let foreign = || stated.into_iter().flat_map(|document| &document.foreign);
+    let table = foreign().find(|foreign| format == Format::Gdml && foreign.name.value == "gdml");
+    if foreign().count() > usize::from(table.is_some()) {
         remarks.add(RemarkKind::Dropped, "tables of other programs and of optics");
     }
     let bytes = match format {
         Format::OpenScad => openscad::write(&model, &mut remarks)?,
-        Format::Gdml => gdml::write(&model, &mut remarks)?,
+        Format::Gdml => gdml::write(&model, table, &mut remarks)?,
         Format::Mesh(kind) => triangles::write(&model, kind, options, &mut remarks)?,
         Format::Native => Vec::new(),
     };

@@ -1,0 +1,170 @@
+//! The tree of volumes that the table `[gdml]` of a document tells, for who writes it back.
+
+use super::hierarchy::{Ancestry, order};
+use super::solids::{Shape, Sizes};
+use super::structure::{Daughter, Graph, Volume};
+use super::xml::Place;
+use rayweave_math::{Affine, Mat3, Vec3};
+use rayweave_model::{Node, Solid};
+use rayweave_scene::{Datum, Scene, Table};
+use std::collections::HashMap;
+
+/// A volume of the tree.
+pub(crate) struct Told {
+    pub name: String,
+    /// The number of its region; none of assemblies and of rooms.
+    pub region: Option<usize>,
+    /// In its own frame.
+    pub solid: Option<Solid>,
+    pub daughters: Vec<Placed>,
+}
+
+/// Placements of a volume in another one.
+pub(crate) struct Placed {
+    pub name: String,
+    pub volume: usize,
+    pub copy: Option<i64>,
+    pub maps: Vec<Affine>,
+}
+
+/// The volumes of a table, mothers first, if the regions of a scene are what comes of it: who has changed either the scene or the
+/// table has made them tell different things.
+pub(crate) fn tree(table: &Table, scene: &Scene) -> Option<Vec<Told>> {
+    let rows = rows(table, "volume");
+    let numbers: HashMap<&str, usize> = rows.iter().zip(0..).map(|(row, k)| (text(row, "name"), k)).collect();
+    let regions: HashMap<&str, usize> =
+        scene.regions.iter().zip(0..).map(|(region, k)| (region.name.as_str(), k)).collect();
+    if numbers.len() != rows.len() || rows.is_empty() {
+        return None;
+    }
+    let told =
+        rows.iter().map(|row| volume(row, scene, &regions, &numbers)).collect::<Option<Vec<Told>>>()?;
+    let is_same = told.iter().filter(|told| told.region.is_some()).count() == scene.regions.len()
+        && comes_of(&told, &graph(&told), scene);
+    is_same.then_some(told)
+}
+
+fn volume(
+    row: &Table,
+    scene: &Scene,
+    regions: &HashMap<&str, usize>,
+    numbers: &HashMap<&str, usize>,
+) -> Option<Told> {
+    let region = match text(row, "region") {
+        "" => None,
+        name => Some(*regions.get(name)?),
+    };
+    let placed = |row: &&Table| {
+        let maps = list(row, "maps").iter().map(|map| affine(&map.value)).collect::<Option<Vec<Affine>>>()?;
+        let (name, volume) = (text(row, "name").to_owned(), *numbers.get(text(row, "volume"))?);
+        Some(Placed { name, volume, copy: number(row, "copy").map(|copy| copy as i64), maps })
+    };
+    Some(Told {
+        name: text(row, "name").to_owned(),
+        region,
+        solid: region.map(|region| own(&scene.regions[region].solid)),
+        daughters: self::rows(row, "daughters").iter().map(placed).collect::<Option<_>>()?,
+    })
+}
+
+/// The solid that a region is copies of: readers give it a name.
+fn own(copies: &Solid) -> Solid {
+    let mut solid = copies.clone();
+    loop {
+        solid = match solid.node() {
+            Node::Transformed(_, inner) | Node::Placed(inner, _) => inner.clone(),
+            Node::Union(parts) if !parts.is_empty() => parts[0].clone(),
+            _ => return solid,
+        };
+    }
+}
+
+/// The graph that a reader would have made.
+fn graph(told: &[Told]) -> Graph {
+    let daughter = |placed: &Placed| Daughter {
+        name: String::new(),
+        volume: placed.volume,
+        maps: placed.maps.clone(),
+        copy: None,
+        place: Place::default(),
+    };
+    let volume = |(told, content): (&Told, usize)| Volume {
+        name: told.name.clone(),
+        shape: told.solid.clone().map(|solid| Shape { solid, tag: String::new(), sizes: Sizes::default() }),
+        material: None,
+        daughters: told.daughters.iter().map(daughter).collect(),
+        content,
+        auxiliary: Vec::new(),
+        place: Place::default(),
+    };
+    Graph::of(told.iter().zip(0..).map(volume).collect())
+}
+
+fn comes_of(told: &[Told], graph: &Graph, scene: &Scene) -> bool {
+    let Ok(order) = order(graph, 0) else { return false };
+    if order.len() != told.len() {
+        return false;
+    }
+    let ancestry = Ancestry::new(graph, &order);
+    let is_same = |(told, volume): (&Told, usize)| match told.region {
+        Some(region) => ancestry.in_world(graph, volume).as_ref() == Some(&scene.regions[region].solid),
+        None => true,
+    };
+    told.iter().zip(0..).all(is_same)
+}
+
+/// A value of a table.
+pub(crate) fn get<'t>(table: &'t Table, key: &str) -> Option<&'t Datum> {
+    table.iter().find(|(name, _)| name.value == key).map(|(_, value)| &value.value)
+}
+
+/// A text of a table, or nothing.
+pub(crate) fn text<'t>(table: &'t Table, key: &str) -> &'t str {
+    match get(table, key) {
+        Some(Datum::Text(text)) => text,
+        _ => "",
+    }
+}
+
+/// A number of a table.
+pub(crate) fn number(table: &Table, key: &str) -> Option<f64> {
+    match get(table, key) {
+        Some(Datum::Number(number)) => Some(*number),
+        _ => None,
+    }
+}
+
+/// A list of a table, or an empty one.
+pub(crate) fn list<'t>(table: &'t Table, key: &str) -> &'t [rayweave_scene::Spanned<Datum>] {
+    match get(table, key) {
+        Some(Datum::List(list)) => list,
+        _ => &[],
+    }
+}
+
+/// The tables in a list of a table.
+pub(crate) fn rows<'t>(table: &'t Table, key: &str) -> Vec<&'t Table> {
+    let row = |value: &'t rayweave_scene::Spanned<Datum>| match &value.value {
+        Datum::Table(row) => Some(row),
+        _ => None,
+    };
+    list(table, key).iter().filter_map(row).collect()
+}
+
+/// A vector, or the first three rows of a matrix.
+fn affine(map: &Datum) -> Option<Affine> {
+    let Datum::List(values) = map else { return None };
+    let value = |value: &rayweave_scene::Spanned<Datum>| match value.value {
+        Datum::Number(number) => Some(number),
+        _ => None,
+    };
+    let values = values.iter().map(value).collect::<Option<Vec<f64>>>()?;
+    let column = |k: usize| Vec3::new(values[k], values[4 + k], values[8 + k]);
+    match values.len() {
+        3 => Some(Affine::translate(Vec3::new(values[0], values[1], values[2]))),
+        12 => {
+            Some(Affine { linear: Mat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
+        }
+        _ => None,
+    }
+}

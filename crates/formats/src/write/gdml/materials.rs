@@ -1,0 +1,297 @@
+//! Materials, elements and properties: as the table `[gdml]` tells them, and hydrogen where it tells none.
+
+use super::Names;
+use crate::gdml::UNSPECIFIED;
+use crate::gdml::stated::{get, list, number, rows, text};
+use crate::write::RemarkKind;
+use crate::write::model::Model;
+use crate::write::remark::Remarks;
+use rayweave_scene::{Datum, Medium, Table};
+use std::collections::HashMap;
+use std::fmt::Write as _;
+
+/// The density of media that say none, in g/cm3: that of intergalactic space, as `G4_Galactic`.
+const NO_DENSITY: f64 = 1e-25;
+
+/// Numbers of media with the tags and units under which materials have them.
+const NUMBERS: [(&str, &str, &str); 3] =
+    [("temperature", "T", "K"), ("pressure", "P", "pascal"), ("mean_excitation_energy", "MEE", "eV")];
+
+/// What is written of media.
+pub(super) struct Materials {
+    pub defines: String,
+    pub text: String,
+    /// The name of the material of each medium.
+    pub names: Vec<String>,
+}
+
+/// Definitions of matrices, and the materials. A room around everything is of the first medium; volumes of a tree need none.
+pub(super) fn materials(
+    model: &Model,
+    names: &Names,
+    table: Option<&Table>,
+    needs: Needs,
+    remarks: &mut Remarks,
+) -> Materials {
+    let mut all = Materials { defines: String::new(), text: String::new(), names: names.media.clone() };
+    let media = &model.scene.media;
+    let mut stated = vec![false; media.len()];
+    if let Some(table) = table {
+        rows(table, "matrix").iter().for_each(|row| all.matrix(row));
+        rows(table, "element").iter().for_each(|row| all.element(row));
+        let numbers: HashMap<&str, usize> =
+            media.iter().zip(0..).map(|(medium, k)| (medium.name.as_str(), k)).collect();
+        for row in rows(table, "material") {
+            let Some(&k) = numbers.get(text(row, "medium")) else { continue };
+            all.names[k] = escaped(text(row, "name"));
+            stated[k] = true;
+            all.stated(row, &media[k]);
+        }
+    }
+    let mut is_used = vec![false; media.len()];
+    model.scene.regions.iter().for_each(|region| is_used[region.medium as usize] = true);
+    is_used[0] |= needs.room;
+    media
+        .iter()
+        .zip(&mut is_used)
+        .for_each(|(medium, used)| *used &= needs.all || medium.name != UNSPECIFIED);
+    for k in (0..media.len()).filter(|k| is_used[*k] && !stated[*k]) {
+        all.hydrogen(&media[k], k, remarks);
+    }
+    all
+}
+
+/// Which media need a material.
+pub(super) struct Needs {
+    /// The first one, for a room around everything.
+    pub room: bool,
+    /// That of volumes without material, too.
+    pub all: bool,
+}
+
+impl Materials {
+    fn matrix(&mut self, row: &Table) {
+        let value = |value: &rayweave_scene::Spanned<Datum>| match value.value {
+            Datum::Number(number) => format!("{number:?}"),
+            _ => String::new(),
+        };
+        let values: Vec<String> = list(row, "values").iter().map(value).collect();
+        let (name, columns) = (escaped(text(row, "name")), number(row, "columns").unwrap_or(1.0));
+        let _ = writeln!(
+            self.defines,
+            "    <matrix name=\"{name}\" coldim=\"{columns}\" values=\"{}\"/>",
+            values.join(" ")
+        );
+    }
+
+    /// An element, or an isotope.
+    fn element(&mut self, row: &Table) {
+        let tag = if text(row, "kind") == "isotope" { "isotope" } else { "element" };
+        let number =
+            |key: &str| number(row, key).map(|number| format!(" {key}=\"{number}\"")).unwrap_or_default();
+        let _ = write!(
+            self.text,
+            "    <{tag} name=\"{}\"{}",
+            escaped(text(row, "name")),
+            attribute(row, "formula")
+        );
+        let _ = writeln!(
+            self.text,
+            "{}{}>\n{}{}    </{tag}>",
+            number("Z"),
+            number("N"),
+            atom(self::number(row, "A")),
+            parts(row)
+        );
+    }
+
+    /// A material as the table tells it. Those that Geant4 knows by itself are not defined.
+    fn stated(&mut self, row: &Table, medium: &Medium) {
+        let (name, parts) = (text(row, "name"), parts(row));
+        let is_built_in = name.starts_with("G4_") && medium.numbers.is_empty() && parts.is_empty();
+        if is_built_in {
+            return;
+        }
+        let mut properties = String::new();
+        for (property, value) in properties_of(row) {
+            properties += &self.property(&escaped(name), property, value);
+        }
+        let composition = match (parts.is_empty(), value(medium, "A")) {
+            (true, Some(molar)) => atom(Some(molar)),
+            (true, None) => atom(Some(1.008)),
+            (false, _) => parts.clone(),
+        };
+        let z = value(medium, "Z").or(parts.is_empty().then_some(1.0));
+        let z = z.map(|z| format!(" Z=\"{z}\"")).unwrap_or_default();
+        let _ = writeln!(
+            self.text,
+            "    <material name=\"{}\"{}{}{z}>\n{properties}{}{composition}    </material>",
+            escaped(name),
+            attribute(row, "formula"),
+            attribute(row, "state"),
+            numbers_of(medium)
+        );
+    }
+
+    /// A property; a number becomes a matrix of its own.
+    fn property(&mut self, owner: &str, name: &str, value: &Datum) -> String {
+        let reference = match value {
+            Datum::Text(matrix) => escaped(matrix),
+            Datum::Number(number) => {
+                let matrix = format!("{owner}_{}", escaped(name));
+                let _ = writeln!(
+                    self.defines,
+                    "    <matrix name=\"{matrix}\" coldim=\"1\" values=\"{number:?}\"/>"
+                );
+                matrix
+            }
+            _ => return String::new(),
+        };
+        format!("      <property name=\"{}\" ref=\"{reference}\"/>\n", escaped(name))
+    }
+
+    /// A medium of which nobody says what it consists of.
+    fn hydrogen(&mut self, medium: &Medium, k: usize, remarks: &mut Remarks) {
+        let name = &self.names[k];
+        let mut property = String::new();
+        if let Some(index) = medium.index {
+            let _ = writeln!(
+                self.defines,
+                "    <matrix name=\"{name}_index\" coldim=\"2\" values=\"1*eV {index:?} 10*eV {index:?}\"/>"
+            );
+            property = format!("      <property name=\"RINDEX\" ref=\"{name}_index\"/>\n");
+        }
+        let _ = writeln!(
+            self.text,
+            "    <material name=\"{name}\" Z=\"1\">\n{property}{}{}    </material>",
+            numbers_of(medium),
+            atom(Some(1.008))
+        );
+        let is_known = |name: &String| name == "density" || NUMBERS.iter().any(|(known, ..)| known == name);
+        if medium.numbers.iter().any(|(name, _)| !is_known(name)) {
+            remarks.add(
+                RemarkKind::Dropped,
+                "numbers of media other than density, temperature, pressure, excitation energy and index",
+            );
+        }
+        // the medium around everything is of no interest
+        if k > 0 {
+            let what = format!(
+                "media are hydrogen of their density, or of {NO_DENSITY:?} g/cm3 where they have none"
+            );
+            remarks.add(RemarkKind::Changed, what);
+        }
+    }
+}
+
+/// Temperature, pressure, excitation energy and density.
+fn numbers_of(medium: &Medium) -> String {
+    let line =
+        |tag: &str, number: f64, unit: &str| format!("      <{tag} value=\"{number:?}\" unit=\"{unit}\"/>\n");
+    let other =
+        |(name, tag, unit): (&str, &str, &str)| value(medium, name).map(|number| line(tag, number, unit));
+    let others: String = NUMBERS.into_iter().filter_map(other).collect();
+    others + &line("D", value(medium, "density").unwrap_or(NO_DENSITY), "g/cm3")
+}
+
+fn atom(molar: Option<f64>) -> String {
+    molar.map(|molar| format!("      <atom value=\"{molar:?}\"/>\n")).unwrap_or_default()
+}
+
+/// What a material or an element consists of.
+fn parts(row: &Table) -> String {
+    let part = |part: &&Table| {
+        let of = escaped(text(part, "of"));
+        match (number(part, "atoms"), number(part, "fraction")) {
+            (Some(atoms), _) => format!("      <composite n=\"{atoms}\" ref=\"{of}\"/>\n"),
+            (None, fraction) => {
+                format!("      <fraction n=\"{:?}\" ref=\"{of}\"/>\n", fraction.unwrap_or(0.0))
+            }
+        }
+    };
+    rows(row, "parts").iter().map(part).collect()
+}
+
+fn properties_of(row: &Table) -> impl Iterator<Item = (&str, &Datum)> {
+    let table = match get(row, "properties") {
+        Some(Datum::Table(table)) => table.as_slice(),
+        _ => &[],
+    };
+    table.iter().map(|(name, value)| (name.value.as_str(), &value.value))
+}
+
+fn value(medium: &Medium, name: &str) -> Option<f64> {
+    medium.numbers.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
+}
+
+/// An attribute, if the table has one.
+fn attribute(row: &Table, key: &str) -> String {
+    match text(row, key) {
+        "" => String::new(),
+        value => format!(" {key}=\"{}\"", escaped(value)),
+    }
+}
+
+/// A text as it may stand in an attribute.
+pub(super) fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out += "&amp;",
+            '<' => out += "&lt;",
+            '>' => out += "&gt;",
+            '"' => out += "&quot;",
+            _ => out.push(c),
+        }
+    }
+    out
+}
+
+/// What stands after the solids, and after the structure.
+#[derive(Default)]
+pub(super) struct After {
+    pub surfaces: String,
+    pub user: String,
+}
+
+/// Optical surfaces, and tags for the user's own use.
+pub(super) fn after(table: &Table) -> After {
+    let mut after = After::default();
+    for row in rows(table, "surface") {
+        let words = ["model", "finish", "type"].map(|word| attribute(row, word)).concat();
+        let value = number(row, "value").map(|value| format!(" value=\"{value:?}\"")).unwrap_or_default();
+        let property = |(name, value): (&str, &Datum)| match value {
+            Datum::Text(matrix) => {
+                format!("      <property name=\"{}\" ref=\"{}\"/>\n", escaped(name), escaped(matrix))
+            }
+            _ => String::new(),
+        };
+        let properties: String = properties_of(row).map(property).collect();
+        let name = escaped(text(row, "name"));
+        let _ = writeln!(
+            after.surfaces,
+            "    <opticalsurface name=\"{name}\"{words}{value}>\n{properties}    </opticalsurface>"
+        );
+    }
+    let tags = auxiliaries(table, "    ");
+    if !tags.is_empty() {
+        after.user = format!("  <userinfo>\n{tags}  </userinfo>\n");
+    }
+    after
+}
+
+/// The auxiliary tags of a row.
+pub(super) fn auxiliaries(row: &Table, indent: &str) -> String {
+    let tag = |row: &&Table| {
+        let [kind, value, unit] = ["type", "value", "unit"].map(|key| escaped(text(row, key)));
+        let unit = if unit.is_empty() { unit } else { format!(" auxunit=\"{unit}\"") };
+        let inner = auxiliaries(row, &format!("{indent}  "));
+        let head = format!("{indent}<auxiliary auxtype=\"{kind}\" auxvalue=\"{value}\"{unit}");
+        if inner.is_empty() {
+            format!("{head}/>\n")
+        } else {
+            format!("{head}>\n{inner}{indent}</auxiliary>\n")
+        }
+    };
+    rows(row, "auxiliary").iter().map(tag).collect()
+}

@@ -1,0 +1,156 @@
+//! Volumes within one another, as a GDML file had them.
+
+use super::materials::{auxiliaries, escaped};
+use super::{Part, Structure, WriteError, Writer, place_text};
+use crate::gdml::UNSPECIFIED;
+use crate::gdml::stated::{Placed, Told, list, rows, text};
+use crate::write::fold::fold;
+use rayweave_math::{Affine, Mat3, Vec3};
+use rayweave_model::{Program, Solid};
+use rayweave_scene::{Datum, Table};
+use std::fmt::Write as _;
+
+/// Maps are rotations, perhaps after a mirror, up to this part.
+const RIGID: f64 = 1e-9;
+
+/// The part of the size of a solid by which the box around it is grown, so that no face lies in a face of the box.
+const MARGIN: f64 = 0.125;
+
+/// True if no volume is stretched where it is placed: Geant4 only mirrors.
+pub(super) fn is_rigid(told: &[Told]) -> bool {
+    let is_unit = |linear: &Mat3| {
+        let square = linear.transpose() * *linear;
+        (square - Mat3::IDENTITY).to_cols_array().iter().all(|entry| entry.abs() <= RIGID)
+    };
+    let maps = told.iter().flat_map(|told| &told.daughters).flat_map(|daughter| &daughter.maps);
+    maps.into_iter().all(|map| is_unit(&map.linear))
+}
+
+impl Writer<'_, '_> {
+    /// The volumes, each after those that are in it.
+    pub(super) fn tree(
+        &mut self,
+        told: &[Told],
+        table: Option<&Table>,
+        media: &[String],
+    ) -> Result<Structure, WriteError> {
+        let rows: Vec<&Table> = table.map(|table| rows(table, "volume")).unwrap_or_default();
+        let parts = told.iter().map(|told| self.own_frame(told)).collect::<Result<Vec<Option<Part>>, _>>()?;
+        let mut volumes = String::new();
+        for k in inner_first(told) {
+            let one = &told[k];
+            let name = escaped(&one.name);
+            // the world has a solid in any case
+            let solid = match (&parts[k], k) {
+                (Some(part), _) => Some(part.solid.clone()),
+                (None, 0) => Some(self.room()),
+                (None, _) => None,
+            };
+            let tag = if solid.is_some() { "volume" } else { "assembly" };
+            let _ = writeln!(volumes, "    <{tag} name=\"{name}\">");
+            if let Some(solid) = solid {
+                let medium = one.region.map_or(0, |region| self.model.scene.regions[region].medium as usize);
+                if self.model.scene.media[medium].name != UNSPECIFIED {
+                    let _ = writeln!(volumes, "      <materialref ref=\"{}\"/>", media[medium]);
+                }
+                let _ = writeln!(volumes, "      <solidref ref=\"{solid}\"/>");
+            }
+            for daughter in &one.daughters {
+                placements(&mut volumes, told, &parts, k, daughter);
+            }
+            volumes += &rows.get(k).map(|row| auxiliaries(row, "      ")).unwrap_or_default();
+            let _ = writeln!(volumes, "    </{tag}>");
+        }
+        volumes += &table.map(links).unwrap_or_default();
+        let world = told.first().map(|world| escaped(&world.name)).unwrap_or_default();
+        Ok(Structure { volumes, world })
+    }
+
+    /// The solid of a volume, within a box around it.
+    fn own_frame(&mut self, told: &Told) -> Result<Option<Part>, WriteError> {
+        let (Some(solid), Some(region)) = (&told.solid, told.region) else {
+            return Ok(None);
+        };
+        self.region = region;
+        let model_clip = self.clip;
+        if let Some(bounds) = bounds(solid)? {
+            self.clip = bounds;
+        }
+        let part = fold(solid, self);
+        self.clip = model_clip;
+        part
+    }
+}
+
+/// The volumes, those that are in others before them, and as they were among equals.
+fn inner_first(told: &[Told]) -> Vec<usize> {
+    let mut depth = vec![0usize; told.len()];
+    for (k, one) in told.iter().enumerate() {
+        for daughter in &one.daughters {
+            depth[daughter.volume] = depth[daughter.volume].max(depth[k] + 1);
+        }
+    }
+    let mut order: Vec<usize> = (0..told.len()).collect();
+    order.sort_by_key(|k| (std::cmp::Reverse(depth[*k]), *k));
+    order
+}
+
+/// The box around a solid with room around it, if it has an end.
+fn bounds(solid: &Solid) -> Result<Option<rayweave_math::Bounds>, WriteError> {
+    let bounds = Program::compile(solid)?.region_bounds().into_iter().next();
+    let finite = bounds.filter(|bounds| !bounds.is_empty() && bounds.is_finite());
+    Ok(finite.map(|bounds| bounds.grown(MARGIN * bounds.size().length())))
+}
+
+/// All copies of a daughter. Solids have rotations and translations of their own within their volumes.
+fn placements(text: &mut String, told: &[Told], parts: &[Option<Part>], mother: usize, daughter: &Placed) {
+    let place = |volume: usize| parts[volume].as_ref().map_or(Affine::IDENTITY, |part| part.place);
+    // a rotation has an inverse
+    let into_mother = place(mother).inverse().unwrap_or(Affine::IDENTITY);
+    let volume = escaped(&told[daughter.volume].name);
+    for (k, map) in daughter.maps.iter().enumerate() {
+        let name = match (daughter.name.as_str(), k) {
+            ("", _) => String::new(),
+            (name, 0) => format!(" name=\"{}\"", escaped(name)),
+            (name, _) => format!(" name=\"{}_{k}\"", escaped(name)),
+        };
+        let copy = daughter.copy.map(|copy| format!(" copynumber=\"{}\"", copy.saturating_add(k as i64)));
+        let whole = place(daughter.volume).then(map).then(&into_mother);
+        let is_mirror = whole.linear.determinant() < 0.0;
+        let scale = if is_mirror { "\n        <scale x=\"1\" y=\"1\" z=\"-1\"/>" } else { "" };
+        let linear = if is_mirror {
+            whole.linear * Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0))
+        } else {
+            whole.linear
+        };
+        let (position, rotation) = place_text(&Affine { linear, ..whole }, true);
+        let _ = writeln!(
+            text,
+            "      <physvol{name}{}>\n        <volumeref ref=\"{volume}\"/>{position}{rotation}{scale}\n      </physvol>",
+            copy.unwrap_or_default()
+        );
+    }
+}
+
+/// Skin and border surfaces.
+fn links(table: &Table) -> String {
+    let mut all = String::new();
+    for (key, tag, of, inner) in [
+        ("skin", "skinsurface", "volume", "volumeref"),
+        ("border", "bordersurface", "placements", "physvolref"),
+    ] {
+        for row in rows(table, key) {
+            let (name, surface) = (escaped(text(row, "name")), escaped(text(row, "surface")));
+            let reference = |value: &rayweave_scene::Spanned<Datum>| match &value.value {
+                Datum::Text(name) => format!("      <{inner} ref=\"{}\"/>\n", escaped(name)),
+                _ => String::new(),
+            };
+            let references: String = list(row, of).iter().map(reference).collect();
+            let _ = writeln!(
+                all,
+                "    <{tag} name=\"{name}\" surfaceproperty=\"{surface}\">\n{references}    </{tag}>"
+            );
+        }
+    }
+    all
+}
