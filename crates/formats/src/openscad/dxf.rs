@@ -421,8 +421,9 @@ fn de_boor(control: &[Vec3], knots: &[f64], degree: usize, span: usize, t: f64) 
 
 type Chains = Vec<Vec<Point<2>>>;
 
-/// Chains whose ends meet as one: those that are closed, and those that remain open.
-fn joined(chains: Chains) -> (Chains, Chains) {
+/// Chains whose ends meet as one: those that are closed, and those that remain open. Polylines without points are none.
+fn joined(mut chains: Chains) -> (Chains, Chains) {
+    chains.retain(|chain| !chain.is_empty());
     let mut nodes = Nodes::default();
     let ends: Vec<[usize; 2]> =
         chains.iter().map(|chain| [chain[0], chain[chain.len() - 1]].map(|p| nodes.number(p))).collect();

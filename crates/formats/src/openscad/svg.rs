@@ -20,6 +20,8 @@ use svgtypes::{
 };
 use svgtypes::{Transform, ViewBox};
 
+/// Coordinates and widths of strokes beyond this are not drawn.
+const FARTHEST: f64 = 1e100;
 /// How deep elements may lie in each other, uses counted.
 const DEEPEST: usize = 100;
 /// The most elements, those that are used counted every time.
@@ -393,9 +395,11 @@ impl Style {
         Style { width: width.map_or(self.width, |width| width.number), cap }
     }
 
-    /// What a pen draws along an open chain.
+    /// What a pen draws along an open chain; nothing if it is farther away or wider than can be drawn.
     fn stroke(&self, chain: Vec<Point<2>>) -> Contours {
-        if self.width <= 0.0 || self.width.is_nan() {
+        // the kernel panics at what its integers cannot be scaled to
+        let is_far = |length: &f64| length.is_nan() || length.abs() > FARTHEST;
+        if self.width <= 0.0 || is_far(&self.width) || chain.iter().flatten().any(is_far) {
             return Contours::new();
         }
         let cap = match self.cap {
