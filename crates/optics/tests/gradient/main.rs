@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod eye;
 mod laws;
 mod picture;
 mod profiles;
