@@ -267,3 +267,30 @@ def test_polarised_sources():
     assert through(light.polarised(1, 0, 0, 1)) == pytest.approx(0.5)
     with pytest.raises(RayweaveError, match="stokes"):
         light.polarised(1, 1, 1, 0)
+
+
+def test_phases_are_columns_on_request(tmp_path):
+    # 360 degrees a wavelength of the path, no jumps where light goes through glass
+    plate = ro.lens(np.inf, np.inf, 2, aperture=20.0, name="plate", material=1.5)
+    system = ro.System([plate, ro.detector(20, name="screen").translate([0, 0, 5])])
+    light = ro.beam(4, 3000, wavelength_nm=550).translate([0, 0, -3])
+    trace = system.trace(light, phases=True)
+    expected = 360 * (trace["path"] * 1e6 / 550 % 1)
+    for name in ("phase_s", "phase_p"):
+        away = (trace[name] - expected + 180) % 360 - 180
+        assert np.abs(away).max() < 1e-5
+        with system.stream(light, rows=2000, phases=True) as batches:
+            found = np.concatenate([batch[name] for batch in batches])
+        np.testing.assert_array_equal(found, trace[name])
+        assert name not in system.trace(light)
+    system.trace_to(tmp_path / "rays.parquet", light, phases=True)
+    table = parquet.read_table(tmp_path / "rays.parquet")
+    np.testing.assert_array_equal(table["phase_s"].to_numpy(), trace["phase_s"])
+    assert table.schema.metadata[b"unit.phase_s"] == b"deg"
+    system.trace_to(tmp_path / "rays.csv", light, phases=True)
+    assert (
+        (tmp_path / "rays.csv")
+        .read_text()
+        .splitlines()[0]
+        .endswith("event,phase_s,phase_p")
+    )

@@ -337,3 +337,40 @@ def test_refusals_of_goals() -> None:
         optics.optimise(lens, ["radius 1"], [optics.goal("sharpness")])
     with pytest.raises(RayweaveError, match="no parameter to vary"):
         optics.optimise(lens, [], [optics.goal("focal length", 1.0)])
+
+
+def test_figures_are_kept_and_written() -> None:
+    figures = [
+        None,
+        optics.Biconic(30.0, -0.5),
+        optics.Toroidal(80.0),
+        optics.XYPolynomial(4.0, (0.0, 0.1, 0.2)),
+        optics.ZernikePolynomials(5.0, (0.0, 0.0, 0.0, 0.01)),
+        optics.ZernikePolynomials(5.0, (0.0, 0.0, 0.0, 0.01), "fringe"),
+    ]
+    for figure in figures:
+        front = Surface(50.0, 4.0, 1.5, figure=figure)
+        lens = Prescription(
+            [front, Surface(thickness=90.0)], entrance_pupil_diameter=4.0
+        )
+        assert lens.surfaces[0] == front
+        assert Prescription.from_zmx(lens.to_zmx()).surfaces[0].figure == figure
+        assert lens.with_surface(2, thickness=80.0).surfaces[0] == front
+        assert lens.spots()["rms"][0] > 0
+    with pytest.raises(RayweaveError, match="figure is 3"):
+        Prescription([Surface(50.0, 4.0, 1.5, figure=3)], entrance_pupil_diameter=4.0)  # type: ignore[arg-type]
+    with pytest.raises(RayweaveError, match="radius_x"):
+        Prescription(
+            [Surface(50.0, 4.0, 1.5, figure=optics.Biconic(0.0))],
+            entrance_pupil_diameter=4.0,
+        )
+    with pytest.raises(RayweaveError, match="along is"):
+        paraboloid().first_order(along="z")  # type: ignore[arg-type]
+
+
+def test_a_cylinder_has_power_along_one_axis() -> None:
+    # f = R / (n - 1)
+    front = Surface(50.0, 4.0, 1.5, figure=optics.Toroidal(math.inf))
+    lens = Prescription([front, Surface(thickness=90.0)], entrance_pupil_diameter=4.0)
+    assert lens.first_order(along="y").focal_length == pytest.approx(100.0, abs=1e-12)
+    assert math.isinf(lens.first_order(along="x").focal_length)

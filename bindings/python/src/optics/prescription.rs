@@ -7,7 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::Packets;
 use rayweave::optics::analysis::{AnalysisError, Study, fan_x, fan_y, hexapolar, square};
-use rayweave::optics::paraxial::{FirstOrder, Pupil, Seidel};
+use rayweave::optics::component::{Figure, Zernike};
+use rayweave::optics::paraxial::{FirstOrder, Meridian, Pupil, Seidel};
 use rayweave::optics::prescription::{
     Behind, FieldKind, ImageSurface, Layout, Line, Prescription, Surface, SystemAperture, read_zmx, write_zmx,
 };
@@ -19,6 +20,7 @@ use crate::error::bad_value;
 use crate::optics::arrivals::{Of, PyArrivals};
 use crate::optics::glass::PyGlass;
 use crate::optics::parts::parts;
+use crate::optics::system::Spec;
 
 /// What lies behind a surface: "air", "mirror" or the name of a glass; an index, n_d and V_d, or a glass.
 #[derive(FromPyObject)]
@@ -57,15 +59,15 @@ fn substance<'py>(py: Python<'py>, behind: &Behind) -> PyResult<Bound<'py, PyAny
     }
 }
 
-/// Radius, thickness, material, conic constant, semi-diameter and hole of a surface, and its even and odd terms.
+/// Radius, thickness, material, conic constant, semi-diameter and hole of a surface, its even and odd terms, and its figure.
 #[derive(FromPyObject)]
-struct Row<'py>(f64, f64, Substance<'py>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>);
+struct Row<'py>(f64, f64, Substance<'py>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>, Spec);
 
 impl Row<'_> {
     fn surface(&self) -> PyResult<Surface> {
-        let Row(radius, thickness, behind, conic, semi_diameter, hole, even, odd) = self;
+        let Row(radius, thickness, behind, conic, semi_diameter, hole, even, odd, shape) = self;
         let surface = Surface::new(*radius, *thickness, behind.behind()).conic(*conic).hole(*hole);
-        let surface = surface.even(terms("even", even)?).odd(terms("odd", odd)?);
+        let surface = surface.even(terms("even", even)?).odd(terms("odd", odd)?).figure(figure(shape)?);
         Ok(match semi_diameter {
             Some(semi_diameter) => surface.semi_diameter(*semi_diameter),
             None => surface,
@@ -82,6 +84,54 @@ pub fn terms(name: &str, given: &[f64]) -> PyResult<[f64; 8]> {
     Ok(terms)
 }
 
+/// The figure of a name and numbers.
+fn figure(spec: &Spec) -> PyResult<Figure> {
+    let zernike = |order, norm_radius, coefficients: &[f64]| Figure::Zernike {
+        order,
+        norm_radius,
+        coefficients: coefficients.to_vec(),
+    };
+    Ok(match (spec.kind(), spec.numbers()) {
+        ("round", []) => Figure::Round,
+        ("biconic", &[radius_x, conic_x]) => Figure::Biconic { radius_x, conic_x },
+        ("toroidal", &[turn]) => Figure::Toroidal { turn },
+        ("polynomial", &[norm_radius, ref coefficients @ ..]) => {
+            Figure::Polynomial { norm_radius, coefficients: coefficients.to_vec() }
+        }
+        ("noll", &[norm_radius, ref coefficients @ ..]) => zernike(Zernike::Noll, norm_radius, coefficients),
+        ("osa", &[norm_radius, ref coefficients @ ..]) => zernike(Zernike::Osa, norm_radius, coefficients),
+        ("fringe", &[norm_radius, ref coefficients @ ..]) => {
+            zernike(Zernike::Fringe, norm_radius, coefficients)
+        }
+        (kind, numbers) => {
+            return Err(bad_value(format!("there is no figure {kind:?} with {} numbers", numbers.len())));
+        }
+    })
+}
+
+fn figure_out(figure: &Figure) -> SpecOut {
+    let (name, numbers) = match figure {
+        Figure::Round => ("round", vec![]),
+        Figure::Biconic { radius_x, conic_x } => ("biconic", vec![*radius_x, *conic_x]),
+        Figure::Toroidal { turn } => ("toroidal", vec![*turn]),
+        Figure::Polynomial { norm_radius, coefficients } => {
+            ("polynomial", [&[*norm_radius], &coefficients[..]].concat())
+        }
+        Figure::Zernike { order, norm_radius, coefficients } => {
+            let name = match order {
+                Zernike::Noll => "noll",
+                Zernike::Osa => "osa",
+                Zernike::Fringe => "fringe",
+            };
+            (name, [&[*norm_radius], &coefficients[..]].concat())
+        }
+    };
+    (name, numbers)
+}
+
+/// A kind with its numbers on its way out.
+type SpecOut = (&'static str, Vec<f64>);
+
 /// The coefficients up to the last that is not 0.
 fn given(terms: &[f64; 8]) -> Vec<f64> {
     let count = terms.iter().rposition(|&c| c != 0.0).map_or(0, |last| last + 1);
@@ -89,7 +139,7 @@ fn given(terms: &[f64; 8]) -> Vec<f64> {
 }
 
 /// The same on its way out.
-type RowOut<'py> = (f64, f64, Bound<'py, PyAny>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>);
+type RowOut<'py> = (f64, f64, Bound<'py, PyAny>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>, SpecOut);
 
 /// What is not said of single surfaces.
 #[derive(FromPyObject)]
@@ -150,8 +200,9 @@ impl PyPrescription {
     fn rows<'py>(&self, py: Python<'py>) -> PyResult<Vec<RowOut<'py>>> {
         let row = |surface: &Surface| {
             let behind = substance(py, &surface.behind)?;
-            let Surface { radius, thickness, conic, semi_diameter, hole, even, odd, .. } = surface;
-            Ok((*radius, *thickness, behind, *conic, *semi_diameter, *hole, given(even), given(odd)))
+            let Surface { radius, thickness, conic, semi_diameter, hole, even, odd, figure, .. } = surface;
+            let (even, odd, figure) = (given(even), given(odd), figure_out(figure));
+            Ok((*radius, *thickness, behind, *conic, *semi_diameter, *hole, even, odd, figure))
         };
         self.lens.surfaces.iter().map(row).collect()
     }
@@ -179,9 +230,19 @@ impl PyPrescription {
     }
 
     /// First-order data at a wavelength by name, with the matrix (a, b, c, d); pupils are (position, diameter).
-    #[pyo3(signature = (wavelength_nm))]
-    fn first_order<'py>(&self, py: Python<'py>, wavelength_nm: f64) -> PyResult<Bound<'py, PyDict>> {
-        first_order_table(py, &self.lens.first_order(wavelength_nm).map_err(bad_value)?)
+    #[pyo3(signature = (wavelength_nm, along))]
+    fn first_order<'py>(
+        &self,
+        py: Python<'py>,
+        wavelength_nm: f64,
+        along: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let meridian = match along {
+            "x" => Meridian::X,
+            "y" => Meridian::Y,
+            other => return Err(bad_value(format!("along is {other:?} (it can be \"x\" or \"y\")"))),
+        };
+        first_order_table(py, &self.lens.first_order_along(meridian, wavelength_nm).map_err(bad_value)?)
     }
 
     /// The Seidel sums of every surface, as columns.

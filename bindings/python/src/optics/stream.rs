@@ -5,12 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::Packets;
 use rayweave::model::drive::Cancel;
 use rayweave::optics::source::Sources;
-use rayweave::optics::{Balance, OpticsError, Segments, Settings, System, Tracer};
+use rayweave::optics::{Balance, OpticsError, Phases, Segments, Settings, System, Tracer};
 
 use crate::error::bad_value;
 use crate::optics::system::{accounts, columns};
@@ -31,9 +32,18 @@ enum Message {
 pub struct PyStream {
     messages: Mutex<Receiver<Message>>,
     cancel: Cancel,
-    /// At least so many rows a table, but for the last one.
-    rows: usize,
+    system: Arc<System>,
+    batch: Batch,
     state: Mutex<State>,
+}
+
+/// What a table holds.
+#[derive(Clone, Copy)]
+pub struct Batch {
+    /// At least so many rows, but for the last one.
+    pub rows: usize,
+    /// Whether it has columns of phases.
+    pub phases: bool,
 }
 
 #[derive(Default)]
@@ -47,19 +57,20 @@ struct State {
 
 impl PyStream {
     /// Begins the run on threads of its own.
-    pub fn start(system: Arc<System>, light: Sources, settings: Settings, rows: usize) -> PyStream {
+    pub fn start(system: Arc<System>, light: Sources, settings: Settings, batch: Batch) -> PyStream {
+        let traced = system.clone();
         let cancel = settings.cancel.clone();
         let (sender, messages) = sync_channel(WAITING);
         // not joined: it ends when the receiver is dropped
         thread::spawn(move || {
-            let tracer = Tracer::new(&system, Packets::new);
-            let traced = tracer.run(&light, &settings, |part| {
+            let tracer = Tracer::new(&traced, Packets::new);
+            let ended = tracer.run(&light, &settings, |part| {
                 sender.send(Message::Part(Box::new(part))).map_err(|_| OpticsError::Cancelled)
             });
             // nobody may be there any more to be told
-            let _ = sender.send(Message::End(traced));
+            let _ = sender.send(Message::End(ended));
         });
-        PyStream { messages: Mutex::new(messages), cancel, rows, state: Mutex::default() }
+        PyStream { messages: Mutex::new(messages), cancel, system, batch, state: Mutex::default() }
     }
 
     /// The next message; none if Python is to look at its signals first.
@@ -75,7 +86,7 @@ impl PyStream {
     /// Rows for a table; none at the end.
     fn gather(&self, py: Python<'_>) -> PyResult<Segments> {
         let mut gathered = Segments::default();
-        while gathered.len() < self.rows {
+        while gathered.len() < self.batch.rows {
             match py.detach(|| self.receive()) {
                 None => {}
                 Some(Message::Part(part)) => gathered.append(&part),
@@ -109,6 +120,9 @@ impl PyStream {
         if segments.is_empty() {
             return Ok(None);
         }
+        // whole rays, whose rows count from 0 so far
+        let phases = self.batch.phases;
+        let phases = py.detach(|| phases.then(|| Tracer::new(&self.system, Packets::new).phases(&segments)));
         {
             let mut state = self.state();
             let before = state.before;
@@ -116,7 +130,12 @@ impl PyStream {
             state.before += segments.len() as i64;
             state.rays = segments.id.last().map_or(state.rays, |&last| last as u64 + 1);
         }
-        columns(py, segments).map(Some)
+        let table = columns(py, segments)?;
+        if let Some(Phases { s, p }) = phases {
+            table.set_item("phase_s", PyArray1::from_vec(py, s))?;
+            table.set_item("phase_p", PyArray1::from_vec(py, p))?;
+        }
+        Ok(Some(table))
     }
 
     /// Stops the run.

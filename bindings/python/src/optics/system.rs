@@ -1,6 +1,6 @@
 //! Optical systems and light through them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayweave::files::trace_light;
+use rayweave::files::{SegmentFile, trace_light};
 use rayweave::math::Vec3;
 use rayweave::optics::interface::{Film, Stokes};
 use rayweave::optics::source::Sources;
@@ -26,7 +26,7 @@ use crate::optics::file::PyElement;
 use crate::optics::glass::PyGlass;
 use crate::optics::gradient::PyGradedMedium;
 use crate::optics::source::PySource;
-use crate::optics::stream::PyStream;
+use crate::optics::stream::{Batch, PyStream};
 use crate::solid::PySolid;
 
 /// A glass, a constant index n + i k, or either with a gradient.
@@ -216,18 +216,21 @@ impl PySystem {
     }
 
     /// Traces the light of sources in the background, in tables of at least so many rows.
-    #[pyo3(signature = (sources, settings, rows))]
+    #[pyo3(signature = (sources, settings, rows, phases))]
     fn stream(
         &self,
         sources: Vec<PyRef<'_, PySource>>,
         settings: Wishes<'_>,
         rows: usize,
+        phases: bool,
     ) -> PyResult<PyStream> {
-        Ok(PyStream::start(self.system.clone(), all(&sources), settings.settings()?, rows.max(1)))
+        let batch = Batch { rows: rows.max(1), phases };
+        Ok(PyStream::start(self.system.clone(), all(&sources), settings.settings()?, batch))
     }
 
     /// Traces the light of sources into a file, `.csv` or `.npy`; lengths are in a unit. The balance of power.
-    #[pyo3(signature = (path, unit, sources, settings, progress=None))]
+    #[pyo3(signature = (path, unit, sources, settings, phases, progress=None))]
+    #[allow(clippy::too_many_arguments)] // those of the function in Python
     fn trace_to<'py>(
         &self,
         py: Python<'py>,
@@ -235,10 +238,12 @@ impl PySystem {
         unit: &str,
         sources: Vec<PyRef<'py, PySource>>,
         settings: Wishes<'py>,
+        phases: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (light, settings) = (all(&sources), settings.settings()?);
-        let balance = py.detach(|| self.write((&path, unit), &light, &settings, progress))?;
+        let balance =
+            py.detach(|| self.write(SegmentFile { path: &path, unit, phases }, &light, &settings, progress))?;
         accounts(py, &balance)
     }
 }
@@ -303,7 +308,7 @@ impl PySystem {
     /// The table of segments as a file; after an interrupt there is none.
     fn write(
         &self,
-        out: (&Path, &str),
+        out: SegmentFile<'_>,
         light: &impl Emitter,
         settings: &Settings,
         progress: Option<Py<PyAny>>,

@@ -8,7 +8,7 @@ use crate::terminal::{self, Unit, short};
 use clap::{Args, ValueEnum};
 use rayweave::Packets;
 use rayweave::detector::{IrradianceMap, SpotDiagram};
-use rayweave::files::{self, LightSummary, trace_light};
+use rayweave::files::{self, LightSummary, SegmentFile, trace_light};
 use rayweave::layout::{Layout, RayColour, ViewPlane, Wishes};
 use rayweave::optics::file::{OpticalScene, optics_of};
 use rayweave::optics::{Balance, Branches, Paths, Segments, System, Tracer};
@@ -42,6 +42,10 @@ pub struct Optics {
     /// The table of segments, .csv, .npy (with the names beside it) or .parquet if built so; - is CSV to standard output
     #[arg(short, long, value_name = "TABLE")]
     out: Option<PathBuf>,
+
+    /// Two more columns, phase_s and phase_p: the phase where the path ends, in degrees, of light across the plane of incidence and in it, with the jumps of reflections and coatings (tracing takes about twice as long)
+    #[arg(long, requires = "out")]
+    phases: bool,
 
     /// A drawing of the system, .svg or .png: a true section of the solids, filled by medium, with rays that are the fainter the less power they have
     #[arg(long, value_name = "DRAWING")]
@@ -253,7 +257,7 @@ impl Optics {
     ) -> Result<LightSummary, Failure> {
         let bar = terminal::progress_bar(Some(optics.sources.count()), Unit::Percent, cli.quiet);
         let tracer = Tracer::new(system, Packets::new);
-        let out = self.out.as_deref().map(|path| (path, unit));
+        let out = self.out.as_deref().map(|path| SegmentFile { path, unit, phases: self.phases });
         let look = |segments: &Segments| {
             spots.add(segments);
             if let Some(paths) = paths {

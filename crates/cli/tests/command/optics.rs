@@ -278,3 +278,27 @@ fn the_guide() {
     let power = found["absorbed"][1]["power"].as_f64().unwrap();
     assert!((power - (1.0 - r) / (1.0 + r)).abs() < 1e-4, "{power}");
 }
+
+/// 360 degrees a wavelength of the path: 9 mm to the plate, 12 mm to its far side; no jumps where light goes on.
+#[test]
+fn phases_are_columns_on_request() {
+    let bench = bench();
+    bench.says(&["optics", "plate.toml", "--out", "rays.csv", "--phases"]);
+    let table = bench.read("rays.csv");
+    let mut lines = table.lines();
+    assert_eq!(lines.next().unwrap(), format!("{HEADER},phase_s,phase_p"));
+    let phase = |path_mm: f64| 360.0 * (path_mm * 1e6 / 550.0).fract();
+    let mut seen = [0; 2];
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let generation: usize = cells[2].parse().unwrap();
+        let Some(&path) = [9.0, 12.0].get(generation) else { continue };
+        for cell in &cells[20..22] {
+            let found: f64 = cell.parse().unwrap();
+            assert!((found - phase(path)).abs() < 1e-6, "{line}");
+        }
+        seen[generation] += 1;
+    }
+    assert_eq!(seen, [5000; 2]);
+    assert!(bench.fails(2, &["optics", "plate.toml", "--phases"]).contains("--out"));
+}

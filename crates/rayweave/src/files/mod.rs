@@ -8,7 +8,7 @@ mod segments;
 pub use contours::{ContourProblems, read_region};
 pub use hits::HitTable;
 pub use paths::write_paths;
-pub use segments::{LightSummary, SegmentTable, trace_light};
+pub use segments::{LightSummary, SegmentFile, SegmentTable, trace_light};
 
 use crate::{Compiled, Error};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};

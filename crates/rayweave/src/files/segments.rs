@@ -2,7 +2,7 @@
 
 use crate::Error;
 use rayweave_model::Evaluator;
-use rayweave_optics::{Balance, Emitter, Event, Segments, Settings, System, Tracer};
+use rayweave_optics::{Balance, Emitter, Event, Phases, Segments, Settings, System, Tracer};
 use rayweave_table::{Chunk, Column, DType, NO_NAME, Schema, TableWriter, Values};
 use std::path::Path;
 use std::sync::Arc;
@@ -17,21 +17,23 @@ use std::sync::Arc;
 /// - `x0`, `y0`, `z0`: the beginning; `x1`, `y1`, `z1`: the end, NaN if there is none; `x_tilt`, `y_tilt`, `z_tilt`: the
 ///   direction, of unit length;
 /// - `path`: the optical path from the source to the end;
-/// - `element`, `surface`: what is met at the end, by name, empty for nothing; `event`: what happens there.
+/// - `element`, `surface`: what is met at the end, by name, empty for nothing; `event`: what happens there;
+/// - `phase_s`, `phase_p`, if asked for: the [`Phases`] where the path ends, in degrees from 0 to 360, NaN for none.
 ///
 /// Lengths are in the unit of the document.
 #[derive(Clone, Debug)]
 pub struct SegmentTable {
     schema: Schema,
+    phases: bool,
 }
 
 impl SegmentTable {
-    /// The table for a system in a unit, whose names of elements and surfaces it holds.
+    /// The table for a system in a unit, whose names of elements and surfaces it holds, with the columns of phases or without.
     ///
     /// # Errors
     ///
     /// None that a system can bring about: the names of the columns are fixed.
-    pub fn new(system: &System, unit: &str) -> Result<SegmentTable, Error> {
+    pub fn new(system: &System, unit: &str, phases: bool) -> Result<SegmentTable, Error> {
         let surfaces: Arc<[String]> =
             system.surfaces().map(|surface| system.surface_name(surface).to_owned()).collect();
         let events: Arc<[String]> = Event::ALL.iter().map(|event| event.name().to_owned()).collect();
@@ -46,7 +48,10 @@ impl SegmentTable {
         columns.push(Column::names("element", system.element_names().into()));
         columns.push(Column::names("surface", surfaces));
         columns.push(Column::names("event", events));
-        Ok(SegmentTable { schema: Schema::new(columns).map_err(Error::output)? })
+        if phases {
+            columns.extend(["phase_s", "phase_p"].map(|name| Column::new(name, DType::F64).unit("deg")));
+        }
+        Ok(SegmentTable { schema: Schema::new(columns).map_err(Error::output)?, phases })
     }
 
     /// The columns.
@@ -54,12 +59,19 @@ impl SegmentTable {
         &self.schema
     }
 
-    /// Segments as rows; their parents, which count from 0, are moved by the number of rows before.
+    /// Segments as rows; their parents, which count from 0, are moved by the number of rows before. `phases` finds what the
+    /// table has columns for, and is not called otherwise.
     ///
     /// # Errors
     ///
-    /// None: the columns of segments are of equal length.
-    pub fn rows(&self, segments: Segments, before: u64) -> Result<Chunk, Error> {
+    /// None: the columns of segments, and those of their phases, are of equal length.
+    pub fn rows(
+        &self,
+        segments: Segments,
+        before: u64,
+        phases: impl FnOnce(&Segments) -> Phases,
+    ) -> Result<Chunk, Error> {
+        let phases = self.phases.then(|| phases(&segments));
         let moved = |row: i64| if row < 0 { row } else { row + before as i64 };
         let whole = |column: Vec<u32>| column.into_iter().map(i64::from).collect::<Vec<i64>>();
         let mut columns: Vec<Values> = vec![
@@ -76,8 +88,20 @@ impl SegmentTable {
         columns.push(segments.path.into());
         columns.extend([segments.element, segments.surface].map(names));
         columns.push(segments.event.into_iter().map(u32::from).collect::<Vec<u32>>().into());
+        columns.extend(phases.into_iter().flat_map(|Phases { s, p }| [s, p]).map(Values::from));
         Chunk::new(columns).map_err(Error::output)
     }
+}
+
+/// A file for the table of segments.
+#[derive(Clone, Copy, Debug)]
+pub struct SegmentFile<'a> {
+    /// Where it goes; `-` is standard output.
+    pub path: &'a Path,
+    /// The unit of lengths.
+    pub unit: &'a str,
+    /// Whether it has the columns of phases, which take about as long to find as all else, on one thread.
+    pub phases: bool,
 }
 
 /// Numbers of names; negative ones are none.
@@ -113,12 +137,12 @@ pub fn trace_light<E: Evaluator>(
     system: &System,
     light: &impl Emitter,
     settings: &Settings,
-    out: Option<(&Path, &str)>,
+    out: Option<SegmentFile<'_>>,
     mut look: impl FnMut(&Segments),
 ) -> Result<LightSummary, Error> {
     let mut table = match out {
-        Some((path, unit)) => {
-            let table = SegmentTable::new(system, unit)?;
+        Some(SegmentFile { path, unit, phases }) => {
+            let table = SegmentTable::new(system, unit, phases)?;
             let writer = TableWriter::create(path, table.schema()).map_err(Error::output)?;
             Some((table, writer))
         }
@@ -130,7 +154,10 @@ pub fn trace_light<E: Evaluator>(
         let before = segments;
         segments += rows.len() as u64;
         match &mut table {
-            Some((table, writer)) => writer.write(&table.rows(rows, before)?).map_err(Error::output),
+            Some((table, writer)) => {
+                let chunk = table.rows(rows, before, |rows| tracer.phases(rows))?;
+                writer.write(&chunk).map_err(Error::output)
+            }
             None => Ok(()),
         }
     })?;

@@ -69,7 +69,17 @@ from rayweave.optics._images import (
     ZernikeFit,
 )
 from rayweave.optics._gradient import graded
-from rayweave.optics._prescription import FirstOrder, Prescription, Pupil, Surface, pupil_grid
+from rayweave.optics._prescription import (
+    Biconic,
+    FirstOrder,
+    Prescription,
+    Pupil,
+    Surface,
+    Toroidal,
+    XYPolynomial,
+    ZernikePolynomials,
+    pupil_grid,
+)
 from rayweave.optics._sources import (
     Source,
     Spectrum,
@@ -96,6 +106,7 @@ __all__ = [
     "Aperture",
     "Asphere",
     "Balance",
+    "Biconic",
     "Columns",
     "Distortion",
     "Element",
@@ -129,10 +140,13 @@ __all__ = [
     "Surface",
     "System",
     "ThroughFocus",
+    "Toroidal",
     "Trace",
     "Trials",
     "Wavefront",
+    "XYPolynomial",
     "ZernikeFit",
+    "ZernikePolynomials",
     "aperture_stop",
     "aspheric_lens",
     "aspheric_mirror",

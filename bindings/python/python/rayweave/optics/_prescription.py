@@ -45,8 +45,76 @@ _D_NM = 587.5618
 
 
 @dataclass(frozen=True)
+class Biconic:
+    """Another radius and conic constant along x; those of the surface are along y. It has no even or odd terms."""
+
+    radius_x: float
+    conic_x: float = 0.0
+
+
+@dataclass(frozen=True)
+class Toroidal:
+    """The radius, conic constant and even terms (of y) give a curve in the plane x = 0, which is turned about a line parallel to y,
+    `turn` from the vertex along z; inf for a cylinder."""
+
+    turn: float
+
+
+@dataclass(frozen=True)
+class XYPolynomial:
+    """Coefficients, lengths, of x, y, x^2, x y, y^2, x^3, x^2 y, ...: degree by degree, up to 30; x and y are divided by
+    `norm_radius`."""
+
+    norm_radius: float
+    coefficients: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ZernikePolynomials:
+    """Coefficients, lengths, of Zernike polynomials of x and y, divided by `norm_radius`, in order: "noll" (R. J. Noll, J. Opt. Soc.
+    Am. 66 (1976) 207, from Z1, root mean square 1), "osa" (ANSI Z80.28, from 0) or "fringe" (from 1, value 1 at the rim)."""
+
+    norm_radius: float
+    coefficients: tuple[float, ...]
+    order: Literal["noll", "osa", "fringe"] = "noll"
+
+
+#: What makes a surface other than of revolution.
+Figure = Biconic | Toroidal | XYPolynomial | ZernikePolynomials
+
+
+def _figure_row(figure: Figure | None) -> tuple[str, list[float]]:
+    match figure:
+        case None:
+            return "round", []
+        case Biconic(radius_x, conic_x):
+            return "biconic", [radius_x, conic_x]
+        case Toroidal(turn):
+            return "toroidal", [turn]
+        case XYPolynomial(norm_radius, coefficients):
+            return "polynomial", [norm_radius, *coefficients]
+        case ZernikePolynomials(norm_radius, coefficients, order):
+            return order, [norm_radius, *coefficients]
+    raise _core.RayweaveError(f"figure is {figure!r} (it can be Biconic, Toroidal, XYPolynomial, ZernikePolynomials or None)")
+
+
+def _figure_of(row: tuple[str, list[float]]) -> Figure | None:
+    kind, numbers = row
+    match kind:
+        case "round":
+            return None
+        case "biconic":
+            return Biconic(*numbers)
+        case "toroidal":
+            return Toroidal(*numbers)
+        case "polynomial":
+            return XYPolynomial(numbers[0], tuple(numbers[1:]))
+    return ZernikePolynomials(numbers[0], tuple(numbers[1:]), cast(Any, kind))
+
+
+@dataclass(frozen=True)
 class Surface:
-    """A surface of revolution about the axis, and what lies behind it.
+    """A surface about the axis, and what lies behind it.
 
     `radius` is positive if the centre lies on the side of +z, inf for a plane; `thickness` is the distance along z to the next
     surface, negative where light travels back; `conic` the conic constant (0 a sphere, -1 a paraboloid); `semi_diameter` the clear
@@ -55,6 +123,8 @@ class Surface:
     `even` are the coefficients of r^2, r^4, ..., r^16 and `odd` those of r, r^3, ..., r^15, as many as are needed; they add to the
     sag of the conic. That of r^2 adds to the curvature; that of r makes a cone around the vertex and has no part in
     first-order data.
+
+    `figure` makes it other than of revolution: `Biconic`, `Toroidal`, `XYPolynomial`, `ZernikePolynomials`.
     """
 
     radius: float = float("inf")
@@ -65,14 +135,16 @@ class Surface:
     hole: float = 0.0
     even: tuple[float, ...] = ()
     odd: tuple[float, ...] = ()
+    figure: Figure | None = None
 
     def _row(self) -> tuple[Any, ...]:
         terms = [[float(c) for c in coefficients] for coefficients in (self.even, self.odd)]
-        return (self.radius, self.thickness, self.behind, self.conic, self.semi_diameter, self.hole, *terms)
+        figure = _figure_row(self.figure)
+        return (self.radius, self.thickness, self.behind, self.conic, self.semi_diameter, self.hole, *terms, figure)
 
     @classmethod
     def _of(cls, row: tuple[Any, ...]) -> Surface:
-        return cls(*row[:6], *map(tuple, row[6:]))
+        return cls(*row[:6], tuple(row[6]), tuple(row[7]), _figure_of(row[8]))
 
 
 @dataclass(frozen=True)
@@ -269,9 +341,14 @@ class Prescription:
 
     # first order
 
-    def first_order(self, wavelength_nm: float | None = None) -> FirstOrder:
-        """Focal lengths, principal planes, pupils at a wavelength, by default the primary one."""
-        table = self._compiled.first_order(self._wavelength(wavelength_nm))
+    def first_order(
+        self, wavelength_nm: float | None = None, *, along: Literal["x", "y"] = "y"
+    ) -> FirstOrder:
+        """Focal lengths, principal planes, pupils at a wavelength, by default the primary one.
+
+        `along` chooses the meridian where they differ: by the curvatures at the vertices along it.
+        """
+        table = self._compiled.first_order(self._wavelength(wavelength_nm), along)
         matrix = np.array(table.pop("matrix")).reshape(2, 2)
         entrance, exit_pupil = (Pupil(*table.pop(name)) for name in ("entrance_pupil", "exit_pupil"))
         return FirstOrder(matrix=matrix, entrance_pupil=entrance, exit_pupil=exit_pupil, **table)

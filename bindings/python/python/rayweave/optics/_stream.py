@@ -116,31 +116,34 @@ def _dictionary(numbers: NDArray[Any], names: list[str]) -> Any:
 
 
 def write(
-    system: System, sources: list[Source], path: Path, settings: dict[str, Any], rows: int, progress: Progress
+    system: System,
+    sources: list[Source],
+    path: Path,
+    settings: dict[str, Any],
+    rows: int,
+    phases: bool,
+    progress: Progress,
 ) -> Balance:
     if path.suffix.lower() != ".parquet":
         # by the writer that the command uses, in the same columns
         tell = reporter(progress) if progress else None
         compiled = [source.compiled for source in sources]
-        return system._balance(system._compiled.trace_to(path, system.unit, compiled, settings, tell))
-    return _write_parquet(system, sources, path, settings, rows, progress)
+        return system._balance(system._compiled.trace_to(path, system.unit, compiled, settings, phases, tell))
+    return _write_parquet(system, system._stream(sources, settings, rows, phases, progress), path)
 
 
-def _write_parquet(
-    system: System, sources: list[Source], path: Path, settings: dict[str, Any], rows: int, progress: Progress
-) -> Balance:
+def _write_parquet(system: System, stream: Stream, path: Path) -> Balance:
     parquet = import_module("pyarrow.parquet")
-    stream = system._stream(sources, settings, rows, progress)
     # beside its target, and renamed when complete
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     writer = None
     try:
         with stream:
             for batch in stream.to_arrow():
+                told = batch.replace_schema_metadata(_units(system.unit, batch.schema.names))
                 if writer is None:
-                    schema = batch.schema.with_metadata(_units(system.unit))
-                    writer = parquet.ParquetWriter(unfinished, schema, compression="snappy")
-                writer.write_batch(batch.replace_schema_metadata(_units(system.unit)))
+                    writer = parquet.ParquetWriter(unfinished, told.schema, compression="snappy")
+                writer.write_batch(told)
             balance = stream.balance
         if writer is None:
             raise _core.RayweaveError("no segment to write (nothing shines)")
@@ -154,6 +157,7 @@ def _write_parquet(
         unfinished.unlink(missing_ok=True)
 
 
-def _units(unit: str) -> dict[str, str]:
+def _units(unit: str, columns: list[str]) -> dict[str, str]:
     lengths = ("x0", "y0", "z0", "x1", "y1", "z1", "path")
-    return {"unit.wavelength_nm": "nm"} | {f"unit.{name}": unit for name in lengths}
+    units = {"wavelength_nm": "nm", "phase_s": "deg", "phase_p": "deg"} | dict.fromkeys(lengths, unit)
+    return {f"unit.{name}": units[name] for name in units if name in columns}

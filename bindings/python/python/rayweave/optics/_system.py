@@ -97,6 +97,7 @@ class System:
         keep_escaped: bool = True,
         seed: int = 0,
         threads: int | None = None,
+        phases: bool = False,
         progress: Progress = None,
     ) -> Trace:
         """Follows the light of sources through the system.
@@ -104,12 +105,13 @@ class System:
         `branches` says which way it goes where part of it is reflected: "ideal" through without losses, back only by total
         reflection; "both" ways with their parts of the power by Fresnel's formulas; "random" one of them with all the power.
         Rays end after `generation_limit` events or below the power `threshold`. Results do not depend on `threads`. `progress` is
-        called with the number of rays that are done and that of all; True draws a bar on standard error.
+        called with the number of rays that are done and that of all; True draws a bar on standard error. `phases` adds the
+        columns `phase_s` and `phase_p`, which take about as long to find as the rest: see `Trace.phases`.
         """
         settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
         compiled = [source.compiled for source in _all_sources(sources)]
         columns, accounts = self._compiled.trace_sources(compiled, settings, _told(progress))
-        return Trace(self, columns, self._balance(accounts))
+        return self._told_of(columns, accounts, phases)
 
     def stream(
         self,
@@ -123,17 +125,20 @@ class System:
         keep_escaped: bool = True,
         seed: int = 0,
         threads: int | None = None,
+        phases: bool = False,
         progress: Progress = None,
     ) -> Stream:
         """Follows the light of sources batch by batch, each of at least `rows` rows but for the last one, in memory that does not
-        grow with the number of rays. The rows of all batches are those of `trace`."""
+        grow with the number of rays. The rows of all batches, and `phases`, are those of `trace`."""
         settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
-        return self._stream(_all_sources(sources), settings, rows, progress)
+        return self._stream(_all_sources(sources), settings, rows, phases, progress)
 
-    def _stream(self, given: list[Source], settings: dict[str, Any], rows: int, progress: Progress) -> Stream:
+    def _stream(
+        self, given: list[Source], settings: dict[str, Any], rows: int, phases: bool, progress: Progress
+    ) -> Stream:
         if rows < 1:
             raise _core.RayweaveError(f"rows is {rows} (a batch has at least one)")
-        compiled = self._compiled.stream([source.compiled for source in given], settings, rows)
+        compiled = self._compiled.stream([source.compiled for source in given], settings, rows, phases)
         return Stream(self, compiled, sum(len(source) for source in given), progress)
 
     def trace_to(
@@ -149,13 +154,14 @@ class System:
         keep_escaped: bool = True,
         seed: int = 0,
         threads: int | None = None,
+        phases: bool = False,
         progress: Progress = None,
     ) -> Balance:
         """Follows the light of sources into a table of segments, `.parquet` (by pyarrow, in row groups of at least `rows` rows),
         `.csv` or `.npy` (with the names beside it), in memory that does not grow with the number of rays. The file appears under
-        its name when it is complete; elements, surfaces and events have names in it."""
+        its name when it is complete; elements, surfaces and events have names in it. `phases` as of `trace`."""
         settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
-        return write(self, _all_sources(sources), FilePath(path), settings, rows, progress)
+        return write(self, _all_sources(sources), FilePath(path), settings, rows, phases, progress)
 
     def trace_rays(
         self,
@@ -173,6 +179,7 @@ class System:
         keep_escaped: bool = True,
         seed: int = 0,
         threads: int | None = None,
+        phases: bool = False,
         progress: Progress = None,
     ) -> Trace:
         """Follows rays, (N, 3) or (3,), broadcast against each other, with wavelengths in nanometres and powers (N,).
@@ -193,7 +200,13 @@ class System:
             settings,
             _told(progress),
         )
-        return Trace(self, columns, self._balance(accounts))
+        return self._told_of(columns, accounts, phases)
+
+    def _told_of(self, columns: dict[str, NDArray[Any]], accounts: dict[str, Any], phases: bool) -> Trace:
+        trace = Trace(self, columns, self._balance(accounts))
+        if phases:
+            columns["phase_s"], columns["phase_p"] = trace.phases()
+        return trace
 
 
 def _settings(
@@ -238,7 +251,8 @@ class Trace(Mapping[str, NDArray[Any]]):
     `id` is the number of the ray, `parent` the row of the segment before it (-1 for the first), `generation` the number of events
     before, `source` the number of the source; `wavelength_nm`, `intensity` at the beginning, `index` of the medium; `x0`, `y0`,
     `z0` and `x1`, `y1`, `z1` the ends (NaN for what escapes), `x_tilt`, `y_tilt`, `z_tilt` the unit direction; `path` the optical
-    path from the source; `element`, `surface` and `event` say what happens at the end.
+    path from the source; `element`, `surface` and `event` say what happens at the end. `phase_s` and `phase_p` are there if asked
+    for: `phases`.
     """
 
     def __init__(self, system: System, columns: dict[str, NDArray[Any]], balance: Balance | None) -> None:
