@@ -96,6 +96,7 @@ fn scope<'py>(py: Python<'py>, report: &CheckReport) -> PyResult<Bound<'py, PyDi
     dict.set_item("pairs", scope.pairs)?;
     dict.set_item("pairs_left_out", scope.left_out)?;
     dict.set_item("operands", scope.operands)?;
+    dict.set_item("operands_left_out", scope.operands_left_out)?;
     dict.set_item("has_hierarchy", scope.has_hierarchy)?;
     Ok(dict)
 }

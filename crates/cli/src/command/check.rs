@@ -202,6 +202,7 @@ impl Check {
                 "pairs": scope.pairs,
                 "pairs_left_out": scope.left_out,
                 "operands": scope.operands,
+                "operands_left_out": scope.operands_left_out,
                 "has_hierarchy": scope.has_hierarchy,
             },
         })
@@ -223,8 +224,9 @@ fn scope(report: &CheckReport) -> String {
         short(scope.wall),
         short(scope.gap)
     );
-    if scope.left_out > 0 {
-        text += &format!("left out: {} pairs of parts (see --pairs)\n", scope.left_out);
+    if scope.left_out + scope.operands_left_out > 0 {
+        let (pairs, operands) = (scope.left_out, scope.operands_left_out);
+        text += &format!("left out: {pairs} pairs of parts, {operands} operands (see --pairs)\n");
     }
     text
 }

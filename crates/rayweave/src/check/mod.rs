@@ -208,6 +208,8 @@ pub struct Scope {
     pub left_out: u64,
     /// Operands that were looked at.
     pub operands: u64,
+    /// Operands that were left out, since there were too many.
+    pub operands_left_out: u64,
     /// True if mothers and daughters are known.
     pub has_hierarchy: bool,
 }

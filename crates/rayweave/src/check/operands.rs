@@ -8,8 +8,8 @@ use rayweave_model::{Node, Program, Region, Solid};
 use rayweave_shape::primitive::Primitive;
 use std::collections::HashSet;
 
-/// An operator with more operands is not looked at: each would be compared with all others.
-const MOST_OPERANDS: usize = 64;
+/// An intersection of more operands is left out: each is compared with all others, whatever their boxes say.
+const MOST_INTERSECTED: usize = 1024;
 
 /// Looks at all operators of all regions, each once.
 pub fn findings(regions: &[Region], probe: &mut Probe<'_>) -> Result<Vec<Finding>, Error> {
@@ -58,47 +58,68 @@ impl<'a> Walk<'a, '_> {
 
     fn operator(&mut self, node: &Node, map: &Affine) -> Result<(), Error> {
         match node {
-            Node::Union(all) => {
-                self.each(all, map, |own, others| own - &Solid::union(others), "adds nothing to")
-            }
-            Node::Intersection(all) => {
-                self.each(all, map, |own, others| &Solid::intersection(others) - own, "takes nothing from")
-            }
-            Node::Difference(a, b) => {
-                let holes = united(b);
-                if holes.len() > MOST_OPERANDS {
-                    return Ok(());
-                }
-                holes.iter().try_for_each(|hole| self.operand(hole, &(a & hole), map, "takes nothing from"))
-            }
+            Node::Union(all) => self.union(all, map),
+            Node::Intersection(all) => self.intersection(all, map),
+            Node::Difference(a, b) => united(b)
+                .iter()
+                .try_for_each(|hole| self.operand(hole, || a & hole, map, "takes nothing from")),
             _ => Ok(()),
         }
     }
 
-    /// Each operand beside all others; `effect` is the part of space in which the operand matters.
-    fn each(
-        &mut self,
-        all: &[Solid],
-        map: &Affine,
-        effect: impl Fn(&Solid, Vec<Solid>) -> Solid,
-        what: &str,
-    ) -> Result<(), Error> {
-        if !(2..=MOST_OPERANDS).contains(&all.len()) {
-            return Ok(());
+    /// Each operand beside those that its box meets: no others can hold anything of it.
+    fn union(&mut self, all: &[Solid], map: &Affine) -> Result<(), Error> {
+        match all.len() {
+            0..2 => return Ok(()),
+            many if self.is_full() => return self.leave_out(many),
+            _ => {}
         }
+        let boxes = all.iter().map(|own| Ok(Program::compile(own)?.bounds()));
+        let boxes = boxes.collect::<Result<Vec<_>, Error>>()?;
         for (k, own) in all.iter().enumerate() {
-            let others = all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, other)| other.clone());
-            self.operand(own, &effect(own, others.collect()), map, what)?;
+            let meets = |j: &usize| *j != k && !boxes[k].intersection(&boxes[*j]).is_empty();
+            let others = || Solid::union((0..all.len()).filter(meets).map(|j| all[j].clone()));
+            self.operand(own, || own - &others(), map, "adds nothing to")?;
         }
         Ok(())
     }
 
-    fn operand(&mut self, own: &Solid, effect: &Solid, map: &Affine, what: &str) -> Result<(), Error> {
-        if self.probe.scope.operands >= self.probe.settings.most_pairs as u64 {
-            return Ok(());
+    /// Each operand beside all others.
+    fn intersection(&mut self, all: &[Solid], map: &Affine) -> Result<(), Error> {
+        match all.len() {
+            0..2 => return Ok(()),
+            many if many > MOST_INTERSECTED => return self.leave_out(many),
+            _ => {}
+        }
+        for (k, own) in all.iter().enumerate() {
+            let others = || Solid::intersection((0..all.len()).filter(|&j| j != k).map(|j| all[j].clone()));
+            self.operand(own, || &others() - own, map, "takes nothing from")?;
+        }
+        Ok(())
+    }
+
+    fn is_full(&self) -> bool {
+        self.probe.scope.operands >= self.probe.settings.most_pairs as u64
+    }
+
+    fn leave_out(&mut self, operands: usize) -> Result<(), Error> {
+        self.probe.scope.operands_left_out += operands as u64;
+        Ok(())
+    }
+
+    /// `effect` is the part of space in which the operand matters.
+    fn operand(
+        &mut self,
+        own: &Solid,
+        effect: impl Fn() -> Solid,
+        map: &Affine,
+        what: &str,
+    ) -> Result<(), Error> {
+        if self.is_full() {
+            return self.leave_out(1);
         }
         self.probe.scope.operands += 1;
-        let effect = effect.apply(*map);
+        let effect = effect().apply(*map);
         let bounds = Program::compile(&effect)?.bounds();
         let is_proved = bounds.is_empty();
         if is_proved || self.probe.is_there(&effect, &bounds, 2 * FEW)?.is_none() {

@@ -18,7 +18,7 @@ struct Common {
 }
 
 /// Pairs of parts whose volumes are added up; more of one pair of regions are counted only.
-const MOST_SOLIDS: usize = 64;
+const MOST_SOLIDS: usize = 1024;
 
 /// Regions that take the same space though neither is in the other.
 pub fn overlaps(subject: &Subject<'_>, probe: &mut Probe<'_>) -> Result<Vec<Finding>, Error> {
@@ -144,7 +144,9 @@ pub fn outside(subject: &Subject<'_>, probe: &mut Probe<'_>) -> Result<Vec<Findi
 fn farthest(rest: &Solid, boxes: &[Bounds], probe: &mut Probe<'_>) -> Result<Option<Met>, Error> {
     let across = if boxes.len() == 1 { 2 * FEW } else { FEW };
     let mut best: Option<Met> = None;
-    for bounds in boxes.iter().take(MOST_SOLIDS) {
+    let most = probe.settings.most_pairs;
+    probe.scope.left_out += boxes.len().saturating_sub(most) as u64;
+    for bounds in boxes.iter().take(most) {
         let met = probe.is_there(rest, bounds, across)?;
         if met.is_some_and(|met| best.is_none_or(|best| met.thickness > best.thickness)) {
             best = met;

@@ -129,6 +129,34 @@ fn operands_without_effect() {
     assert!(has("inner adds nothing", false), "{found:?}");
 }
 
+/// A hundred boxes in a row and one within another: all are looked at, or it is said how many are not.
+#[test]
+fn unions_of_many() {
+    let names: Vec<String> = (0..100).map(|k| format!("s{k}")).collect();
+    let solid = |(k, name): (usize, &String)| {
+        format!("[solid.{name}]\nbox = {{ size = 2 }}\ntransform = [{{ translate = [{}, 0, 0] }}]\n", 3 * k)
+    };
+    let row: String = names.iter().enumerate().map(solid).collect();
+    let inner = "[solid.inner]\nbox = { size = 1 }\ntransform = [{ translate = [210, 0, 0] }]\n";
+    let half = row.replace("[solid.s", "[solid.h").replace(", 0, 0]", ", 0, 1]");
+    let other: Vec<String> = (0..100).map(|k| format!("h{k}")).collect();
+    let text = format!(
+        "{row}{half}{inner}[solid.row]\nexpr = \"{} | inner\"\n[solid.high]\nexpr = \"{}\"\n\
+         [[region]]\nsolid = \"row\"\n[[region]]\nsolid = \"high\"",
+        names.join(" | "),
+        other.join(" | ")
+    );
+    let report = checked(&text, &quick());
+    let absorbed: Vec<&str> = report.of(Kind::Absorbed).map(|finding| finding.text.as_str()).collect();
+    assert_eq!(absorbed, ["inner adds nothing to what it is joined with in row"]);
+    assert_eq!((report.scope.operands, report.scope.operands_left_out), (201, 0));
+    // each of the second row is half within one of the first
+    let overlap = report.of(Kind::Overlap).next().unwrap();
+    assert!(is_about(overlap.volume, 400.0), "{overlap:?}");
+    let few = checked(&text, &CheckSettings { most_pairs: 7, ..quick() }).scope;
+    assert_eq!((few.operands, few.operands_left_out, few.left_out), (7, 194, report.scope.pairs - 7));
+}
+
 const DETECTOR: &str = r#"<?xml version="1.0"?>
 <gdml>
  <define><position name="p" x="40" unit="mm"/><position name="q" x="-20" unit="mm"/><position name="r" x="-25" unit="mm"/></define>
