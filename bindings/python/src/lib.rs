@@ -34,7 +34,11 @@ mod thickness;
 mod timeline;
 mod vectors;
 
+use mimalloc::MiMalloc;
 use pyo3::pymodule;
+
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 /// The compiled half of the package: import from `rayweave` instead.
 #[pymodule]

@@ -1,8 +1,12 @@
 //! The command `rayweave-bench`.
 
 use clap::Parser;
+use mimalloc::MiMalloc;
 use rayweave_bench::{Arguments, run};
 use std::process::ExitCode;
+
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 /// Measure exemplars beside peers and the ceilings of the machine.
 #[derive(Parser)]
