@@ -350,9 +350,7 @@ def test_figures_are_kept_and_written() -> None:
     ]
     for figure in figures:
         front = Surface(50.0, 4.0, 1.5, figure=figure)
-        lens = Prescription(
-            [front, Surface(thickness=90.0)], entrance_pupil_diameter=4.0
-        )
+        lens = Prescription([front, Surface(thickness=90.0)], entrance_pupil_diameter=4.0)
         assert lens.surfaces[0] == front
         assert Prescription.from_zmx(lens.to_zmx()).surfaces[0].figure == figure
         assert lens.with_surface(2, thickness=80.0).surfaces[0] == front
@@ -360,10 +358,7 @@ def test_figures_are_kept_and_written() -> None:
     with pytest.raises(RayweaveError, match="figure is 3"):
         Prescription([Surface(50.0, 4.0, 1.5, figure=3)], entrance_pupil_diameter=4.0)  # type: ignore[arg-type]
     with pytest.raises(RayweaveError, match="radius_x"):
-        Prescription(
-            [Surface(50.0, 4.0, 1.5, figure=optics.Biconic(0.0))],
-            entrance_pupil_diameter=4.0,
-        )
+        Prescription([Surface(50.0, 4.0, 1.5, figure=optics.Biconic(0.0))], entrance_pupil_diameter=4.0)
     with pytest.raises(RayweaveError, match="along is"):
         paraboloid().first_order(along="z")  # type: ignore[arg-type]
 

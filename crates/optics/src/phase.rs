@@ -39,7 +39,7 @@ const CONDUCTOR: Jump = [180.0, 0.0];
 
 impl<E: Evaluator> Tracer<'_, E> {
     /// The phases of the segments of a trace of this system, whose parents are rows before them, as in every
-    /// [`Trace`](crate::Trace). Each event is looked at again: this takes about as long as the trace.
+    /// [`Trace`](crate::Trace). Each event is looked at again, on one thread.
     pub fn phases(&self, segments: &Segments) -> Phases {
         let mut jumps: Vec<Jump> = Vec::with_capacity(segments.len());
         for row in segments.iter() {

@@ -43,7 +43,7 @@ pub struct Optics {
     #[arg(short, long, value_name = "TABLE")]
     out: Option<PathBuf>,
 
-    /// Two more columns, phase_s and phase_p: the phase where the path ends, in degrees, of light across the plane of incidence and in it, with the jumps of reflections and coatings (tracing takes about twice as long)
+    /// Two more columns, phase_s and phase_p: the phase where the path ends, in degrees, of light across the plane of incidence and in it, with the jumps of reflections and coatings (each event is looked at again, which takes time)
     #[arg(long, requires = "out")]
     phases: bool,
 

@@ -100,7 +100,7 @@ pub struct SegmentFile<'a> {
     pub path: &'a Path,
     /// The unit of lengths.
     pub unit: &'a str,
-    /// Whether it has the columns of phases, which take about as long to find as all else, on one thread.
+    /// Whether it has the columns of phases, for which each event is looked at again, on one thread.
     pub phases: bool,
 }
 

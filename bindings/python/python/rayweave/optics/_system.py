@@ -106,7 +106,7 @@ class System:
         reflection; "both" ways with their parts of the power by Fresnel's formulas; "random" one of them with all the power.
         Rays end after `generation_limit` events or below the power `threshold`. Results do not depend on `threads`. `progress` is
         called with the number of rays that are done and that of all; True draws a bar on standard error. `phases` adds the
-        columns `phase_s` and `phase_p`, which take about as long to find as the rest: see `Trace.phases`.
+        columns `phase_s` and `phase_p`, for which each event is looked at again: see `Trace.phases`.
         """
         settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
         compiled = [source.compiled for source in _all_sources(sources)]
