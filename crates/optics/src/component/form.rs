@@ -73,7 +73,7 @@ impl Form {
     ///
     /// // a cylinder of radius 5 that is curved along y
     /// let cylinder = Form::new(Asphere::conic(5.0, 0.0), Figure::Toroidal { turn: f64::INFINITY });
-    /// assert_eq!(cylinder.sag([7.0, 3.0]), Some(1.0));
+    /// assert!((cylinder.sag([7.0, 3.0]).unwrap() - 1.0).abs() < 1e-15);
     /// ```
     pub fn new(asphere: Asphere, figure: Figure) -> Form {
         let terms = match &figure {

@@ -36,13 +36,14 @@ fn eye() -> System {
         ("lens back", graded(5.25, &[1.407, -0.001978], &[0.0, -0.006605])),
         ("vitreous", constant(1.336)),
     ];
-    let part = |(pair, (name, medium)): (&[(f64, f64, f64)], &(&str, Medium))| {
+    let mut parts = Assembly::new();
+    for (pair, (name, medium)) in surfaces.windows(2).zip(&media) {
         let [(z1, r1, k1), (z2, r2, k2)] = [pair[0], pair[1]];
         let solid = conic_lens(r1, k1, r2, k2, z2 - z1, Aperture::circle(8.0)).unwrap();
-        Element::transparent(name, solid.translate(Vec3::Z * (0.5 * (z1 + z2))), medium)
-    };
-    let parts = surfaces.windows(2).zip(&media).map(part);
-    parts.fold(Assembly::new(), Assembly::add).compile().unwrap()
+        let placed = solid.translate(Vec3::Z * (0.5 * (z1 + z2)));
+        parts = parts.add(Element::transparent(name, placed, medium));
+    }
+    parts.compile().unwrap()
 }
 
 /// The row that ends at the retina.
