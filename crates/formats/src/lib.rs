@@ -20,7 +20,7 @@
 
 mod format;
 pub mod gdml;
-mod memory;
+mod kernel;
 mod mesh;
 pub mod openscad;
 mod report;

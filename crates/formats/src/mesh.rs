@@ -8,23 +8,17 @@
 //! **Units** are the file's where it has one (3MF, and glTF, which is in metres), else [`Options::unit`], else millimetres.
 //! glTF has y up: its points (x, y, z) become (x, -z, y), so that what is up there is up here.
 
-use crate::{Format, Imported, LossKind, Options, Report, memory};
+use crate::{Format, Imported, LossKind, Options, Report};
 use rayweave_math::Vec3;
 use rayweave_mesh::files::{self, FileError, Loaded, MeshFormat, ReadOptions};
-use rayweave_mesh::{Diagnosis, Mesh, MeshError, Polyhedron, Repair, RepairOptions};
+use rayweave_mesh::{Diagnosis, Mesh, MeshError, Polyhedron, Repair};
 use rayweave_model::Solid;
 use rayweave_scene::{
-    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit,
+    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit, memory,
 };
 use rayweave_shape::primitive::{self, Primitive};
 use std::path::Path;
 use std::sync::Arc;
-
-/// The bytes that reading, diagnosing and preparing a mesh takes at most, for each triangle.
-const BYTES_A_TRIANGLE: u64 = 176;
-
-/// The distance, as a part of the size of a mesh, within which points are joined if nothing less closes it.
-const NEAR: f64 = 1e-6;
 
 /// Reads a file.
 pub(crate) fn load(path: &Path, format: MeshFormat, options: &Options) -> Result<Imported, Diagnostics> {
@@ -47,9 +41,7 @@ pub(crate) fn parse(
 
 /// As many triangles as fit into memory.
 fn limits() -> ReadOptions {
-    let usual = ReadOptions::default().most;
-    let fitting = memory::available().map_or(usual, |bytes| bytes / BYTES_A_TRIANGLE);
-    ReadOptions { most: usual.min(fitting) }
+    memory::available().map_or_else(ReadOptions::default, ReadOptions::within)
 }
 
 /// What is collected while a file is read.
@@ -102,7 +94,8 @@ impl<'a> Import<'a> {
         let is_short = limits.most < ReadOptions::default().most;
         if let (FileError::Mesh { error: MeshError::TooMany { .. }, .. }, true) = (error, is_short) {
             why += &format!(
-                "; a triangle takes up to {BYTES_A_TRIANGLE} bytes while it is read, and there is no more memory"
+                "; a triangle takes up to {} bytes while it is read, and there is no more memory",
+                ReadOptions::BYTES_A_TRIANGLE
             );
         }
         Diagnostic::error("the mesh cannot be read").why(why).in_file(self.source)
@@ -147,12 +140,12 @@ impl<'a> Import<'a> {
     fn solid(&mut self, name: Option<&str>, mut mesh: Mesh) -> Option<Polyhedron> {
         let what = name.map_or("the mesh".to_owned(), |name| format!("the mesh of `{name}`"));
         if self.options.repair {
-            let (mended, done) = repaired(&mesh).unwrap_or((mesh, Repair::default()));
+            let (mended, done) = mesh.mended().unwrap_or((mesh, Repair::default()));
             mesh = mended;
             self.tell_repairs(&what, &done);
         }
         let diagnosis = mesh.diagnose();
-        match Polyhedron::new(&mesh) {
+        match Polyhedron::closed(&mesh, &diagnosis) {
             Ok(solid) => {
                 self.doubt(&what, &diagnosis);
                 Some(solid)
@@ -160,7 +153,7 @@ impl<'a> Import<'a> {
             Err(error) => {
                 let problem = Diagnostic::error(format!("{what} is no solid: {error}")).why(diagnosis);
                 let advice = "does `--repair` help (`repair=True` in Python)?".to_owned();
-                let advice = (!self.options.repair).then_some(advice);
+                let advice = (!self.options.repair && error != MeshError::Flat).then_some(advice);
                 self.problems.push(problem.suggest(advice).in_file(self.source));
                 None
             }
@@ -176,32 +169,11 @@ impl<'a> Import<'a> {
     }
 
     fn tell_repairs(&mut self, what: &str, done: &Repair) {
-        let all = [
-            (done.welded, "points joined with others near to them"),
-            (done.collapsed, "triangles without three corners left out"),
-            (done.duplicates, "repeated triangles left out"),
-            (done.filled, "holes with a plane rim closed"),
-            (done.turned, "triangles turned round"),
-        ];
-        for (count, repair) in all.into_iter().filter(|(count, _)| *count > 0) {
+        for (count, repair) in done.told() {
             let told = Diagnostic::warning(format!("{what} was repaired: {count} {repair}"));
             self.report.add(LossKind::Approximated, repair, told.in_file(self.source));
         }
     }
-}
-
-/// The mesh after the least of what is safe that closes it: nothing joined or filled, near points joined, holes filled, both.
-/// Filling comes late, because a triangle that hangs together with nothing is a hole, too.
-fn repaired(mesh: &Mesh) -> Option<(Mesh, Repair)> {
-    let near = NEAR * mesh.bounds().size().length();
-    let mut best = None;
-    for (weld, fill) in [(0.0, false), (near, false), (0.0, true), (near, true)] {
-        best = mesh.repaired(&RepairOptions { weld, fill }).ok().or(best);
-        if best.as_ref().is_some_and(|(mesh, _)| mesh.is_closed() && mesh.volume() != 0.0) {
-            break;
-        }
-    }
-    best
 }
 
 /// A region for each solid.

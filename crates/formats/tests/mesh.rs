@@ -185,3 +185,16 @@ fn counts_that_cannot_be_are_refused_before_anything_is_taken() {
     let set = [("R".to_owned(), "1".to_owned())];
     assert!(parse("", Format::Mesh(MeshFormat::Off), &set, &Options::default()).is_err());
 }
+
+#[test]
+fn what_is_folded_flat_encloses_nothing() {
+    // a rim of three edges is a hole with a plane rim; to fill it makes two triangles of one
+    let text = "v 0 0 0\nv 3 0 0\nv 0 4 0\nf 1 2 3\n";
+    let mending = Options { repair: true, ..Options::default() };
+    let problems = read(text, &mending).unwrap_err().to_string();
+    assert!(problems.contains("encloses nothing"), "{problems}");
+    // both sides of a square
+    let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 1 3 2\nf 1 4 3\n";
+    let problems = read(sheet, &Options::default()).unwrap_err().to_string();
+    assert!(problems.contains("encloses nothing") && !problems.contains("--repair"), "{problems}");
+}

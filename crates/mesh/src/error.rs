@@ -38,6 +38,9 @@ pub enum MeshError {
     /// No triangle with three different corners.
     #[error("the mesh has no triangle (a solid needs four at least) is the file complete?")]
     Empty,
+    /// Closed, but all of it is folded flat.
+    #[error("the mesh encloses nothing (its volume is 0 but for rounding) is it a surface?")]
+    Flat,
     /// Edges with an odd number of triangles: nothing is inside.
     #[error(
         "the mesh is not closed: {edges} edges belong to an odd number of triangles, the first at ({:?}, {:?}, {:?}) \

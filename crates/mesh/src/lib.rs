@@ -28,5 +28,6 @@ pub use diagnosis::{Component, Diagnosis, Findings, Hole, Intersection};
 pub use error::MeshError;
 pub use line::{Aside, Crossing, Line};
 pub use mesh::Mesh;
+pub use polygon::triangles as polygon_triangles;
 pub use polyhedron::{Nearest, Polyhedron};
 pub use repair::{Repair, RepairOptions};

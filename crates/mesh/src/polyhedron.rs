@@ -5,7 +5,7 @@ use crate::hierarchy::Hierarchy;
 use crate::line::{Aside, Crossing, Line, Shear, holds_origin, is_edge_on};
 use crate::topology::{EdgeUse, SignedSets, by_edge, edge_uses};
 use crate::triangle::{self, Triangle};
-use crate::{Mesh, MeshError};
+use crate::{Diagnosis, Mesh, MeshError};
 use rayweave_math::{Bounds, Vec3};
 
 /// The solid within a closed mesh: what a line crosses an odd number of times on the way to infinity.
@@ -99,6 +99,14 @@ impl Polyhedron {
             Polyhedron { vertices, triangles, numbers, places, faces, outward, hierarchy, bounds };
         solid.outward = solid.turns(&shells);
         Ok(solid)
+    }
+
+    /// The solid within a mesh that was diagnosed.
+    ///
+    /// # Errors
+    /// As [`Polyhedron::new`], and [`MeshError::Flat`] if nothing is inside.
+    pub fn closed(mesh: &Mesh, diagnosis: &Diagnosis) -> Result<Polyhedron, MeshError> {
+        if diagnosis.is_flat { Err(MeshError::Flat) } else { Polyhedron::new(mesh) }
     }
 
     /// Which triangles turn counter-clockwise seen from outside, by one line through each shell. Of shells that go through

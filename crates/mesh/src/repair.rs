@@ -37,7 +37,39 @@ pub struct Repair {
     pub turned: usize,
 }
 
+impl Repair {
+    /// What was done, in words, with how often; only what was done at all.
+    pub fn told(&self) -> impl Iterator<Item = (usize, &'static str)> {
+        let all = [
+            (self.welded, "points joined with others near to them"),
+            (self.collapsed, "triangles without three corners left out"),
+            (self.duplicates, "repeated triangles left out"),
+            (self.filled, "holes with a plane rim closed"),
+            (self.turned, "triangles turned round"),
+        ];
+        all.into_iter().filter(|(count, _)| *count > 0)
+    }
+}
+
+/// The distance, as a part of the size of a mesh, within which points are joined if nothing less closes it.
+const NEAR: f64 = 1e-6;
+
 impl Mesh {
+    /// The mesh after the least of what is safe that closes it around something: nothing joined or filled, points nearer than a
+    /// millionth of its size joined, plane holes filled, both. Filling comes late, because a triangle that hangs together with
+    /// nothing is a hole, too. `None` if nothing is left of it.
+    pub fn mended(&self) -> Option<(Mesh, Repair)> {
+        let near = NEAR * self.bounds().size().length();
+        let mut best = None;
+        for (weld, fill) in [(0.0, false), (near, false), (0.0, true), (near, true)] {
+            best = self.repaired(&RepairOptions { weld, fill }).ok().or(best);
+            if best.as_ref().is_some_and(|(mesh, _)| mesh.is_closed() && mesh.volume() != 0.0) {
+                break;
+            }
+        }
+        best
+    }
+
     /// The mesh after what can safely be mended: near points joined, triangles without three corners and repeated ones left
     /// out, plane holes closed, each shell turned as its place asks. What is left is for [`Mesh::diagnose`] to tell.
     ///

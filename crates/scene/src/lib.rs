@@ -41,6 +41,7 @@ mod fault;
 mod file;
 pub mod foreign;
 mod formats;
+pub mod memory;
 mod number;
 mod resolve;
 mod scene;

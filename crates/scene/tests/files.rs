@@ -129,6 +129,7 @@ fn a_mesh_has_a_file_or_its_numbers() {
     };
     assert!(problem("{ file = 'nowhere.stl' }").contains("there is no such file"));
     assert!(problem("{ file = 'part.xyz' }").contains("of no known format"));
+    assert!(problem("{ file = 'part.off', repair = 1 }").contains("true or false"));
     assert!(problem("{ file = 3 }").contains("the name of a file"));
     let both = problem("{ file = 'part.stl', vertices = [[0, 0, 0]] }");
     assert!(both.contains("the mesh has a file and something else"), "{both}");

@@ -32,7 +32,8 @@ mod table;
 mod units;
 mod xml;
 
-use crate::{Imported, LossKind, Options, Report, memory};
+use crate::{Imported, LossKind, Options, Report};
+use rayweave_scene::memory;
 use rayweave_scene::{Diagnostic, Diagnostics, Foreign, Scene, Source, Spanned};
 use std::fs::File;
 use std::io::Read;

@@ -11,7 +11,10 @@ use super::facets::{Fineness, ring_points};
 use super::flat::{Flat, Flats, Leaf, image, index};
 use super::part::Part;
 use super::primitive::solid;
+use super::region::Contours;
+use super::shell::Shell;
 use super::value::Value;
+use crate::kernel::triangulated;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{Convex, Mesh};
@@ -85,7 +88,7 @@ pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>
     if let Some(number) = given.iter().flatten().find(|number| **number >= points.len()) {
         return Err(arguments.refusal(&format!("a face names point {number} of {}", points.len())));
     }
-    let triangles = given.iter().flat_map(|face| fan(face)).collect();
+    let triangles = given.iter().flat_map(|face| cut(&points, face)).collect();
     Ok((points, triangles))
 }
 
@@ -113,10 +116,17 @@ fn faces(value: &Value) -> Option<Vec<Vec<usize>>> {
     value.list()?.iter().map(face).collect()
 }
 
-/// A face as triangles around its first corner.
-fn fan(face: &[usize]) -> Vec<[usize; 3]> {
-    let rest = face.get(1..).unwrap_or_default();
-    rest.windows(2).map(|pair| [face[0], pair[0], pair[1]]).collect()
+/// A face as triangles.
+fn cut(points: &[Vec3], face: &[usize]) -> Vec<[usize; 3]> {
+    match face.len() {
+        0..3 => Vec::new(),
+        3 => vec![[face[0], face[1], face[2]]],
+        _ => {
+            let corners: Vec<u32> = face.iter().map(|k| *k as u32).collect();
+            let (triangles, _) = rayweave_mesh::polygon_triangles(points, &corners);
+            triangles.into_iter().map(|t| t.map(|k| k as usize)).collect()
+        }
+    }
 }
 
 /// The planes of a polyhedron that fills the hull of its points, if it does.
@@ -180,15 +190,38 @@ impl Twist {
         arguments: &Arguments,
         contours: Vec<Vec<Point<2>>>,
     ) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), Refusal> {
+        self.check(arguments, contours.iter().map(Vec::len).sum())?;
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
         for contour in contours {
             let contour = counter_clockwise(contour);
-            if 2 * contour.len() * (self.slices + 1) + triangles.len() > MOST_TRIANGLES {
-                return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
-            }
             self.tower(&contour, &mut vertices, &mut triangles);
         }
         Ok((vertices, triangles))
+    }
+
+    /// What is over contours that do not cross, counter-clockwise around the region and clockwise around its holes: no
+    /// triangle goes through another.
+    pub fn shell(&self, arguments: &Arguments, contours: Contours) -> Result<Shell, Refusal> {
+        self.check(arguments, contours.iter().map(Vec::len).sum())?;
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        let (mut bottom, mut top) = (Vec::new(), Vec::new());
+        for contour in &contours {
+            let (start, n) = (vertices.len() as u32, contour.len() as u32);
+            self.walls(contour, &mut vertices, &mut triangles);
+            bottom.extend(start..start + n);
+            top.extend(vertices.len() as u32 - n..vertices.len() as u32);
+        }
+        for [a, b, c] in triangulated(&contours).into_iter().map(|t| t.map(|k| k as usize)) {
+            triangles.extend([[bottom[a], bottom[c], bottom[b]], [top[a], top[b], top[c]]]);
+        }
+        Ok(Shell { vertices, triangles, is_convex: false })
+    }
+
+    fn check(&self, arguments: &Arguments, points: usize) -> Result<(), Refusal> {
+        match points.saturating_mul(2 * (self.slices + 1)) > MOST_TRIANGLES {
+            true => Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets"))),
+            false => Ok(()),
+        }
     }
 
     /// Adds what is between the images of a contour at all heights.
@@ -197,12 +230,17 @@ impl Twist {
         if n < 3 {
             return;
         }
-        vertices.extend((0..=self.slices).flat_map(|slice| self.slice(contour, slice)));
+        self.walls(contour, vertices, triangles);
         let top = start + n * self.slices as u32;
         for k in 1..n - 1 {
             triangles.push([start, start + k + 1, start + k]);
             triangles.push([top, top + k, top + k + 1]);
         }
+    }
+
+    fn walls(&self, contour: &[Point<2>], vertices: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
+        let (n, start) = (contour.len() as u32, vertices.len() as u32);
+        vertices.extend((0..=self.slices).flat_map(|slice| self.slice(contour, slice)));
         for slice in 0..self.slices as u32 {
             for k in 0..n {
                 let lower = start + n * slice;

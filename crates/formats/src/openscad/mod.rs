@@ -7,6 +7,7 @@
 //! vertices of faceted shapes as OpenSCAD 2021.01 places them.
 
 mod arguments;
+mod body;
 mod boolean;
 mod convex_hull;
 mod drawing;

@@ -1,6 +1,7 @@
 //! From the tree of a dump to a scene: every item after its children, without using the call stack for depth.
 
 use super::arguments::{Arguments, Refusal};
+use super::body;
 use super::boolean::{Operation, join, join_solids, whole};
 use super::drawing::TOLERANCE;
 use super::extrude::{Way, extruded};
@@ -205,6 +206,10 @@ impl<'a> Reader<'a> {
             let why = Diagnostic::warning("solids and regions of the plane stand side by side")
                 .why("the dimension of the first one counts, and the others are left out, as in OpenSCAD");
             self.report.add(LossKind::Dropped, &item(node), why.at(self.source, node.span));
+            if operation == Operation::Intersection && !solids.is_empty() {
+                // what is left out of solids is nothing there
+                return Part::Empty;
+            }
         }
         if !solids.is_empty() {
             return Part::Solid(join(operation, solids, &mut join_solids));
@@ -327,7 +332,7 @@ impl<'a> Reader<'a> {
     fn hull(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         match self.joined(node, Operation::Union) {
             Part::Solid(_) => {
-                let generators = self.generators(number, arguments)?;
+                let generators = self.generators(number)?;
                 self.spend(arguments, hull::cost(&generators))?;
                 let found = hull::hull(arguments, &generators)?;
                 if !found.is_exact && !self.options.facets {
@@ -348,15 +353,11 @@ impl<'a> Reader<'a> {
     }
 
     /// What a hull is the hull of: points where the parts are not made of convex things alone.
-    fn generators(&mut self, number: usize, arguments: &Arguments) -> Result<Vec<Generator>, Refusal> {
+    fn generators(&self, number: usize) -> Result<Vec<Generator>, Refusal> {
         if let Ok(found) = gather::generators(self, number, Affine::IDENTITY) {
             return Ok(found);
         }
-        let (points, is_whole) = shell::hull_points(self, number)?;
-        if !is_whole {
-            let why = arguments.approximation("is the hull of slices: something is cut out of its parts");
-            self.report.add(LossKind::Approximated, "hull()", why);
-        }
+        let points = shell::corner_points(self, number)?;
         Ok(points.into_iter().map(Generator::point).collect())
     }
 
@@ -404,15 +405,7 @@ impl<'a> Reader<'a> {
         }
         let contours = match arguments.truth("cut", false)? {
             true => shell::section(self, number)?,
-            false => {
-                let (contours, is_whole) = shell::shadow(self, number)?;
-                if !is_whole {
-                    let why =
-                        arguments.approximation("is the shadow of slices: something is cut out of its parts");
-                    self.report.add(LossKind::Approximated, "projection()", why);
-                }
-                contours
-            }
+            false => shell::shadow(self, number)?,
         };
         match contours.is_empty() {
             true => Ok(Part::Empty),
@@ -428,9 +421,7 @@ impl<'a> Reader<'a> {
                 let bounds = self.flat_bounds(arguments, flat)?;
                 bounds.map(|[lo, hi]| vec![hi[0] - lo[0], hi[1] - lo[1]])
             }
-            Part::Solid(_) => {
-                self.solid_bounds(number, arguments)?.map(|[lo, hi]| (hi - lo).to_array().to_vec())
-            }
+            Part::Solid(_) => self.solid_bounds(number)?.map(|[lo, hi]| (hi - lo).to_array().to_vec()),
             _ => return Ok(part),
         };
         let Some(size) = size else { return Ok(Part::Empty) };
@@ -454,18 +445,13 @@ impl<'a> Reader<'a> {
         Ok((lo[0] < hi[0] && lo[1] < hi[1]).then_some([lo, hi]))
     }
 
-    fn solid_bounds(&mut self, number: usize, arguments: &Arguments) -> Result<Option<[Vec3; 2]>, Refusal> {
+    fn solid_bounds(&self, number: usize) -> Result<Option<[Vec3; 2]>, Refusal> {
         if let Ok(all) = gather::generators(self, number, Affine::IDENTITY) {
             let all = all.iter().map(Generator::bounds);
             return Ok(all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]));
         }
-        let extent = shell::extent(self, number)?;
-        if !extent.is_exact {
-            let why = arguments
-                .approximation("takes its parts for as large as before something was cut out of them");
-            self.report.add(LossKind::Approximated, "resize()", why);
-        }
-        Ok(extent.bounds())
+        let points = shell::corner_points(self, number)?;
+        Ok(points.iter().map(|p| [*p; 2]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]))
     }
 
     fn minkowski(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
@@ -474,7 +460,7 @@ impl<'a> Reader<'a> {
             match std::mem::replace(&mut self.parts[*child as usize], Part::Empty) {
                 Part::Refused => return Ok(Part::Refused),
                 Part::Empty => {}
-                Part::Solid(_) => solids.push(gather::convex_parts(self, *child as usize)?),
+                Part::Solid(_) => solids.push(*child as usize),
                 Part::Flat(pieces) => flats.push(self.whole(pieces)),
             }
         }
@@ -483,15 +469,44 @@ impl<'a> Reader<'a> {
             (true, false) => self.flat_sum(arguments, &flats),
             (false, false) => Err(arguments.refusal("solids and regions of the plane have no sum")),
             (false, true) => {
-                self.spend(arguments, sum::cost(&solids))?;
-                let found = sum::sum(arguments, solids)?;
-                if !found.is_exact && !self.options.facets {
-                    let why = arguments.approximation("is the sum of the facets of its parts");
-                    self.report.add(LossKind::Approximated, "minkowski()", why);
+                let parts = solids.iter().map(|solid| gather::convex_parts(self, *solid));
+                match parts.collect::<Result<Vec<_>, _>>() {
+                    Ok(parts) if sum::pairs(&parts) <= sum::MOST_SUMS => {
+                        self.sum_of_convex(number, arguments, parts)
+                    }
+                    _ => self.sum_of_facets(number, arguments, &solids),
                 }
-                self.keep(number, arguments, &found.parts)?;
-                Ok(found.solid.map_or(Part::Empty, Part::from))
             }
+        }
+    }
+
+    /// The sum of solids that are unions of convex parts.
+    fn sum_of_convex(
+        &mut self,
+        number: usize,
+        arguments: &Arguments,
+        parts: Vec<Vec<Vec<Generator>>>,
+    ) -> Result<Part, Refusal> {
+        self.spend(arguments, sum::cost(&parts))?;
+        let found = sum::sum(arguments, parts)?;
+        if !found.is_exact && !self.options.facets {
+            let why = arguments.approximation("is the sum of the facets of its parts");
+            self.report.add(LossKind::Approximated, "minkowski()", why);
+        }
+        self.keep(number, arguments, &found.parts)?;
+        Ok(found.solid.map_or(Part::Empty, Part::from))
+    }
+
+    /// The sum of any solids, in facets.
+    fn sum_of_facets(
+        &mut self,
+        number: usize,
+        arguments: &Arguments,
+        solids: &[usize],
+    ) -> Result<Part, Refusal> {
+        match body::sum(self, arguments, solids)? {
+            Some(sum) => self.within(number, arguments, Shell::of_body(&sum)),
+            None => Ok(Part::Empty),
         }
     }
 
@@ -550,7 +565,8 @@ impl<'a> Reader<'a> {
 fn wanted(tree: &Tree) -> Vec<bool> {
     let mut wanted = vec![false; tree.nodes.len()];
     for (number, node) in tree.nodes.iter().enumerate() {
-        let asks = wanted[number] || ["projection", "resize", "hull"].contains(&node.name.as_str());
+        let asks =
+            wanted[number] || ["projection", "resize", "hull", "minkowski"].contains(&node.name.as_str());
         node.children.iter().for_each(|child| wanted[*child as usize] = asks);
     }
     wanted

@@ -3,8 +3,10 @@
 //! A section of a boolean is the boolean of the sections, so that nothing has to be cut but single shells.
 
 use super::arguments::{Arguments, Refusal};
+use super::body::body;
 use super::boolean::Operation;
 use super::convex_hull::{MOST_POINTS, convex_hull};
+use super::drawing::chords;
 use super::extrude::Way;
 use super::facets::{Fineness, sphere_rings};
 use super::hull2::corners;
@@ -13,19 +15,14 @@ use super::primitive::CylinderSizes;
 use super::reader::Reader;
 use super::region::{Contours, area, boundary, filled, join_contours};
 use super::transform;
+use crate::kernel::triangulated;
 use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_space::Point;
 use std::collections::HashMap;
 
-/// Facets of round shapes that are truly round elsewhere: off by 3.5e-4 of their radius.
-const FINE: usize = 120;
-
 /// More triangles than these take longer than a reader should.
 const MOST_TRIANGLES: usize = 500_000;
-
-/// Heights at which a shadow, or a hull, of what is cut is looked at.
-const SLICES: usize = 100;
 
 /// Triangles; inside is what a line reaches after an odd number of crossings.
 #[derive(Clone, Debug, Default)]
@@ -54,14 +51,31 @@ enum Task {
     Join(Operation, usize),
 }
 
-/// What `make` makes of the shells of each item below a node, joined as they are.
+/// Where a walk begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Start {
+    /// At an item.
+    Item(usize),
+    /// At the children of an item that asks about them, taken as their union.
+    Below(usize),
+}
+
+impl Start {
+    pub fn number(self) -> usize {
+        match self {
+            Start::Item(number) | Start::Below(number) => number,
+        }
+    }
+}
+
+/// What `make` makes of the shells of each item there, joined as they are.
 pub(super) fn fold<T>(
     reader: &Reader,
-    root: usize,
+    from: Start,
     mut make: impl FnMut(&Arguments, &[Shell], &Affine) -> Result<T, Refusal>,
     mut join: impl FnMut(Operation, Vec<T>) -> T,
 ) -> Result<T, Refusal> {
-    let mut tasks = vec![Task::Visit(root, Affine::IDENTITY)];
+    let mut tasks = vec![Task::Visit(from.number(), Affine::IDENTITY)];
     let mut made = Vec::new();
     while let Some(task) = tasks.pop() {
         let (number, map) = match task {
@@ -75,7 +89,7 @@ pub(super) fn fold<T>(
         let node = &reader.tree.nodes[number];
         let arguments = Arguments::new(reader.source, node);
         reader.spend(&arguments, 20)?;
-        match structure(reader, number, root, &arguments)? {
+        match structure(reader, number, from, &arguments)? {
             Some((operation, inner)) => {
                 let children: Vec<usize> =
                     node.children.iter().map(|k| *k as usize).filter(|k| reader.live[*k]).collect();
@@ -95,21 +109,24 @@ pub(super) fn fold<T>(
         }
     }
     // the first task made the last one
-    made.pop()
-        .ok_or_else(|| Arguments::new(reader.source, &reader.tree.nodes[root]).refusal("nothing is in it"))
+    made.pop().ok_or_else(|| {
+        Arguments::new(reader.source, &reader.tree.nodes[from.number()]).refusal("nothing is in it")
+    })
 }
 
 /// How the children of an item are joined, and under which map; `None` for items that are shells themselves.
 fn structure(
     reader: &Reader,
     number: usize,
-    root: usize,
+    from: Start,
     arguments: &Arguments,
 ) -> Result<Option<(Operation, Affine)>, Refusal> {
     let name = reader.tree.nodes[number].name.as_str();
     let map = match name {
         "multmatrix" => transform::matrix(arguments)?,
-        "resize" if number != root => reader.resized.get(&number).copied().unwrap_or(Affine::IDENTITY),
+        "resize" if from != Start::Below(number) => {
+            reader.resized.get(&number).copied().unwrap_or(Affine::IDENTITY)
+        }
         _ => Affine::IDENTITY,
     };
     let operation = match name {
@@ -117,7 +134,7 @@ fn structure(
         "difference" => Operation::Difference,
         "intersection" => Operation::Intersection,
         // what is asked for is about its children
-        _ if number == root => Operation::Union,
+        _ if from == Start::Below(number) => Operation::Union,
         _ => return Ok(None),
     };
     Ok(Some((operation, map)))
@@ -127,7 +144,7 @@ fn structure(
 pub(super) fn is_union(reader: &Reader, root: usize) -> Result<bool, Refusal> {
     fold(
         reader,
-        root,
+        Start::Below(root),
         |_, _, _| Ok(true),
         |operation, parts| {
             (operation == Operation::Union || parts.len() < 2) && parts.iter().all(|part| *part)
@@ -164,9 +181,7 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
         "linear_extrude" => match (Way::of(arguments)?, reader.extruded.get(&number)) {
             (Some(way), Some(flat)) => {
                 let twist = Twist::new(arguments, &reader.flats, *flat, &way)?;
-                let (vertices, triangles) =
-                    twist.towers(arguments, boundary(arguments, &reader.flats, *flat)?)?;
-                vec![Shell { vertices, triangles, is_convex: false }]
+                vec![twist.shell(arguments, boundary(arguments, &reader.flats, *flat)?)?]
             }
             _ => Vec::new(),
         },
@@ -175,7 +190,7 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
                 let contours = boundary(arguments, &reader.flats, *flat)?;
                 let reach = contours.iter().flatten().fold(0f64, |reach, p| reach.max(p[0].abs()));
                 let count = fragments(reach)?;
-                contours.iter().map(|contour| turned(arguments, contour, count)).collect::<Result<_, _>>()?
+                vec![turned(arguments, &contours, count)?]
             }
             None => Vec::new(),
         },
@@ -183,43 +198,54 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
     })
 }
 
-/// The facets of a circle of so many fragments in the dump.
+/// The facets of a circle of so many fragments in the dump; where round shapes are truly round, fine ones.
 fn round(reader: &Reader, fragments: usize) -> usize {
     if reader.options.facets {
         return fragments;
     }
     reader.flats.has_chords.set(true);
-    fragments.max(FINE)
+    fragments.max(chords(360.0))
 }
 
-/// A contour turned about the z axis, in rings that begin where the dump says.
-fn turned(arguments: &Arguments, contour: &[Point<2>], full: usize) -> Result<Shell, Refusal> {
+/// Contours turned about the z axis, in rings that begin where the dump says.
+fn turned(arguments: &Arguments, contours: &Contours, full: usize) -> Result<Shell, Refusal> {
     let angle = arguments.number("angle", 360.0)?.clamp(-360.0, 360.0);
     let is_whole = angle.abs() >= 360.0;
     let start = arguments.number("start", if is_whole { 180.0 } else { 0.0 })?;
     let steps = ((full as f64 * angle.abs() / 360.0).floor() as usize).max(1);
     let rings = if is_whole { steps } else { steps + 1 };
-    let n = contour.len() as u32;
-    if contour.len().saturating_mul(rings) > MOST_TRIANGLES {
+    let n = contours.iter().map(Vec::len).sum::<usize>();
+    if n.saturating_mul(2 * rings) > MOST_TRIANGLES {
         return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
     }
     let ring = |k: usize| {
         let (sin, cos) = sin_cos_degrees(start + angle * k as f64 / steps as f64);
-        contour.iter().map(move |p| Vec3::new(cos * p[0], sin * p[0], p[1]))
+        contours.iter().flatten().map(move |p| Vec3::new(cos * p[0], sin * p[0], p[1]))
     };
+    let n = n as u32;
     let mut triangles = Vec::new();
     for k in 0..steps as u32 {
         let [a, b] = [k * n, (k + 1) % rings as u32 * n];
-        for i in 0..n {
-            let j = (i + 1) % n;
+        for [i, j] in edges(contours) {
             triangles.extend([[a + i, b + i, b + j], [a + i, b + j, a + j]]);
         }
     }
     if !is_whole {
         let last = steps as u32 * n;
-        triangles.extend((1..n - 1).flat_map(|k| [[0, k, k + 1], [last, last + k + 1, last + k]]));
+        let ends = triangulated(contours);
+        triangles.extend(ends.iter().flat_map(|t| [*t, [last + t[0], last + t[2], last + t[1]]]));
     }
     Ok(Shell { vertices: (0..rings).flat_map(ring).collect(), triangles, is_convex: false })
+}
+
+/// The edges of contours, whose points are numbered one contour after the other.
+pub(super) fn edges(contours: &Contours) -> impl Iterator<Item = [u32; 2]> {
+    let mut start = 0;
+    contours.iter().flat_map(move |contour| {
+        let (first, n) = (start, contour.len() as u32);
+        start += n;
+        (0..n).map(move |k| [first + k, first + (k + 1) % n])
+    })
 }
 
 /// Just above or just below a height: a face at the height itself belongs to one side only.
@@ -241,7 +267,7 @@ fn section_at(reader: &Reader, root: usize, height: f64, side: Side) -> Result<C
         let all = shells.iter().map(|shell| filled(&cut(shell, map, height, side), FillRule::EvenOdd));
         Ok(join_contours(Operation::Union, all.collect()))
     };
-    fold(reader, root, cut, join_contours)
+    fold(reader, Start::Below(root), cut, join_contours)
 }
 
 /// The closed chains in which a plane cuts a shell.
@@ -296,49 +322,17 @@ fn snapped(x: f64, size: f64) -> f64 {
     if grid > 0.0 { (x / grid).round() * grid } else { x }
 }
 
-/// The heights of vertices, thinned out, and some between them.
-fn heights(reader: &Reader, root: usize) -> Result<Vec<f64>, Refusal> {
-    let of_shells = |_: &Arguments, shells: &[Shell], map: &Affine| {
-        Ok(shells.iter().flat_map(|shell| &shell.vertices).map(|p| map.point(*p).z).collect::<Vec<f64>>())
-    };
-    let mut all = fold(reader, root, of_shells, |_, parts| parts.concat())?;
-    all.sort_by(f64::total_cmp);
-    all.dedup();
-    let (Some(&lo), Some(&hi)) = (all.first(), all.last()) else { return Ok(Vec::new()) };
-    let step = all.len().div_ceil(SLICES);
-    let mut chosen: Vec<f64> = all.into_iter().step_by(step.max(1)).collect();
-    chosen.extend((1..SLICES).map(|k| lo + (hi - lo) * k as f64 / SLICES as f64));
-    Ok(chosen)
-}
-
-/// Sections at many heights.
-fn slices(reader: &Reader, root: usize) -> Result<Vec<(f64, Contours)>, Refusal> {
-    let mut all = Vec::new();
-    let mut heights = heights(reader, root)?;
-    heights.sort_by(f64::total_cmp);
-    for &height in &heights {
-        for side in [Side::Above, Side::Below] {
-            let contours = section_at(reader, root, height, side)?;
-            // a prism has one section at all heights
-            if all.last().is_none_or(|(_, last)| *last != contours) || height == heights[heights.len() - 1] {
-                all.push((height, contours));
-            }
-        }
-    }
-    Ok(all)
-}
-
-/// `projection(cut = false)`: the shadow along z, and whether it is that of all facets. What is cut is looked at in slices.
-pub(super) fn shadow(reader: &Reader, root: usize) -> Result<(Contours, bool), Refusal> {
+/// `projection(cut = false)`: the shadow along z of all facets.
+pub(super) fn shadow(reader: &Reader, root: usize) -> Result<Contours, Refusal> {
     if !is_union(reader, root)? {
-        let all = slices(reader, root)?.into_iter().map(|(_, contours)| contours).collect();
-        return Ok((join_contours(Operation::Union, all), false));
+        let body = body(reader, Start::Below(root))?;
+        return Ok(body.map_or_else(Contours::new, |body| shade(&Shell::of_body(&body), &Affine::IDENTITY)));
     }
     let of_shells = |_: &Arguments, shells: &[Shell], map: &Affine| {
         let all = shells.iter().map(|shell| shade(shell, map)).collect();
         Ok(join_contours(Operation::Union, all))
     };
-    Ok((fold(reader, root, of_shells, join_contours)?, true))
+    fold(reader, Start::Below(root), of_shells, join_contours)
 }
 
 /// The shadow of a shell: of one that is convex the hull of its points, of others the union of the shadows of its triangles.
@@ -357,74 +351,22 @@ fn shade(shell: &Shell, map: &Affine) -> Contours {
     filled(&triangles, FillRule::NonZero)
 }
 
-/// Points whose box is that of a solid, and whether that is certain.
-#[derive(Clone, Debug)]
-pub(super) struct Extent {
-    pub points: Vec<Vec3>,
-    pub is_exact: bool,
-}
-
-impl Extent {
-    /// The lower and the upper corner of the box; `None` without points.
-    pub fn bounds(&self) -> Option<[Vec3; 2]> {
-        let first = *self.points.first()?;
-        Some(self.points.iter().fold([first; 2], |[lo, hi], p| [lo.min(*p), hi.max(*p)]))
+/// The corners of the facets below a node: what it is has their hull, and their box.
+pub(super) fn corner_points(reader: &Reader, root: usize) -> Result<Vec<Vec3>, Refusal> {
+    if !is_union(reader, root)? {
+        return Ok(body(reader, Start::Below(root))?.map_or_else(Vec::new, |body| body.triangles().0));
     }
-
-    fn joined(operation: Operation, parts: Vec<Extent>) -> Extent {
-        let is_exact = parts.iter().all(|part| part.is_exact);
-        let mut parts = parts.into_iter();
-        let Some(first) = parts.next() else { return Extent { points: Vec::new(), is_exact } };
-        match operation {
-            Operation::Union => {
-                let points = first.points.into_iter().chain(parts.flat_map(|part| part.points)).collect();
-                Extent { points, is_exact }
-            }
-            Operation::Difference => first.without(&parts.collect::<Vec<_>>()),
-            Operation::Intersection => parts.fold(first, |all, part| all.within(&part)),
-        }
-    }
-
-    /// The points that nothing can have been taken from: those outside of the boxes of what is taken away. If they reach as
-    /// far as all of them, the box is certain.
-    fn without(self, others: &[Extent]) -> Extent {
-        let boxes: Vec<[Vec3; 2]> = others.iter().filter_map(Extent::bounds).collect();
-        let is_free = |p: &Vec3| !boxes.iter().any(|[lo, hi]| p.cmpge(*lo).all() && p.cmple(*hi).all());
-        let kept: Vec<Vec3> = self.points.iter().copied().filter(is_free).collect();
-        let kept = Extent { points: kept, is_exact: self.is_exact };
-        if kept.bounds() == self.bounds() { kept } else { Extent { is_exact: false, ..self } }
-    }
-
-    /// The corners of the common box.
-    fn within(self, other: &Extent) -> Extent {
-        let (Some([a, b]), Some([c, d])) = (self.bounds(), other.bounds()) else {
-            return Extent { points: Vec::new(), is_exact: self.is_exact && other.is_exact };
-        };
-        let (lo, hi) = (a.max(c), b.min(d));
-        let points = if lo.cmplt(hi).all() { vec![lo, hi] } else { Vec::new() };
-        Extent { points, is_exact: false }
-    }
-}
-
-/// The extent of what is below a node.
-pub(super) fn extent(reader: &Reader, root: usize) -> Result<Extent, Refusal> {
     let of_shells = |_: &Arguments, shells: &[Shell], map: &Affine| {
-        let points = shells.iter().flat_map(|shell| &shell.vertices).map(|p| map.point(*p)).collect();
-        Ok(Extent { points, is_exact: true })
+        let corners = |shell: &Shell| shell.triangles.iter().flatten().map(|k| *k as usize).collect();
+        let of_shell = |shell: &Shell| {
+            let mut used: Vec<usize> = corners(shell);
+            used.sort_unstable();
+            used.dedup();
+            used.into_iter().map(|k| map.point(shell.vertices[k])).collect::<Vec<_>>()
+        };
+        Ok(shells.iter().flat_map(of_shell).collect())
     };
-    fold(reader, root, of_shells, Extent::joined)
-}
-
-/// Points whose hull is that of what is below a node, and whether that is certain.
-pub(super) fn hull_points(reader: &Reader, root: usize) -> Result<(Vec<Vec3>, bool), Refusal> {
-    if is_union(reader, root)? {
-        return Ok((extent(reader, root)?.points, true));
-    }
-    let slices = slices(reader, root)?;
-    let at = |(height, contours): (f64, Contours)| {
-        corners(contours.concat()).into_iter().map(move |p| Vec3::new(p[0], p[1], height))
-    };
-    Ok((slices.into_iter().flat_map(at).collect(), false))
+    fold(reader, Start::Below(root), of_shells, |_, parts: Vec<Vec<Vec3>>| parts.concat())
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 
 /// More parts than these come of unions of many parts only.
-const MOST_SUMS: usize = 2000;
+pub(super) const MOST_SUMS: usize = 2000;
 
 /// A sum of solids, and whether it is exact.
 pub(super) struct Sum {
@@ -19,6 +19,11 @@ pub(super) struct Sum {
     pub is_exact: bool,
     /// The convex parts of which it is the union.
     pub parts: Vec<Vec<Generator>>,
+}
+
+/// How many sums of two convex parts it takes.
+pub(super) fn pairs(operands: &[Vec<Vec<Generator>>]) -> usize {
+    operands.iter().map(Vec::len).fold(1, usize::saturating_mul)
 }
 
 /// About how many steps a sum takes.
@@ -31,12 +36,6 @@ pub(super) fn cost(operands: &[Vec<Vec<Generator>>]) -> usize {
 
 /// The sum of solids, each of which is a union of convex parts.
 pub(super) fn sum(arguments: &Arguments, operands: Vec<Vec<Vec<Generator>>>) -> Result<Sum, Refusal> {
-    let count: usize = operands.iter().map(Vec::len).product();
-    if count > MOST_SUMS {
-        return Err(
-            arguments.refusal(&format!("it is the sum of more than {MOST_SUMS} pairs of convex parts"))
-        );
-    }
     let mut operands = operands.into_iter();
     let mut sums: Vec<Vec<Generator>> = operands.next().unwrap_or_default();
     let mut is_exact = true;
@@ -103,7 +102,7 @@ pub(super) fn flat_sum(
     let mut parts = Vec::new();
     for (leaf, map) in leaves {
         for discs in convex_pieces(arguments, &leaf, &map)? {
-            parts.push(hull_of_discs(flats, &pairs(&discs, other)));
+            parts.push(hull_of_discs(flats, &round_sums(&discs, other)));
         }
         if let (Leaf::Outline(_), Some(first)) = (&leaf, other.first()) {
             // what is far from its boundary
@@ -123,7 +122,7 @@ pub(super) fn flat_sum(
     }
 }
 
-fn pairs(a: &[Round], b: &[Round]) -> Vec<Round> {
+fn round_sums(a: &[Round], b: &[Round]) -> Vec<Round> {
     let sum = |(p, r, m): &Round, (q, s, n): &Round| ([p[0] + q[0], p[1] + q[1]], r + s, *m.max(n));
     a.iter().flat_map(|x| b.iter().map(move |y| sum(x, y))).collect()
 }

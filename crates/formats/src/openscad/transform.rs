@@ -27,7 +27,20 @@ fn rows(value: &Value) -> Option<[[f64; 4]; 4]> {
     for (row, given) in rows.iter_mut().zip(given) {
         *row = finite(given)?;
     }
-    Some(rows)
+    Some(without_noise(rows))
+}
+
+/// Entries that can only be rounding are 0, the cosine of 90 degrees among them: parts of 10^14 of the others that turn and
+/// stretch, and ways of 10^-12, where OpenSCAD takes points for one that are nearer than 2^-20.
+fn without_noise(mut rows: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
+    let largest = rows[..3].iter().flat_map(|row| &row[..3]).fold(0f64, |most, x| most.max(x.abs()));
+    for row in &mut rows[..3] {
+        for (k, x) in row.iter_mut().enumerate() {
+            let least = if k < 3 { 1e-14 * largest } else { 1e-12 };
+            *x = if x.abs() < least { 0.0 } else { *x };
+        }
+    }
+    rows
 }
 
 /// The colour of `color(c)`, `None` if it gives none (as it does when its own argument was no colour).

@@ -9,7 +9,7 @@
 mod facets;
 mod fold;
 mod gdml;
-mod kernel;
+
 mod model;
 mod openscad;
 mod remark;

@@ -2,10 +2,10 @@
 
 use super::facets::{self, Request};
 use super::fold::{Builder, Operation, fold};
-use super::kernel::Body;
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError, WriteOptions};
+use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::Mesh;
 use rayweave_mesh::files::{MeshFormat, WriteOptions as MeshOptions, write_parts};

@@ -100,11 +100,13 @@ fn sizes() {
         125.0 * 0.36,
         NEAR,
     );
-    let (approximated, messages) = losses(
+    // what is cut off does
+    check_volume(
         "resize(newsize = [5, 5, 5]) difference() { cube(10); cube([11, 11, 5]); }",
-        LossKind::Approximated,
+        false,
+        125.0,
+        NEAR,
     );
-    assert!(approximated == 1 && messages.contains("before something was cut"), "{messages}");
     // the facets of a sphere do not reach its poles, in OpenSCAD neither
     let box_of = |text: &str, facets| {
         let scene = read(text, facets).scene;
@@ -126,12 +128,12 @@ fn hulls_of_anything() {
     // the cube lies within: 4 x + 4 y + 3 z is 11 at its corner, and 12 on the face
     assert!((volume(&hull.scene, 200) / 6.0 - 1.0).abs() < NEAR);
     // what is cut out within does not matter
-    check_slices(
+    check_hull(
         "difference() { cube(10); multmatrix([[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, -1], [0, 0, 0, 1]]) cube([8, 8, 12]); }",
         1000.0,
     );
     // two of four corners of a square are gone
-    check_slices(
+    check_hull(
         "difference() { cube([10, 10, 1]); multmatrix([[1, 0, 0, 5], [0, 1, 0, 5], [0, 0, 1, -1], [0, 0, 0, 1]]) cube([9, 9, 3]); }",
         100.0 - 12.5,
     );
@@ -143,13 +145,46 @@ fn hulls_of_anything() {
     );
 }
 
-fn check_slices(text: &str, expected: f64) {
-    let imported = read(&format!("hull() {{ {text} }}"), false);
-    assert!(
-        imported.report.warnings().to_string().contains("hull of slices"),
-        "{}",
-        imported.report.warnings()
+fn check_hull(text: &str, expected: f64) {
+    check_volume(&format!("hull() {{ {text} }}"), false, expected, 2.0 * NEAR);
+}
+
+/// An L of a cube of 3 less one of 2, in the corner of the axes, as high as it is told.
+fn angle(height: f64) -> String {
+    format!(
+        "difference() {{ cube([3, 3, {height}]); {} cube([2, 2, {}]); }}",
+        moved(1.0, 1.0, -1.0),
+        height + 2.0
+    )
+}
+
+#[test]
+fn sums_of_what_is_not_convex() {
+    // the two arms grow by the same on all sides
+    check_volume(
+        &format!("minkowski() {{ {} cube(0.5); }}", angle(1.0)),
+        false,
+        1.5 * (3.5 * 3.5 - 2.0 * 2.0),
+        NEAR,
     );
-    let found = volume(&imported.scene, 200);
-    assert!((found / expected - 1.0).abs() < 2.0 * NEAR, "{text}: {found} instead of {expected}");
+    // the second operand is far from the origin, and the first is the convex one
+    let far = format!("minkowski() {{ {} cube(0.5); {} }}", moved(20.0, -7.0, 3.0), angle(1.0));
+    check_volume(&far, false, 1.5 * (3.5 * 3.5 - 2.0 * 2.0), NEAR);
+    // an L and itself: two bars of 6 by 2 and the square of 4 by 4 in their corner
+    let both = format!("minkowski() {{ {} {} }}", angle(1.0), angle(1.0));
+    check_volume(&both, false, 2.0 * (24.0 - 4.0 + 4.0), NEAR);
+    // a hollow that the other operand does not fill, and one that it does
+    let hollow = "difference() { cube(10, center = true); cube(6, center = true); }";
+    let grown = |by: f64| format!("minkowski() {{ {hollow} cube({by}, center = true); }}");
+    check_volume(&grown(2.0), false, 12f64.powi(3) - 4f64.powi(3), NEAR);
+    check_volume(&grown(7.0), false, 17f64.powi(3), NEAR);
+    // the first within the second, whose facets do not meet
+    let shell = "difference() { cube(9, center = true); cube(8, center = true); }";
+    let small = "difference() { cube(1, center = true); cube([0.5, 0.5, 3], center = true); }";
+    check_volume(&format!("minkowski() {{ {shell} {small} }}"), false, 1000.0 - 343.0, NEAR);
+    let (approximated, messages) = losses(
+        "minkowski() { difference() { cube(9); cylinder(h = 9, r1 = 3, r2 = 3); } cube(1); }",
+        LossKind::Approximated,
+    );
+    assert!(approximated == 1 && messages.contains("chords"), "{messages}");
 }

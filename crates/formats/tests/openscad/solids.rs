@@ -121,3 +121,27 @@ fn what_cannot_be_read_counts_as_not_there() {
     let (refused, messages) = losses("cube(2); cube(size = \"big\"); sphere(r = [1]);", LossKind::Refused);
     assert!(refused == 2 && messages.contains("size must be a finite number, or 3 of them"), "{messages}");
 }
+
+#[test]
+fn rounding_in_matrices_is_none() {
+    // OpenSCAD's test issue13 has the first, and every quarter turn the second
+    check_volume(
+        "cube([10, 10, 5]); multmatrix([[1, 0, 0, 5], [0, 1, 0, 5], [0, 0, 1, -3.33067e-16], [0, 0, 0, 1]]) cube([5, 10, 10]);",
+        false,
+        500.0 + 500.0 - 125.0,
+        2e-3,
+    );
+    check_volume(
+        "cube(2); multmatrix([[6.12303e-17, -1, 0, 2], [1, 6.12303e-17, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) cube(2);",
+        false,
+        8.0,
+        2e-3,
+    );
+}
+
+#[test]
+fn a_region_of_the_plane_empties_an_intersection_of_solids() {
+    let imported = read("intersection() { cube(5, center = true); circle(r = 2); }", true);
+    assert!(imported.scene.regions.is_empty());
+    assert!(imported.report.warnings().to_string().contains("side by side"));
+}

@@ -6,7 +6,7 @@ pub(crate) mod shells;
 
 use crate::topology::{EdgeUse, by_edge, edge_uses, is_collapsed};
 use crate::{Mesh, triangle};
-use rayweave_math::Vec3;
+use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use rustc_hash::FxHashMap;
 use std::fmt;
 
@@ -82,6 +82,8 @@ pub struct Diagnosis {
     pub overlaps: Findings<Intersection>,
     /// What hangs together by edges.
     pub components: Vec<Component>,
+    /// True if it is closed and nothing is inside, but for rounding: all of it is folded flat.
+    pub is_flat: bool,
 }
 
 impl Diagnosis {
@@ -90,12 +92,12 @@ impl Diagnosis {
         self.open_edges == 0 && self.triangles > 0
     }
 
-    /// True if the mesh is closed, and nothing that was found makes it doubtful what was meant: no shell goes through another
-    /// or itself, and each turns as its place asks.
+    /// True if the mesh is closed with something inside, and nothing that was found makes it doubtful what was meant: no shell
+    /// goes through another or itself, and each turns as its place asks.
     pub fn is_sound(&self) -> bool {
         let shells = self.components.iter().all(|shell| shell.is_orientable && !shell.is_inside_out());
         let pairs = self.crossings.is_empty() && self.overlaps.is_empty() && self.duplicates.is_empty();
-        self.is_closed() && pairs && shells && self.flipped.is_empty()
+        self.is_closed() && pairs && shells && self.flipped.is_empty() && !self.is_flat
     }
 }
 
@@ -106,10 +108,12 @@ impl Mesh {
         let uses = edge_uses(&mesh);
         let shells = shells::Shells::new(&mesh, &uses);
         let (crossings, overlaps) = intersections::intersections(&mesh);
+        let components = shells.components(&mesh, &uses);
+        let open_edges = by_edge(&uses).filter(|edge| edge.len() % 2 == 1).count();
         Diagnosis {
             triangles: mesh.triangles().len(),
             vertices: mesh.vertices().len(),
-            open_edges: by_edge(&uses).filter(|edge| edge.len() % 2 == 1).count(),
+            open_edges,
             holes: holes::holes(&mesh, &uses).into_iter().map(|corners| Hole::new(&mesh, corners)).collect(),
             crowded_edges: by_edge(&uses).filter(|edge| edge.len() > 2).map(|e| middle(&mesh, e)).collect(),
             pinched_vertices: shells::pinched(&mesh, &uses).map(|v| mesh.vertices()[v as usize]).collect(),
@@ -118,9 +122,16 @@ impl Mesh {
             duplicates: duplicates(&mesh),
             crossings,
             overlaps,
-            components: shells.components(&mesh, &uses),
+            is_flat: open_edges == 0 && !components.is_empty() && encloses_nothing(&mesh, &components),
+            components,
         }
     }
+}
+
+/// Volumes as small as the rounding of a sum over all triangles.
+fn encloses_nothing(mesh: &Mesh, components: &[Component]) -> bool {
+    let rounding = 64.0 * UNIT_ROUNDOFF * mesh.area() * mesh.bounds().size().length();
+    components.iter().all(|component| component.volume.abs() <= rounding)
 }
 
 fn middle(mesh: &Mesh, edge: &[EdgeUse]) -> Vec3 {
@@ -154,6 +165,9 @@ impl fmt::Display for Diagnosis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let shells = self.components.len();
         write!(f, "{} triangles, {} vertices, {shells} shells", self.triangles, self.vertices)?;
+        if self.is_flat {
+            write!(f, "; nothing is inside")?;
+        }
         let inside_out = self.components.iter().filter(|shell| shell.is_inside_out()).count();
         let one_sided = self.components.iter().filter(|shell| !shell.is_orientable).count();
         let at = |p: &Vec3| format!("({}, {}, {})", p.x, p.y, p.z);

@@ -95,6 +95,16 @@ pub struct ReadOptions {
     pub most: u64,
 }
 
+impl ReadOptions {
+    /// The bytes that reading, diagnosing and preparing a mesh takes at most, for each triangle.
+    pub const BYTES_A_TRIANGLE: u64 = 176;
+
+    /// As many triangles as fit into so much memory, in bytes, and no more than usual.
+    pub fn within(bytes: u64) -> ReadOptions {
+        ReadOptions { most: ReadOptions::default().most.min(bytes / Self::BYTES_A_TRIANGLE) }
+    }
+}
+
 impl Default for ReadOptions {
     /// Twenty million: a solid of so many holds about a gigabyte.
     fn default() -> ReadOptions {

@@ -3,11 +3,12 @@
 use super::Context;
 use super::solids::map_problem;
 use crate::diagnostic::Diagnostic;
+use crate::memory;
 use crate::source::Spanned;
 use npyz::{DType, NpyFile, Order};
 use rayweave_math::{Affine, Vec3};
-use rayweave_mesh::Polyhedron;
 use rayweave_mesh::files::{FileError, ReadOptions};
+use rayweave_mesh::{MeshError, Polyhedron};
 use rayweave_shape::primitive::Mesh;
 use std::fs::File;
 use std::io::BufReader;
@@ -53,9 +54,10 @@ fn read(path: &PathBuf) -> Result<(Vec<f64>, Vec<u64>), String> {
 }
 
 /// The solid within a mesh in a file beside the model file; what is doubtful about it is told.
-pub(super) fn mesh(context: &mut Context, file: &Spanned<String>) -> Option<Mesh> {
+pub(super) fn mesh(context: &mut Context, file: &Spanned<String>, repair: bool) -> Option<Mesh> {
     let path = beside(context, file);
-    let found = match rayweave_mesh::files::read(&path, None, &ReadOptions::default()) {
+    let limits = memory::available().map_or_else(ReadOptions::default, ReadOptions::within);
+    let found = match rayweave_mesh::files::read(&path, None, &limits) {
         Ok(found) => found,
         Err(error) => {
             let why = match &error {
@@ -70,12 +72,24 @@ pub(super) fn mesh(context: &mut Context, file: &Spanned<String>) -> Option<Mesh
     for warning in found.warnings {
         context.push(Diagnostic::warning(format!("`{}`: {warning}", file.value)), file.span);
     }
-    diagnosed(context, file, &found.mesh)
+    if repair && let Some((mended, done)) = found.mesh.mended() {
+        for (count, what) in done.told() {
+            let told = format!("the mesh in `{}` was repaired: {count} {what}", file.value);
+            context.push(Diagnostic::warning(told), file.span);
+        }
+        return diagnosed(context, file, &mended, true);
+    }
+    diagnosed(context, file, &found.mesh, repair)
 }
 
-fn diagnosed(context: &mut Context, file: &Spanned<String>, mesh: &rayweave_mesh::Mesh) -> Option<Mesh> {
+fn diagnosed(
+    context: &mut Context,
+    file: &Spanned<String>,
+    mesh: &rayweave_mesh::Mesh,
+    repair: bool,
+) -> Option<Mesh> {
     let diagnosis = mesh.diagnose();
-    match Polyhedron::new(mesh) {
+    match Polyhedron::closed(mesh, &diagnosis) {
         Ok(solid) => {
             if !diagnosis.is_sound() {
                 let doubt = format!("the mesh in `{}` may not be what was meant: {diagnosis}", file.value);
@@ -86,7 +100,9 @@ fn diagnosed(context: &mut Context, file: &Spanned<String>, mesh: &rayweave_mesh
         }
         Err(error) => {
             let problem = Diagnostic::error(format!("the mesh in `{}` is no solid: {error}", file.value));
-            context.push(problem.why(diagnosis.to_string()), file.span);
+            let advice = "does `repair = true` beside `file` help?".to_owned();
+            let advice = (!repair && error != MeshError::Flat).then_some(advice);
+            context.push(problem.why(diagnosis.to_string()).suggest(advice), file.span);
             None
         }
     }

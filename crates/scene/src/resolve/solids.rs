@@ -267,12 +267,20 @@ fn mesh(
     let Datum::Text(name) = &file.value else {
         return wrong_type(context, "file", &file.value, "the name of a file", file.span);
     };
-    if arguments.len() > 1 {
-        let problem = Diagnostic::error("the mesh has a file and something else");
-        context.push(problem.why("its points and faces stand in the file, or here"), keyword.span);
-        return None;
+    let mut repair = false;
+    for (name, value) in arguments.iter().filter(|(name, _)| name.value != "file") {
+        match (name.value.as_str(), &value.value) {
+            ("repair", Datum::Truth(given)) => repair = *given,
+            ("repair", other) => return wrong_type(context, "repair", other, "true or false", value.span),
+            _ => {
+                let problem = Diagnostic::error("the mesh has a file and something else");
+                context.push(problem.why("its points and faces stand in the file, or here"), keyword.span);
+                return None;
+            }
+        }
     }
-    files::mesh(context, &Spanned::new(name.clone(), file.span)).map(|mesh| Primitive::from(mesh).into())
+    files::mesh(context, &Spanned::new(name.clone(), file.span), repair)
+        .map(|mesh| Primitive::from(mesh).into())
 }
 
 /// Where the argument, or the part of it, stands that an error is about.

@@ -128,6 +128,8 @@ fn shape(manual: &Manual) -> Value {
 /// A mesh stands in the model file, or beside it in a file of its own.
 fn mesh(summary: &str, mut properties: Map<String, Value>, needed: &[&str]) -> Value {
     properties.insert("file".into(), text("A file beside the model: STL, OBJ, PLY, OFF, 3MF or glTF."));
+    let repair = "Whether a mesh in a file is mended as far as that is safe.";
+    properties.insert("repair".into(), json!({ "type": "boolean", "description": repair }));
     let mut schema = table(summary, properties.into(), &[]);
     schema["oneOf"] = json!([{ "required": needed }, { "required": ["file"] }]);
     schema

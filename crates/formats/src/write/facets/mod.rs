@@ -12,7 +12,7 @@ mod sections;
 
 pub(super) use polytope::planes_of;
 
-use super::kernel::Body;
+use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_shape::primitive::{Cylinder, Lowered, Paraboloid, Primitive, Tube, Value};
 use rayweave_shape::surface::Surface;

@@ -1,6 +1,6 @@
 //! Convex polytopes: a box cut by planes.
 
-use crate::write::kernel::Body;
+use crate::kernel::Body;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::Surface;

@@ -1,7 +1,7 @@
 //! Solids of revolution, from their outlines.
 
 use super::MOST_AROUND;
-use crate::write::kernel::Body;
+use crate::kernel::Body;
 use rayweave_math::{Vec3, sin_cos_degrees};
 
 /// The outline of a solid of revolution around z: points (r, z) with the solid on the left on the way, from the axis to the

@@ -2,7 +2,7 @@
 
 use super::revolved::{circle_count, stacked};
 use super::sections::below;
-use crate::write::kernel::Body;
+use crate::kernel::Body;
 use rayweave_math::{Bounds, Vec3, sin_cos_degrees};
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::Surface;

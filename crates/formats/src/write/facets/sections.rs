@@ -2,7 +2,7 @@
 
 use super::polytope;
 use super::revolved::{Profile, circle_count, revolved};
-use crate::write::kernel::Body;
+use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Mat3, Vec3};
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::{Quadric, Surface};

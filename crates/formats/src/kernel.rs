@@ -3,15 +3,16 @@
 //! Bodies are closed and have no triangle through another; so are unions, differences and intersections, also where faces
 //! coincide: the kernel moves one of them by an infinitesimal amount.
 
-use manifold_rust::linalg::Vec3 as KernelVec;
+use manifold_rust::linalg::{Vec2, Vec3 as KernelVec};
 use manifold_rust::manifold::Manifold;
+use manifold_rust::polygon::triangulate;
 use manifold_rust::types::{Box as KernelBox, Error, MeshGL64, OpType};
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::{Mesh, Polyhedron, RepairOptions};
 
 /// A solid within triangles, not empty.
 #[derive(Clone)]
-pub(super) struct Body(Manifold);
+pub(crate) struct Body(Manifold);
 
 fn to_kernel(v: Vec3) -> KernelVec {
     KernelVec { x: v.x, y: v.y, z: v.z }
@@ -47,6 +48,51 @@ impl Body {
         }
         let points: Vec<KernelVec> = points.iter().map(|p| to_kernel(*p)).collect();
         Body::checked(Manifold::hull(&points))
+    }
+
+    pub fn is_convex(&self) -> bool {
+        self.0.as_impl().is_convex()
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.0.num_tri()
+    }
+
+    /// Every sum of a point of one and a point of the other: the sums of all triangles of the first with the second, or with all
+    /// its triangles if it is not convex, and what none of these reaches.
+    ///
+    /// *Source*: the boundary of a sum lies in the sum of the boundaries.
+    pub fn sum(&self, other: &Body) -> Result<Option<Body>, String> {
+        let (of, by) = if self.is_convex() { (other, self) } else { (self, other) };
+        let pieces = if by.is_convex() { vec![by.triangles().0] } else { by.facets() };
+        let facets = if of.is_convex() { vec![of.triangles().0] } else { of.facets() };
+        let mut parts = Vec::new();
+        for facet in &facets {
+            for piece in &pieces {
+                let sums: Vec<Vec3> = facet.iter().flat_map(|p| piece.iter().map(move |q| *p + *q)).collect();
+                parts.extend(Body::hull(&sums)?.filter(|part| part.0.volume() > 0.0));
+            }
+        }
+        // where the boundaries do not meet, a component of one lies within the other
+        parts.push(Body(of.0.translate(to_kernel(by.a_point()))));
+        if !by.is_convex() {
+            parts.push(Body(by.0.translate(to_kernel(of.a_point()))));
+        }
+        Body::union(parts)
+    }
+
+    fn facets(&self) -> Vec<Vec<Vec3>> {
+        let (points, triangles) = self.triangles();
+        triangles.iter().map(|t| t.map(|k| points[k as usize]).to_vec()).collect()
+    }
+
+    /// A point of the body: its middle, if that is sure to be one.
+    fn a_point(&self) -> Vec3 {
+        let (points, _) = self.triangles();
+        match self.is_convex() {
+            true => points.iter().copied().sum::<Vec3>() / points.len().max(1) as f64,
+            false => points.first().copied().unwrap_or_default(),
+        }
     }
 
     /// Where a function is greater than 0, from a grid of this spacing.
@@ -106,14 +152,29 @@ impl Body {
     }
 
     pub fn middles(&self) -> Vec<Vec3> {
-        let (points, triangles) = parts(&self.0.get_mesh_gl64(-1));
+        let (points, triangles) = self.triangles();
         triangles.iter().map(|t| t.iter().map(|k| points[*k as usize]).sum::<Vec3>() / 3.0).collect()
     }
 
+    /// The corners and the triangles, counter-clockwise from outside.
+    pub fn triangles(&self) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        parts(&self.0.get_mesh_gl64(-1))
+    }
+
     pub fn mesh(&self) -> Result<Mesh, String> {
-        let (points, triangles) = parts(&self.0.get_mesh_gl64(-1));
+        let (points, triangles) = self.triangles();
         Mesh::new(points, triangles).map_err(|error| error.to_string())
     }
+}
+
+/// The triangles of a region of the plane within contours that do not cross, counter-clockwise around it and clockwise around
+/// its holes, by the numbers of its points one contour after the other.
+pub(crate) fn triangulated(contours: &[Vec<[f64; 2]>]) -> Vec<[u32; 3]> {
+    let polygon = |contour: &Vec<[f64; 2]>| contour.iter().map(|[x, y]| Vec2 { x: *x, y: *y }).collect();
+    let polygons = contours.iter().map(polygon).collect();
+    // a negative tolerance is chosen by the size
+    let triangles = triangulate(&polygons, -1.0, true);
+    triangles.iter().map(|t| [t.x as u32, t.y as u32, t.z as u32]).collect()
 }
 
 fn raw(points: &[Vec3], triangles: &[[u32; 3]]) -> MeshGL64 {

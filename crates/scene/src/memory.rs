@@ -4,7 +4,7 @@ use std::fs::read_to_string;
 
 /// The bytes that this process may still take: what the machine has free, and what limits of the process and of its control
 /// group leave. `None` where the operating system does not tell, which only Linux does.
-pub(crate) fn available() -> Option<u64> {
+pub fn available() -> Option<u64> {
     [free(), address_space(), control_group()].into_iter().flatten().min()
 }
 

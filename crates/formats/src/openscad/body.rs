@@ -1,0 +1,101 @@
+//! What is below an item as one closed mesh of its facets, by the kernel for meshes: where something is cut, nothing less tells
+//! how far it reaches, what shadow it throws, or what its sums are.
+
+use super::arguments::{Arguments, Refusal};
+use super::boolean::Operation;
+use super::reader::Reader;
+use super::shell::{Shell, Start, fold};
+use crate::kernel::Body;
+use rayweave_math::Affine;
+use rayweave_mesh::{Mesh, RepairOptions};
+
+/// What the kernel makes: nothing, or a body.
+type Made = Result<Option<Body>, String>;
+
+/// The facets there, joined as they are.
+pub(super) fn body(reader: &Reader, from: Start) -> Result<Option<Body>, Refusal> {
+    let of_shells = |arguments: &Arguments, shells: &[Shell], map: &Affine| {
+        let all: Result<Vec<_>, _> = shells.iter().map(|shell| of_shell(shell, map)).collect();
+        let made = all.and_then(|all| Body::union(all.into_iter().flatten().collect()));
+        made.map(Ok).map_err(|why| arguments.refusal(&format!("its facets cannot be joined: {why}")))
+    };
+    let made = fold(reader, from, of_shells, join)?;
+    let arguments = Arguments::new(reader.source, &reader.tree.nodes[from.number()]);
+    made.map_err(|why| arguments.refusal(&format!("the facets of its parts cannot be joined: {why}")))
+}
+
+fn of_shell(shell: &Shell, map: &Affine) -> Made {
+    let points = shell.vertices.iter().map(|p| map.point(*p)).collect();
+    let mesh = Mesh::new(points, shell.triangles.clone()).map_err(|error| error.to_string())?;
+    let turned = mesh.repaired(&RepairOptions { weld: 0.0, fill: false });
+    let (points, triangles) = turned.map_err(|error| error.to_string())?.0.into_parts();
+    match triangles.is_empty() {
+        true => Ok(None),
+        false => Body::from_triangles(points, triangles).map(Some),
+    }
+}
+
+fn join(operation: Operation, parts: Vec<Made>) -> Made {
+    let mut parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
+    if operation == Operation::Union {
+        return Body::union(parts.flatten().collect());
+    }
+    let Some(mut first) = parts.next().flatten() else { return Ok(None) };
+    if operation == Operation::Difference {
+        return match Body::union(parts.flatten().collect())? {
+            Some(others) => first.less(&others),
+            None => Ok(Some(first)),
+        };
+    }
+    for part in parts {
+        let common = match part {
+            Some(part) => first.common(&part)?,
+            None => None,
+        };
+        let Some(common) = common else { return Ok(None) };
+        first = common;
+    }
+    Ok(Some(first))
+}
+
+impl Shell {
+    /// The triangles of a body.
+    pub fn of_body(body: &Body) -> Shell {
+        let (vertices, triangles) = body.triangles();
+        Shell { vertices, triangles, is_convex: body.is_convex() }
+    }
+}
+
+/// More pairs of facets than these take minutes to sum up.
+const MOST_PAIRS: usize = 20_000;
+
+/// The sum of what is below some nodes, in facets.
+pub(super) fn sum(
+    reader: &Reader,
+    arguments: &Arguments,
+    operands: &[usize],
+) -> Result<Option<Body>, Refusal> {
+    let mut all: Option<Body> = None;
+    for &operand in operands {
+        // OpenSCAD takes nothing for a point at the origin
+        let Some(next) = body(reader, Start::Item(operand))? else { continue };
+        all = match all {
+            None => Some(next),
+            Some(so_far) => {
+                check(arguments, &so_far, &next)?;
+                let made = so_far.sum(&next);
+                made.map_err(|why| arguments.refusal(&format!("its facets cannot be summed up: {why}")))?
+            }
+        };
+    }
+    Ok(all)
+}
+
+/// Refuses what would take too long.
+fn check(arguments: &Arguments, a: &Body, b: &Body) -> Result<(), Refusal> {
+    let count = |body: &Body| if body.is_convex() { 1 } else { body.triangle_count() };
+    match count(a).saturating_mul(count(b)) > MOST_PAIRS {
+        true => Err(arguments.refusal(&format!("it is a sum of more than {MOST_PAIRS} pairs of facets"))),
+        false => Ok(()),
+    }
+}
