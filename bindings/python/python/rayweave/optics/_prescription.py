@@ -144,7 +144,8 @@ class Surface:
 
     @classmethod
     def _of(cls, row: tuple[Any, ...]) -> Surface:
-        return cls(*row[:6], tuple(row[6]), tuple(row[7]), _figure_of(row[8]))
+        radius, thickness, behind, conic, semi_diameter, hole, even, odd, figure = row
+        return cls(radius, thickness, behind, conic, semi_diameter, hole, tuple(even), tuple(odd), _figure_of(figure))
 
 
 @dataclass(frozen=True)
