@@ -98,8 +98,14 @@ fn unknown_glasses_are_taken_from_their_indices() {
     assert!(notes[2].starts_with("line 31: no glass is named \"BK7\""), "{notes:?}");
     assert!(notes[2].ends_with("; a model glass of its index 1.5168 and Abbe number 64.17 is taken"));
     // what programs write for want of data is none
-    let dummy = SINGLET.replace("N-BK7 0 0 1.5168 64.17", "BK7 0 0 1.5 40");
-    assert!(read_zmx(dummy.as_bytes()).unwrap_err().to_string().starts_with("line 31: no glass"));
+    let dummy = |name: &str| SINGLET.replace("N-BK7 0 0 1.5168 64.17", &format!("{name} 0 0 1.5 40"));
+    assert!(read_zmx(dummy("BK8").as_bytes()).unwrap_err().to_string().starts_with("line 31: no glass"));
+    // a glass of the time before Schott's without lead and arsenic
+    let read = read_zmx(dummy("BK7").as_bytes()).unwrap();
+    assert_eq!(read.prescription.surfaces[0].behind, Behind::Glass("N-BK7".to_owned()));
+    let told =
+        read.notes.iter().any(|note| note.to_string().ends_with("; N-BK7, which took its place, is taken"));
+    assert!(told, "{:?}", read.notes);
 }
 
 #[test]

@@ -358,8 +358,20 @@ fn behind(words: &[&str]) -> Result<(Behind, Option<String>), String> {
             let note = format!("{problem}; a model glass of its index {n_d} and Abbe number {v_d} is taken");
             Ok((model(data), Some(note)))
         }
-        (Err(problem), _) => Err(problem.to_string()),
+        (Err(problem), _) => match successor(name) {
+            Some(successor) => {
+                let note = format!("{problem}; N-{name}, which took its place, is taken");
+                Ok((successor, Some(note)))
+            }
+            None => Err(problem.to_string()),
+        },
     }
+}
+
+/// The glass without lead and arsenic of the same place in Schott's catalogue, for one of the time before.
+fn successor(name: &str) -> Option<Behind> {
+    let glass = Behind::Glass(format!("N-{name}"));
+    glass.medium().is_ok().then_some(glass)
 }
 
 fn model([n_d, v_d]: [f64; 2]) -> Behind {
