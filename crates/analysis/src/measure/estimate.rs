@@ -54,7 +54,8 @@ pub struct Measured {
     /// The inertia tensor about the centre for density 1, `integral of |r|^2 1 - r r^T`, row by row, in lengths to the fifth
     /// power. Times the density it is the tensor of the body.
     pub inertia: [[Estimate; 3]; 3],
-    /// The longest piece of a ray that lay in it: an example, and a bound from below for its extent; `None` if there is none.
+    /// The longest piece of a ray that lay in it: an example, and a bound from below for its extent; `None` if no ray met
+    /// anything of the region. Its volume and area are then between 0 and the half width, as far as rays can tell: see [`measure`](super::measure).
     pub longest: Option<Chord>,
     /// The number of rays that were asked for it.
     pub rays: u64,

@@ -2,7 +2,7 @@
 
 use super::MeasureError;
 use super::cells::{Cells, Sums};
-use super::estimate::{Measured, Measurement, quantile, report, volume_weights};
+use super::estimate::{Estimate, Measured, Measurement, quantile, report, volume_weights};
 use super::tally::Tally;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
@@ -60,6 +60,8 @@ impl Default for Settings {
 /// ([`Measured::is_reached`] tells). A round is an independent estimate; they are joined with weights that depend on the
 /// density of their rays alone.
 ///
+/// A region that no ray meets gets one round of its own. It may still be there: its interval holds what so many rays can miss.
+///
 /// Where regions of one medium touch, rays see no border and take them for one of the two: [`one_medium_each`] parts them.
 ///
 /// `progress` is told the number of rays that have been asked, on the calling thread, again and again.
@@ -84,16 +86,39 @@ pub fn measure<E: Evaluator>(
         run.check(&whole)?;
         run.round(&whole, FIRST_ACROSS, None, &mut results)?;
     }
-    for region in 0..count {
-        run.refine(region, &boxes[region], &mut results)?;
+    let mut regions = Vec::with_capacity(count);
+    for (region, info) in program.regions().iter().enumerate() {
+        let own = run.refine(region, &boxes[region], &mut results)?;
+        let joined = &results[region];
+        let found = Measured {
+            name: info.name.clone(),
+            rays: joined.rays,
+            is_reached: run.is_reached(joined),
+            ..report(&joined.mean(), joined.origin, quantile)
+        };
+        regions.push(match found.longest {
+            None => unmet(found, &boxes[region], own, settings.confidence),
+            Some(_) => found,
+        });
     }
-    let regions = program.regions().iter().zip(&results).map(|(info, joined)| Measured {
-        name: info.name.clone(),
-        rays: joined.rays,
-        is_reached: run.is_reached(joined),
-        ..report(&joined.mean(), joined.origin, quantile)
-    });
-    Ok(Measurement { regions: regions.collect(), rays: run.asked })
+    Ok(Measurement { regions, rays: run.asked })
+}
+
+/// What is known of a region that none of so many rays through its box has met.
+///
+/// If a part f of the cross-section along an axis is in its shadow, n rays along that axis all pass it by with a probability of at most
+/// (1 - f)^n, also if each is drawn in a cell of its own: so f is below -ln(1 - confidence) / n. The volume is at most that part of the
+/// box, and the area, if no ray crosses its boundary more than twice, that part of the area of the box.
+fn unmet(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measured {
+    if bounds.is_empty() {
+        return found;
+    }
+    let part = (-libm::log1p(-confidence) / (rays as f64 / 3.0)).min(1.0);
+    let size = bounds.size();
+    let within = |all: f64| Estimate { value: 0.0, half_width: part * all };
+    let area = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+    let volume = within(size.x * size.y * size.z);
+    Measured { is_reached: volume.half_width == 0.0, volume, area: within(area), ..found }
 }
 
 /// The same regions, each of a medium of its own, number k of the k-th from 1: so that a compiled model keeps them apart.
@@ -188,8 +213,13 @@ impl<E: Evaluator> Run<'_, E> {
         self.quantile * mean.deviation(&weights) <= self.settings.precision * mean.value(&weights)
     }
 
-    /// Rounds for one region, in its own box.
-    fn refine(&mut self, region: usize, bounds: &Bounds, results: &mut [Joined]) -> Result<(), MeasureError> {
+    /// Rounds for one region, in its own box, through which so many rays go.
+    fn refine(
+        &mut self,
+        region: usize,
+        bounds: &Bounds,
+        results: &mut [Joined],
+    ) -> Result<u64, MeasureError> {
         let mut across = FIRST_ACROSS;
         let mut spent = 0;
         while !bounds.is_empty() && spent < self.settings.most_rays && !self.is_sure(&results[region], spent)
@@ -199,7 +229,7 @@ impl<E: Evaluator> Run<'_, E> {
             spent += 6 * across * across;
             self.round(bounds, across, Some(region), results)?;
         }
-        Ok(())
+        Ok(spent)
     }
 
     /// True if more rays are not asked for. A region that nothing was found of gets one more round.

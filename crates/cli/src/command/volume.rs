@@ -53,7 +53,16 @@ impl Volume {
             true => format!("{:#}\n", self.as_json(&scene, &report)),
             false => self.as_text(&scene, &report),
         })?;
-        let vague: Vec<&str> = report.regions.iter().filter(|r| !r.measured.is_reached).map(name).collect();
+        let (unmet, vague): (Vec<_>, Vec<_>) = report
+            .regions
+            .iter()
+            .filter(|region| !region.measured.is_reached)
+            .partition(|region| region.measured.longest.is_none());
+        let [unmet, vague] = [unmet, vague].map(|some| some.into_iter().map(name).collect::<Vec<_>>());
+        if !unmet.is_empty() {
+            let names = unmet.join(", ");
+            terminal::note(&format!("note: {names}: no ray met anything (measure a smaller box, --within?)"));
+        }
         if !vague.is_empty() {
             let (names, most) = (vague.join(", "), self.sampling.rays);
             terminal::note(&format!("note: {names}: not as precise as asked after {most} rays (see --rays)"));
