@@ -150,10 +150,15 @@ fn errors_name_their_lines() {
 
 /// An archive with a model in it, as other programs write it.
 fn archive(model: &str) -> Vec<u8> {
+    archive_of(&[("3D/3dmodel.model", model)])
+}
+
+fn archive_of(models: &[(&str, &str)]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    let options = zip::write::SimpleFileOptions::default();
-    archive.start_file("3D/3dmodel.model", options).unwrap();
-    std::io::Write::write_all(&mut archive, model.as_bytes()).unwrap();
+    for (name, model) in models {
+        archive.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut archive, model.as_bytes()).unwrap();
+    }
     archive.finish().unwrap().into_inner()
 }
 
@@ -182,6 +187,95 @@ fn components_of_3mf_are_put_in_place() {
     assert!(refused("v1=\"1\"", "v1=\"4\"").contains("names vertex 4"));
     assert!(refused("</model>", "").contains("ends before `</model>`"));
     assert!(refused("2 0 0 0 2", "2 0 0 0").contains("12 finite numbers"));
+}
+
+/// As slicers write it: each object in a model of its own, whose numbers and build are its own, too.
+#[test]
+fn models_of_3mf_use_each_other() {
+    let main = r#"<model unit="centimeter" xmlns:p="production" xmlns:s="slices"><resources><s:slicestack id="9"><s:vertex x="0" y="0"/></s:slicestack>
+        <object id="1"><components><component p:path="/3D/Objects/one.model" objectid="1"/>
+        <component p:path="/3D/Objects/one.model" objectid="1" transform="2 0 0 0 2 0 0 0 2 5 0 0"/></components></object></resources>
+        <build><item objectid="1"/><item p:path="/3D/Objects/one.model" objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 9"/></build></model>"#;
+    let one = format!(
+        r#"<model unit="inch"><resources>{TETRAHEDRON}</resources><build><item objectid="1"/></build></model>"#
+    );
+    let names = ["3D/3dmodel.model", "3D/Objects/one.model"];
+    let found = loaded(&archive_of(&[(names[0], main), (names[1], &one)]), MeshFormat::ThreeMf).unwrap();
+    assert_eq!(found.unit.as_deref(), Some("cm"));
+    assert!((found.mesh.volume() - 10.0 / 6.0).abs() < 1e-14);
+    assert_eq!((found.mesh.bounds().lo, found.mesh.bounds().hi), (Vec3::ZERO, Vec3::new(7.0, 2.0, 10.0)));
+    assert_eq!(found.parts.len(), 2);
+    let alone = loaded(&archive(main), MeshFormat::ThreeMf).unwrap_err().to_string();
+    assert!(alone.contains("specified file not found"), "{alone}");
+    let other = one.replace("object id=\"1\"", "object id=\"2\"");
+    let refused =
+        loaded(&archive_of(&[(names[0], main), (names[1], &other)]), MeshFormat::ThreeMf).unwrap_err();
+    assert!(refused.to_string().contains("no object 1 in the part `3D/Objects/one.model`"), "{refused}");
+}
+
+#[test]
+fn lines_may_end_with_carriage_returns_alone() {
+    let mesh = cuboid(Vec3::ZERO, Vec3::ONE);
+    for format in [MeshFormat::Stl, MeshFormat::Obj, MeshFormat::Off] {
+        let text = String::from_utf8(written(&mesh, format, true)).unwrap();
+        for end in ["\r", "\r\n"] {
+            let found = loaded(text.replace('\n', end).as_bytes(), format).unwrap();
+            assert_eq!(found.mesh.volume(), 1.0);
+            assert_eq!(found.mesh.triangles().len(), 12);
+        }
+    }
+}
+
+#[test]
+fn gltf_of_the_first_version_is_told_by_its_name() {
+    let refused = |bytes: &[u8]| loaded(bytes, MeshFormat::Gltf).unwrap_err().to_string();
+    let first = br#"{"asset":{"version":"1.0"},"meshes":{"box":{}}}"#;
+    assert!(refused(first).contains("glTF of version 1.0 (version 2 is read)"));
+    assert!(refused(br#"{"meshes":{"box":{}}}"#).contains("glTF without a version"));
+    assert!(refused(b"glTF\x01\0\0\0\x14\0\0\0").contains("glTF of version 1.0"));
+}
+
+/// Positions in sixteen bits, of which 32767 stands for 1; and an extension that must be known but is about something else.
+#[test]
+fn quantised_positions_of_gltf() {
+    let mesh = cuboid(Vec3::ZERO, Vec3::ONE);
+    let text = String::from_utf8(written(&mesh, MeshFormat::Gltf, false)).unwrap();
+    let mut root: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let points: Vec<u8> = mesh
+        .vertices()
+        .iter()
+        .flat_map(|p| p.to_array())
+        .flat_map(|x| (if x > 0.5 { i16::MAX } else { i16::MIN }).to_le_bytes())
+        .collect();
+    let uri = format!("data:application/octet-stream;base64,{}", base64(&points));
+    let count = root["buffers"].as_array().unwrap().len();
+    root["buffers"]
+        .as_array_mut()
+        .unwrap()
+        .push(serde_json::json!({ "byteLength": points.len(), "uri": uri }));
+    root["bufferViews"][0] = serde_json::json!({ "buffer": count, "byteLength": points.len() });
+    root["accessors"][0]["componentType"] = 5122.into();
+    root["accessors"][0]["normalized"] = true.into();
+    root["extensionsRequired"] = serde_json::json!(["KHR_mesh_quantization", "KHR_materials_sheen"]);
+    let found = loaded(root.to_string().as_bytes(), MeshFormat::Gltf).unwrap();
+    assert_eq!((found.mesh.bounds().lo, found.mesh.bounds().hi), (Vec3::NEG_ONE, Vec3::ONE));
+    root["extensionsRequired"] = serde_json::json!(["KHR_draco_mesh_compression"]);
+    assert!(loaded(root.to_string().as_bytes(), MeshFormat::Gltf).unwrap_err().to_string().contains("draco"));
+}
+
+/// RFC 4648, section 4.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for three in bytes.chunks(3) {
+        let bits =
+            three.iter().fold(0u32, |bits, &byte| bits << 8 | u32::from(byte)) << (8 * (3 - three.len()));
+        for k in 0..4 {
+            let digit = DIGITS[(bits >> (18 - 6 * k) & 63) as usize];
+            text.push(if k > three.len() { '=' } else { char::from(digit) });
+        }
+    }
+    text
 }
 
 #[test]

@@ -136,6 +136,11 @@ fn a_chain_wider_than_four_tolerances_is_refused() {
     let refused = share(&chain(8)).unwrap_err();
     assert_eq!(refused, WideClass { first: 0, second: 7 });
     assert!(refused.to_string().starts_with("surfaces 0 and 7 are too far apart"));
+    // a part of a large solid within the tolerance of two faces of a small one
+    let faces = [(0.0, 1e-3), (200.0, 1e-3), (100.0, 10.0)];
+    let faces = faces.map(|(k, reach)| (Surface::plane(Vec3::Z, 1e-3 + k * 1e-3 * U), reach));
+    assert_eq!(share(&faces[..2]).unwrap().representative, [0, 1]);
+    assert_eq!(share(&faces).unwrap().representative, [0, 0, 0]);
     // near in each number alone, but not chained: two of them differ in both
     let sphere = |x: f64, y: f64| (Surface::sphere(Vec3::new(1.0 + x * U, y * U, 0.0), 1.0), 1.0);
     let corners = [sphere(0.0, 0.0), sphere(60.0, 100.0), sphere(120.0, 0.0), sphere(0.0, 200.0)];

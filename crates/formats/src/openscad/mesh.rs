@@ -192,8 +192,7 @@ impl Twist {
     ) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), Refusal> {
         self.check(arguments, contours.iter().map(Vec::len).sum())?;
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        for contour in contours {
-            let contour = counter_clockwise(contour);
+        for contour in turned(contours) {
             self.tower(&contour, &mut vertices, &mut triangles);
         }
         Ok((vertices, triangles))
@@ -238,17 +237,20 @@ impl Twist {
         }
     }
 
+    /// Each wall is cut along its shorter diagonal; of equal ones by the way round and the sense of the twist; and along the
+    /// longer one below an edge that has vanished: as OpenSCAD 2021.01 does it.
     fn walls(&self, contour: &[Point<2>], vertices: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
         let (n, start) = (contour.len() as u32, vertices.len() as u32);
         vertices.extend((0..=self.slices).flat_map(|slice| self.slice(contour, slice)));
+        let tie = (signed_area(contour) > 0.0) == (self.degrees > 0.0);
         for slice in 0..self.slices as u32 {
+            let vanishes = slice + 1 == self.slices as u32 && self.way.scale.contains(&0.0);
             for k in 0..n {
                 let lower = start + n * slice;
                 let [a, b] = [lower + k, lower + (k + 1) % n];
                 let [c, d] = [a + n, b + n];
-                let length = |i: u32, j: u32| (vertices[i as usize] - vertices[j as usize]).length_squared();
-                // along the shorter diagonal, as OpenSCAD 2021.01
-                match length(a, d) <= length(b, c) {
+                let length = |i: u32, j: u32| flat_distance(vertices[i as usize], vertices[j as usize]);
+                match shorter(length(a, d), length(b, c)).unwrap_or(tie) != vanishes {
                     true => triangles.extend([[a, b, d], [a, d, c]]),
                     false => triangles.extend([[a, b, c], [b, d, c]]),
                 }
@@ -268,12 +270,47 @@ impl Twist {
     }
 }
 
-/// The contour with its area on the left.
-fn counter_clockwise(mut contour: Vec<Point<2>>) -> Vec<Point<2>> {
-    let next = contour.iter().skip(1).chain(contour.first());
-    let twice: f64 = contour.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
-    if twice < 0.0 {
-        contour.reverse();
+/// Outlines counter-clockwise, holes clockwise. A contour within an odd number of others is a hole.
+fn turned(mut contours: Vec<Vec<Point<2>>>) -> Vec<Vec<Point<2>>> {
+    let is_hole = |k: usize| {
+        let others = contours.iter().enumerate().filter(|(other, _)| *other != k);
+        contours[k].first().is_some_and(|p| others.filter(|(_, other)| is_within(other, p)).count() % 2 == 1)
+    };
+    let holes: Vec<bool> = (0..contours.len()).map(is_hole).collect();
+    for (contour, hole) in contours.iter_mut().zip(holes) {
+        if (signed_area(contour) < 0.0) != hole {
+            contour.reverse();
+        }
     }
-    contour
+    contours
+}
+
+/// The edges of a closed chain of points.
+fn edges(contour: &[Point<2>]) -> impl Iterator<Item = (&Point<2>, &Point<2>)> {
+    contour.iter().zip(contour.iter().skip(1).chain(contour.first()))
+}
+
+/// Twice the area, negative for a contour that goes clockwise.
+fn signed_area(contour: &[Point<2>]) -> f64 {
+    edges(contour).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
+}
+
+/// True if a contour goes round a point an odd number of times.
+fn is_within(contour: &[Point<2>], p: &Point<2>) -> bool {
+    let crosses = |(a, b): &(&Point<2>, &Point<2>)| {
+        (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+    };
+    edges(contour).filter(crosses).count() % 2 == 1
+}
+
+/// How far apart two points are along the plane.
+fn flat_distance(p: Vec3, q: Vec3) -> f64 {
+    (p - q).truncate().length()
+}
+
+/// Whether the first of two lengths is the shorter one; `None` if they differ by less than 10^-5 of their mean, which
+/// OpenSCAD 2021.01 takes for equal.
+fn shorter(a: f64, b: f64) -> Option<bool> {
+    let differ = 2e5 * (a - b).abs() > a + b;
+    differ.then_some(a < b)
 }

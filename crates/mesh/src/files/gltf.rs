@@ -19,7 +19,9 @@ const BINARY: u32 = 0x004e_4942;
 const MOST_BYTES: u64 = 1 << 31;
 
 /// Types of the numbers of an accessor.
+const BYTE: u64 = 5120;
 const UNSIGNED_BYTE: u64 = 5121;
+const SHORT: u64 = 5122;
 const UNSIGNED_SHORT: u64 = 5123;
 const UNSIGNED_INT: u64 = 5125;
 const FLOAT: u64 = 5126;
@@ -38,6 +40,7 @@ pub fn read(
     let (text, binary) = chunks(&bytes)?;
     let root: Value = serde_json::from_slice(text)
         .map_err(|error| FileError::syntax(Place::Line(error.line() as u64), error.to_string()))?;
+    refuse_old(root["asset"]["version"].as_str(), root["meshes"].is_object())?;
     refuse_extensions(&root)?;
     let buffers = buffers(&root, binary, folder)?;
     let mut scene = Scene { root: &root, buffers, builder: Builder::new(options), left_out: 0, options };
@@ -59,6 +62,9 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), FileError> {
     if !bytes.starts_with(MAGIC) {
         return Ok((bytes, None));
     }
+    if let Some([1, 0, 0, 0]) = bytes.get(4..8) {
+        refuse_old(Some("1.0"), true)?;
+    }
     let (text, next) = chunk(bytes, 12, JSON)?;
     let binary = if next < bytes.len() { Some(chunk(bytes, next, BINARY)?.0) } else { None };
     Ok((text, binary))
@@ -78,10 +84,33 @@ fn chunk(bytes: &[u8], at: usize, kind: u32) -> Result<(&[u8], usize), FileError
     Ok((content, end))
 }
 
+/// Refuses version 1, which names its entries where version 2 numbers them.
+fn refuse_old(version: Option<&str>, has_named_meshes: bool) -> Result<(), FileError> {
+    match version {
+        Some(version) if version.starts_with("1.") || version == "1" || has_named_meshes => {
+            Err(refused(format!("glTF of version {version} (version 2 is read) can it be converted?")))
+        }
+        None if has_named_meshes => {
+            Err(refused("glTF without a version, of the first (version 2 is read) can it be converted?"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Beginnings of the names of extensions that leave the triangles as they are. Quantised positions are numbers of other types,
+/// which the accessors tell.
+const HARMLESS: [&str; 6] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "KHR_lights_",
+    "KHR_technique",
+    "KHR_mesh_quantization",
+];
+
 fn refuse_extensions(root: &Value) -> Result<(), FileError> {
-    let needed = list(root, "extensionsRequired").iter().filter_map(Value::as_str);
-    // quantised positions are plain numbers of other types, which the accessors tell
-    match needed.into_iter().find(|name| !["KHR_materials_unlit", "KHR_texture_transform"].contains(name)) {
+    let mut needed = list(root, "extensionsRequired").iter().filter_map(Value::as_str);
+    match needed.find(|name| !HARMLESS.iter().any(|known| name.starts_with(known))) {
         Some(name) => Err(refused(format!("the file needs the extension {name} (it is not read)"))),
         None => Ok(()),
     }
@@ -255,8 +284,8 @@ impl Scene<'_> {
         let offset = |value: &Value| value["byteOffset"].as_u64().unwrap_or(0);
         let component = accessor["componentType"].as_u64().unwrap_or(0);
         let size = match component {
-            UNSIGNED_BYTE => 1,
-            UNSIGNED_SHORT => 2,
+            BYTE | UNSIGNED_BYTE => 1,
+            SHORT | UNSIGNED_SHORT => 2,
             UNSIGNED_INT | FLOAT => 4,
             _ => return Err(wrong("numbers of a type that is not read")),
         };
@@ -268,8 +297,23 @@ impl Scene<'_> {
         if count > 0 && (end > buffer.len() as u64 || stride < size * width) {
             return Err(wrong("it goes beyond its buffer"));
         }
-        let at = |k: u64, axis: u64| number(buffer, (start + k * stride + axis * size) as usize, component);
+        let is_normalised = accessor["normalized"] == true;
+        let at = |k: u64, axis: u64| {
+            let number = number(buffer, (start + k * stride + axis * size) as usize, component);
+            if is_normalised { (number / most(component)).max(-1.0) } else { number }
+        };
         Ok((0..count).flat_map(|k| (0..width).map(move |axis| at(k, axis))).collect())
+    }
+}
+
+/// The largest number of a type, which stands for 1 where numbers are normalised.
+fn most(component: u64) -> f64 {
+    match component {
+        BYTE => f64::from(i8::MAX),
+        UNSIGNED_BYTE => f64::from(u8::MAX),
+        SHORT => f64::from(i16::MAX),
+        UNSIGNED_SHORT => f64::from(u16::MAX),
+        _ => 1.0,
     }
 }
 
@@ -277,7 +321,9 @@ impl Scene<'_> {
 fn number(bytes: &[u8], at: usize, component: u64) -> f64 {
     let four = || [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
     match component {
+        BYTE => f64::from(bytes[at] as i8),
         UNSIGNED_BYTE => f64::from(bytes[at]),
+        SHORT => f64::from(i16::from_le_bytes([bytes[at], bytes[at + 1]])),
         UNSIGNED_SHORT => f64::from(u16::from_le_bytes([bytes[at], bytes[at + 1]])),
         UNSIGNED_INT => f64::from(u32::from_le_bytes(four())),
         _ => f64::from(f32::from_le_bytes(four())),

@@ -10,7 +10,7 @@
 //! | OBJ | vertices and faces of all groups | vertices and triangles, by objects | none |
 //! | PLY | text, binary of both byte orders | binary, `f64`, or text | none |
 //! | OFF | `OFF`, `COFF`, `NOFF`, `STOFF` and their mixtures | text | none |
-//! | 3MF | the objects of the build, with components | objects | the file's; written in mm |
+//! | 3MF | the objects of the build, with components, also in several models | objects | the file's; written in mm |
 //! | glTF, GLB | the scene's triangles, under the maps of its nodes | a node for each mesh (coordinates as `f32`) | m |
 
 mod error;

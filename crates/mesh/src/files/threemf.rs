@@ -2,8 +2,8 @@
 //!
 //! *Source*: 3MF Consortium, "3D Manufacturing Format Core Specification" 1.3 (2021): a ZIP archive with a model in XML, found by
 //! the relationships of the archive. Read are the objects that the build names, each under its maps, with components of
-//! components; materials, slices and the like say nothing about the solid. Objects in parts of their own (production extension)
-//! are refused.
+//! components, also those in models of their own ("3MF Production Extension" 1.1.2, 2018: what slicers write); materials, slices and
+//! the like say nothing about the solid.
 
 use super::{FileError, Loaded, Place, ReadOptions, parts, within};
 use crate::mesh::check_count;
@@ -11,7 +11,7 @@ use crate::{Mesh, MeshError};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use rayweave_math::{Affine, Mat3, Vec3};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
@@ -27,32 +27,65 @@ struct Object {
     name: String,
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    components: Vec<(String, Affine)>,
+    components: Vec<Used>,
 }
+
+/// Where an object stands: the part of the archive and its number there.
+type Key = (String, String);
+
+/// An object that is used under a map.
+type Used = (Key, Affine);
 
 #[derive(Default)]
 struct Model {
     unit: String,
-    objects: FxHashMap<String, Object>,
-    build: Vec<(String, Affine)>,
+    objects: FxHashMap<Key, Object>,
+    build: Vec<Used>,
+    /// Of all objects.
+    vertices: u64,
+    triangles: u64,
+}
+
+impl Model {
+    /// The parts that objects are used from.
+    fn parts(&self) -> impl Iterator<Item = &String> {
+        let components = self.objects.values().flat_map(|object| &object.components);
+        self.build.iter().chain(components).map(|((part, _), _)| part)
+    }
 }
 
 pub fn read(from: impl BufRead + Seek, options: &ReadOptions) -> Result<Loaded, FileError> {
     let mut archive = ZipArchive::new(from).map_err(damaged)?;
-    let name = model_name(&mut archive)?;
-    let part = archive.by_name(&name).map_err(damaged)?;
-    let model = parse(BufReader::new(part.take(MOST_BYTES)), options)?;
+    let model = whole_model(&mut archive, options)?;
     let (mut mesh, mut starts) = (Scattered::default(), Vec::new());
-    for (id, map) in &model.build {
-        let name = model.objects.get(id).map_or("", |object| &object.name);
+    for (key, map) in &model.build {
+        let name = model.objects.get(key).map_or("", |object| &object.name);
         starts.push((name.to_owned(), mesh.triangles.len()));
-        placed(&model, (id, *map), options, &mut mesh)?;
+        placed(&model, (key, *map), options, &mut mesh)?;
     }
     let parts = parts(starts, mesh.triangles.len());
     let unit = Some(short_unit(&model.unit).to_owned());
     let error = |error| FileError::Mesh { place: Place::Byte(0), error };
     let mesh = Mesh::new(mesh.vertices, mesh.triangles).map_err(error)?;
     Ok(Loaded { mesh, warnings: Vec::new(), unit, parts })
+}
+
+/// The model that the archive is about, and the parts that it uses.
+fn whole_model(
+    archive: &mut ZipArchive<impl BufRead + Seek>,
+    options: &ReadOptions,
+) -> Result<Model, FileError> {
+    let mut model = Model::default();
+    let mut waiting = vec![model_name(archive)?];
+    let mut known: FxHashSet<String> = waiting.iter().cloned().collect();
+    while let Some(name) = waiting.pop() {
+        let part = archive.by_name(&name).map_err(damaged)?;
+        let part = BufReader::new(part.take(MOST_BYTES));
+        let is_root = known.len() == 1;
+        Parser::new(name.clone(), is_root, &mut model, options).parse(part)?;
+        waiting.extend(model.parts().filter(|part| known.insert((*part).clone())).cloned());
+    }
+    Ok(model)
 }
 
 fn damaged(error: zip::result::ZipError) -> FileError {
@@ -96,80 +129,135 @@ fn attribute(element: &BytesStart, name: &str) -> Option<String> {
     Some(found.value.into_owned())
 }
 
-fn parse(from: impl BufRead, options: &ReadOptions) -> Result<Model, FileError> {
-    let mut reader = Reader::from_reader(from);
-    let (mut buffer, mut model, mut open) = (Vec::new(), Model::default(), String::new());
-    let mut is_complete = false;
-    loop {
-        let event = reader.read_event_into(&mut buffer);
-        let place = Place::Byte(reader.buffer_position());
-        match event.map_err(|error| bad(place, error.to_string()))? {
-            Event::Eof if is_complete => return Ok(model),
-            Event::Eof => return Err(FileError::ends(place, "`</model>`")),
-            Event::Start(e) | Event::Empty(e) => element(&e, &mut model, &mut open, place, options)?,
-            Event::End(e) => is_complete |= e.local_name().as_ref() == "model",
-            _ => {}
+/// Reads one part of the archive.
+struct Parser<'a> {
+    part: String,
+    /// The unit and the build are those of the first part.
+    is_root: bool,
+    model: &'a mut Model,
+    options: &'a ReadOptions,
+    /// What stands before the names of the core specification's elements: that of `model`.
+    prefix: Option<String>,
+    open: Key,
+    is_complete: bool,
+}
+
+impl<'a> Parser<'a> {
+    fn new(part: String, is_root: bool, model: &'a mut Model, options: &'a ReadOptions) -> Parser<'a> {
+        let open = (part.clone(), String::new());
+        Parser { part, is_root, model, options, prefix: None, open, is_complete: false }
+    }
+
+    fn parse(mut self, from: impl BufRead) -> Result<(), FileError> {
+        let mut reader = Reader::from_reader(from);
+        let mut buffer = Vec::new();
+        loop {
+            let event = reader.read_event_into(&mut buffer);
+            let place = Place::Byte(reader.buffer_position());
+            match event.map_err(|error| bad(place, error.to_string()))? {
+                Event::Eof if self.is_complete => return Ok(()),
+                Event::Eof => return Err(FileError::ends(place, "`</model>`")),
+                Event::Start(e) | Event::Empty(e) => self.element(&e, place)?,
+                Event::End(e) => self.is_complete |= e.local_name().as_ref() == "model",
+                _ => {}
+            }
+            buffer.clear();
         }
-        buffer.clear();
+    }
+
+    /// Takes what one element says, if it is one of the core specification.
+    fn element(&mut self, e: &BytesStart, place: Place) -> Result<(), FileError> {
+        let name = e.name();
+        let prefix = name.prefix().map(|prefix| prefix.as_ref().to_owned());
+        if e.local_name().as_ref() == "model" {
+            self.prefix = prefix;
+            if self.is_root {
+                self.model.unit = attribute(e, "unit").unwrap_or_default();
+            }
+            return Ok(());
+        }
+        if prefix != self.prefix {
+            return Ok(());
+        }
+        let values = Values { e, place };
+        match e.local_name().as_ref() {
+            "object" => self.object(&values),
+            "vertex" => self.vertex(&values),
+            "triangle" => self.triangle(&values),
+            "component" => {
+                let used = self.used(&values)?;
+                self.opened().components.push(used);
+                Ok(())
+            }
+            "item" if self.is_root => {
+                let used = self.used(&values)?;
+                self.model.build.push(used);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The object that is being read.
+    fn opened(&mut self) -> &mut Object {
+        self.model.objects.entry(self.open.clone()).or_default()
+    }
+
+    fn object(&mut self, values: &Values) -> Result<(), FileError> {
+        self.open.1 = values.needed("id")?;
+        let name = attribute(values.e, "name").unwrap_or_default();
+        // a name that is no proper text is as good as another
+        let name = quick_xml::escape::unescape(&name).map(|name| name.into_owned()).unwrap_or(name);
+        self.model.objects.insert(self.open.clone(), Object { name, ..Object::default() });
+        Ok(())
+    }
+
+    fn vertex(&mut self, values: &Values) -> Result<(), FileError> {
+        let point = Vec3::new(values.number("x")?, values.number("y")?, values.number("z")?);
+        self.opened().vertices.push(point);
+        self.model.vertices += 1;
+        within(self.options, "vertices", self.model.vertices, values.place)
+    }
+
+    fn triangle(&mut self, values: &Values) -> Result<(), FileError> {
+        let triangle = [values.corner("v1")?, values.corner("v2")?, values.corner("v3")?];
+        self.opened().triangles.push(triangle);
+        self.model.triangles += 1;
+        within(self.options, "triangles", self.model.triangles, values.place)
+    }
+
+    /// The object that a component or an item names.
+    fn used(&self, values: &Values) -> Result<Used, FileError> {
+        let path = attribute(values.e, "path");
+        let part = path.map_or_else(|| self.part.clone(), |path| path.trim_start_matches('/').to_owned());
+        let map = map(attribute(values.e, "transform"), values.place)?;
+        Ok(((part, values.needed("objectid")?), map))
     }
 }
 
-/// Takes what one element says.
-fn element(
-    e: &BytesStart,
-    model: &mut Model,
-    open: &mut String,
+/// The attributes of an element.
+struct Values<'a> {
+    e: &'a BytesStart<'a>,
     place: Place,
-    options: &ReadOptions,
-) -> Result<(), FileError> {
-    let needed = |name: &str| attribute(e, name).ok_or_else(|| bad(place, format!("{name} is missing")));
-    let number = |name: &str| {
-        let text = needed(name)?;
-        let found = text.trim().parse::<f64>().ok().filter(|x| x.abs() <= Mesh::MOST);
-        found.ok_or_else(|| {
-            bad(place, format!("{name} is `{}` (it must be a finite number)", super::words::short(&text)))
-        })
-    };
-    let corner = |name: &str| {
-        let text = needed(name)?;
-        text.trim()
-            .parse::<u32>()
-            .map_err(|_| bad(place, format!("{name} is `{}`", super::words::short(&text))))
-    };
-    match e.local_name().as_ref() {
-        "model" => model.unit = attribute(e, "unit").unwrap_or_default(),
-        "object" => {
-            *open = needed("id")?;
-            let name = attribute(e, "name").unwrap_or_default();
-            // a name that is no proper text is as good as another
-            let name = quick_xml::escape::unescape(&name).map(|name| name.into_owned()).unwrap_or(name);
-            model.objects.insert(open.clone(), Object { name, ..Object::default() });
-        }
-        "vertex" => {
-            let point = Vec3::new(number("x")?, number("y")?, number("z")?);
-            let object = model.objects.entry(open.clone()).or_default();
-            object.vertices.push(point);
-            within(options, "vertices", object.vertices.len() as u64, place)?;
-        }
-        "triangle" => {
-            let triangle = [corner("v1")?, corner("v2")?, corner("v3")?];
-            let object = model.objects.entry(open.clone()).or_default();
-            object.triangles.push(triangle);
-            within(options, "triangles", object.triangles.len() as u64, place)?;
-        }
-        "component" | "item" => {
-            if attribute(e, "path").is_some() {
-                return Err(bad(place, "an object in a part of its own (it is not read)"));
-            }
-            let used = (needed("objectid")?, map(attribute(e, "transform"), place)?);
-            match e.local_name().as_ref() {
-                "item" => model.build.push(used),
-                _ => model.objects.entry(open.clone()).or_default().components.push(used),
-            }
-        }
-        _ => {}
+}
+
+impl Values<'_> {
+    fn needed(&self, name: &str) -> Result<String, FileError> {
+        attribute(self.e, name).ok_or_else(|| bad(self.place, format!("{name} is missing")))
     }
-    Ok(())
+
+    fn number(&self, name: &str) -> Result<f64, FileError> {
+        let text = self.needed(name)?;
+        let found = text.trim().parse::<f64>().ok().filter(|x| x.abs() <= Mesh::MOST);
+        let why = || format!("{name} is `{}` (it must be a finite number)", super::words::short(&text));
+        found.ok_or_else(|| bad(self.place, why()))
+    }
+
+    fn corner(&self, name: &str) -> Result<u32, FileError> {
+        let text = self.needed(name)?;
+        let found = text.trim().parse::<u32>();
+        found.map_err(|_| bad(self.place, format!("{name} is `{}`", super::words::short(&text))))
+    }
 }
 
 /// A map of twelve numbers, the images of the axes and the translation: points are rows there.
@@ -199,16 +287,18 @@ struct Scattered {
 /// Adds an object that the build names, in place.
 fn placed(
     model: &Model,
-    item: (&str, Affine),
+    item: (&Key, Affine),
     options: &ReadOptions,
     to: &mut Scattered,
 ) -> Result<(), FileError> {
     let place = Place::Byte(0);
     let Scattered { vertices, triangles, count } = to;
     let mut waiting = vec![item];
-    while let Some((id, map)) = waiting.pop() {
+    while let Some((key, map)) = waiting.pop() {
         *count += 1;
-        let object = model.objects.get(id).ok_or_else(|| bad(place, format!("there is no object {id}")))?;
+        let (part, id) = key;
+        let missing = || bad(place, format!("there is no object {id} in the part `{part}`"));
+        let object = model.objects.get(key).ok_or_else(missing)?;
         if *count > MOST_PLACED {
             return Err(bad(place, format!("more than {MOST_PLACED} objects (do they hold each other?)")));
         }
@@ -229,7 +319,7 @@ fn placed(
             }
             triangles.push(corners.map(|corner| corner + first as u32));
         }
-        waiting.extend(object.components.iter().rev().map(|(id, inner)| (id.as_str(), inner.then(&map))));
+        waiting.extend(object.components.iter().rev().map(|(key, inner)| (key, inner.then(&map))));
     }
     Ok(())
 }

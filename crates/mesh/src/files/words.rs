@@ -11,6 +11,8 @@ const LONGEST_LINE: u64 = 1 << 22;
 pub struct Words<R> {
     from: R,
     comment: Option<char>,
+    /// What ends a line, once the first one is read.
+    line_end: Option<u8>,
     text: String,
     read: Vec<u8>,
     /// Where in `text` the next word may begin.
@@ -22,7 +24,16 @@ pub struct Words<R> {
 
 impl<R: BufRead> Words<R> {
     pub fn new(from: R, comment: Option<char>) -> Words<R> {
-        Words { from, comment, text: String::new(), read: Vec::new(), next: 0, line: 0, bytes: 0 }
+        Words {
+            from,
+            comment,
+            line_end: None,
+            text: String::new(),
+            read: Vec::new(),
+            next: 0,
+            line: 0,
+            bytes: 0,
+        }
     }
 
     pub fn place(&self) -> Place {
@@ -42,7 +53,12 @@ impl<R: BufRead> Words<R> {
     /// Goes to the next line; false at the end of the file.
     pub fn next_line(&mut self) -> Result<bool, FileError> {
         self.read.clear();
-        let count = (&mut self.from).take(LONGEST_LINE).read_until(b'\n', &mut self.read)?;
+        let line_end = match self.line_end {
+            Some(line_end) => line_end,
+            None => line_end(self.from.fill_buf()?),
+        };
+        self.line_end = Some(line_end);
+        let count = (&mut self.from).take(LONGEST_LINE).read_until(line_end, &mut self.read)?;
         self.line += u64::from(count > 0);
         self.bytes += count as u64;
         if count as u64 == LONGEST_LINE {
@@ -145,6 +161,11 @@ impl<R: BufRead> Words<R> {
             FileError::syntax(self.place(), format!("{what} is `{word}` (it must be a whole number, from 0)"))
         })
     }
+}
+
+/// A line feed, unless there are carriage returns alone, as old Macintoshes have them.
+fn line_end(start: &[u8]) -> u8 {
+    if !start.contains(&b'\n') && start.contains(&b'\r') { b'\r' } else { b'\n' }
 }
 
 /// The beginning of a word, for messages.

@@ -161,6 +161,11 @@ impl Surface {
         Surface { hole: semi_diameter, ..self }
     }
 
+    /// True for a conic of revolution, without further terms.
+    pub(crate) fn is_conic(&self) -> bool {
+        self.figure == Figure::Round && self.even == [0.0; 8] && self.odd == [0.0; 8]
+    }
+
     /// By how much the coefficient of r^4 is larger than that of the sphere of the same curvature at the vertex, times 8.
     pub(crate) fn asphericity(&self) -> f64 {
         let base = 1.0 / self.radius;

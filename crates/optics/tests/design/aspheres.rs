@@ -193,6 +193,38 @@ fn files_keep_the_terms() {
     assert_eq!(read.prescription.surfaces, lens.surfaces);
 }
 
+/// Of an extended asphere the coefficients are lengths: those of the powers of r over a radius.
+#[test]
+fn extended_aspheres_have_a_radius_of_their_own() {
+    let file = |lines: &str| {
+        format!(
+            "ENPD 5\nYFLN 0\nWAVM 1 0.55 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n TYPE XASPHERE\n CURV 0.02\n{lines} DISZ 4\n\
+             GLAS N-BK7\nSURF 2\n DISZ 90\nSURF 3\n TYPE EVENASPH\n PARM 2 1e-5\n"
+        )
+    };
+    let lines = |place: fn(usize) -> String| {
+        let values = [3.0, 4.0, 0.16, 0.0, 0.004096];
+        values.iter().enumerate().map(|(k, value)| format!(" {} {value}\n", place(k + 1))).collect::<String>()
+    };
+    for place in [|k: usize| format!("XDAT {k}"), |k: usize| format!("PARM {}", k + 12)] {
+        let read = read_zmx(file(&lines(place)).as_bytes()).unwrap();
+        let found = read.prescription.surfaces[0].even;
+        near(found[0], 0.01, 1e-16);
+        near(found[2], 1e-6, 1e-20);
+        assert_eq!([found[1], found[3]], [0.0; 2]);
+        assert_eq!(read.notes.len(), 1, "{:?}", read.notes);
+        assert!(
+            read.notes[0].to_string().contains("the terms of the image beyond its conic are passed over")
+        );
+    }
+    let refused = |lines: &str| read_zmx(file(lines).as_bytes()).unwrap_err().to_string();
+    assert!(
+        refused(" XDAT 1 2\n XDAT 3 1\n").contains("the normalisation radius of the extended asphere is 0")
+    );
+    assert!(refused(" XDAT 1 9\n XDAT 2 1\n XDAT 11 1\n").contains("terms beyond r^16"));
+    assert!(refused(" PARM 1 1\n").contains("the extended asphere has a parameter 1"));
+}
+
 /// A conic with terms that are zero is the conic; one with terms beside it is told from a crossing of the faces.
 #[test]
 fn lenses_and_mirrors_with_aspheric_faces() {

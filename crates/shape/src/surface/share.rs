@@ -32,7 +32,8 @@ pub struct Shared {
 }
 
 /// A chain of surfaces, each equal to the next within the tolerance, whose ends are more than four tolerances
-/// apart: neither one surface nor several. The model is nearly but not quite aligned.
+/// (of the largest reach among them) apart: neither one surface nor several. The model is nearly but not quite
+/// aligned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WideClass {
     /// One member.
@@ -313,8 +314,8 @@ fn cuts(keyed: &[Keyed]) -> impl Iterator<Item = usize> {
 /// Joins the entries of an uncut part: all of them if it is narrow, else those pairs that are equal.
 fn join(surfaces: &[(&Surface, f64)], numbers: usize, part: &mut [Entry], classes: &mut Classes) {
     let widths = (0..numbers).map(|k| width(surfaces, part, k));
-    let widest = widths.max_by(|a, b| a.tolerances().total_cmp(&b.tolerances()));
-    if widest.as_ref().is_none_or(|w| w.tolerances() <= 1.0) {
+    let widest = widths.max_by(|a, b| a.in_smallest().total_cmp(&b.in_smallest()));
+    if widest.as_ref().is_none_or(|w| w.in_smallest() <= 1.0) {
         for entry in &part[1..] {
             classes.union(part[0].index, entry.index);
         }
@@ -352,20 +353,34 @@ struct Width {
     number: usize,
     lo: (f64, usize),
     hi: (f64, usize),
-    tolerance: f64,
+    /// Of the member of the smallest reach, and of the largest.
+    tolerances: [f64; 2],
 }
 
 impl Width {
-    /// The range in units of the tolerance.
-    fn tolerances(&self) -> f64 {
+    /// The range in units of the smallest tolerance: up to 1, all are equal to each other.
+    fn in_smallest(&self) -> f64 {
+        self.in_units(self.tolerances[0])
+    }
+
+    /// The range in units of the largest tolerance, which the class has if its members are made one.
+    fn in_largest(&self) -> f64 {
+        self.in_units(self.tolerances[1])
+    }
+
+    fn in_units(&self, tolerance: f64) -> f64 {
         let range = self.hi.0 - self.lo.0;
-        if range == 0.0 { 0.0 } else { range / self.tolerance }
+        if range == 0.0 { 0.0 } else { range / tolerance }
     }
 }
 
 fn width(surfaces: &[(&Surface, f64)], entries: &[Entry], k: usize) -> Width {
-    let mut width =
-        Width { number: k, lo: (f64::INFINITY, 0), hi: (f64::NEG_INFINITY, 0), tolerance: f64::INFINITY };
+    let mut width = Width {
+        number: k,
+        lo: (f64::INFINITY, 0),
+        hi: (f64::NEG_INFINITY, 0),
+        tolerances: [f64::INFINITY, 0.0],
+    };
     for entry in entries {
         let (surface, reach) = &surfaces[entry.index()];
         let (value, tolerance) = number(surface, *reach, entry.reversed, k);
@@ -375,7 +390,7 @@ fn width(surfaces: &[(&Surface, f64)], entries: &[Entry], k: usize) -> Width {
         if value > width.hi.0 {
             width.hi = (value, entry.index());
         }
-        width.tolerance = width.tolerance.min(tolerance);
+        width.tolerances = [width.tolerances[0].min(tolerance), width.tolerances[1].max(tolerance)];
     }
     width
 }
@@ -442,7 +457,7 @@ fn add_class(
         class.iter().map(|&(_, index)| Entry { index, reversed: turned(index) }).collect();
     for k in 0..Kind::of(surface(chosen)).numbers() {
         let width = width(surfaces, &entries, k);
-        if width.tolerances() > 4.0 {
+        if width.in_largest() > 4.0 {
             return Err(WideClass { first: width.lo.1, second: width.hi.1 });
         }
     }

@@ -1,7 +1,7 @@
 //! The types of surfaces and what their parameters are.
 //!
 //! Numbers as in the chapters on surface types of the OpticStudio user guide (Ansys, 2024 R2): "Even Asphere", "Odd Asphere",
-//! "Biconic", "Toroidal", "Extended Polynomial", "Zernike Standard Sag". What older files have as extra data, `XDAT 1` on, newer
+//! "Extended Asphere", "Biconic", "Toroidal", "Extended Polynomial", "Zernike Standard Sag". What older files have as extra data, `XDAT 1` on, newer
 //! ones have as parameters 13 on.
 
 use crate::component::{Figure, Zernike};
@@ -71,6 +71,10 @@ pub(super) fn shaped(kind: &str, parameters: &Parameters, surface: Surface) -> R
             parameters.only("asphere", is_power, "1 to 8 are read, r^2 to r^16")?;
             surface.even(parameters.eight(1))
         }
+        "XASPHERE" => {
+            parameters.only("extended asphere", is_extra, "the terms behind parameter 12 are read")?;
+            surface.even(extended(parameters)?)
+        }
         "ODDASPHE" => {
             parameters.only("asphere", is_power, "1 to 8 are read, r to r^8")?;
             let every_second = |first| std::array::from_fn(|k| if k < 4 { get(2 * k + first) } else { 0.0 });
@@ -103,6 +107,24 @@ pub(super) fn shaped(kind: &str, parameters: &Parameters, surface: Surface) -> R
     })
 }
 
+/// The coefficients of r^2 to r^16 from those of an extended asphere, of powers of r over the normalisation radius.
+fn extended(parameters: &Parameters) -> Result<[f64; 8], String> {
+    let (norm_radius, coefficients) = parameters.list();
+    if coefficients.iter().skip(8).any(|&c| c != 0.0) {
+        return Err("the extended asphere has terms beyond r^16 (r^2 to r^16 are read)".to_owned());
+    }
+    if coefficients.iter().any(|&c| c != 0.0) && !(norm_radius.is_finite() && norm_radius > 0.0) {
+        return Err(format!(
+            "the normalisation radius of the extended asphere is {norm_radius} (it is above 0)"
+        ));
+    }
+    let scaled = |k: usize| match coefficients.get(k) {
+        Some(&c) if c != 0.0 => c / norm_radius.powi(2 * k as i32 + 2),
+        _ => 0.0,
+    };
+    Ok(std::array::from_fn(scaled))
+}
+
 /// Why a type is not read.
 fn unknown(kind: &str) -> String {
     let why = match kind {
@@ -114,7 +136,8 @@ fn unknown(kind: &str) -> String {
         }
         "PARAXIAL" => "it has no form; elements that are ideal thin lenses are sheets of a system",
         _ => {
-            "STANDARD, EVENASPH, ODDASPHE, BICONICX, TOROIDAL, XPOLYNOM, SZERNSAG and FZERNSAG surfaces are read"
+            "STANDARD, EVENASPH, XASPHERE, ODDASPHE, BICONICX, TOROIDAL, XPOLYNOM, SZERNSAG and FZERNSAG surfaces \
+             are read"
         }
     };
     format!("the surface is of type {kind} ({why})")
@@ -129,7 +152,7 @@ pub(super) fn written(surface: &Surface) -> Result<(&'static str, Vec<String>), 
     let (even, has_odd) = (surface.even, surface.odd != [0.0; 8]);
     let finite = |radius: f64| if radius.is_infinite() { 0.0 } else { radius };
     match &surface.figure {
-        Figure::Round if !has_odd && even == [0.0; 8] => Ok(("STANDARD", Vec::new())),
+        Figure::Round if surface.is_conic() => Ok(("STANDARD", Vec::new())),
         Figure::Round if !has_odd => Ok(("EVENASPH", parameters(&even))),
         Figure::Round if even[4..].iter().chain(&surface.odd[4..]).all(|&c| c == 0.0) => {
             let alternating: [f64; 8] =

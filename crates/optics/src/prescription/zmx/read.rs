@@ -234,7 +234,10 @@ impl Reader {
         }
         let surfaces = self.surfaces();
         match (self.problems.is_empty(), stop, self.aperture) {
-            (true, Some(stop), Some(aperture)) => Ok(self.prescription(surfaces, (stop, aperture), lines)),
+            (true, Some(stop), Some(aperture)) => {
+                self.note_ends(&surfaces);
+                Ok(self.prescription(surfaces, (stop, aperture), lines))
+            }
             _ => {
                 self.problems.sort_by_key(|problem| problem.line);
                 Err(ZmxError { problems: self.problems })
@@ -265,6 +268,18 @@ impl Reader {
             surface.map_err(|text| self.problem(line, &text)).ok()
         };
         found.into_iter().filter_map(told).collect()
+    }
+
+    /// Object and image have no terms here.
+    fn note_ends(&mut self, surfaces: &[Surface]) {
+        let last = surfaces.len().saturating_sub(1);
+        for (k, name) in [(0, "object"), (last, "image")] {
+            if surfaces.get(k).is_some_and(|surface| !surface.is_conic()) {
+                let line = self.surfaces[k].type_line;
+                let text = format!("the terms of the {name} beyond its conic are passed over");
+                self.ignored.push(Problem { line, text });
+            }
+        }
     }
 
     fn prescription(
