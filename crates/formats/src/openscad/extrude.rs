@@ -11,6 +11,9 @@ use rayweave_shape::primitive::{BoxFromCorners, Convex, Cylinder, HalfSpace, Qua
 use rayweave_space::Point;
 use rayweave_space::polygon::{HalfPlane, Operator, Polygons};
 
+/// By how much the box around a pyramid stands off from it, as a part of the larger side.
+const LOOSE: f64 = 1.0 / 64.0;
+
 /// From where to where, and by how much x and y grow on the way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
@@ -183,7 +186,7 @@ fn pyramid(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Resul
 
 /// A box that ends at the ends of the way and stands off on all other sides.
 fn around(arguments: &Arguments, [lo, hi]: [Point<2>; 2], way: &Way) -> Result<Solid, Refusal> {
-    let margin = 0.25 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
+    let margin = LOOSE * (hi[0] - lo[0]).max(hi[1] - lo[1]);
     let end = |k: usize, p: Point<2>, sign: f64| {
         let [a, b] = [p[k], p[k] * way.scale[k]];
         sign * (sign * a).max(sign * b) + sign * margin

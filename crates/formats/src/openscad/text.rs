@@ -1,20 +1,24 @@
 //! `text`: the outlines of glyphs, one after the other.
 //!
-//! Letters stand as OpenSCAD 2021.01 places them: an em is the size over 0.72, curves are divided by the same rule. It moves
-//! outlines to a grid of its own ("hinting") by up to 1/32 of a unit, which is not done here. Scripts whose letters join or
-//! move need more than this and are refused.
+//! Letters stand as OpenSCAD 2021.01 places them: chosen and moved by HarfBuzz (here its port), an em is the size over 0.72, curves
+//! are divided by the same rule. It moves outlines to a grid of its own ("hinting") by up to 1/32 of a unit, which is not done
+//! here.
 
 use super::arguments::{Arguments, Refusal};
 use super::facets::Fineness;
 use super::flat::Leaf;
 use super::value::Value;
 use fontdb::{Database, Family, ID, Query, Style, Weight};
+use harfrust::{Direction, FontRef, GlyphBuffer, Language, Script, ShapeOptions, ShaperData, UnicodeBuffer};
 use rayweave_space::Point;
 use std::path::PathBuf;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// An em, over the size of a text: points of 1/72 inch at 100 dots an inch.
 const EM: f64 = 100.0 / 72.0;
+
+/// By how much OpenSCAD sets letters nearer to each other, and to the edges that they are aligned by, than their outlines ask.
+const TIGHT: f64 = 1.0 / 1.024;
 
 /// Fonts that stand for one that is not there, in this order.
 const STAND_INS: [&str; 5] = ["Liberation Sans", "Arimo", "Arial", "Helvetica", "DejaVu Sans"];
@@ -113,29 +117,40 @@ impl Wanted {
     }
 }
 
-/// The numbers of a text.
+/// The words and numbers of a text.
 struct Setting<'a> {
     text: &'a str,
-    /// A unit of the font.
-    unit: f64,
+    size: f64,
     spacing: f64,
     horizontal: &'a str,
     vertical: &'a str,
+    direction: &'a str,
+    script: &'a str,
+    language: &'a str,
     /// How many pieces a curve has.
     pieces: usize,
 }
 
-/// `text(text, size, font, spacing, halign, valign)`.
+/// `text(text, size, font, spacing, direction, language, script, halign, valign)`.
 pub(super) fn text(arguments: &Arguments, fonts: &mut Fonts) -> Result<Letters, Refusal> {
     let word = |name, default| Ok::<&str, Refusal>(arguments.get(name, "a text", word)?.unwrap_or(default));
-    let text = word("text", "")?;
-    check_text(arguments, text, word("direction", "ltr")?)?;
     let wanted = Wanted::new(word("font", "")?);
     let size = arguments.number("size", 10.0)?;
-    let pieces = (Fineness::of(arguments)?.fragments(size) / 8 + 1).max(2);
-    let spacing = arguments.number("spacing", 1.0)?;
-    let (horizontal, vertical) = (word("halign", "left")?, word("valign", "baseline")?);
-    if text.is_empty() || size <= 0.0 {
+    let setting = Setting {
+        text: word("text", "")?,
+        size,
+        spacing: arguments.number("spacing", 1.0)?,
+        horizontal: word("halign", "left")?,
+        vertical: word("valign", "baseline")?,
+        direction: word("direction", "")?,
+        script: word("script", "")?,
+        language: word("language", "")?,
+        pieces: (Fineness::of(arguments)?.fragments(size) / 8 + 1).max(2),
+    };
+    if setting.text.chars().count() > MOST_LETTERS {
+        return Err(arguments.refusal(&format!("it has more than {MOST_LETTERS} letters")));
+    }
+    if setting.text.is_empty() || size <= 0.0 {
         return Ok(Letters { leaves: Vec::new(), stand_in: None });
     }
     let Some((database, id, stand_in)) = fonts.find(&wanted) else {
@@ -146,9 +161,8 @@ pub(super) fn text(arguments: &Arguments, fonts: &mut Fonts) -> Result<Letters, 
     };
     let leaves = database.with_face_data(id, |data, index| {
         let face = Face::parse(data, index).ok()?;
-        let unit = size * EM / f64::from(face.units_per_em());
-        let setting = Setting { text, unit, spacing, horizontal, vertical, pieces };
-        Some(setting.leaves(&face))
+        let glyphs = setting.shaped(&FontRef::from_index(data, index).ok()?);
+        Some(setting.leaves(&face, &glyphs))
     });
     let leaves = leaves.flatten().ok_or_else(|| arguments.refusal("its font cannot be read"))?;
     Ok(Letters {
@@ -164,37 +178,63 @@ fn word(value: &Value) -> Option<&str> {
     }
 }
 
-/// Only what is set letter by letter from the left can be set.
-fn check_text(arguments: &Arguments, text: &str, direction: &str) -> Result<(), Refusal> {
-    if text.chars().count() > MOST_LETTERS {
-        return Err(arguments.refusal(&format!("it has more than {MOST_LETTERS} letters")));
-    }
-    if !["ltr", ""].contains(&direction) {
-        return Err(arguments.refusal("only texts from left to right can be set"));
-    }
-    // Hebrew to Hangul Jamo: letters that join, move or stand from right to left
-    if text.chars().any(|c| ('\u{590}'..='\u{11ff}').contains(&c)) {
-        return Err(arguments.refusal("its script needs letters that join or move"));
-    }
-    Ok(())
-}
-
 impl Setting<'_> {
-    fn leaves(&self, face: &Face) -> Vec<Leaf> {
-        let glyphs: Vec<GlyphId> =
-            self.text.chars().map(|c| face.glyph_index(c).unwrap_or_default()).collect();
-        let mut places = Vec::with_capacity(glyphs.len());
-        let mut width = 0.0;
-        for (k, glyph) in glyphs.iter().enumerate() {
-            places.push(width);
-            let advance = f64::from(face.glyph_hor_advance(*glyph).unwrap_or(0));
-            let kerning = glyphs.get(k + 1).map_or(0.0, |next| kerning(face, *glyph, *next));
-            width += self.spacing * (advance + kerning);
+    /// The glyphs and their places, as the font asks for them.
+    fn shaped(&self, font: &FontRef) -> GlyphBuffer {
+        let mut buffer = UnicodeBuffer::new();
+        buffer.push_str(self.text);
+        // what is not said, or not known, is told by the letters
+        buffer.guess_segment_properties();
+        if let Ok(direction) = self.direction.parse::<Direction>() {
+            buffer.set_direction(direction);
         }
-        let shift = [self.across(width), self.upward(face, &glyphs)];
-        let outline =
-            |(glyph, place): (&GlyphId, &f64)| self.outline(face, *glyph, [shift[0] + place, shift[1]]);
-        glyphs.iter().zip(&places).filter_map(outline).collect()
+        if let Ok(script) = self.script.parse::<Script>() {
+            buffer.set_script(script);
+        }
+        if let Ok(language) = self.language.parse::<Language>() {
+            buffer.set_language(language);
+        }
+        ShaperData::new(font).shaper(font).build().shape(buffer, ShapeOptions::new())
+    }
+
+    /// The outlines in place.
+    fn leaves(&self, face: &Face, glyphs: &GlyphBuffer) -> Vec<Leaf> {
+        let unit = self.size * EM / f64::from(face.units_per_em());
+        let start = self.start(face, glyphs);
+        let mut at = [0.0; 2];
+        let mut leaves = Vec::new();
+        for (info, place) in glyphs.glyph_infos().iter().zip(glyphs.glyph_positions()) {
+            let offset = [place.x_offset, place.y_offset].map(f64::from);
+            let by = [0, 1].map(|axis| TIGHT * (start[axis] + at[axis] + offset[axis]));
+            leaves.extend(self.outline(face, glyph_id(info.glyph_id), unit, by));
+            at[0] += self.spacing * f64::from(place.x_advance);
+            at[1] += self.spacing * f64::from(place.y_advance);
+        }
+        leaves
+    }
+
+    /// Where the first letter stands, in units of the font: the text is aligned by its advances along a line, and by its boxes
+    /// across it.
+    fn start(&self, face: &Face, glyphs: &GlyphBuffer) -> Point<2> {
+        let boxes = || {
+            glyphs.glyph_infos().iter().filter_map(|info| face.glyph_bounding_box(glyph_id(info.glyph_id)))
+        };
+        let advance = |along: fn(&harfrust::GlyphPosition) -> i32| {
+            self.spacing * glyphs.glyph_positions().iter().map(along).map(f64::from).sum::<f64>()
+        };
+        let along_x = advance(|place| place.x_advance);
+        let (width, above, below) = match along_x != 0.0 {
+            true => (
+                along_x,
+                boxes().map(|b| f64::from(b.y_max)).fold(0.0, f64::max),
+                boxes().map(|b| -f64::from(b.y_min)).fold(0.0, f64::max),
+            ),
+            false => {
+                let width = boxes().map(|b| f64::from(b.x_max) - f64::from(b.x_min)).fold(0.0, f64::max);
+                (width, advance(|place| place.y_advance), 0.0)
+            }
+        };
+        [self.across(width), self.upward(above, below)]
     }
 
     fn across(&self, width: f64) -> f64 {
@@ -205,10 +245,7 @@ impl Setting<'_> {
         }
     }
 
-    fn upward(&self, face: &Face, glyphs: &[GlyphId]) -> f64 {
-        let boxes: Vec<_> = glyphs.iter().filter_map(|glyph| face.glyph_bounding_box(*glyph)).collect();
-        let above = boxes.iter().map(|b| f64::from(b.y_max)).fold(0.0, f64::max);
-        let below = boxes.iter().map(|b| -f64::from(b.y_min)).fold(0.0, f64::max);
+    fn upward(&self, above: f64, below: f64) -> f64 {
         match self.vertical {
             "top" => -above,
             "center" => 0.5 * (below - above),
@@ -218,21 +255,16 @@ impl Setting<'_> {
     }
 
     /// A glyph moved by a vector in units of the font; `None` for a blank.
-    fn outline(&self, face: &Face, glyph: GlyphId, by: Point<2>) -> Option<Leaf> {
-        let mut pen = Pen { scale: self.unit, by, pieces: self.pieces, contours: Vec::new() };
+    fn outline(&self, face: &Face, glyph: GlyphId, unit: f64, by: Point<2>) -> Option<Leaf> {
+        let mut pen = Pen { scale: unit, by, pieces: self.pieces, contours: Vec::new() };
         face.outline_glyph(glyph, &mut pen)?;
         (!pen.contours.is_empty()).then_some(Leaf::Outline(pen.contours))
     }
 }
 
-/// How much nearer two letters stand, in units of the font.
-fn kerning(face: &Face, left: GlyphId, right: GlyphId) -> f64 {
-    let Some(table) = face.tables().kern else {
-        return 0.0;
-    };
-    let subtables = table.subtables.into_iter().filter(|table| table.horizontal && !table.has_cross_stream);
-    let moves = subtables.filter_map(|table| table.glyphs_kerning(left, right));
-    moves.map(f64::from).sum()
+/// Glyphs have numbers of 16 bits; 0 is the sign for one that is missing.
+fn glyph_id(number: u32) -> GlyphId {
+    GlyphId(u16::try_from(number).unwrap_or(0))
 }
 
 /// Takes the outline of a glyph as chains of points.

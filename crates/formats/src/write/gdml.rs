@@ -90,10 +90,10 @@ pub(super) fn write(
     let (defines, solids, more) =
         (writer.defines, writer.solids, table.map(materials::after).unwrap_or_default());
     Ok(format!(
-        "{HEAD}  <define>\n{}{defines}  </define>\n  <materials>\n{}  </materials>\n  <solids>\n{solids}{}  </solids>\n  \
+        "{HEAD}  <define>\n{}{}{defines}  </define>\n  <materials>\n{}  </materials>\n  <solids>\n{solids}{}  </solids>\n  \
          <structure>\n{volumes}  </structure>\n{}  <setup name=\"Default\" version=\"1.0\">\n    \
          <world ref=\"{world}\"/>\n  </setup>\n</gdml>\n",
-        materials.defines, materials.text, more.surfaces, more.user
+        materials.defines, more.defines, materials.text, more.surfaces, more.user
     )
     .into_bytes())
 }

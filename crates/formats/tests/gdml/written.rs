@@ -122,6 +122,21 @@ fn the_table_is_written_back() {
     same_partitions(&first, &second);
 }
 
+/// Properties that are numbers become matrices of one number, of materials and of surfaces.
+#[test]
+fn numbers_of_properties_are_kept() {
+    let rough = "<property name=\"SURFACEROUGHNESS\" value=\"0.25\"/></opticalsurface>";
+    let first = parse(&OPTICAL.replace("</opticalsurface>", rough)).unwrap();
+    let text = String::from_utf8(written(&first).bytes).unwrap();
+    for line in [
+        "<matrix name=\"shine_SURFACEROUGHNESS\" coldim=\"1\" values=\"0.25\"/>",
+        "<property name=\"SURFACEROUGHNESS\" ref=\"shine_SURFACEROUGHNESS\"/>",
+    ] {
+        assert_eq!(text.matches(line).count(), 1, "{text}");
+    }
+    assert!(text.find("<matrix name=\"shine").unwrap() < text.find("</define>").unwrap());
+}
+
 /// A table that tells other regions than the scene has is not believed; what it says of materials is.
 #[test]
 fn what_was_changed_is_written_flat() {

@@ -10,3 +10,4 @@ mod measure;
 mod meshes;
 mod shells;
 mod solids;
+mod texts;

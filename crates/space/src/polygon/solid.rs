@@ -7,6 +7,9 @@ use rayweave_model::Solid;
 use rayweave_rootray::Side;
 use rayweave_shape::primitive::{BoxFromCorners, HalfSpace, Primitive, ShapeError, Slab};
 
+/// By how much the box around a prism stands off from it, as a part of the larger side.
+const LOOSE: f64 = 1.0 / 64.0;
+
 impl Polygons {
     /// The region as a solid of the plane, for boolean operators, maps and curves: see [`crate::Solid::over_polygons`].
     ///
@@ -63,7 +66,8 @@ impl Polygons {
         if self.outside() == Side::Inside || self.edge_count() == 0 {
             return Ok(Slab::new(Vec3::Z, lo, hi)?.into());
         }
-        let margin = 0.25 * (high[0] - low[0]).max(high[1] - low[1]);
+        // enough that no corner lies on a wall, and little enough that the box is of use
+        let margin = LOOSE * (high[0] - low[0]).max(high[1] - low[1]);
         let corner = |at: [f64; 2], margin: f64, z| Vec3::new(at[0] + margin, at[1] + margin, z);
         Ok(BoxFromCorners::new(corner(low, -margin, lo), corner(high, margin, hi))?.into())
     }

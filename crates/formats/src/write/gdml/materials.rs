@@ -114,7 +114,7 @@ impl Materials {
         }
         let mut properties = String::new();
         for (property, value) in properties_of(row) {
-            properties += &self.property(&escaped(name), property, value);
+            properties += &property_of(&mut self.defines, &escaped(name), property, value);
         }
         let composition = match (parts.is_empty(), value(medium, "A")) {
             (true, Some(molar)) => atom(Some(molar)),
@@ -131,23 +131,6 @@ impl Materials {
             attribute(row, "state"),
             numbers_of(medium)
         );
-    }
-
-    /// A property; a number becomes a matrix of its own.
-    fn property(&mut self, owner: &str, name: &str, value: &Datum) -> String {
-        let reference = match value {
-            Datum::Text(matrix) => escaped(matrix),
-            Datum::Number(number) => {
-                let matrix = format!("{owner}_{}", escaped(name));
-                let _ = writeln!(
-                    self.defines,
-                    "    <matrix name=\"{matrix}\" coldim=\"1\" values=\"{number:?}\"/>"
-                );
-                matrix
-            }
-            _ => return String::new(),
-        };
-        format!("      <property name=\"{}\" ref=\"{reference}\"/>\n", escaped(name))
     }
 
     /// A medium of which nobody says what it consists of.
@@ -212,6 +195,20 @@ fn parts(row: &Table) -> String {
     rows(row, "parts").iter().map(part).collect()
 }
 
+/// A property; a number becomes a matrix of its own.
+fn property_of(defines: &mut String, owner: &str, name: &str, value: &Datum) -> String {
+    let reference = match value {
+        Datum::Text(matrix) => escaped(matrix),
+        Datum::Number(number) => {
+            let matrix = format!("{owner}_{}", escaped(name));
+            let _ = writeln!(defines, "    <matrix name=\"{matrix}\" coldim=\"1\" values=\"{number:?}\"/>");
+            matrix
+        }
+        _ => return String::new(),
+    };
+    format!("      <property name=\"{}\" ref=\"{reference}\"/>\n", escaped(name))
+}
+
 fn properties_of(row: &Table) -> impl Iterator<Item = (&str, &Datum)> {
     let table = match get(row, "properties") {
         Some(Datum::Table(table)) => table.as_slice(),
@@ -247,9 +244,10 @@ pub(super) fn escaped(text: &str) -> String {
     out
 }
 
-/// What stands after the solids, and after the structure.
+/// What stands among the definitions, after the solids, and after the structure.
 #[derive(Default)]
 pub(super) struct After {
+    pub defines: String,
     pub surfaces: String,
     pub user: String,
 }
@@ -260,14 +258,11 @@ pub(super) fn after(table: &Table) -> After {
     for row in rows(table, "surface") {
         let words = ["model", "finish", "type"].map(|word| attribute(row, word)).concat();
         let value = number(row, "value").map(|value| format!(" value=\"{value:?}\"")).unwrap_or_default();
-        let property = |(name, value): (&str, &Datum)| match value {
-            Datum::Text(matrix) => {
-                format!("      <property name=\"{}\" ref=\"{}\"/>\n", escaped(name), escaped(matrix))
-            }
-            _ => String::new(),
-        };
-        let properties: String = properties_of(row).map(property).collect();
         let name = escaped(text(row, "name"));
+        let mut properties = String::new();
+        for (property, value) in properties_of(row) {
+            properties += &property_of(&mut after.defines, &name, property, value);
+        }
         let _ = writeln!(
             after.surfaces,
             "    <opticalsurface name=\"{name}\"{words}{value}>\n{properties}    </opticalsurface>"
