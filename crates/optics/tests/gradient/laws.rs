@@ -102,7 +102,7 @@ fn no_ray_is_lost() {
 
 #[test]
 #[ignore = "long"]
-fn no_ray_of_many_is_lost() {
+fn long_no_ray_of_many_is_lost() {
     none_is_lost(100_000);
 }
 

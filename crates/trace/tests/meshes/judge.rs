@@ -139,6 +139,6 @@ fn volumes_of_booleans_are_those_of_a_kernel_for_meshes() {
 
 #[test]
 #[ignore = "long"]
-fn volumes_of_booleans_are_those_of_a_kernel_for_meshes_to_a_thousandth() {
+fn long_volumes_of_booleans_are_those_of_a_kernel_for_meshes() {
     check(500, 1e-3);
 }
