@@ -2,6 +2,8 @@
 
 import csv
 import math
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -241,12 +243,64 @@ def test_what_is_wrong_is_named() -> None:
         system.trace_rays([[0, 0, -5]] * 2, [[0, 0, 1]] * 3)
     with pytest.raises(RayweaveError, match="generation_limit is -1"):
         system.trace_rays([0, 0, -5], [0, 0, 1], generation_limit=-1)
-    with pytest.raises(TypeError, match=r"elements\[0\] is <class 'rayweave.Solid'> \(a Element"):
+    with pytest.raises(TypeError, match=r"elements\[0\] is of the type Solid \(an Element is needed: element\("):
         optics.System([sphere(1)])  # type: ignore[list-item]
     with pytest.raises(TypeError, match=r"sources\[0\]"):
         system.trace([optics.ball_lens(1)])  # type: ignore[list-item]
     with pytest.raises(RayweaveError, match="there is no element 'lens'"):
         system.trace_rays([0, 0, -5], [0, 0, 1]).at("lens")
+
+
+def test_what_is_given_is_checked_where_it_is_given() -> None:
+    """The error is about the argument, before anything is made or traced of it."""
+    given: list[tuple[type[Exception], str, Callable[[], object]]] = [
+        (TypeError, "the aperture is 'wide'", lambda: optics.baffle("wide")),  # type: ignore[arg-type]
+        (TypeError, r"the aperture is \(1, 2, 3\)", lambda: optics.baffle((1, 2, 3))),  # type: ignore[arg-type]
+        (TypeError, "a radius or size is None", lambda: optics.ball_lens(None)),  # type: ignore[arg-type]
+        (TypeError, "the material is None", lambda: optics.ball_lens(1, material=None)),  # type: ignore[arg-type]
+        (RayweaveError, "the material is -1.5", lambda: optics.ball_lens(1, material=-1.5)),
+        (RayweaveError, "did you mean N-BK7", lambda: optics.ball_lens(1, material="N-BK77")),
+        (RayweaveError, "did you mean 'mirror'", lambda: optics.ball_lens(1, material="mirorr")),
+        (TypeError, "finish is 'black'", lambda: optics.ball_lens(1).with_finish("black")),  # type: ignore[arg-type]
+        (TypeError, r"a film is \(1.38,\)", lambda: optics.coated((1.38,))),  # type: ignore[arg-type]
+        (TypeError, r"wavelength_nm is \[500, 600\]", lambda: optics.beam(1, 5, wavelength_nm=[500, 600])),  # type: ignore[arg-type]
+        (RayweaveError, "the number of rays is -1", lambda: optics.beam(1, -1)),
+        (TypeError, "the number of rays is 1.5", lambda: optics.beam(1, 1.5)),  # type: ignore[arg-type]
+        (RayweaveError, "seed is -1", lambda: optics.beam(1, 5, seed=-1)),
+        (RayweaveError, "v has 2 numbers", lambda: optics.ball_lens(1).translate([0, 0])),
+        (TypeError, "elements is None", lambda: optics.System(None)),  # type: ignore[arg-type]
+    ]
+    for kind, message, make in given:
+        with pytest.raises(kind, match=message):
+            make()
+    system = optics.System([optics.ball_lens(1), optics.detector(5).translate([0, 0, 3])])
+    light = optics.beam(0.5, 10).translate([0, 0, -3])
+    with pytest.raises(TypeError, match="sources is 3"):
+        system.trace(3)  # type: ignore[arg-type]
+    trace = system.trace(light)
+    with pytest.raises(KeyError, match="no column 'power'"):
+        trace["power"]
+    with pytest.raises(RayweaveError, match="did you mean 'detector'"):
+        trace.at("detecter")
+    with pytest.raises(RayweaveError, match="bins is 0"):
+        trace.irradiance("detector", 0)
+    with pytest.raises(TypeError, match="size is 3"):
+        trace.irradiance("detector", size=3)  # type: ignore[arg-type]
+    for name in ("away.csv", "away.parquet"):
+        if name.endswith("parquet"):
+            pytest.importorskip("pyarrow")
+        with pytest.raises(RayweaveError, match="folder .* does not exist"):
+            system.trace_to(Path("no such folder") / name, light)
+
+
+def test_packages_that_are_not_there_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    trace = optics.System([optics.ball_lens(1)]).trace(optics.beam(0.5, 3))
+    for name in ("pandas", "pyarrow", "polars", "matplotlib", "matplotlib.pyplot"):
+        # what Python takes for a package that is not there
+        monkeypatch.setitem(sys.modules, name, None)
+    for use in (trace.to_pandas, trace.to_arrow, trace.to_polars, trace.show):
+        with pytest.raises(ModuleNotFoundError, match="is not installed .* pip install"):
+            use()
 
 
 def cone(half_degrees: float, count: int, z: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -226,6 +226,14 @@ def test_refusals() -> None:
         paraboloid().arrivals(3)
     with pytest.raises(RayweaveError, match='field_kind is "sine"'):
         Prescription([surface], entrance_pupil_diameter=1, field_kind="sine")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"surfaces\[0\] is of the type float"):
+        Prescription([5.0], entrance_pupil_diameter=1)  # type: ignore[list-item]
+    with pytest.raises(TypeError, match="a thickness is 'thin'"):
+        Prescription([Surface(50.0, "thin")], entrance_pupil_diameter=1)  # type: ignore[arg-type]
+    with pytest.raises(RayweaveError, match=r"wavelengths_nm has shape \(\)"):
+        Prescription([surface], entrance_pupil_diameter=1, wavelengths_nm=500)  # type: ignore[arg-type]
+    with pytest.raises(RayweaveError, match="count is 0"):
+        paraboloid().wavefront().zernike(0)
     with pytest.raises(RayweaveError, match="there is no surface 2"):
         paraboloid().with_surface(2, radius=1.0)
     with pytest.raises(RayweaveError, match="surfaces 1 and 2 cross"):

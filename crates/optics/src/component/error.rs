@@ -54,8 +54,9 @@ pub enum ComponentError {
     },
     /// An aperture that reaches beyond where a surface ends.
     #[error(
-        "{part}: the aperture reaches {reach} from the axis (the {surface} surface ends {limit} from it) is a diameter \
-         given for a radius?"
+        "{part}: the aperture reaches {} from the axis (the {surface} surface ends {} from it) is a diameter \
+         given for a radius?",
+        short(*reach), short(*limit)
     )]
     ApertureTooLarge {
         /// What was to be made.
@@ -69,8 +70,9 @@ pub enum ComponentError {
     },
     /// Two surfaces that cross where there should be material between them.
     #[error(
-        "{part}: the {first} and the {second} surface cross inside the aperture, {height} from the axis (the aperture \
-         reaches {reach}) is the thickness too small or the aperture too large?"
+        "{part}: the {first} and the {second} surface cross inside the aperture, {} from the axis (the aperture \
+         reaches {}) is the thickness too small or the aperture too large?",
+        short(*height), short(*reach)
     )]
     SurfacesCross {
         /// What was to be made.
@@ -110,6 +112,11 @@ pub enum ComponentError {
     /// A map that cannot be undone.
     #[error(transparent)]
     Singular(#[from] SingularError),
+}
+
+/// A computed number as messages tell it, to six digits.
+pub(crate) fn short(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 fn or_positive(value: f64) -> String {

@@ -67,6 +67,7 @@ pub use aperture::Aperture;
 pub use array::{fresnel_lens, lenslet_array};
 pub use concentrator::{Cpc, light_pipe, tapered_light_pipe};
 pub use error::ComponentError;
+pub(crate) use error::short;
 pub use face::{Asphere, sag};
 pub use form::{Figure, Form};
 pub use lens::{

@@ -9,7 +9,10 @@ use crate::prescription::PrescriptionError;
 #[non_exhaustive]
 pub enum DesignError {
     /// Text that names no parameter.
-    #[error("`{0}` is no parameter (a quantity and surfaces are needed, as `radius 2` or `tilt x 3-4`)")]
+    #[error(
+        "`{0}` is no parameter (radius, curvature, thickness, conic, index, r^1 to r^16 have the number of a surface, as \
+         `radius 2`; decentre x, decentre y, tilt x, tilt y that of one or of several, as `tilt x 3-4`)"
+    )]
     NoParameter(String),
     /// A parameter that the prescription does not have.
     #[error("there is no {parameter} ({why})")]

@@ -90,10 +90,18 @@ fn called(reader: &mut Reader, entry: &Entry, names: &[String]) -> Vec<(Option<S
     let is_called = |name: &&String| begins(name) || name.split('.').any(|part| part == face);
     let found: Vec<&String> = names.iter().filter(is_called).collect();
     if found.is_empty() {
-        let known: Vec<&str> = names.iter().map(String::as_str).collect();
-        reader.unknown("face", &entry.key, &known);
+        reader.unknown("face", &entry.key, &beginnings(names, &entry.key.value));
     }
     found.into_iter().map(|name| (Some(name.clone()), entry.finish.clone())).collect()
+}
+
+/// The faces by as many parts of their names as an entry has, as it may name many at once.
+fn beginnings<'n>(names: &'n [String], key: &str) -> Vec<&'n str> {
+    let dots = key.matches('.').count();
+    let end = |name: &str| name.match_indices('.').nth(dots).map_or(name.len(), |(place, _)| place);
+    let mut known: Vec<&str> = names.iter().map(|name| &name[..end(name)]).collect();
+    known.dedup();
+    known
 }
 
 fn read_finish(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Finish> {

@@ -123,7 +123,8 @@ impl Prescription {
         let matrix = |from: usize, to: usize| self.matrix(&curvatures, &n, from, to);
         let (front, back) = (matrix(0, self.stop - 1), matrix(self.stop - 1, last));
         let matrix = front.then(back);
-        let (a, d, power) = (matrix.a, matrix.d, -matrix.c);
+        // of what has no power f is inf, not -inf
+        let (a, d, power) = (matrix.a, matrix.d, 0.0 - matrix.c);
         let (n_object, n_image) = (n[0], n[last]);
         let last_vertex = resolved.vertices[last - 1];
         let entrance = n_object * front.b / front.a;

@@ -1,6 +1,6 @@
 //! What can be wrong with a prescription.
 
-use crate::component::ComponentError;
+use crate::component::{ComponentError, short};
 use crate::error::OpticsError;
 use crate::glass::GlassError;
 
@@ -41,8 +41,9 @@ pub enum PrescriptionError {
     },
     /// Surfaces that cross inside the aperture: the lens, or the space between two lenses, has a negative thickness there.
     #[error(
-        "surfaces {first} and {second} cross {height} from the axis (their clear semi-diameters reach {reach}) is the \
-         thickness too small or a semi-diameter too large?"
+        "surfaces {first} and {second} cross {} from the axis (their clear semi-diameters reach {}) is the \
+         thickness too small or a semi-diameter too large?",
+        short(*height), short(*reach)
     )]
     Cross {
         /// The surface in front.
@@ -79,6 +80,19 @@ pub enum PrescriptionError {
         what: &'static str,
         /// Why there is none.
         why: &'static str,
+    },
+    /// A wavelength at which the index of a medium is not known.
+    #[error(
+        "the wavelength is {wavelength_nm} nm (the index of `{medium}` is known from {} nm to {} nm) is it in nanometres?",
+        range_nm[0], range_nm[1]
+    )]
+    Wavelength {
+        /// The medium.
+        medium: String,
+        /// The wavelength in nanometres.
+        wavelength_nm: f64,
+        /// The least and the greatest one in nanometres.
+        range_nm: [f64; 2],
     },
     /// A ray that does not arrive.
     #[error("the ray does not reach the image ({why} at surface {surface})")]

@@ -124,6 +124,10 @@ impl Prescription {
         if let Some(place) = self.fields.iter().flatten().find(|place| !place.is_finite()) {
             return Err(bad("a field", *place, "finite"));
         }
+        let is_angle = self.field_kind == FieldKind::Angle;
+        if let Some(angle) = self.fields.iter().flatten().find(|angle| is_angle && angle.abs() >= 90.0) {
+            return Err(bad("the angle of a field", *angle, "between -90 and 90 degrees"));
+        }
         self.image_as_surface().check(count + 1)?;
         self.surfaces.iter().enumerate().try_for_each(|(k, surface)| surface.check(k + 1))
     }
@@ -166,11 +170,10 @@ impl Resolved {
     pub fn indices(&self, wavelength_nm: f64) -> Result<Vec<f64>, PrescriptionError> {
         let index = |space: usize| {
             let medium = &self.media[space];
-            let [low, high] = medium.range_nm();
-            if !(low..=high).contains(&wavelength_nm) {
-                let (what, range) =
-                    (format!("the wavelength in nm for `{}`", medium.name()), "in the range of its data");
-                return Err(bad(what, wavelength_nm, range));
+            let range_nm = medium.range_nm();
+            if !(range_nm[0]..=range_nm[1]).contains(&wavelength_nm) {
+                let medium = medium.name().to_owned();
+                return Err(PrescriptionError::Wavelength { medium, wavelength_nm, range_nm });
             }
             Ok(self.index(space, wavelength_nm))
         };

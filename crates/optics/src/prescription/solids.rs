@@ -69,6 +69,7 @@ impl Prescription {
     /// of the entrance pupil, and of the stop, need. That of the image comes last.
     fn semi_diameters(&self, resolved: &Resolved) -> Result<Vec<f64>, PrescriptionError> {
         let mut needed = vec![0.0_f64; resolved.vertices.len()];
+        let mut lost = None;
         for field in 0..self.fields.len() {
             for line in &self.lines {
                 let rim: Vec<[f64; 2]> = rim().collect();
@@ -77,13 +78,21 @@ impl Prescription {
                 beams.extend(self.beam_at_stop(field, line.wavelength_nm, &rim));
                 for ray in beams.iter().flat_map(|beam| (0..beam.len()).map(|k| beam.get(k).ray)) {
                     // a ray that is lost needs no room
-                    let passes = self.follow_resolved(resolved, &ray, line.wavelength_nm).unwrap_or_default();
+                    let followed = self.follow_resolved(resolved, &ray, line.wavelength_nm);
+                    let passes = followed.unwrap_or_else(|error| {
+                        lost = Some(error);
+                        Vec::new()
+                    });
                     let widen = |(room, pass): (&mut f64, &super::Pass)| {
                         *room = room.max(libm::hypot(pass.point.x, pass.point.y));
                     };
                     needed.iter_mut().zip(&passes).for_each(widen);
                 }
             }
+        }
+        // what needs no room because no ray gets there is not of the size 0
+        if let Some(error) = lost.filter(|_| needed.iter().all(|&room| room == 0.0)) {
+            return Err(error);
         }
         let image = self.surfaces.len();
         let widest = needed[..image].iter().fold(0.0_f64, |widest, &room| widest.max(room));

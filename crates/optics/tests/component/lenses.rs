@@ -208,8 +208,9 @@ fn refusals() {
         "lens: the aperture reaches 5 from the axis (the back surface ends 4 from it) is a diameter given for a radius?"
     );
     // a meniscus: the sags 50 - sqrt(2500 - h^2) and 10 - sqrt(100 - h^2) differ by 1 where they cross
-    let crossing = message(10.0, 50.0, 1.0, 18.0);
-    let height: f64 = crossing.split(", ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let problem = lens(10.0, 50.0, 1.0, Aperture::circle(18.0)).unwrap_err();
+    let crossing = problem.to_string();
+    let ComponentError::SurfacesCross { height, .. } = problem else { panic!("{crossing}") };
     let difference = (10.0 - (100.0 - height * height).sqrt()) - (50.0 - (2500.0 - height * height).sqrt());
     assert_close(difference, 1.0, 1e-12);
     assert!(crossing.contains("the front and the back surface cross inside the aperture"), "{crossing}");

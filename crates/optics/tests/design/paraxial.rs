@@ -23,6 +23,16 @@ fn thick_lenses_obey_the_lensmakers_equation() {
 }
 
 #[test]
+fn what_has_no_power_has_an_infinite_focal_length() {
+    let plate =
+        Prescription::new(vec![Surface::new(f64::INFINITY, 5.0, index(1.5)), Surface::new(f64::INFINITY, 5.0, Behind::Air)]);
+    let data = plate.first_order(D_NM).unwrap();
+    assert_eq!([data.focal_length, data.back_focal_distance], [f64::INFINITY; 2]);
+    // the way of light in the plate, reduced by its index
+    near(data.matrix.b, 5.0 / 1.5, 1e-15);
+}
+
+#[test]
 fn pupils_are_images_of_the_stop() {
     // a stop 10 behind a thin lens of focal length 50: 1/s' = 1/50 - 1/10, s' = -12.5, magnified 1.25 times
     let f = 50.0;

@@ -132,7 +132,9 @@ fn all_problems_are_told_with_their_lines() {
     for (found, expected) in problems.iter().zip(expected) {
         assert!(found.starts_with(expected), "{found}");
     }
-    assert!(read_zmx(b"").unwrap_err().to_string().starts_with("line 0: the file has no surface"));
+    for other in [&b""[..], b"rayweave = 1\n[solid.a]\nsphere = {}\n", b"\x89PNG\r\n"] {
+        assert!(read_zmx(other).unwrap_err().to_string().starts_with("line 1: the file has no line of a Zemax file"));
+    }
 }
 
 /// Words put out of place, doubled, dropped and replaced: an answer or problems, never a panic, and what is read can be looked at.

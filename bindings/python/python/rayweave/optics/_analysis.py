@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rayweave._core import RayweaveError
+from rayweave.optics._given import real, whole
 
 
 @dataclass(frozen=True)
@@ -59,15 +60,25 @@ def irradiance_of(
     size: tuple[float, float] | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     across, up = points[:, 0], points[:, 1]
+    cells = [whole(count, "bins", least=1) for count in (bins if isinstance(bins, tuple) else (bins, bins))]
     if size is not None:
-        limits = [(-0.5 * size[0], 0.5 * size[0]), (-0.5 * size[1], 0.5 * size[1])]
+        limits = [(-0.5 * length, 0.5 * length) for length in _lengths(size)]
     elif len(across) == 0:
         raise RayweaveError("no light arrives there (say the size of the map)")
     else:
         limits = [(float(values.min()), float(values.max())) for values in (across, up)]
-    counts, x, y = np.histogram2d(across, up, bins=bins, range=limits, weights=power)
+    counts, x, y = np.histogram2d(across, up, bins=cells, range=limits, weights=power)
     areas = np.outer(np.diff(x), np.diff(y))
     return np.asarray((counts / areas).T), np.asarray(x), np.asarray(y)
+
+
+def _lengths(size: Any) -> list[float]:
+    if not isinstance(size, tuple | list) or len(size) != 2:
+        raise TypeError(f"size is {size!r} (a width and a height are needed)")
+    lengths = [real(length, "size") for length in size]
+    if not all(0.0 < length < np.inf for length in lengths):
+        raise RayweaveError(f"size is {size!r} (both have to be greater than 0 and finite)")
+    return lengths
 
 
 @dataclass(frozen=True)

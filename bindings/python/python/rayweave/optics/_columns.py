@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from rayweave.optics._given import package
 
 
 class Columns(Mapping[str, NDArray[Any]]):
@@ -18,6 +19,8 @@ class Columns(Mapping[str, NDArray[Any]]):
         self.units = {name: (units or {}).get(name, "") for name in self.columns}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self.columns:
+            raise KeyError(f"there is no column {name!r} (there are {', '.join(self.columns)})")
         return self.columns[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -37,13 +40,13 @@ class Columns(Mapping[str, NDArray[Any]]):
 
     def to_pandas(self) -> Any:
         """The columns as a pandas DataFrame; the units are in its `attrs`."""
-        table = import_module("pandas").DataFrame(self.columns, copy=False)
+        table = package("pandas", "data frames").DataFrame(self.columns, copy=False)
         table.attrs["units"] = dict(self.units)
         return table
 
     def to_arrow(self) -> Any:
         """The columns as an Arrow table, without copies; the units are in the metadata of its fields."""
-        arrow = import_module("pyarrow")
+        arrow = package("pyarrow", "Arrow tables")
         arrays = [arrow.array(column) for column in self.columns.values()]
         named = zip(self.columns, arrays, strict=True)
         fields = [arrow.field(name, array.type, metadata={"unit": self.units[name]}) for name, array in named]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave.optics._columns import Columns
+from rayweave.optics._given import real
 from rayweave.optics._images import _axis, _labelled
 from rayweave.optics._prescription import Prescription
 
@@ -174,7 +175,9 @@ def goal(
     wavelength: "spot", whose sum of squares is the square of the RMS radius, and "wavefront", that of the RMS in waves.
     """
     given = {"equal": equal, "least": at_least, "most": at_most}
-    stated = [(kind, float(value)) for kind, value in given.items() if value is not None] or [("equal", 0.0)]
+    stated = [(kind, real(value, kind)) for kind, value in given.items() if value is not None] or [("equal", 0.0)]
+    if any(np.isnan(value) for _, value in stated):
+        raise _core.RayweaveError(f"the goal {operand!r} has the value NaN (a number is needed)")
     if len(stated) > 1:
         raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values (one of equal, at_least, at_most)")
     names = ("field", "wavelength_nm") if operand in ("spot", "wavefront") else ("surface", "height")

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._core import RayweaveError, Sheet, Solid
+from rayweave.optics._given import package
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +26,7 @@ _CURVED = _core.event_names().index("curved")
 def draw(
     trace: Trace, view: str, color: str, axis: Axes | None, width: float, rays: int, escape: float | None
 ) -> Axes:
-    import matplotlib.pyplot as plt
+    plt = package("matplotlib.pyplot", "drawings")
     from matplotlib.collections import LineCollection
 
     if view not in _AXES:
@@ -43,8 +44,8 @@ def draw(
     shades = _colours(trace, color, chosen)
     axis.add_collection(LineCollection(lines, colors=shades, linewidths=width, zorder=3))
     axis.set_aspect("equal")
-    axis.set_xlabel("xyz"[across])
-    axis.set_ylabel("xyz"[up])
+    axis.set_xlabel(f"{'xyz'[across]} / {trace.system.unit}")
+    axis.set_ylabel(f"{'xyz'[up]} / {trace.system.unit}")
     axis.autoscale_view()
     return axis
 
@@ -190,9 +191,9 @@ def _colours(trace: Trace, color: str, chosen: NDArray[Any]) -> Any:
     if color == "wavelength":
         return wavelength_rgb(trace["wavelength_nm"][chosen])
     if color == "source":
-        import matplotlib as mpl
-
-        return mpl.colormaps["tab10"](trace["source"][chosen] % 10)
+        return package("matplotlib", "drawings").colormaps["tab10"](trace["source"][chosen] % 10)
+    if not package("matplotlib.colors", "drawings").is_color_like(color):
+        raise RayweaveError(f'color is {color!r} (it can be "wavelength", "source" or a colour of matplotlib)')
     return color
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from typing import Any, Self
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, GradedMedium, Sheet, Solid
+from rayweave.optics._given import real
 from rayweave.optics._place import Placed
 
 #: A glass, the name of one, a constant index (complex if it absorbs), a medium with a gradient, "mirror" or "absorber".
@@ -65,8 +67,15 @@ def rough(slope: float) -> Finish:
 
 def coated(*films: tuple[complex, float]) -> Finish:
     """Thin films, the outermost first: pairs of an index (complex if it absorbs) and a thickness in nanometres."""
-    numbers = ((complex(n).real, complex(n).imag, thickness) for n, thickness in films)
-    return Finish("coated", tuple(number for film in numbers for number in film))
+    return Finish("coated", tuple(number for film in films for number in _film(film)))
+
+
+def _film(film: tuple[complex, float]) -> _Numbers:
+    match film:
+        case (n, thickness_nm):
+            index = _index(n, "the index of a film")
+            return index.real, index.imag, real(thickness_nm, "the thickness of a film")
+    raise TypeError(f"a film is {film!r} (a pair of its index and its thickness in nanometres is needed)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +98,11 @@ class Element(Placed):
     #: The element as a model file says it, which holds more than the fields above.
     read: _core.ReadElement | None = None
 
+    def __post_init__(self) -> None:
+        # a material that is none is told where it is given
+        if self.read is None and self.action is None:
+            _substance(self.material, self.finish)
+
     def named(self, name: str) -> Self:
         """The same under another name, by which it is called in results."""
         return replace(self, name=name)
@@ -97,6 +111,8 @@ class Element(Placed):
         """The same with a finish on the faces of this name ("front", "front.side", ...), or on all that have none of their own."""
         if self.action is not None:
             raise _core.RayweaveError(f"{self.name} is a sheet (it has an action, not a finish)")
+        if not isinstance(finish, Finish):
+            raise TypeError(f"finish is {finish!r} (a Finish is needed: black(), polished(), coated(..), ... make one)")
         if self.read is not None:
             return replace(self, read=self.read.with_finish(finish._spec(), face))
         if face is None:
@@ -124,14 +140,27 @@ def _medium(material: Material) -> Glass | GradedMedium | tuple[float, float]:
         return material
     if isinstance(material, str):
         return Glass(material)
-    index = complex(material)
+    index = _index(material, "the material")
     return index.real, index.imag
+
+
+def _index(index: Any, name: str) -> complex:
+    try:
+        n = complex(index)
+    except (TypeError, ValueError):
+        needed = "a number, complex if it absorbs, or a material"
+        raise TypeError(f"{name} is {index!r} ({needed} is needed)") from None
+    if not (0.0 < n.real < np.inf and 0.0 <= n.imag < np.inf):
+        raise _core.RayweaveError(f"{name} is {index} (n has to be greater than 0, k at least 0, both finite)")
+    return n
 
 
 def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
     if isinstance(material, str) and material in ("mirror", "absorber"):
         shiny = material == "mirror" and finish == polished()
         return "opaque", None, reflecting() if shiny else finish
+    if isinstance(material, str) and (close := get_close_matches(material, ("mirror", "absorber"), 1, 0.8)):
+        raise _core.RayweaveError(f"no material is named {material!r} (it is no glass) did you mean {close[0]!r}?")
     medium = _medium(material)
     if isinstance(medium, GradedMedium):
         return "transparent", medium, finish
@@ -143,15 +172,18 @@ def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
 
 
 def _outline(aperture: Aperture) -> tuple[str, float, float]:
+    def size(number: Any) -> float:
+        return real(number, "the aperture", "a diameter, a width and a height, or a kind with its sizes")
+
     match aperture:
-        case (str() as kind, *sizes):
-            return kind, float(sizes[0]), float(sizes[-1])
-        case (width, height) if width < 0 and height < 0:
-            return "ellipse", -float(width), -float(height)
+        case (str() as kind, *sizes) if 1 <= len(sizes) <= 2:
+            return kind, size(sizes[0]), size(sizes[-1])
+        case (width, height) if size(width) < 0 and size(height) < 0:
+            return "ellipse", -size(width), -size(height)
         case (width, height):
-            return "rectangle", float(width), float(height)
+            return "rectangle", size(width), size(height)
         case diameter:
-            return "circle", float(diameter), float(diameter)
+            return "circle", size(diameter), size(diameter)
 
 
 def _component(
@@ -165,9 +197,13 @@ def _component(
 ) -> Element:
     outline = None if aperture is None else _outline(aperture)
     (solid,) = _core.optical_component(
-        kind, [float(number) for number in numbers], outline, off_axis, terms or []
+        kind, _sizes(numbers), outline, off_axis, terms or []
     )
     return Element(name, solid, material)
+
+
+def _sizes(numbers: _Numbers) -> list[float]:
+    return [real(number, "a radius or size") for number in numbers]
 
 
 def element(solid: Solid, material: Material, *, name: str = "element") -> Element:

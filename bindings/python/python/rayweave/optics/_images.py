@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave.optics._columns import Columns
+from rayweave.optics._given import package, whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +22,7 @@ _ALONG: tuple[Literal["y", "x"], ...] = ("y", "x")
 
 
 def _axis(axis: Axes | None) -> Axes:
-    import matplotlib.pyplot as plt
-
+    plt = package("matplotlib.pyplot", "drawings")
     return plt.subplots()[1] if axis is None else axis
 
 
@@ -115,9 +115,9 @@ class Spots(Columns):
 
     def show(self, *, axes: Sequence[Axes] | None = None) -> list[Axes]:
         """Draws the spot diagrams about their centroids, to one scale, coloured by wavelength."""
-        import matplotlib.pyplot as plt
-
         from rayweave.optics._drawing import wavelength_rgb
+
+        plt = package("matplotlib.pyplot", "drawings")
 
         count = len(self.images)
         if axes is None:
@@ -163,9 +163,9 @@ class Fans(Columns):
     def show(self, *, axes: Any = None) -> Any:
         """Draws the fans, field by field, coloured by wavelength: a row for each, along y and along x. `axes` is an array
         (fields, 2)."""
-        import matplotlib.pyplot as plt
-
         from rayweave.optics._drawing import wavelength_rgb
+
+        plt = package("matplotlib.pyplot", "drawings")
 
         fields = np.unique(self["field"])
         if axes is None:
@@ -265,7 +265,7 @@ class Wavefront(Columns):
     def zernike(self, count: int = 15, *, scheme: Literal["noll", "osa"] = "noll") -> ZernikeFit:
         """The sum of the first polynomials with the least mean square distance, numbered by Noll (from 1) or OSA/ANSI (from 0)."""
         first = 0 if scheme == "osa" else 1
-        indices = range(first, first + count)
+        indices = range(first, first + whole(count, "count", least=1))
         terms = [_core.zernike_term(scheme, index) for index in indices]
         pupil = np.stack([self["pupil_x"], self["pupil_y"]], axis=1)
         coefficients, residual = _core.zernike_fit(pupil, self["waves"], terms)

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rayweave import _core
+from rayweave.optics._given import real, vector
 
 
 class Placed(ABC):
@@ -21,7 +21,7 @@ class Placed(ABC):
     def translate(self, v: ArrayLike) -> Self:
         """Moved by a vector."""
         matrix = np.eye(4)
-        matrix[:3, 3] = _core.number_list(v, "v")
+        matrix[:3, 3] = vector(v, "v")
         return self.transform(matrix)
 
     def rotate_x(self, degrees: float) -> Self:
@@ -38,7 +38,7 @@ class Placed(ABC):
 
 
 def _turn(axis: int, degrees: float) -> NDArray[np.float64]:
-    angle = np.deg2rad(degrees)
+    angle = np.deg2rad(real(degrees, "the angle"))
     i, j = (axis + 1) % 3, (axis + 2) % 3
     matrix = np.eye(4)
     matrix[i, i] = matrix[j, j] = np.cos(angle)

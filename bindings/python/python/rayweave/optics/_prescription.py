@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
 from rayweave.optics._elements import Element, Finish
+from rayweave.optics._given import all_of, numbers, real
 from rayweave.optics._images import (
     Distortion,
     Energy,
@@ -140,7 +141,8 @@ class Surface:
     def _row(self) -> tuple[Any, ...]:
         terms = [[float(c) for c in coefficients] for coefficients in (self.even, self.odd)]
         figure = _figure_row(self.figure)
-        return (self.radius, self.thickness, self.behind, self.conic, self.semi_diameter, self.hole, *terms, figure)
+        radius, thickness = real(self.radius, "the radius of a surface"), real(self.thickness, "a thickness")
+        return (radius, thickness, self.behind, self.conic, self.semi_diameter, self.hole, *terms, figure)
 
     @classmethod
     def _of(cls, row: tuple[Any, ...]) -> Surface:
@@ -222,7 +224,7 @@ class Prescription:
         image_conic: float = 0.0,
         image_semi_diameter: float | None = None,
     ) -> None:
-        wavelengths = [float(wavelength) for wavelength in wavelengths_nm]
+        wavelengths = numbers(wavelengths_nm, "wavelengths_nm")
         frame = {
             "name": name,
             "notes": list(notes),
@@ -241,7 +243,7 @@ class Prescription:
             "stop": stop,
             "image": (image_radius, image_conic, image_semi_diameter),
         }
-        self._compiled = _core.CompiledPrescription([surface._row() for surface in surfaces], frame)
+        self._compiled = _core.CompiledPrescription([surface._row() for surface in all_of(Surface, surfaces, "surfaces")], frame)
         self.passed_over: tuple[str, ...] = ()
 
     @classmethod
@@ -605,7 +607,7 @@ def _field(field: float | tuple[float, float]) -> tuple[float, float]:
 
 
 def _lines(wavelengths: list[float], weights: Iterable[float] | None) -> list[tuple[float, float]]:
-    shares = [1.0] * len(wavelengths) if weights is None else [float(weight) for weight in weights]
+    shares = [1.0] * len(wavelengths) if weights is None else numbers(weights, "weights")
     if len(shares) != len(wavelengths):
         counts = f"{len(wavelengths)} wavelengths and {len(shares)} weights"
         raise _core.RayweaveError(f"{counts} are given (each wavelength needs one)")

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave.optics._elements import Aperture, _outline
+from rayweave.optics._given import real, whole
 from rayweave.optics._place import Placed
 
 #: A wavelength in nanometres; wavelengths with weights; or a kind with its numbers: ("uniform", lo, hi),
@@ -55,12 +56,12 @@ def _source(
     total, amount = (True, power[1]) if isinstance(power, tuple) else (False, power)
     compiled = _core.LightSource(
         kind,
-        [float(number) for number in numbers],
-        count,
+        [real(number, "a size or angle of the source") for number in numbers],
+        whole(count, "the number of rays", least=1),
         _spectrum(wavelength_nm),
-        float(amount),
+        real(amount, "power"),
         total,
-        seed,
+        whole(seed, "seed"),
         None if outline is None else _outline(outline),
         sampling,
     )
@@ -74,7 +75,8 @@ def _spectrum(wavelength_nm: Spectrum) -> tuple[str, list[float]]:
         case (str() as name, *rest):
             return name, [float(x) for x in rest]
         case single:
-            return "line", [float(single)]
+            needed = "a number of nanometres, a dict of them with weights, or a kind of spectrum with its numbers"
+            return "line", [real(single, "wavelength_nm", needed)]
 
 
 _Power = float | tuple[Literal["total"], float]

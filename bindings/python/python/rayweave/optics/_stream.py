@@ -6,7 +6,6 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
+from rayweave.optics._given import package, whole
 
 if TYPE_CHECKING:
     from rayweave.optics._sources import Source
@@ -96,7 +96,7 @@ class _Bar:
 
 def record_batch(trace: Trace) -> Any:
     """A record batch of a trace: numbers without copies, names as dictionaries."""
-    pyarrow = import_module("pyarrow")
+    pyarrow = package("pyarrow", "Arrow tables")
     system = trace.system
     names = {
         "element": system.element_names,
@@ -110,7 +110,7 @@ def record_batch(trace: Trace) -> Any:
 
 
 def _dictionary(numbers: NDArray[Any], names: list[str]) -> Any:
-    pyarrow = import_module("pyarrow")
+    pyarrow = package("pyarrow", "Arrow tables")
     indices = pyarrow.array(numbers.astype(np.int32), mask=numbers.astype(np.int32) < 0)
     return pyarrow.DictionaryArray.from_arrays(indices, pyarrow.array(names, pyarrow.string()))
 
@@ -124,6 +124,7 @@ def write(
     phases: bool,
     progress: Progress,
 ) -> Balance:
+    whole(rows, "rows", least=1)
     if path.suffix.lower() != ".parquet":
         # by the writer that the command uses, in the same columns
         tell = reporter(progress) if progress else None
@@ -133,7 +134,9 @@ def write(
 
 
 def _write_parquet(system: System, stream: Stream, path: Path) -> Balance:
-    parquet = import_module("pyarrow.parquet")
+    parquet = package("pyarrow.parquet", "Parquet files")
+    if not path.absolute().parent.is_dir():
+        raise _core.RayweaveError(f"cannot create {path} (the folder {path.parent} does not exist) create it first?")
     # beside its target, and renamed when complete
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     writer = None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from os import PathLike
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Literal
@@ -16,6 +15,7 @@ from rayweave import _core
 from rayweave._core import Glass
 from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
 from rayweave.optics._elements import Element, _medium
+from rayweave.optics._given import all_of, package, unknown, whole
 from rayweave.optics._sources import Source
 from rayweave.optics._stream import Progress, Stream, record_batch, reporter, write
 
@@ -56,10 +56,7 @@ class System:
         world: Glass | str | float | complex = 1.0,
         unit: Literal["nm", "um", "mm", "cm", "m", "in"] = "mm",
     ) -> None:
-        flat: list[Element] = []
-        for part in [elements] if isinstance(elements, Element) else elements:
-            flat.extend(part if isinstance(part, list) else [part])
-        _all_are(Element, flat, "elements")
+        flat = all_of(Element, _flat(elements), "elements", ": element(solid, material) makes one of a solid")
         if unit not in _UNIT_NM:
             raise _core.RayweaveError(f"unit is {unit!r} (it can be {', '.join(_UNIT_NM)})")
         self.elements = tuple(flat)
@@ -136,9 +133,7 @@ class System:
     def _stream(
         self, given: list[Source], settings: dict[str, Any], rows: int, phases: bool, progress: Progress
     ) -> Stream:
-        if rows < 1:
-            raise _core.RayweaveError(f"rows is {rows} (a batch has at least one)")
-        compiled = self._compiled.stream([source.compiled for source in given], settings, rows, phases)
+        compiled = self._compiled.stream([source.compiled for source in given], settings, whole(rows, "rows", least=1), phases)
         return Stream(self, compiled, sum(len(source) for source in given), progress)
 
     def trace_to(
@@ -209,6 +204,13 @@ class System:
         return trace
 
 
+def _flat(elements: Any) -> Any:
+    """The elements of lists among elements, as `cemented` gives them."""
+    if isinstance(elements, Element) or not isinstance(elements, Iterable):
+        return elements
+    return [part for given in elements for part in (given if isinstance(given, list) else [given])]
+
+
 def _settings(
     branches: str,
     polarised: bool,
@@ -218,6 +220,7 @@ def _settings(
     seed: int,
     threads: int | None,
 ) -> dict[str, Any]:
+    whole(seed, "seed")
     if not 0 <= generation_limit < 2**32:
         raise _core.RayweaveError(f"generation_limit is {generation_limit} (it can be 0 to 2^32 - 1)")
     if not threshold >= 0.0:
@@ -234,8 +237,7 @@ def _settings(
 
 
 def _all_sources(sources: Source | Iterable[Source]) -> list[Source]:
-    given = [sources] if isinstance(sources, Source) else list(sources)
-    _all_are(Source, given, "sources")
+    given = all_of(Source, sources, "sources")
     if not given:
         raise _core.RayweaveError("sources is empty (light has to come from somewhere)")
     return given
@@ -269,6 +271,8 @@ class Trace(Mapping[str, NDArray[Any]]):
         return self._balance
 
     def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self.columns:
+            raise KeyError(f"there is no column {name!r} (there are {', '.join(self.columns)})")
         return self.columns[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -289,12 +293,12 @@ class Trace(Mapping[str, NDArray[Any]]):
         """The segments that end at an element, or those of them with this event."""
         names = self.system.element_names
         if element not in names:
-            raise _core.RayweaveError(f"there is no element {element!r} (there are {', '.join(names)})")
+            unknown("element", element, names)
         chosen = self.columns["element"] == names.index(element)
         if event is not None:
             events = _core.event_names()
             if event not in events:
-                raise _core.RayweaveError(f"there is no event {event!r} (there are {', '.join(events)})")
+                unknown("event", event, events)
             chosen &= self.columns["event"] == events.index(event)
         part = Trace(self.system, {name: column[chosen] for name, column in self.columns.items()}, self._balance)
         part._is_whole = False
@@ -351,18 +355,18 @@ class Trace(Mapping[str, NDArray[Any]]):
 
     def to_pandas(self) -> Any:
         """The columns as a pandas DataFrame; surfaces, elements and events by number, names in the system."""
-        return import_module("pandas").DataFrame(self.columns, copy=False)
+        return package("pandas", "data frames").DataFrame(self.columns, copy=False)
 
     def to_arrow(self, *, names: bool = False) -> Any:
         """The columns as an Arrow table, without copies; or, with `names`, elements, surfaces and events by name."""
-        pyarrow = import_module("pyarrow")
+        pyarrow = package("pyarrow", "Arrow tables")
         if names:
             return pyarrow.Table.from_batches([record_batch(self)])
         return pyarrow.table({name: pyarrow.array(column) for name, column in self.columns.items()})
 
     def to_polars(self) -> Any:
         """The columns as a polars DataFrame, without copies; surfaces, elements and events by number, names in the system."""
-        return import_module("polars").from_arrow(self.to_arrow(), rechunk=False)
+        return package("polars", "its data frames").from_arrow(self.to_arrow(), rechunk=False)
 
     def show(
         self,
@@ -387,12 +391,6 @@ class Trace(Mapping[str, NDArray[Any]]):
 def _local(trace: Trace, element: str) -> NDArray[np.float64]:
     inverse = np.linalg.inv(trace._element(element).place)
     return np.asarray(trace.points() @ inverse[:3, :3].T + inverse[:3, 3])
-
-
-def _all_are(kind: type, things: list[Any], name: str) -> None:
-    for k, thing in enumerate(things):
-        if not isinstance(thing, kind):
-            raise TypeError(f"{name}[{k}] is {type(thing)} (a {kind.__name__} is needed)")
 
 
 def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -209,6 +209,11 @@ impl Reader {
     }
 
     fn finish(mut self) -> Result<Read, ZmxError> {
+        if self.surfaces.is_empty() && self.aperture.is_none() && self.wavelengths.is_empty() {
+            self.problems.clear();
+            self.problem(1, "the file has no line of a Zemax file (SURF, ENPD, WAVM, ...) is it another kind of file?");
+            return Err(ZmxError { problems: self.problems });
+        }
         let stop = self.surfaces.iter().position(|surface| surface.is_stop);
         if self.surfaces.len() < 3 {
             self.problem(

@@ -1,0 +1,82 @@
+"""What callers give, checked where it comes in: an error names it, and what it should be."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterable
+from difflib import get_close_matches
+from importlib import import_module
+from typing import Any, NoReturn, TypeVar
+
+from rayweave import _core
+
+T = TypeVar("T")
+
+
+def package(name: str, what_for: str) -> Any:
+    """A module of a package that Rayweave can do without but for this."""
+    try:
+        return import_module(name)
+    except ModuleNotFoundError as error:
+        root = name.split(".")[0]
+        if error.name not in (root, name):
+            raise
+        problem = f"{root} is not installed ({what_for} need it) pip install {root}?"
+        raise ModuleNotFoundError(problem, name=root) from None
+
+
+def real(value: Any, name: str, needed: str = "a number") -> float:
+    """A number."""
+    if not isinstance(value, str):
+        try:
+            return float(value)
+        except (TypeError, ValueError):
+            pass
+    raise TypeError(f"{name} is {value!r} ({needed} is needed)")
+
+
+def whole(value: Any, name: str, least: int = 0) -> int:
+    """A whole number of at most 64 bits."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is {value!r} (a whole number is needed)") from None
+    if not least <= number < 2**64:
+        raise _core.RayweaveError(f"{name} is {number} (it has to be at least {least}, and below 2^64)")
+    return number
+
+
+def numbers(values: Any, name: str) -> list[float]:
+    """A list of numbers, from any iterable of them."""
+    is_list = isinstance(values, Iterable) and not isinstance(values, str)
+    return _core.number_list(list(values) if is_list else values, name)
+
+
+def vector(values: Any, name: str) -> list[float]:
+    """Three numbers."""
+    found = numbers(values, name)
+    if len(found) != 3:
+        raise _core.RayweaveError(f"{name} has {len(found)} numbers (3 are needed)")
+    return found
+
+
+def all_of(kind: type[T], things: Any, name: str, make: str = "") -> list[T]:
+    """A list of things of one kind, from one of them or an iterable; `make` says how they are made."""
+    needed = f"{'an' if kind.__name__[0] in 'AEIO' else 'a'} {kind.__name__} is needed{make}"
+    if isinstance(things, kind):
+        return [things]
+    if not isinstance(things, Iterable):
+        raise TypeError(f"{name} is {things!r} ({needed}, or a list of them)")
+    given = list(things)
+    for k, thing in enumerate(given):
+        if not isinstance(thing, kind):
+            raise TypeError(f"{name}[{k}] is of the type {type(thing).__name__} ({needed})")
+    return given
+
+
+def unknown(what: str, name: str, known: Iterable[str]) -> NoReturn:
+    """An error about a name that is none of those known."""
+    names = list(known)
+    close = get_close_matches(name, names, 1)
+    hint = f" did you mean {close[0]!r}?" if close else ""
+    raise _core.RayweaveError(f"there is no {what} {name!r} (there are {', '.join(names)}){hint}")
