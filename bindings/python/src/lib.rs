@@ -77,7 +77,7 @@ mod _core {
     #[pymodule_export]
     use crate::optics::gradient::PyGradedMedium;
     #[pymodule_export]
-    use crate::optics::prescription::{PyPrescription, pupil_points};
+    use crate::optics::prescription::{PyPrescription, coordinate_break, pupil_points};
     #[pymodule_export]
     use crate::optics::source::PySource;
     #[pymodule_export]

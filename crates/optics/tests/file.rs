@@ -386,7 +386,7 @@ wavelength_nm = { band = [700, 400] }
 11:13 `threshold` is -1 (it must be finite and at least 0)
 13:9 no glass is named \"N-BK77\" (the catalogue has {} of them) did you mean N-BK7?
 14:1 unknown medium `water` (it may be world, glass)
-16:1 unknown face `lens.frnt` (it may be lens.lens)
+16:1 unknown face `lens.frnt` (it may be lens.lens) did you mean `lens.lens`?
 17:1 unknown region `lesn` (it may be lens) did you mean `lens`?
 18:26 `mirror` is 1.5 (it must be from 0 to 1)
 19:20 `coated` is a list of 2 values (it must be a list of 3 numbers)

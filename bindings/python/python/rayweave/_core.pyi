@@ -38,6 +38,7 @@ __all__ = [
     "Spline",
     "array_csg",
     "check_rows",
+    "coordinate_break",
     "count_array",
     "diff_columns",
     "event_names",
@@ -739,6 +740,9 @@ def optimise(
     rings: int,
     patience: int,
 ) -> tuple[CompiledPrescription, dict[str, Any]]: ...
+def coordinate_break(
+    decentre: tuple[float, float], tilt_degrees: tuple[float, float, float], tilts_first: bool
+) -> list[list[float]]: ...
 def pupil_points(kind: str, count: int) -> NDArray[np.float64]: ...
 def zernike_term(scheme: str, index: int) -> tuple[int, int]: ...
 def zernike_values(term: tuple[int, int], pupil: ArrayLike) -> NDArray[np.float64]: ...

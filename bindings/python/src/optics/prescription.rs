@@ -5,14 +5,15 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayweave::Packets;
 use rayweave::optics::analysis::{AnalysisError, Study, fan_x, fan_y, hexapolar, square};
 use rayweave::optics::component::{Figure, Zernike};
 use rayweave::optics::paraxial::{FirstOrder, Meridian, Pupil, Seidel};
 use rayweave::optics::prescription::{
-    Behind, FieldKind, ImageSurface, Layout, Line, Prescription, Surface, SystemAperture, read_zmx, write_zmx,
+    Behind, CoordinateBreak, FieldKind, ImageSurface, Layout, Line, Prescription, Surface, SystemAperture,
+    read_zmx, write_zmx,
 };
 use rayweave::optics::{Beam, Medium, System, Tracer};
+use rayweave::{Affine, Packets};
 use std::sync::OnceLock;
 
 use crate::arrays::{double_array, shape_text};
@@ -156,6 +157,8 @@ struct Frame {
     object_distance: f64,
     stop: usize,
     image: (f64, f64, Option<f64>),
+    /// Surfaces with the maps of the coordinate breaks in front of them, row by row.
+    breaks: Vec<(usize, [[f64; 4]; 4])>,
 }
 
 /// A prescription, compiled when it is first asked for what solids do: see `rayweave.optics.Prescription`.
@@ -226,6 +229,8 @@ impl PyPrescription {
         table.set_item("object_distance", lens.object_distance)?;
         table.set_item("stop", lens.stop)?;
         table.set_item("image", (lens.image.radius, lens.image.conic, lens.image.semi_diameter))?;
+        let breaks: Vec<_> = lens.breaks.iter().map(|at| (at.before, at.map.to_rows())).collect();
+        table.set_item("breaks", breaks)?;
         Ok(table)
     }
 
@@ -397,6 +402,14 @@ impl PyPrescription {
     }
 }
 
+/// The matrix of a coordinate break: coordinates in front of it from those behind, row by row.
+#[pyfunction]
+#[pyo3(signature = (decentre, tilt_degrees, tilts_first))]
+pub fn coordinate_break(decentre: [f64; 2], tilt_degrees: [f64; 3], tilts_first: bool) -> [[f64; 4]; 4] {
+    let made = if tilts_first { CoordinateBreak::tilts_first } else { CoordinateBreak::new };
+    made(0, decentre, tilt_degrees).map.to_rows()
+}
+
 /// Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with that of points across.
 #[pyfunction]
 #[pyo3(signature = (kind, count))]
@@ -449,8 +462,15 @@ fn framed(lens: Prescription, frame: Frame) -> PyResult<Prescription> {
         object_distance: frame.object_distance,
         stop: frame.stop,
         image: ImageSurface { radius, conic, semi_diameter },
+        breaks: frame.breaks.into_iter().map(read_break).collect::<PyResult<_>>()?,
         ..lens
     })
+}
+
+fn read_break((before, rows): (usize, [[f64; 4]; 4])) -> PyResult<CoordinateBreak> {
+    let last =
+        || bad_value(format!("the last row of a coordinate break is {:?} ([0, 0, 0, 1] is needed)", rows[3]));
+    Ok(CoordinateBreak { before, map: Affine::from_rows(&rows).ok_or_else(last)? })
 }
 
 fn aperture((kind, size): &(String, f64)) -> PyResult<SystemAperture> {

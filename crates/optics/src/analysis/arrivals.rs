@@ -74,10 +74,14 @@ fn arrival(segments: &Segments, row: usize, local: &Affine) -> Arrival {
 /// A ray that was followed through a prescription, on its image.
 pub(crate) fn followed(resolved: &Resolved, id: usize, last: &Pass, wavelength_nm: f64) -> Arrival {
     let space = resolved.media.len() - 1;
+    let (point, direction) = match resolved.poses.get(space) {
+        Some(pose) => pose.local(last.point, last.direction),
+        None => (last.point, last.direction),
+    };
     Arrival {
         id,
-        position: last.point - Vec3::Z * resolved.vertices[space],
-        direction: last.direction,
+        position: point - Vec3::Z * resolved.vertices[space],
+        direction,
         path: last.path,
         index: resolved.index(space, wavelength_nm).abs(),
         wavelength_nm,

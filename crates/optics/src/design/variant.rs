@@ -23,7 +23,9 @@ impl Variant {
             parameter.add(&mut lens, *change)?;
         }
         let mut resolved = lens.resolved()?;
-        resolved.poses = poses(&resolved, changes);
+        if let Some(poses) = poses(&resolved, changes) {
+            resolved.poses = poses;
+        }
         Ok(Variant { lens, resolved, vignettes: false })
     }
 
@@ -58,8 +60,7 @@ impl Variant {
     /// True if a ray keeps within all semi-diameters that are stated, in the coordinates of each surface, and out of holes.
     fn passes(&self, passes: &[Pass]) -> bool {
         let keeps = |(k, (pass, surface)): (usize, (&Pass, &Surface))| {
-            let local = self.resolved.poses.get(k).map(|pose| pose.local(pass.point, pass.direction).0);
-            let place = local.unwrap_or(pass.point);
+            let place = self.resolved.local(k, pass.point);
             let r = libm::hypot(place.x, place.y);
             surface.hole <= r && surface.semi_diameter.is_none_or(|most| r <= most)
         };
@@ -94,12 +95,12 @@ impl Variant {
     }
 }
 
-/// Where surfaces are moved to, one for every surface, or none if all are where they should be.
-fn poses(resolved: &Resolved, changes: &[(Parameter, f64)]) -> Vec<Pose> {
+/// Where surfaces and the image are moved to; `None` if all are where the prescription has them.
+fn poses(resolved: &Resolved, changes: &[(Parameter, f64)]) -> Option<Vec<Pose>> {
     if !changes.iter().any(|(parameter, _)| parameter.quantity.is_pose()) {
-        return Vec::new();
+        return None;
     }
-    let count = resolved.vertices.len() - 1;
+    let count = resolved.vertices.len();
     let mut maps = vec![Affine::IDENTITY; count];
     for (parameter, change) in changes {
         let vertex = Vec3::Z * resolved.vertices[parameter.first - 1];
@@ -108,7 +109,11 @@ fn poses(resolved: &Resolved, changes: &[(Parameter, f64)]) -> Vec<Pose> {
             *own = own.then(&map);
         }
     }
-    maps.into_iter().map(Pose::new).collect()
+    let whole = |(k, map): (usize, Affine)| match resolved.poses.get(k) {
+        Some(pose) => Pose::new(map.then(&pose.to_world())),
+        None => Pose::new(map),
+    };
+    Some(maps.into_iter().enumerate().map(whole).collect())
 }
 
 fn motion(quantity: Quantity, change: f64, vertex: Vec3) -> Affine {

@@ -92,11 +92,16 @@ impl Prescription {
     /// The Seidel sums of every surface at the primary wavelength.
     ///
     /// # Errors
-    /// As of [`Prescription::first_order`], a pupil that is infinitely far, and a surface that is not of revolution.
+    /// As of [`Prescription::first_order`], a pupil that is infinitely far, a surface that is not of revolution, and
+    /// coordinate breaks.
     pub fn seidel(&self) -> Result<Vec<Seidel>, PrescriptionError> {
         let resolved = self.resolved()?;
         if !resolved.forms.iter().all(Form::is_round) {
             let why = "a surface is not of revolution";
+            return Err(PrescriptionError::Undefined { what: "Seidel sums", why });
+        }
+        if !self.breaks.is_empty() {
+            let why = "its surfaces are not on one axis";
             return Err(PrescriptionError::Undefined { what: "Seidel sums", why });
         }
         let curvatures = resolved.curvatures(Meridian::Y);

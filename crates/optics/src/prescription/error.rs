@@ -55,6 +55,17 @@ pub enum PrescriptionError {
         /// How far the aperture reaches.
         reach: f64,
     },
+    /// A coordinate break within a lens.
+    #[error(
+        "surfaces {first} and {second} are tilted or decentred against each other, with glass between them (a lens has \
+         one axis)"
+    )]
+    Tilted {
+        /// The surface in front.
+        first: usize,
+        /// The surface behind it.
+        second: usize,
+    },
     /// A semi-diameter that reaches beyond where the surface ends.
     #[error("surface {surface}: its semi-diameter is {reach} (the surface ends {limit} from the axis)")]
     TooLarge {

@@ -31,6 +31,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod breaks;
 mod error;
 mod follow;
 mod launch;
@@ -38,6 +39,7 @@ mod resolved;
 mod solids;
 mod zmx;
 
+pub use breaks::CoordinateBreak;
 pub use error::PrescriptionError;
 pub use follow::Pass;
 pub use solids::{IMAGE, Layout, STOP};
@@ -255,6 +257,8 @@ pub struct Prescription {
     pub stop: usize,
     /// Where the image is looked at.
     pub image: ImageSurface,
+    /// Where the axis is folded or tilted; several in front of one surface count one after the other.
+    pub breaks: Vec<CoordinateBreak>,
 }
 
 impl Prescription {
@@ -274,6 +278,7 @@ impl Prescription {
             surfaces,
             stop: 1,
             image: ImageSurface { radius: f64::INFINITY, conic: 0.0, semi_diameter: None },
+            breaks: Vec::new(),
         }
     }
 

@@ -39,6 +39,18 @@ impl Pose {
         (self.to_local.point(point), self.to_local.vector(direction))
     }
 
+    /// From the place on the axis.
+    pub fn to_world(&self) -> Affine {
+        self.to_world
+    }
+
+    /// True if both are one but for rounding.
+    fn is_near(&self, other: &Pose) -> bool {
+        let entries = |pose: &Pose| pose.to_world.to_rows().into_iter().flatten().collect::<Vec<f64>>();
+        let is_near = |(a, b): (f64, f64)| (a - b).abs() <= 1e-12 * (1.0 + a.abs());
+        entries(self).into_iter().zip(entries(other)).all(is_near)
+    }
+
     /// The same back in the coordinates of the prescription.
     pub fn world(&self, point: Vec3, direction: Vec3) -> (Vec3, Vec3) {
         (self.to_world.point(point), self.to_world.vector(direction))
@@ -68,6 +80,7 @@ impl Prescription {
             resolved.media.push(medium.clone());
             resolved.forward.push(forward);
         }
+        resolved.poses = self.poses(&resolved.vertices);
         Ok(resolved)
     }
 
@@ -128,6 +141,7 @@ impl Prescription {
         if let Some(angle) = self.fields.iter().flatten().find(|angle| is_angle && angle.abs() >= 90.0) {
             return Err(bad("the angle of a field", *angle, "between -90 and 90 degrees"));
         }
+        self.check_breaks()?;
         self.image_as_surface().check(count + 1)?;
         self.surfaces.iter().enumerate().try_for_each(|(k, surface)| surface.check(k + 1))
     }
@@ -159,6 +173,17 @@ impl Surface {
 }
 
 impl Resolved {
+    /// A point in the coordinates in which a surface, counted from 0, is in its place on the axis.
+    pub fn local(&self, k: usize, point: Vec3) -> Vec3 {
+        self.poses.get(k).map_or(point, |pose| pose.local(point, Vec3::ZERO).0)
+    }
+
+    /// True if two surfaces, counted from 0, are on one axis.
+    pub fn are_aligned(&self, one: usize, other: usize) -> bool {
+        let poses = self.poses.get(one).zip(self.poses.get(other));
+        poses.is_none_or(|(one, other)| one.is_near(other))
+    }
+
     /// The index in front of a surface at a wavelength; negative where light travels towards -z, as paraxial formulas want
     /// it (Welford, *Aberrations of Optical Systems*, 1986, section 4.2).
     pub fn index(&self, space: usize, wavelength_nm: f64) -> f64 {

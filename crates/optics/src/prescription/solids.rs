@@ -47,22 +47,21 @@ impl Prescription {
     /// [`PrescriptionError`], with the surfaces at fault, for lenses that cannot be made.
     pub fn assembly(&self) -> Result<Layout, PrescriptionError> {
         let resolved = self.resolved()?;
-        let semi_diameters = self.semi_diameters(&resolved)?;
-        let mut builder =
-            Builder { lens: self, resolved: &resolved, radii: &semi_diameters, parts: Vec::new() };
+        let radii = self.semi_diameters(&resolved)?;
+        let mut builder = Builder { lens: self, resolved: &resolved, radii, parts: Vec::new() };
+        (0..self.surfaces.len()).try_for_each(|k| builder.open_gap(k))?;
         let mut sequence = Vec::new();
         for k in 0..self.surfaces.len() {
-            builder.check_gap(k)?;
             sequence.extend(builder.surface(k)?);
         }
         if let Some(stop) = builder.stop()? {
-            builder.parts.push(Part { low: 0.0, high: 0.0, element: stop });
+            builder.parts.push(Part { k: self.stop - 1, low: 0.0, high: 0.0, element: stop });
         }
         sequence.push(builder.parts.len());
         let assembly = Assembly::new().unit_nm(self.unit_nm);
         let assembly = builder.parts.iter().fold(assembly, |all, part| all.add(part.element.clone()));
         let image = builder.image()?;
-        Ok(Layout { assembly: assembly.add(image), sequence, semi_diameters })
+        Ok(Layout { assembly: assembly.add(image), sequence, semi_diameters: builder.radii })
     }
 
     /// The clear semi-diameters: those stated, else what the real rays of all fields and wavelengths through middle and rim
@@ -83,10 +82,10 @@ impl Prescription {
                         lost = Some(error);
                         Vec::new()
                     });
-                    let widen = |(room, pass): (&mut f64, &super::Pass)| {
-                        *room = room.max(libm::hypot(pass.point.x, pass.point.y));
-                    };
-                    needed.iter_mut().zip(&passes).for_each(widen);
+                    for (k, (room, pass)) in needed.iter_mut().zip(&passes).enumerate() {
+                        let at = resolved.local(k, pass.point);
+                        *room = room.max(libm::hypot(at.x, at.y));
+                    }
                 }
             }
         }
@@ -111,8 +110,9 @@ fn rim() -> impl Iterator<Item = [f64; 2]> {
     [[0.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 0.0], [-1.0, 0.0]].into_iter().chain(diagonal)
 }
 
-/// An element and where it is along the axis.
+/// An element and where it is along the axis of a surface.
 struct Part {
+    k: usize,
     low: f64,
     high: f64,
     element: Element,
@@ -121,7 +121,7 @@ struct Part {
 struct Builder<'a> {
     lens: &'a Prescription,
     resolved: &'a Resolved,
-    radii: &'a [f64],
+    radii: Vec<f64>,
     parts: Vec<Part>,
 }
 
@@ -164,6 +164,20 @@ impl Builder<'_> {
         if self.resolved.forward[k + 1] { [here, next] } else { [next, here] }
     }
 
+    /// Checks the space behind a surface. Where surfaces cross only in what is to spare beyond all rays, they are made as narrow
+    /// as the place where they do.
+    fn open_gap(&mut self, k: usize) -> Result<(), PrescriptionError> {
+        let checked = self.check_gap(k);
+        let Err(PrescriptionError::Cross { height, .. }) = checked else { return checked };
+        let narrower = if self.radii[k] <= self.radii[k + 1] { k } else { k + 1 };
+        let is_stated = |surface: &Surface| surface.semi_diameter.is_some();
+        if self.lens.surfaces.get(narrower).is_none_or(is_stated) || SPARE * height < self.radii[narrower] {
+            return checked;
+        }
+        self.radii[narrower] = height * (1.0 - 1e-9);
+        self.check_gap(k)
+    }
+
     /// The surfaces at both ends of a space must not cross where both of them are.
     fn check_gap(&self, k: usize) -> Result<(), PrescriptionError> {
         for placed in [self.placed(k), self.placed(k + 1)] {
@@ -176,6 +190,9 @@ impl Builder<'_> {
             }
         }
         if k + 1 == self.lens.surfaces.len() && self.resolved.media[k + 1] == Medium::vacuum() {
+            return Ok(());
+        }
+        if !self.resolved.are_aligned(k, k + 1) {
             return Ok(());
         }
         let [low, high] = self.ends(k);
@@ -224,6 +241,7 @@ impl Builder<'_> {
         let known = self.parts.iter().position(|other| {
             same(other.low, part.low)
                 && same(other.high, part.high)
+                && self.resolved.are_aligned(other.k, part.k)
                 && is_lens(other.element.name()) == is_lens(part.element.name())
         });
         known.unwrap_or_else(|| {
@@ -234,6 +252,9 @@ impl Builder<'_> {
 
     /// The lens between a surface and the next one.
     fn lens(&mut self, k: usize) -> Result<usize, PrescriptionError> {
+        if !self.resolved.are_aligned(k, k + 1) {
+            return Err(PrescriptionError::Tilted { first: k + 1, second: k + 2 });
+        }
         let [low, high] = self.ends(k);
         if low.vertex >= high.vertex {
             let name = format!("the thickness behind surface {}", k + 1);
@@ -243,13 +264,13 @@ impl Builder<'_> {
         let name = format!("lens {}-{}", k + 1, k + 2);
         let wrong = |problem| told(problem, k);
         let (solid, has_flat) = body(&low, &high).map_err(wrong)?;
-        let mut element =
-            Element::transparent(&name, solid, &self.resolved.media[k + 1]).face("edge", Finish::Absorber);
+        let mut element = Element::transparent(&name, self.moved(k, solid), &self.resolved.media[k + 1])
+            .face("edge", Finish::Absorber);
         if has_flat {
             let flat = if low.reach > high.reach { "back" } else { "front" };
             element = element.face(&format!("{name}.flat.{flat}.plane"), Finish::Absorber);
         }
-        Ok(self.put(Part { low: low.vertex, high: high.vertex, element }))
+        Ok(self.put(Part { k, low: low.vertex, high: high.vertex, element }))
     }
 
     fn mirror(&mut self, k: usize, surface: &Surface) -> Result<usize, PrescriptionError> {
@@ -274,14 +295,28 @@ impl Builder<'_> {
         // all of it reflects but what is named: where the face lies in one of a lens, as on the back of a meniscus, it may
         // bear the name of that
         let name = format!("mirror {}", k + 1);
-        let mut element = Element::mirror(&name, solid.translate(Vec3::Z * placed.vertex))
+        let mut element = Element::mirror(&name, self.moved(k, solid.translate(Vec3::Z * placed.vertex)))
             .face(&format!("{name}.back.plane"), Finish::Absorber)
             .face(&format!("{name}.edge.side"), Finish::Absorber);
         if surface.hole > 0.0 {
             element = element.face(&format!("{name}.hole.edge.side"), Finish::Absorber);
         }
         let (low, high) = if faces_back { (-thickness, 0.0) } else { (0.0, thickness) };
-        Ok(self.put(Part { low: placed.vertex + low, high: placed.vertex + high, element }))
+        Ok(self.put(Part { k, low: placed.vertex + low, high: placed.vertex + high, element }))
+    }
+
+    /// A solid on the axis where the surface is that it begins at.
+    fn moved(&self, k: usize, solid: Solid) -> Solid {
+        match self.resolved.poses.get(k) {
+            Some(pose) => solid.apply(pose.to_world()),
+            None => solid,
+        }
+    }
+
+    /// The map from the vertex of a surface at the origin.
+    fn place(&self, placed: &Placed) -> Affine {
+        let on_axis = Affine::translate(Vec3::Z * placed.vertex);
+        self.resolved.poses.get(placed.k).map_or(on_axis, |pose| on_axis.then(&pose.to_world()))
     }
 
     /// The sheet of the stop, unless the rim of a lens or mirror is the stop.
@@ -297,7 +332,7 @@ impl Builder<'_> {
         let outline = 2.0 * widest.max(placed.reach);
         let wrong = |problem| told(problem, k);
         let sheet = Sheet::iris(2.0 * outline, 2.0 * placed.reach).map_err(wrong)?;
-        let sheet = sheet.apply(&Affine::translate(Vec3::Z * placed.vertex)).map_err(wrong)?;
+        let sheet = sheet.apply(&self.place(&placed)).map_err(wrong)?;
         Ok(Some(Element::sheet(STOP, sheet, Action::Absorb)))
     }
 
@@ -307,8 +342,7 @@ impl Builder<'_> {
         let wrong = |problem| told(problem, k);
         let sheet =
             Sheet::conic(self.lens.image.radius, self.lens.image.conic, Aperture::circle(2.0 * placed.reach));
-        let sheet =
-            sheet.map_err(wrong)?.apply(&Affine::translate(Vec3::Z * placed.vertex)).map_err(wrong)?;
+        let sheet = sheet.map_err(wrong)?.apply(&self.place(&placed)).map_err(wrong)?;
         Ok(Element::sheet(IMAGE, sheet, Action::Record))
     }
 }

@@ -3,6 +3,7 @@
 mod analysis;
 mod aspheres;
 mod benches;
+mod breaks;
 mod designs;
 mod figures;
 mod lenses;

@@ -24,8 +24,10 @@ fn thick_lenses_obey_the_lensmakers_equation() {
 
 #[test]
 fn what_has_no_power_has_an_infinite_focal_length() {
-    let plate =
-        Prescription::new(vec![Surface::new(f64::INFINITY, 5.0, index(1.5)), Surface::new(f64::INFINITY, 5.0, Behind::Air)]);
+    let plate = Prescription::new(vec![
+        Surface::new(f64::INFINITY, 5.0, index(1.5)),
+        Surface::new(f64::INFINITY, 5.0, Behind::Air),
+    ]);
     let data = plate.first_order(D_NM).unwrap();
     assert_eq!([data.focal_length, data.back_focal_distance], [f64::INFINITY; 2]);
     // the way of light in the plate, reduced by its index

@@ -150,10 +150,14 @@ fn what_is_wrong_is_named() {
     );
     let far = doublet().wavelengths_nm(&[200.0], 0);
     // Schott's data sheet of N-BK7
-    assert!(message(far).starts_with("the wavelength is 200 nm (the index of `N-BK7` is known from 300 nm to 2500 nm)"));
+    assert!(
+        message(far)
+            .starts_with("the wavelength is 200 nm (the index of `N-BK7` is known from 300 nm to 2500 nm)")
+    );
     // light that no lens of these radii can take in
     let wide = Prescription { fields: vec![[0.0; 2]], ..biconvex(5.0, 5.0) }.entrance_pupil_diameter(500.0);
-    let unsized_surfaces = wide.surfaces.iter().map(|s| Surface { semi_diameter: None, ..s.clone() }).collect();
+    let unsized_surfaces =
+        wide.surfaces.iter().map(|s| Surface { semi_diameter: None, ..s.clone() }).collect();
     assert_eq!(
         message(Prescription { surfaces: unsized_surfaces, ..wide }),
         "the ray does not reach the image (it misses at surface 1)"

@@ -110,7 +110,7 @@ fn unknown_glasses_are_taken_from_their_indices() {
 
 #[test]
 fn all_problems_are_told_with_their_lines() {
-    let file = "MODE NSC\nUNIT FURLONG\nENPD x\nFTYP 4\nSURF 0\n DISZ INFINITY\nSURF 1\n TYPE COORDBRK\n GLAS BK8\n CURV\nSURF 2\n \
+    let file = "MODE NSC\nUNIT FURLONG\nENPD x\nFTYP 4\nSURF 0\n DISZ INFINITY\nSURF 1\n TYPE TILTSURF\n GLAS BK8\n CURV\nSURF 2\n \
                 TYPE EVENASPH\n PARM 9 1e-5\n DISZ INFINITY\nSURF 3\n";
     let problems: Vec<String> =
         read_zmx(file.as_bytes()).unwrap_err().problems.iter().map(ToString::to_string).collect();
@@ -119,7 +119,7 @@ fn all_problems_are_told_with_their_lines() {
         "line 2: the unit \"FURLONG\" is not known (MM, CM, IN and METER are)",
         "line 3: \"x\" is no number",
         "line 4: fields are of type 4 (0 to 3 are read: angle, object height, paraxial and real image height)",
-        "line 8: the surface is of type COORDBRK (all surfaces of a prescription are on one axis;",
+        "line 8: the surface is of type TILTSURF (STANDARD, EVENASPH,",
         "line 9: no glass is named \"BK8\"",
         "line 10: number 1 of the line is missing",
         "line 11: the distance to the next surface is infinite (only that of the object may be)",
@@ -132,8 +132,18 @@ fn all_problems_are_told_with_their_lines() {
     for (found, expected) in problems.iter().zip(expected) {
         assert!(found.starts_with(expected), "{found}");
     }
+    let floating = SINGLET.replace("ENPD 1.0E-1", "FLOA").replace("DIAM 2.5E-1 1", "DIAM 0 0");
+    assert_eq!(
+        read_zmx(floating.as_bytes()).unwrap_err().to_string(),
+        "line 22: the stop has no semi-diameter, DIAM, and the aperture is that of the stop, FLOA"
+    );
     for other in [&b""[..], b"rayweave = 1\n[solid.a]\nsphere = {}\n", b"\x89PNG\r\n"] {
-        assert!(read_zmx(other).unwrap_err().to_string().starts_with("line 1: the file has no line of a Zemax file"));
+        assert!(
+            read_zmx(other)
+                .unwrap_err()
+                .to_string()
+                .starts_with("line 1: the file has no line of a Zemax file")
+        );
     }
 }
 

@@ -71,6 +71,7 @@ from rayweave.optics._images import (
 from rayweave.optics._gradient import graded
 from rayweave.optics._prescription import (
     Biconic,
+    CoordinateBreak,
     FirstOrder,
     Prescription,
     Pupil,
@@ -108,6 +109,7 @@ __all__ = [
     "Balance",
     "Biconic",
     "Columns",
+    "CoordinateBreak",
     "Distortion",
     "Element",
     "Energy",

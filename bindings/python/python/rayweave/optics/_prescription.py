@@ -151,6 +151,27 @@ class Surface:
 
 
 @dataclass(frozen=True)
+class CoordinateBreak:
+    """A surface and all behind it lie in another frame than on the axis so far: `before` counts surfaces from 1, the image comes last.
+
+    The frame is moved by `decentre` along x and y and then turned by `tilt_degrees` about x, about the new y and about the new z, each
+    right-handed; with `tilts_first` it is turned about z, y and x and then moved. `matrix`, a rigid 4 x 4 matrix of coordinates
+    in front of the break from those behind it, says the same and more: where it is given, the others do not count.
+    """
+
+    before: int
+    decentre: tuple[float, float] = (0.0, 0.0)
+    tilt_degrees: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    tilts_first: bool = False
+    matrix: tuple[tuple[float, ...], ...] | None = None
+
+    def _row(self) -> tuple[int, list[list[float]]]:
+        if self.matrix is not None:
+            return self.before, np.asarray(self.matrix, float).tolist()
+        return self.before, _core.coordinate_break(self.decentre, self.tilt_degrees, self.tilts_first)
+
+
+@dataclass(frozen=True)
 class Pupil:
     """The image of the stop: its place along z, with the vertex of surface 1 at 0, and its diameter; inf if telecentric."""
 
@@ -199,7 +220,8 @@ class Prescription:
     entrance pupil, the F-number, the numerical aperture at the object, or the semi-diameter of the stop.
 
     `fields` are numbers along y, or pairs along x and y: angles in degrees against the axis, or heights of the object or of the
-    paraxial image. `stop` is the number of the surface at the aperture stop.
+    paraxial image. `stop` is the number of the surface at the aperture stop. `breaks` fold and tilt the axis; first-order data are
+    those of the surfaces on one axis.
     """
 
     def __init__(
@@ -223,6 +245,7 @@ class Prescription:
         image_radius: float = float("inf"),
         image_conic: float = 0.0,
         image_semi_diameter: float | None = None,
+        breaks: Iterable[CoordinateBreak] = (),
     ) -> None:
         wavelengths = numbers(wavelengths_nm, "wavelengths_nm")
         frame = {
@@ -242,6 +265,7 @@ class Prescription:
             "object_distance": object_distance,
             "stop": stop,
             "image": (image_radius, image_conic, image_semi_diameter),
+            "breaks": [at._row() for at in all_of(CoordinateBreak, breaks, "breaks")],
         }
         self._compiled = _core.CompiledPrescription([surface._row() for surface in all_of(Surface, surfaces, "surfaces")], frame)
         self.passed_over: tuple[str, ...] = ()
@@ -308,6 +332,12 @@ class Prescription:
         return float(self._compiled.frame()["object_distance"])
 
     @property
+    def breaks(self) -> tuple[CoordinateBreak, ...]:
+        """Where the axis is folded or tilted, with matrices."""
+        rows = self._compiled.frame()["breaks"]
+        return tuple(CoordinateBreak(before, matrix=tuple(map(tuple, matrix))) for before, matrix in rows)
+
+    @property
     def wavelengths_nm(self) -> tuple[float, ...]:
         """The wavelengths in nanometres."""
         return tuple(line[0] for line in self._compiled.frame()["lines"])
@@ -329,6 +359,7 @@ class Prescription:
             "wavelengths_nm": [line[0] for line in lines],
             "weights": None if "wavelengths_nm" in changes else [line[1] for line in lines],
             **dict(image),
+            "breaks": self.breaks,
         }
         if not set(changes) & _APERTURES:
             keywords[kind] = size

@@ -5,7 +5,8 @@
 //! ones have as parameters 13 on.
 
 use crate::component::{Figure, Zernike};
-use crate::prescription::Surface;
+use crate::prescription::{CoordinateBreak, Surface};
+use rayweave_math::Affine;
 use std::collections::BTreeMap;
 
 /// Extra data are the parameters behind these.
@@ -56,6 +57,19 @@ impl Parameters {
             Some((number, _)) => Err(format!("the {kind} has a parameter {number} ({read})")),
         }
     }
+}
+
+/// What the parameters of a coordinate break make of a frame: coordinates in front of it from those behind.
+pub(super) fn broken(parameters: &Parameters) -> Result<Affine, String> {
+    parameters.only(
+        "coordinate break",
+        |number| number <= 6,
+        "1 to 6 are read, decentres, tilts, their order",
+    )?;
+    let get = |number| parameters.get(number);
+    let (decentre, tilts) = ([get(1), get(2)], [get(3), get(4), get(5)]);
+    let made = if get(6) == 0.0 { CoordinateBreak::new } else { CoordinateBreak::tilts_first };
+    Ok(made(0, decentre, tilts).map)
 }
 
 /// What a type and its parameters make of a surface.
@@ -131,13 +145,9 @@ fn unknown(kind: &str) -> String {
         "BICONICZ" => {
             "a biconic is read without Zernike polynomials, BICONICX, and these without it, SZERNSAG"
         }
-        "COORDBRK" => {
-            "all surfaces of a prescription are on one axis; `tilt` and `decentre` of tolerances move them"
-        }
         "PARAXIAL" => "it has no form; elements that are ideal thin lenses are sheets of a system",
         _ => {
-            "STANDARD, EVENASPH, XASPHERE, ODDASPHE, BICONICX, TOROIDAL, XPOLYNOM, SZERNSAG and FZERNSAG surfaces \
-             are read"
+            "STANDARD, EVENASPH, XASPHERE, ODDASPHE, BICONICX, TOROIDAL, XPOLYNOM, SZERNSAG, FZERNSAG and COORDBRK are read"
         }
     };
     format!("the surface is of type {kind} ({why})")

@@ -1,9 +1,12 @@
 //! Reader of Zemax files.
 
 use super::decimal;
-use super::kind::{Parameters, shaped};
+use super::kind::{Parameters, broken, shaped};
 use crate::glass::{Problem, decode};
-use crate::prescription::{Behind, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture};
+use crate::prescription::{
+    Behind, CoordinateBreak, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture,
+};
+use rayweave_math::{Affine, Vec3};
 use std::collections::HashSet;
 
 /// The units of lengths with their names, in nanometres.
@@ -211,9 +214,14 @@ impl Reader {
     fn finish(mut self) -> Result<Read, ZmxError> {
         if self.surfaces.is_empty() && self.aperture.is_none() && self.wavelengths.is_empty() {
             self.problems.clear();
-            self.problem(1, "the file has no line of a Zemax file (SURF, ENPD, WAVM, ...) is it another kind of file?");
+            self.problem(
+                1,
+                "the file has no line of a Zemax file (SURF, ENPD, WAVM, ...) is it another kind of file?",
+            );
             return Err(ZmxError { problems: self.problems });
         }
+        self.check_distances();
+        let breaks = self.take_breaks();
         let stop = self.surfaces.iter().position(|surface| surface.is_stop);
         if self.surfaces.len() < 3 {
             self.problem(
@@ -226,10 +234,37 @@ impl Reader {
         if self.aperture.is_none() {
             self.problem(self.line, "the file has no aperture (one of ENPD, FNUM, OBNA, FLOA)");
         }
+        let sizeless = |stop: &Record| !(stop.semi_diameter.unwrap_or(stop.diam) > 0.0);
+        let floating = matches!(self.aperture, Some(SystemAperture::StopSemiDiameter(_)));
+        let stop_line = stop
+            .map(|stop| &self.surfaces[stop])
+            .filter(|stop| floating && sizeless(stop))
+            .map(|stop| stop.line);
+        if let Some(line) = stop_line {
+            self.problem(
+                line,
+                "the stop has no semi-diameter, DIAM, and the aperture is that of the stop, FLOA",
+            );
+        }
         let lines = self.lines();
         if lines.is_empty() {
             self.problem(self.line, "the file has no wavelength (WAVM or WAVL)");
         }
+        let surfaces = self.surfaces();
+        match (self.problems.is_empty(), stop, self.aperture) {
+            (true, Some(stop), Some(aperture)) => {
+                self.note_ends(&surfaces);
+                let Read { prescription, notes } = self.prescription(surfaces, (stop, aperture), lines);
+                Ok(Read { prescription: Prescription { breaks, ..prescription }, notes })
+            }
+            _ => {
+                self.problems.sort_by_key(|problem| problem.line);
+                Err(ZmxError { problems: self.problems })
+            }
+        }
+    }
+
+    fn check_distances(&mut self) {
         let far = self.surfaces.iter().skip(1).find(|surface| surface.thickness.is_infinite());
         if let Some(line) = far.map(|surface| surface.line) {
             self.problem(
@@ -237,17 +272,42 @@ impl Reader {
                 "the distance to the next surface is infinite (only that of the object may be)",
             );
         }
-        let surfaces = self.surfaces();
-        match (self.problems.is_empty(), stop, self.aperture) {
-            (true, Some(stop), Some(aperture)) => {
-                self.note_ends(&surfaces);
-                Ok(self.prescription(surfaces, (stop, aperture), lines))
+    }
+
+    /// Takes coordinate breaks out of the list of surfaces. Their thicknesses are added to that of the surface before, as first-order
+    /// data want it, and undone in the frame of the one behind.
+    fn take_breaks(&mut self) -> Vec<CoordinateBreak> {
+        let along = |z: f64| Affine::translate(Vec3::Z * z);
+        let mut breaks = Vec::new();
+        let (mut kept, mut frame): (Vec<Record>, Option<(Affine, f64)>) = (Vec::new(), None);
+        for record in std::mem::take(&mut self.surfaces) {
+            if record.kind != "COORDBRK" || kept.is_empty() {
+                let moved = frame.take().map(|(map, by)| map.then(&along(-by)));
+                breaks.extend(moved.map(|map| CoordinateBreak { before: kept.len(), map }));
+                kept.push(record);
+                continue;
             }
-            _ => {
-                self.problems.sort_by_key(|problem| problem.line);
-                Err(ZmxError { problems: self.problems })
+            match broken(&record.parameters) {
+                Ok(own) => {
+                    let (map, by) = frame.unwrap_or((Affine::IDENTITY, 0.0));
+                    frame = Some((along(record.thickness).then(&own).then(&map), by + record.thickness));
+                    kept.iter_mut()
+                        .last()
+                        .into_iter()
+                        .for_each(|before| before.thickness += record.thickness);
+                    let text =
+                        "the coordinate break is no surface of its own; surfaces are counted without it"
+                            .to_owned();
+                    self.ignored.push(Problem { line: record.line, text });
+                }
+                Err(text) => self.problem(record.type_line, &text),
             }
         }
+        if frame.is_some() {
+            self.problem(self.line, "the image is a coordinate break (it has to be a surface)");
+        }
+        self.surfaces = kept;
+        breaks
     }
 
     fn lines(&self) -> Vec<Line> {
@@ -319,6 +379,7 @@ impl Reader {
             surfaces: surfaces[1..last].to_vec(),
             stop,
             image,
+            breaks: Vec::new(),
         };
         Read { prescription, notes: self.ignored }
     }

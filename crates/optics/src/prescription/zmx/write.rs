@@ -11,8 +11,12 @@ use crate::prescription::{Behind, FieldKind, Prescription, PrescriptionError, Su
 ///
 /// # Errors
 /// [`PrescriptionError::Glass`] for media that do not exist, [`PrescriptionError::Undefined`] for a surface that no type holds,
-/// as one with odd powers of r and any beyond r^8.
+/// as one with odd powers of r and any beyond r^8, and for coordinate breaks.
 pub fn write_zmx(lens: &Prescription) -> Result<String, PrescriptionError> {
+    if !lens.breaks.is_empty() {
+        let why = "coordinate breaks are read, but not written";
+        return Err(PrescriptionError::Undefined { what: "Zemax file", why });
+    }
     let mut file = head(lens);
     let thickness = if lens.object_distance.is_finite() {
         lens.object_distance.to_string()
