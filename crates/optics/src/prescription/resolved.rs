@@ -40,7 +40,7 @@ impl Pose {
     }
 
     /// From the place on the axis.
-    pub fn to_world(&self) -> Affine {
+    pub fn to_world(self) -> Affine {
         self.to_world
     }
 

@@ -4,9 +4,7 @@ use crate::lenses::{D_NM, at_image, disk, doublet, near};
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::Tracer;
 use rayweave_optics::analysis::Study;
-use rayweave_optics::prescription::{
-    Behind, CoordinateBreak, Prescription, PrescriptionError, Surface, read_zmx,
-};
+use rayweave_optics::prescription::{Behind, CoordinateBreak, Prescription, PrescriptionError, read_zmx};
 use rayweave_trace::Packets;
 
 /// A lens with a plane mirror at 45 degrees 40 behind it, as Zemax has it: a break before the mirror, one behind it.
@@ -108,8 +106,10 @@ const CROOKED: &str = "ENPD 8\nFTYP 0 0 2 1\nXFLN 0 0.5\nYFLN 0 1\nWAVM 1 0.5875
     SURF 7\n CURV 0.001\n DISZ 0\n GLAS MIRROR\n DIAM 12 1\nSURF 8\n TYPE COORDBRK\n PARM 4 15\n DISZ 40\n\
     SURF 9\n DIAM 20 1\n";
 
+type End = (usize, [f64; 2], [f64; 3], [f64; 3]);
+
 /// Where rays end in the coordinates of the first surface: the field, the point of the pupil, Optiland 0.6.3's place and direction.
-const OPTILAND: [(usize, [f64; 2], [f64; 3], [f64; 3]); 8] = [
+const OPTILAND: [End; 8] = [
     (
         0,
         [0.0, 0.0],
@@ -173,5 +173,25 @@ fn tilted_mirrors_send_light_where_a_peer_sends_it() {
         // and so do the solids
         let rows = at_image(&layout, &beam);
         near((rows[0].end - last.point).length(), 0.0, 1e-10);
+    }
+}
+
+/// Collimated light beside the axis of a paraboloid meets in its focus: an off-axis mirror as catalogues have it, with its vertex decentred.
+#[test]
+fn an_off_axis_paraboloid_has_its_focus_on_its_axis() {
+    let file = "ENPD 50\nWAVM 1 0.5875618 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n DISZ 200\n\
+        SURF 2\n TYPE COORDBRK\n PARM 2 -190\n DISZ 0\nSURF 3\n CURV -0.005\n CONI -1\n DISZ -100\n GLAS MIRROR\n\
+        DIAM 25 1\n CLAP 0 25 0\n OBDC 0 190\nSURF 4\n DISZ 0\n";
+    let read = read_zmx(file.as_bytes()).unwrap();
+    assert!(read.notes.iter().any(|note| note.to_string().contains("OBDC")), "{:?}", read.notes);
+    let layout = read.prescription.assembly().unwrap();
+    let system = layout.assembly.compile().unwrap();
+    let tracer = Tracer::new(&system, Packets::new);
+    let rays = Study::new(&read.prescription, &layout, &tracer).arrivals(0, D_NM, &disk(100, 0.99)).unwrap();
+    assert_eq!(rays.len(), 100);
+    for ray in &rays {
+        near((ray.position).length(), 0.0, 1e-9);
+        // all paths to the focus of a paraboloid are as long
+        near(ray.path, rays[0].path, 1e-9);
     }
 }

@@ -76,6 +76,8 @@ struct Record {
     /// As the file has it, fixed or computed.
     diam: f64,
     hole: f64,
+    /// Its aperture is not about the vertex.
+    is_decentred: bool,
     is_stop: bool,
     /// The parameters of a type that has them; its extra data among them.
     parameters: Parameters,
@@ -197,6 +199,13 @@ impl Reader {
                 let outer = number(words, 1)?;
                 surface.semi_diameter = (outer > 0.0).then_some(outer).or(surface.semi_diameter);
             }
+            "OBDC" if numbers(&words[..words.len().min(2)])?.iter().any(|&place| place != 0.0) => {
+                surface.is_decentred = true;
+                self.note(
+                    "for the decentred aperture, OBDC, one about the vertex is taken that holds all rays"
+                        .to_owned(),
+                );
+            }
             "STOP" => surface.is_stop = true,
             _ => return Ok(false),
         }
@@ -234,7 +243,7 @@ impl Reader {
         if self.aperture.is_none() {
             self.problem(self.line, "the file has no aperture (one of ENPD, FNUM, OBNA, FLOA)");
         }
-        let sizeless = |stop: &Record| !(stop.semi_diameter.unwrap_or(stop.diam) > 0.0);
+        let sizeless = |stop: &Record| stop.semi_diameter.unwrap_or(stop.diam) <= 0.0;
         let floating = matches!(self.aperture, Some(SystemAperture::StopSemiDiameter(_)));
         let stop_line = stop
             .map(|stop| &self.surfaces[stop])
@@ -389,7 +398,7 @@ impl Record {
     fn surface(&self) -> Result<Surface, String> {
         let behind = self.behind.clone().unwrap_or(Behind::Air);
         let conic = Surface {
-            semi_diameter: self.semi_diameter,
+            semi_diameter: self.semi_diameter.filter(|_| !self.is_decentred),
             ..Surface::new(radius(self.curvature), self.thickness, behind).conic(self.conic).hole(self.hole)
         };
         shaped(&self.kind, &self.parameters, conic)
