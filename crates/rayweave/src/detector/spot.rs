@@ -178,8 +178,10 @@ impl SpotDiagram {
         let is_far = last > FAR * most && total > 0.0;
         let radius = if is_far { 0.5 * FAR * most } else { last };
         // rounding alone is no spot
-        let around = self.centroid.iter().fold(f64::MIN_POSITIVE * 1e12, |most, x| most.max(x.abs()));
+        let around = self.centroid.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let half = 1.08 * radius.max(1e-9 * around);
+        // nothing, or one point in the middle
+        let half = if half > 0.0 { half } else { 1.0 };
         let beside = points.iter().filter(|point| point.0 > half).map(|point| point.1).sum::<f64>();
         let beside = if is_far { beside / total } else { 0.0 };
         Window { lo: self.centroid.map(|x| x - half), hi: self.centroid.map(|x| x + half), beside }
@@ -204,6 +206,24 @@ impl SpotDiagram {
         }
         for (colour, path) in paths {
             svg.path("point", path, &format!(r#" stroke="{colour}""#));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn little_light() {
+        let dark = SpotDiagram::default();
+        assert!(dark.to_svg("a", "mm").contains("no light arrives"));
+        let mut focus = SpotDiagram::default();
+        focus.add([0.0; 2], 500.0, 1.0);
+        // axes that a reader can make something of
+        for diagram in [dark, focus] {
+            let window = diagram.window();
+            assert_eq!((window.lo, window.hi), ([-1.0; 2], [1.0; 2]));
         }
     }
 }
