@@ -107,8 +107,15 @@ fn of_three(direction: Vec3, planes: [&Plane; 3]) -> Option<Optimum> {
     if !sound || weights.iter().any(|&w| w < -ROUNDING * size) {
         return None;
     }
-    let bound = (0..3).map(|k| weights[k].max(0.0) * planes[k].offset).sum();
-    Some((bound, meeting(planes, dual, determinant)))
+    // three planes along one line have weights that are quotients of roundings: they do not make up the direction
+    let weights = weights.map(|w| w.max(0.0));
+    let left = (direction - (weights[0] * a + weights[1] * b + weights[2] * c)).length();
+    if left > ROUNDING * size.max(1.0) {
+        return None;
+    }
+    let vertex = meeting(planes, dual, determinant);
+    let bound: f64 = (0..3).map(|k| weights[k] * planes[k].offset).sum();
+    Some((bound + left * vertex.length(), vertex))
 }
 
 /// The point in all three planes.
