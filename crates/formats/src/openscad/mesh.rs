@@ -26,6 +26,9 @@ const MOST_TRIANGLES: usize = 20_000_000;
 /// More slices than these say the same.
 const MOST_SLICES: f64 = 20_000.0;
 
+/// Coordinates are printed with six digits: a plane through three points may be off by this part of them.
+const DIGITS: f64 = 2e-5;
+
 /// A polyhedron of more faces is asked faster as a mesh, which has a hierarchy.
 const MOST_PLANES: usize = 64;
 
@@ -75,6 +78,12 @@ pub(super) fn between_rings(rings: &[[f64; 2]], fragments: usize) -> (Vec<Vec3>,
 
 /// The points and the triangles of a `polyhedron`.
 pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>), Refusal> {
+    let (points, faces) = points_and_faces(arguments)?;
+    let triangles = faces.iter().flat_map(|face| cut(&points, face)).collect();
+    Ok((points, triangles))
+}
+
+fn points_and_faces(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<Vec<usize>>), Refusal> {
     let points = arguments.get("points", "a list of points (x, y, z), all finite", |value| {
         value.list()?.iter().map(vector).collect::<Option<Vec<Vec3>>>()
     })?;
@@ -88,8 +97,23 @@ pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>
     if let Some(number) = given.iter().flatten().find(|number| **number >= points.len()) {
         return Err(arguments.refusal(&format!("a face names point {number} of {}", points.len())));
     }
-    let triangles = given.iter().flat_map(|face| cut(&points, face)).collect();
-    Ok((points, triangles))
+    Ok((points, given))
+}
+
+/// How many faces of a `polyhedron` are not plane, by more than the six digits of a dump leave open.
+pub(super) fn bent_faces(arguments: &Arguments) -> Result<usize, Refusal> {
+    let (points, faces) = points_and_faces(arguments)?;
+    Ok(faces.iter().filter(|face| face.len() > 3 && is_bent(&points, face)).count())
+}
+
+fn is_bent(points: &[Vec3], face: &[usize]) -> bool {
+    let first = points[face[0]];
+    let from_first = |k: usize| points[face[k % face.len()]] - first;
+    // M. E. Newell's normal
+    let across: Vec3 = (0..face.len()).map(|k| from_first(k).cross(from_first(k + 1))).sum();
+    let normal = across.normalize_or_zero();
+    let far = face.iter().map(|k| points[*k].abs().max_element()).fold(0.0, f64::max);
+    (0..face.len()).any(|k| normal.dot(from_first(k)).abs() > DIGITS * far)
 }
 
 /// `polyhedron(points, faces)`: planes if it is convex, triangles elsewhere.

@@ -160,7 +160,7 @@ impl<'a> Reader<'a> {
             "hull" => self.hull(number, node, &arguments),
             "minkowski" => self.minkowski(number, node, &arguments),
             "offset" => self.offset(node, &arguments),
-            "polyhedron" => mesh::polyhedron(&arguments),
+            "polyhedron" => self.polyhedron(&arguments),
             "import" => self.import(number, &arguments),
             "surface" => {
                 let shell = relief::surface(&arguments, self.source)?;
@@ -181,6 +181,15 @@ impl<'a> Reader<'a> {
         }
     }
 
+    fn polyhedron(&mut self, arguments: &Arguments) -> Result<Part, Refusal> {
+        let part = mesh::polyhedron(arguments)?;
+        if mesh::bent_faces(arguments)? > 0 {
+            let why = "has faces that are not plane, cut into triangles in one of several ways";
+            self.report.add(LossKind::Approximated, "polyhedron()", arguments.approximation(why));
+        }
+        Ok(part)
+    }
+
     fn leaf(&mut self, leaf: Option<Leaf>) -> Part {
         leaf.map_or(Part::Empty, |leaf| self.flats.leaf(leaf).into())
     }
@@ -188,19 +197,24 @@ impl<'a> Reader<'a> {
     /// The children, joined.
     pub fn joined(&mut self, node: &Node, operation: Operation) -> Part {
         let (mut solids, mut flats) = (Vec::new(), Vec::new());
-        let mut other_dimension = false;
-        for (position, child) in node.children.iter().enumerate() {
-            match (std::mem::replace(&mut self.parts[*child as usize], Part::Empty), operation) {
+        let (mut other_dimension, mut is_first) = (false, true);
+        for child in &node.children {
+            let part = std::mem::replace(&mut self.parts[*child as usize], Part::Empty);
+            let is_live = self.live[*child as usize];
+            if matches!(part, Part::Empty) && !is_live {
+                // switched off, or in the background: the next one takes its place
+                continue;
+            }
+            match (part, operation) {
                 // what the others are taken from, or would be
-                (part @ (Part::Refused | Part::Empty), Operation::Difference) if position == 0 => {
-                    return part;
-                }
-                (Part::Empty, Operation::Intersection) if self.live[*child as usize] => return Part::Empty,
+                (part @ (Part::Refused | Part::Empty), Operation::Difference) if is_first => return part,
+                (Part::Empty, Operation::Intersection) => return Part::Empty,
                 (Part::Refused | Part::Empty, _) => {}
                 (Part::Solid(pieces), _) if flats.is_empty() => solids.push(pieces),
                 (Part::Flat(pieces), _) if solids.is_empty() => flats.push(pieces),
                 _ => other_dimension = true,
             }
+            is_first = false;
         }
         if other_dimension {
             let why = Diagnostic::warning("solids and regions of the plane stand side by side")

@@ -18,8 +18,12 @@ const MOST_BYTES: usize = 256 << 20;
 pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, Refusal> {
     let path = file(arguments, source)?;
     let is_picture = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-    let rows = if is_picture { brightness(arguments, &path)? } else { heights(arguments, &path)? };
-    let (width, depth) = (rows.first().map_or(0, Vec::len), rows.len());
+    let mut rows = if is_picture { brightness(arguments, &path)? } else { heights(arguments, &path)? };
+    // the floor is at 0, or one below what is lower than 1
+    let lowest = rows.iter().flatten().copied().fold(1.0, f64::min);
+    let (width, depth) = (rows.iter().map(Vec::len).max().unwrap_or(0), rows.len());
+    // rows that are too short end with zeros, which do not count for the floor
+    rows.iter_mut().for_each(|row| row.resize(width, 0.0));
     if width < 2 || depth < 2 {
         return Ok(Shell::default());
     }
@@ -27,9 +31,6 @@ pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, R
         true => Vec3::new(-0.5 * (width - 1) as f64, -0.5 * (depth - 1) as f64, 0.0),
         false => Vec3::ZERO,
     };
-    // under a picture the floor is at 0, or one below what is lower than 1
-    let highest_floor = if is_picture { 1.0 } else { f64::INFINITY };
-    let lowest = rows.iter().flatten().copied().fold(highest_floor, f64::min);
     let (vertices, triangles) = relief(&rows, lowest - 1.0);
     let vertices = vertices.into_iter().map(|p| p + shift).collect();
     Ok(Shell { vertices, triangles, is_convex: false })
@@ -64,7 +65,7 @@ fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refus
     Ok(bytes.chunks_exact(frame.line_size).take(height).map(row).rev().collect())
 }
 
-/// The rows of a map, the first of which is at y = 0. Rows that are too short end with zeros.
+/// The rows of a map, the first of which is at y = 0, each as long as it is in the file.
 fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
     let text = text_of(arguments, path, LARGEST_MAP)?;
     let mut rows: Vec<Vec<f64>> = Vec::new();
@@ -79,8 +80,6 @@ fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal>
             rows.push(row);
         }
     }
-    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
-    rows.iter_mut().for_each(|row| row.resize(width, 0.0));
     Ok(rows)
 }
 

@@ -7,11 +7,12 @@ use super::extrude::{formula, odd};
 use super::facets::Fineness;
 use super::flat::{Flat, Flats, Leaf, image, simple};
 use super::primitive::solid;
-use super::region::filled;
+use super::region::{Contours, boundary, filled};
 use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees, unit_vector_degrees};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{BoxFromCorners, Cylinder, HalfSpace, Quadric, Sphere, Torus, Wedge};
+use rayweave_space::Point;
 use rayweave_space::polygon::HalfPlane;
 
 /// How far over the axis a region may reach by the rounding of its numbers, as a part of its size.
@@ -42,18 +43,23 @@ impl<'a> Turn<'a> {
         flat: Flat,
     ) -> Result<Option<Turn<'a>>, Refusal> {
         let angle = arguments.number("angle", 360.0)?;
-        let [lo, hi] = flats.bounds(flat);
+        let [mut lo, mut hi] = flats.bounds(flat);
         if angle == 0.0 || lo[0] >= hi[0] || lo[1] >= hi[1] {
             return Ok(None);
         }
         let over = OVER * (hi[0] - lo[0]);
-        let is_turned = hi[0] <= over;
-        let mut approximations = Vec::new();
-        if lo[0] < -over && !is_turned {
-            if flats.is_union(flat) {
-                return Err(arguments.refusal("the region lies on both sides of the axis"));
+        if lo[0] < -over && hi[0] > over {
+            // what is cut away, or has nothing in common, does not count
+            match corner_bounds(&boundary(arguments, flats, flat)?) {
+                Some(bounds) => [lo, hi] = bounds,
+                None => return Ok(None),
             }
-            approximations.push("takes what lies at x > 0: the region may reach over the axis");
+            // the boundary has chords, the solid has none
+            flats.has_chords.take();
+        }
+        let is_turned = hi[0] <= over;
+        if lo[0] < -over && !is_turned {
+            return Err(arguments.refusal("the region lies on both sides of the axis"));
         }
         let is_whole = angle.abs() >= 360.0;
         // a whole turn begins on the other side
@@ -66,7 +72,7 @@ impl<'a> Turn<'a> {
         Ok(Some(Turn {
             arguments,
             facets,
-            approximations,
+            approximations: Vec::new(),
             angle: angle.abs().min(360.0),
             start,
             map,
@@ -134,6 +140,7 @@ impl<'a> Turn<'a> {
         let ring = match distance.abs() <= OVER * radius {
             true => solid(self.arguments, Sphere::new(radius))?,
             false if distance > 0.0 => solid(self.arguments, Torus::new(distance, radius))?,
+            false if distance + radius <= 0.0 => return Ok(Solid::vacuum()),
             false => return Err(self.arguments.refusal("the middle of a disc lies beyond the axis")),
         };
         Ok(ring.translate([0.0, 0.0, height]))
@@ -180,6 +187,16 @@ impl<'a> Turn<'a> {
             solid(self.arguments, BoxFromCorners::new(corners[0], corners[1]))?,
         ]))
     }
+}
+
+/// The lowest and the highest coordinates; `None` of nothing.
+fn corner_bounds(contours: &Contours) -> Option<[Point<2>; 2]> {
+    let mut points = contours.iter().flatten();
+    let first = *points.next()?;
+    let grown = |[lo, hi]: [Point<2>; 2], p: &Point<2>| {
+        [[0, 1].map(|k| lo[k].min(p[k])), [0, 1].map(|k| hi[k].max(p[k]))]
+    };
+    Some(points.fold([first, first], grown))
 }
 
 /// The factor of a map of the plane that keeps discs discs.

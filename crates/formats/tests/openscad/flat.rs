@@ -77,6 +77,20 @@ fn pyramids() {
 /// Pappus: the area times the way of its centroid.
 #[test]
 fn solids_of_revolution() {
+    // of discs on both sides of the axis one half is cut away
+    let discs = "difference() { group() { multmatrix([[1, 0, 0, -3.5], [0, 1, 0, 1.5], [0, 0, 1, 0], [0, 0, 0, 1]]) circle($fn = 16, r = 1.5); \
+                 multmatrix([[1, 0, 0, 3.5], [0, 1, 0, 1.5], [0, 0, 1, 0], [0, 0, 0, 1]]) circle($fn = 16, r = 1.5); } \
+                 multmatrix([[1, 0, 0, SIDE], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) square([100, 100], center = true); }";
+    for side in ["50", "-50"] {
+        let text = format!("rotate_extrude($fn = 16) {}", discs.replace("SIDE", side));
+        check_volume(&text, false, 2.0 * PI * PI * 3.5 * 2.25, NEAR);
+        // that of OpenSCAD 2021.01
+        check_volume(&text, true, 147.6, NEAR);
+    }
+    let both = discs.replace("SIDE", "200");
+    let (refused, messages) = losses(&format!("rotate_extrude() {both}"), LossKind::Refused);
+    assert!(refused == 1 && messages.contains("both sides of the axis"), "{messages}");
+
     let ring = |angle: &str, flat: &str| {
         format!("rotate_extrude({angle}convexity = 2, $fn = 24) {} {flat}", moved(5.0, 1.0, 0.0))
     };

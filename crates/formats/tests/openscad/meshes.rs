@@ -69,6 +69,19 @@ fn twisted_solids() {
     assert!(part > 0.9 * whole, "{part} of {whole}");
 }
 
+#[test]
+fn bent_faces_are_told() {
+    let cube = |last: &str| {
+        format!(
+            "polyhedron(points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], {last}, [0, 1, 1]], faces = [[0, 1, 2, 3], \
+             [4, 7, 6, 5], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]]);"
+        )
+    };
+    assert_eq!(losses(&cube("[1, 1, 1.00001]"), LossKind::Approximated).0, 0);
+    let (approximated, messages) = losses(&cube("[1, 1, 1.3]"), LossKind::Approximated);
+    assert!(approximated == 1 && messages.contains("faces that are not plane"), "{messages}");
+}
+
 const TETRAHEDRON: &str = "OFF\n4 4 0\n0 0 0\n3 0 0\n0 3 0\n0 0 4\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
 
 #[test]
@@ -89,6 +102,11 @@ fn files_beside_the_dump() {
     assert!(
         (measured("surface(file = \"map.dat\", center = false, invert = false);") / 18.5 - 1.0).abs() < NEAR
     );
+    // the floor is at 0 below heights of 1 and more; rows that are too short end with zeros
+    for (map, expected) in [("5 5 5\n5 5 5\n5 5 5\n", 20.0), ("9 6 7\n6 8 9\n5 3 2\n2\n", 29.5)] {
+        std::fs::write(folder.0.join("high.dat"), map).expect("a file");
+        assert!((measured("surface(file = \"high.dat\");") / expected - 1.0).abs() < 2.0 * NEAR, "{map}");
+    }
     let corner = "intersection() { surface(file = \"map.dat\", center = true); multmatrix([[1, 0, 0, 0.3], [0, 1, 0, 0.2], [0, 0, 1, -1], [0, 0, 0, 1]]) cube(9); }";
     assert!((measured(corner) / 2.490002 - 1.0).abs() < 2.0 * NEAR);
     for (text, message) in [

@@ -74,6 +74,13 @@ fn nothing_where_openscad_makes_nothing() {
         assert_eq!(volume(&read(text, false).scene, 10), 0.0, "{text}");
     }
     check_volume("difference() { cube(2); group(); }", false, 8.0, NEAR);
+    // what is switched off does not stand there at all: the next one is what the others are taken from
+    for off in ["*", "%"] {
+        let rest = read(&format!("difference() {{ {off}cube(9); cube(2); cube(1); }}"), false).scene;
+        assert!((volume(&rest, 100) / 7.0 - 1.0).abs() < 2e-2, "{off}");
+        let common = read(&format!("intersection() {{ {off}cube(1); cube(2); cube(3); }}"), false).scene;
+        assert!((volume(&common, 100) / 8.0 - 1.0).abs() < 2e-2, "{off}");
+    }
     assert_eq!(volume(&read("intersection() { cube(2); group(); }", false).scene, 10), 0.0);
     assert_eq!(volume(&read("difference() { group(); cube(2); }", false).scene, 10), 0.0);
     let flat = "multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1]]) cube(1); cube(2);";
