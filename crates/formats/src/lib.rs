@@ -89,6 +89,7 @@ pub fn load(
         Format::Native => {
             let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
             report::refuse_unit(&source, Format::Native, options)?;
+            report::refuse_program(&source, path, format)?;
             rayweave_scene::load(path, overrides).map(native)
         }
         Format::Gdml => understand(gdml::source(path)?, Format::Gdml, overrides, options),

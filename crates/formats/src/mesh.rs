@@ -184,7 +184,7 @@ fn scene(solids: Vec<(String, Polyhedron)>, unit: Unit) -> Scene {
         let name = free_name(&name, &regions);
         media.push(Medium { name: name.clone(), ..Medium::default() });
         let solid = Solid::from(Primitive::from(primitive::Mesh::from(polyhedron))).named(&name);
-        let colour = Colour::PALETTE[number % Colour::PALETTE.len()];
+        let colour = Colour::numbered(number);
         regions.push(SceneRegion { name, solid, medium: number as u32 + 1, colour });
     }
     Scene {

@@ -4,6 +4,7 @@ use crate::{Format, Options};
 use rayweave_scene::{Diagnostic, Diagnostics, Source};
 use std::collections::HashMap;
 use std::fmt;
+use std::path::Path;
 use std::sync::Arc;
 
 /// The sorts of losses.
@@ -89,6 +90,22 @@ impl Report {
         };
         Diagnostics::new(self.iter().map(warning).collect())
     }
+}
+
+/// An error for a program of OpenSCAD, unless it is said to be something else.
+pub(crate) fn refuse_program(
+    source: &Arc<Source>,
+    path: &Path,
+    format: Option<Format>,
+) -> Result<(), Diagnostics> {
+    let is_program = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("scad"));
+    if !is_program || format.is_some() {
+        return Ok(());
+    }
+    let problem = Diagnostic::error("programs of OpenSCAD are not read")
+        .why("only their dumps are")
+        .suggest(Some("`openscad -o model.csg model.scad` writes one".to_owned()));
+    Err(Diagnostics::new(vec![problem.in_file(source)]))
 }
 
 /// An error for each parameter, in formats that have none.

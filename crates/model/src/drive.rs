@@ -41,11 +41,14 @@ pub enum Stopped<E> {
     Failed(#[from] E),
 }
 
-/// The number of threads to use: what is asked for, else the variable `RAYWEAVE_THREADS`, else all cores.
+/// More threads than these only wait for each other on the machines there are.
+const MOST_THREADS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
+
+/// The number of threads to use: what is asked for, else the variable `RAYWEAVE_THREADS`, else all cores; 1024 at most.
 /// Anything in the variable that is not a whole number above 0 is ignored.
 pub fn thread_count(asked: Option<NonZeroUsize>) -> NonZeroUsize {
     let from_variable = || std::env::var("RAYWEAVE_THREADS").ok()?.trim().parse().ok();
-    asked.or_else(from_variable).unwrap_or_else(cores)
+    asked.or_else(from_variable).unwrap_or_else(cores).min(MOST_THREADS)
 }
 
 /// The number of cores, looked up once: the system takes longer to tell than a thousand rays take.

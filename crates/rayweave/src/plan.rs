@@ -69,7 +69,11 @@ impl Plan {
         let (l, r, y0) = (Pixels(left), Pixels(right), Pixels(y));
         svg.path("axis", format_args!("M{l} {top}V{low}M{l} {y0}H{r}M{r} {top}V{low}"), "");
         let text = format!("{} {unit}", number(length, 1e-3 * length));
-        svg.text("tick", [0.5 * (left + right), y - 7.0], Anchor::Middle, &text, &text);
+        // a bar that is shorter than its text has it on its left
+        let is_short = right - left < 8.0 * text.len() as f64;
+        let (x, anchor) =
+            if is_short { (right, Anchor::End) } else { (0.5 * (left + right), Anchor::Middle) };
+        svg.text("tick", [x, y - 7.0], anchor, &text, &text);
     }
 }
 

@@ -39,7 +39,13 @@ pub struct ThicknessMap {
     lengths: PathLengths,
 }
 
-/// Where no medium has an attenuation, they all have the one by which this part comes through the thickest place.
+/// By how much a length weakens. What lets all through does so over any length.
+fn faint((length, mu): (&f64, &f64)) -> f64 {
+    if *mu == 0.0 { 0.0 } else { length * mu }
+}
+
+/// Where no medium has an attenuation, they weaken by their density, or all alike where none has one, such that this part comes
+/// through the place that weakens most.
 pub const FAINTEST: f64 = 0.05;
 
 impl ThicknessMap {
@@ -99,28 +105,35 @@ impl ThicknessMap {
     }
 
     /// The part of an X-ray that comes through, from 0 to 1, by the numbers `attenuation` of the media, per length of the model;
-    /// a medium without one lets all through. Without any, see [`FAINTEST`].
+    /// a medium without one lets all through. Without any, they weaken by their numbers `density`, or alike: see [`FAINTEST`].
     pub fn radiograph(&self, scene: &Scene) -> Plane<f64> {
         let attenuations = self.attenuations(scene);
-        let faint = |(length, mu): (&f64, &f64)| if *mu == 0.0 { 0.0 } else { length * mu };
         self.plane(|lengths| libm::exp(-lengths.iter().zip(&attenuations).map(faint).sum::<f64>()))
     }
 
     /// The attenuation of each medium, per length of the model.
     pub fn attenuations(&self, scene: &Scene) -> Vec<f64> {
+        if let Some(said) = self.numbers(scene, "attenuation") {
+            return said;
+        }
+        let alike = || (0..self.media.len()).map(|medium| if medium == 0 { 0.0 } else { 1.0 }).collect();
+        let weights: Vec<f64> = self.numbers(scene, "density").unwrap_or_else(alike);
+        let weighed = |lengths: &[f64]| lengths.iter().zip(&weights).map(faint).sum::<f64>();
+        let all = (0..self.lengths.len()).map(|ray| weighed(self.lengths.of(ray)));
+        let most = all.filter(|sum| sum.is_finite()).fold(0.0, f64::max);
+        let mu = if most > 0.0 { -libm::log(FAINTEST) / most } else { 0.0 };
+        weights.into_iter().map(|weight| mu * weight).collect()
+    }
+
+    /// A number of each medium, 0 for those that do not have it; `None` if none has.
+    fn numbers(&self, scene: &Scene, key: &str) -> Option<Vec<f64>> {
         let of = |name: &String| {
             let medium = scene.media.iter().find(|medium| medium.name == *name)?;
-            medium.numbers.iter().find(|(own, _)| own == "attenuation").map(|(_, value)| *value)
+            medium.numbers.iter().find(|(own, _)| own == key).map(|(_, value)| *value)
         };
         let said: Vec<Option<f64>> = self.media.iter().map(of).collect();
-        if said.iter().any(Option::is_some) {
-            return said.into_iter().map(Option::unwrap_or_default).collect();
-        }
-        let solid = |lengths: &[f64]| lengths[1..].iter().sum::<f64>();
-        let all = (0..self.lengths.len()).map(|ray| solid(self.lengths.of(ray)));
-        let thickest = all.filter(|length| length.is_finite()).fold(0.0, f64::max);
-        let mu = if thickest > 0.0 { -libm::log(FAINTEST) / thickest } else { 0.0 };
-        (0..self.media.len()).map(|medium| if medium == 0 { 0.0 } else { mu }).collect()
+        let any = said.iter().any(Option::is_some);
+        any.then(|| said.into_iter().map(Option::unwrap_or_default).collect())
     }
 
     fn plane(&self, of: impl Fn(&[f64]) -> f64) -> Plane<f64> {
@@ -154,5 +167,55 @@ impl ThicknessMap {
         }
         writer.finish().map_err(Error::output)?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::AnyEvaluator;
+    use rayweave_render::View;
+
+    /// A ball of radius 2 in a box of side 6.
+    fn map(water: &str, steel: &str) -> (ThicknessMap, Scene) {
+        let text = format!(
+            "rayweave = 1\n[solid.tank]\nbox = {{ size = [6, 6, 6] }}\n[solid.ball]\nsphere = {{ radius = 2 }}\n[[region]]\n\
+             solid = \"tank\"\nmedium = \"water\"\n[[region]]\nsolid = \"ball\"\nmedium = \"steel\"\n[medium.water]\n{water}\n\
+             [medium.steel]\n{steel}"
+        );
+        let (_, scene) = rayweave_scene::parse(&text).unwrap();
+        let compiled = Compiled::new(&scene).unwrap();
+        let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
+        let size = Some(Size::new(41, 41).unwrap());
+        let wishes = Wishes { size, view: Some(View::Front), ..Wishes::default() };
+        (ThicknessMap::new(&scene, &compiled, &evaluator, &wishes, &mut Run::default()).unwrap(), scene)
+    }
+
+    /// Along the middle 2 of water and 4 of steel; near a corner of the box 6 of water alone.
+    #[test]
+    fn media_weaken_by_attenuation_or_density_or_alike() {
+        let corner = (8, 8);
+        // the weights along the middle and the corner, and the most of all rays
+        for (water, steel, sums, most) in [
+            ("", "", [6.0, 6.0], 6.0),
+            ("density = 1", "density = 8", [34.0, 6.0], 34.0),
+            ("density = 1", "", [2.0, 6.0], 6.0),
+        ] {
+            let (map, scene) = map(water, steel);
+            assert!((map.lengths(corner.0, corner.1)[1] - 6.0).abs() < 1e-12);
+            let radiograph = map.radiograph(&scene);
+            let found =
+                [20 * 41 + 20, corner.1 * 41 + corner.0].map(|pixel| -libm::log(radiograph.values()[pixel]));
+            let wanted = sums.map(|sum| sum / most);
+            for (found, wanted) in found.into_iter().zip(wanted) {
+                assert!(
+                    (found / -libm::log(FAINTEST) - wanted).abs() < 1e-9,
+                    "{water} {steel} {found} {wanted}"
+                );
+            }
+        }
+        let (map, scene) = map("attenuation = 0.1\ndensity = 9", "density = 1");
+        let radiograph = map.radiograph(&scene);
+        assert!((-libm::log(radiograph.values()[20 * 41 + 20]) - 0.2).abs() < 1e-12);
     }
 }

@@ -31,6 +31,13 @@ impl Colour {
         Colour::new(213, 94, 0),
     ];
 
+    /// The colour of something without one: those of [`Colour::PALETTE`] in turn, after each round darker, until they begin anew.
+    pub fn numbered(number: usize) -> Colour {
+        let (colour, round) = (Colour::PALETTE[number % 7], number / 7 % 4);
+        let darker = |level: u8| (u32::from(level) * (5 - round as u32) / 5) as u8;
+        Colour::new(darker(colour.red), darker(colour.green), darker(colour.blue))
+    }
+
     /// An opaque colour.
     pub const fn new(red: u8, green: u8, blue: u8) -> Colour {
         let alpha = 255;
@@ -66,6 +73,15 @@ impl fmt::Display for Colour {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn twenty_eight_colours_are_different() {
+        let all: std::collections::HashSet<Colour> = (0..28).map(Colour::numbered).collect();
+        assert_eq!(
+            (all.len(), Colour::numbered(0), Colour::numbered(28)),
+            (28, Colour::PALETTE[0], Colour::PALETTE[0])
+        );
+    }
 
     #[test]
     fn colours_are_read_and_written() {

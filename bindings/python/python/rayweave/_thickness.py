@@ -46,8 +46,8 @@ def thickness(
     """Measure how far rays go through each medium: one ray through the centre of each pixel, and all the way through.
 
     `view` looks at all of the model along parallel rays ("front", "top", ...); without it the camera of the model is taken. `size`
-    is width and height in pixels. The radiograph is by the numbers `attenuation` (per length) of the media; if there are none, all
-    media weaken alike, so that 5 % come through the thickest place.
+    is width and height in pixels. The radiograph is by the numbers `attenuation` (per length) of the media; if there are none,
+    by their `density`, or all media alike, so that 5 % come through the place that weakens most.
     """
     media, attenuation, lengths, radiograph, unit = _core.thickness_maps(subject, view, size, evaluator, threads)
     return Thickness(tuple(media), lengths, radiograph, np.array(attenuation), unit)

@@ -42,6 +42,14 @@ pub struct Convert {
 impl Convert {
     pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
         let format = self.format()?;
+        let same = |path: &Path| path.canonicalize().ok();
+        if same(&self.out).is_some_and(|out| same(&self.model.model) == Some(out)) {
+            let text = format!(
+                "{}: the model would be overwritten (it is the file to write, too)",
+                self.out.display()
+            );
+            return Err(Failure::Usage(text));
+        }
         let imported = self.model.import()?;
         let options = WriteOptions { tolerance: self.tolerance, text: self.text };
         let written = formats::write(&imported.scene, imported.stated.as_ref(), format, &options);

@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 /// Measure how far rays go through each medium: a radiograph, or a table of path lengths
 ///
 /// One ray goes through the centre of each pixel, and all the way through the model. A .png shows which part of an X-ray comes
-/// through, by the numbers `attenuation` (per length) in the tables of the media; if there are none, all media weaken alike, so
-/// that 5 % come through the thickest place. Any other file is a table of the path lengths, a column for each medium; that of
+/// through, by the numbers `attenuation` (per length) in the tables of the media; if there are none, by their `density`, or all
+/// media alike, so that 5 % come through the place that weakens most. Any other file is a table of the path lengths, a column for each medium; that of
 /// the world is the way between a ray's first and last crossing.
 #[derive(Args)]
 pub struct Thickness {
@@ -87,16 +87,14 @@ impl Thickness {
             return Ok(format!("white is {} {unit} of {medium}", terminal::short(longest)));
         }
         terminal::save(&self.out, &png::encode_grey(&map.radiograph(scene), 1.0))?;
-        let is_said = scene.media.iter().any(|m| m.numbers.iter().any(|(name, _)| name == "attenuation"));
-        Ok(match is_said {
-            true => "white is where all comes through".to_owned(),
-            false => {
-                let percent = terminal::short(100.0 * FAINTEST);
-                format!(
-                    "white is where all comes through, {percent} % in the thickest place (no medium has an attenuation)"
-                )
-            }
-        })
+        let is_said = |key| scene.media.iter().any(|m| m.numbers.iter().any(|(name, _)| name == key));
+        let white = "white is where all comes through";
+        if is_said("attenuation") {
+            return Ok(white.to_owned());
+        }
+        let percent = terminal::short(100.0 * FAINTEST);
+        let by = if is_said("density") { "they weaken by their density" } else { "they weaken alike" };
+        Ok(format!("{white}, {percent} % where most is lost (no medium has an attenuation: {by})"))
     }
 }
 

@@ -43,6 +43,12 @@ fn what_cannot_be_written_leaves_no_file() {
     assert!(
         bench.fails(2, &["convert", "part.toml", "part.stl", "--tolerance", "0"]).contains("tolerance is 0")
     );
+    assert!(
+        bench
+            .fails(2, &["convert", "part.toml", "./part.toml", "--to", "stl"])
+            .contains("would be overwritten")
+    );
+    assert_eq!(bench.read("part.toml"), PART);
     assert!(!bench.path("rod.stl").exists() && !bench.path("part.stl").exists());
 }
 

@@ -89,6 +89,8 @@ fn refusals() {
     let bench = bench();
     let failed = bench.fails(2, &["volume", "block.toml", "--precision", "0"]);
     assert!(failed.contains("the precision is 0"), "{failed}");
+    let failed = bench.fails(2, &["volume", "block.toml", "--precision", "-1"]);
+    assert!(failed.contains("the precision is -1 (it must be greater than 0"), "{failed}");
     let failed = bench.fails(2, &["volume", "block.toml", "--confidence", "1"]);
     assert!(failed.contains("the confidence is 1"), "{failed}");
     let failed = bench.fails(2, &["volume", "block.toml", "--solid", "bubbel"]);
@@ -96,4 +98,9 @@ fn refusals() {
     let failed = bench.fails(2, &["volume", "block.toml", "--within", "1,1,1", "0,0,0"]);
     assert!(failed.contains("are its corners swapped?"), "{failed}");
     bench.fails(3, &["volume", "none.toml"]);
+    bench.write("part.scad", "cube(1);");
+    let failed = bench.fails(3, &["volume", "part.scad"]);
+    assert!(failed.contains("`openscad -o model.csg model.scad` writes one"), "{failed}");
+    // more threads than any machine has take no longer than those there are
+    bench.says(&["volume", "block.toml", "--precision", "0.1", "--threads", "1000000"]);
 }

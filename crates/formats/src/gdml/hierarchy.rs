@@ -235,7 +235,7 @@ fn colour(volume: &Volume, medium: u32, is_world: bool) -> Colour {
     let tag = volume.auxiliary.iter().find(|tag| tag.kind.eq_ignore_ascii_case("color"));
     let stated =
         tag.and_then(|tag| Colour::parse(&tag.value).or_else(|| Colour::parse(&format!("#{}", tag.value))));
-    let palette = Colour::PALETTE[medium.saturating_sub(1) as usize % Colour::PALETTE.len()];
+    let palette = Colour::numbered(medium.saturating_sub(1) as usize);
     let colour = stated.unwrap_or(palette);
     if is_world { Colour { alpha: 0, ..colour } } else { colour }
 }

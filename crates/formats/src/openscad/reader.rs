@@ -602,7 +602,7 @@ fn scene(pieces: Vec<Piece<Solid>>) -> Scene {
     let mut regions = Vec::new();
     for (number, (piece, name)) in pieces.into_iter().zip(names).enumerate() {
         media.push(Medium { name: name.clone(), ..Medium::default() });
-        let palette = Colour::PALETTE[number % Colour::PALETTE.len()];
+        let palette = Colour::numbered(number);
         let (medium, colour) = (number as u32 + 1, piece.colour.unwrap_or(palette));
         // as it is read back from a native file
         let solid = piece.body.named(&name);

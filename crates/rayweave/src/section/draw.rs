@@ -40,14 +40,15 @@ pub fn drawing(sections: &[CrossSection], title: &str, unit: &str) -> String {
         (_, n) => format!("{n} planes"),
     };
     svg.text("tick", [WIDTH - MARGIN, MARGIN + 8.0], Anchor::End, &note, &note);
-    let (lo, hi) = window(sections);
+    let choice = Choice::new(sections);
+    let (lo, hi) = window(sections, choice);
     let grid = Grid::new(shown.len(), hi[0] - lo[0], hi[1] - lo[1]);
     let plans = shown.iter().enumerate().map(|(k, section)| {
         let plan = Plan::new(lo, hi, grid.frame(k));
-        draw(&mut svg, &plan, section);
+        draw(&mut svg, &plan, section, choice);
         if shown.len() > 1 {
-            let name = section.plane.to_string();
-            svg.text("tick", grid.label(k), Anchor::Middle, &name, &name);
+            let (label, name) = (section.plane.label(), section.plane.to_string());
+            svg.text("tick", grid.label(k), Anchor::Middle, &label, &name);
         }
         plan
     });
@@ -57,7 +58,7 @@ pub fn drawing(sections: &[CrossSection], title: &str, unit: &str) -> String {
         Plan::axes(&mut svg, [MARGIN + 4.0, bottom + BAR - 4.0], first.plane.axis_names());
     }
     plan.scale_bar(&mut svg, [WIDTH - MARGIN, bottom + BAR - 4.0], grid.width, unit);
-    let height = legend::draw(&mut svg, &entries(sections), bottom + BAR + ROW, WIDTH);
+    let height = legend::draw(&mut svg, &entries(sections, choice), bottom + BAR + ROW, WIDTH);
     let description = format!("Cross-sections, each medium in its own colour: {note}.");
     svg.finish([WIDTH, height], title, &description, STYLE)
 }
@@ -68,9 +69,9 @@ fn chosen(sections: &[CrossSection]) -> Vec<&CrossSection> {
 }
 
 /// The corners of what is cut in any of the sections.
-fn window(sections: &[CrossSection]) -> ([f64; 2], [f64; 2]) {
+fn window(sections: &[CrossSection], choice: Choice) -> ([f64; 2], [f64; 2]) {
     let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let parts = sections.iter().flat_map(|section| &section.parts).filter(|part| is_drawn(part));
+    let parts = sections.iter().flat_map(|section| choice.of(section));
     for point in parts.flat_map(|part| part.contours.iter().flatten()) {
         for k in 0..2 {
             (lo[k], hi[k]) = (lo[k].min(point[k]), hi[k].max(point[k]));
@@ -83,30 +84,43 @@ fn window(sections: &[CrossSection]) -> ([f64; 2], [f64; 2]) {
     }
 }
 
-/// What is clear is not drawn: what is in it shows.
-fn is_drawn(part: &SectionPart) -> bool {
-    part.colour.alpha > 0
+/// What of the sections is drawn.
+#[derive(Clone, Copy)]
+struct Choice {
+    /// What is clear, too: so if there is nothing else.
+    clear: bool,
 }
 
-fn draw(svg: &mut Svg, plan: &Plan, section: &CrossSection) {
-    let parts = || section.parts.iter().filter(|part| is_drawn(part) && !part.contours.is_empty());
+impl Choice {
+    fn new(sections: &[CrossSection]) -> Choice {
+        let seen = Choice { clear: false };
+        Choice { clear: !sections.iter().any(|section| seen.of(section).next().is_some()) }
+    }
+
+    /// The parts that are drawn: what is clear is not, so that what is in it shows.
+    fn of(self, section: &CrossSection) -> impl Iterator<Item = &SectionPart> {
+        let is_drawn = move |part: &&SectionPart| part.colour.alpha > 0 || self.clear;
+        section.parts.iter().filter(|part| !part.contours.is_empty()).filter(is_drawn)
+    }
+}
+
+fn draw(svg: &mut Svg, plan: &Plan, section: &CrossSection, choice: Choice) {
     let path = |part: &SectionPart| -> String {
         part.contours.iter().map(|contour| plan.path(contour, true)).collect()
     };
-    for part in parts() {
+    for part in choice.of(section) {
         svg.path("cut", path(part), &format!(r#" fill="{}""#, paint(part.colour)));
     }
-    for part in parts() {
+    for part in choice.of(section) {
         svg.path("outline", path(part), "");
     }
 }
 
 /// What each colour means, in the order in which they are met.
-fn entries(sections: &[CrossSection]) -> Vec<Entry> {
+fn entries(sections: &[CrossSection], choice: Choice) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
-    for part in sections.iter().flat_map(|section| &section.parts).filter(|part| is_drawn(part)) {
-        let is_new = entries.iter().all(|entry| entry.name != part.name);
-        if is_new && !part.contours.is_empty() {
+    for part in sections.iter().flat_map(|section| choice.of(section)) {
+        if entries.iter().all(|entry| entry.name != part.name) {
             entries.push(Entry { name: part.name.clone(), colour: paint(part.colour), is_line: false });
         }
     }

@@ -154,6 +154,19 @@ impl SectionPlane {
     }
 }
 
+impl SectionPlane {
+    /// As [`fmt::Display`], with few digits of a place along an axis: for labels that stand side by side.
+    pub(super) fn label(&self) -> String {
+        match self.form {
+            Form::Axis(axis) => {
+                let place = rayweave_render::axis::number(self.offset, 1e-3 * self.offset.abs().max(1e-300));
+                format!("{} = {}", ["x", "y", "z"][axis], place.replace('\u{2212}', "-"))
+            }
+            Form::Oblique { .. } => self.to_string(),
+        }
+    }
+}
+
 impl fmt::Display for SectionPlane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // the digits that the steps of a stack have; not what they round to

@@ -146,6 +146,20 @@ fn a_stack_of_a_cone_and_its_picture() {
     assert_eq!(text.matches("POLYLINE").count(), 4);
 }
 
+/// What is clear lets what is in it show, and is drawn where there is nothing else.
+#[test]
+fn what_is_clear_is_drawn_alone() {
+    let text = "[solid.air]\nbox = { size = [9, 9, 9] }\n[solid.ball]\nsphere = { radius = 2 }\n\
+                [[region]]\nsolid = \"air\"\ncolour = \"#ffffff00\"\n[[region]]\nsolid = \"ball\"";
+    let svg = |plane: &str| section_svg(&[cut(text, plane)], "a ball in air", "mm");
+    let (both, air) = (svg("z=0"), svg("z=3"));
+    assert!(both.contains(">ball<") && !both.contains(">air<"), "{both}");
+    assert!(air.matches("class=\"cut\"").count() == 1 && air.contains(">air<"), "{air}");
+    let stack =
+        "z=0".parse::<SectionPlane>().unwrap().stack(-6858.585858585859, 0.0, 6858.585858585859).unwrap();
+    assert_eq!(stack[0].label(), "z = -6858.6");
+}
+
 #[test]
 fn the_same_on_any_number_of_threads() {
     let scene = scene(TWO);

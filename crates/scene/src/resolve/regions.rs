@@ -70,7 +70,7 @@ fn region<'d>(
         name: name.clone(),
         solid: solids.built[found?].clone()?,
         medium,
-        colour: colour.or(media.list[medium as usize].colour).unwrap_or(palette(number)),
+        colour: colour.or(media.list[medium as usize].colour).unwrap_or(Colour::numbered(number)),
     })
 }
 
@@ -85,14 +85,10 @@ fn implied<'d>(context: &Context<'d>, solids: &Solids<'d>, media: &mut Media) ->
         };
         let name = entry.name.value.clone();
         let medium = media.find_or_add(&name);
-        let colour = media.list[medium as usize].colour.unwrap_or(palette(regions.len()));
+        let colour = media.list[medium as usize].colour.unwrap_or(Colour::numbered(regions.len()));
         regions.push(SceneRegion { name, solid, medium, colour });
     }
     regions
-}
-
-fn palette(number: usize) -> Colour {
-    Colour::PALETTE[number % Colour::PALETTE.len()]
 }
 
 /// The media by number and by name.
