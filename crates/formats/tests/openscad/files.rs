@@ -24,10 +24,10 @@ const VOLUMES: [(&str, f64, f64); 22] = [
     ("hull", 8568.7068, 1e-3),
     ("linear_extrude", 12738.3007, 1e-3),
     ("logo", 18686.2167, 1e-3),
-    ("polygon_areas", 1545.2409, 3e-3),
-    ("recursion", 141.4282, 3e-3),
-    ("rotate_extrude", 7724.9057, 5e-3),
-    ("text_on_cube", 220008.705, 3e-3),
+    ("polygon_areas", 1545.2409, 1e-3),
+    ("recursion", 141.4282, 1e-3),
+    ("rotate_extrude", 7724.9057, 1e-3),
+    ("text_on_cube", 220008.705, 1e-3),
     ("union", 23750.0, 1e-3),
 ];
 
