@@ -31,11 +31,22 @@ impl Colour {
         Colour::new(213, 94, 0),
     ];
 
-    /// The colour of something without one: those of [`Colour::PALETTE`] in turn, after each round darker, until they begin anew.
+    /// The colour of something without one: those of [`Colour::PALETTE`] in turn, then the same lighter, darker and darkest, until
+    /// they begin anew.
     pub fn numbered(number: usize) -> Colour {
-        let (colour, round) = (Colour::PALETTE[number % 7], number / 7 % 4);
-        let darker = |level: u8| (u32::from(level) * (5 - round as u32) / 5) as u8;
-        Colour::new(darker(colour.red), darker(colour.green), darker(colour.blue))
+        let count = Colour::PALETTE.len();
+        let (colour, round) = (Colour::PALETTE[number % count], number / count % 4);
+        let shade = |level: u8| {
+            let level = u16::from(level);
+            let shade = match round {
+                0 => level,
+                1 => (level + 255) / 2,
+                2 => level * 13 / 20,
+                _ => level * 9 / 20,
+            };
+            shade as u8
+        };
+        Colour::new(shade(colour.red), shade(colour.green), shade(colour.blue))
     }
 
     /// An opaque colour.
