@@ -68,7 +68,7 @@ fn volumes_are_those_of_openscad() {
         let dump =
             dump.replace(r#"font = "Liberation Sans"#, FONT).replace(r#"font = """#, &format!("{FONT}\""));
         let read = dumps.read_with(&dump, &options);
-        let found = volume(&read.scene, 150);
+        let found = volume(&read.scene, 400);
         assert!((found / expected - 1.0).abs() < 2e-3 + tolerance, "{name}: {found} instead of {expected}");
     }
 }

@@ -27,8 +27,9 @@ pub fn losses(text: &str, kind: LossKind) -> (usize, String) {
     (report.count(kind), report.warnings().to_string())
 }
 
-/// The volume of all regions together, by `side`^2 rays along a skew axis, each in the middle of its square. The rays
-/// are skew so that no face of a model of everyday is parallel to them.
+/// The volume of all regions together, by `side`^2 rays along a skew axis, at the points of a Fibonacci lattice (Niederreiter,
+/// Random Number Generation and Quasi-Monte Carlo Methods, 1992, section 5): rows of a square grid would lie along the strokes of
+/// letters. The rays are skew so that no face of a model of everyday is parallel to them.
 pub fn volume(scene: &Scene, side: usize) -> f64 {
     let program = Arc::new(Program::compile_regions(&scene.model_regions()).expect("the solids compile"));
     let bounds = program.bounds();
@@ -40,12 +41,16 @@ pub fn volume(scene: &Scene, side: usize) -> f64 {
     let w = Vec3::new(0.131, 0.277, 1.0).normalize();
     let u = w.cross(Vec3::X).normalize();
     let v = w.cross(u);
-    let at = |k: usize| radius * (2.0 * (k as f64 + 0.5) / side as f64 - 1.0);
+    let at = |part: f64| radius * (2.0 * part - 1.0);
+    let (count, golden) = ((side * side) as f64, (5.0_f64.sqrt() - 1.0) / 2.0);
     let evaluator = Packets::new(program);
     let mut length = 0.0;
-    for i in 0..side {
+    for row in 0..side {
         let mut batch = RayBatch::default();
-        (0..side).for_each(|j| batch.push(Ray::new(centre + at(i) * u + at(j) * v, w)));
+        for k in row * side..(row + 1) * side {
+            let k = k as f64 + 0.5;
+            batch.push(Ray::new(centre + at(k / count) * u + at((k * golden).fract()) * v, w));
+        }
         let answers = evaluator.collect(batch.rays(), &Query::default()).expect("the rays are fine");
         for ray in 0..side {
             for crossing in answers.of(ray) {
