@@ -5,32 +5,35 @@ use crate::measure::volume;
 use rayweave_formats::{LossKind, Options, load};
 use std::path::{Path, PathBuf};
 
-/// The example, the volume of what OpenSCAD 2021.01 (Debian 12) exports as STL from the same dump, and the tolerance as a part
-/// of it. Of the flat examples it is the area. Texts differ by hinting and kerning.
-const VOLUMES: [(&str, f64, f64); 22] = [
-    ("CSG-modules", 3346.9065, 1e-3),
-    ("LetterBlock", 11528.998, 1e-3),
-    ("assert", 12375.9952, 1e-3),
-    ("children", 12739.628, 1e-3),
-    ("difference_cube", 2284.3854, 1e-3),
-    ("example002", 12241.7321, 1e-3),
-    ("example004", 2284.3854, 1e-3),
-    ("example012", 32902.8816, 1e-3),
-    ("example014", 5936.7648, 1e-3),
-    ("example016", 10244.0, 1e-3),
-    ("example018", 2573423.2277, 1e-3),
-    ("example020", 915860.3783, 1e-3),
-    ("example022", 45145.3991, 1e-3),
-    ("example024", 203221.6422, 1e-3),
-    ("hull", 8568.7068, 1e-3),
-    ("linear_extrude", 12738.3007, 1e-3),
-    ("logo", 18686.2167, 1e-3),
-    ("polygon_areas", 1545.2409, 1e-3),
-    ("recursion", 141.4282, 1e-3),
-    ("rotate_extrude", 7724.9057, 1e-3),
-    ("text_on_cube", 220008.705, 1e-3),
-    ("union", 23750.0, 1e-3),
+/// The example, and the volume of what OpenSCAD 2021.01 (Debian 12) exports as STL from the same dump; of the flat examples it is
+/// the area.
+const VOLUMES: [(&str, f64); 22] = [
+    ("CSG-modules", 3346.9065),
+    ("LetterBlock", 11528.998),
+    ("assert", 12375.9952),
+    ("children", 12739.628),
+    ("difference_cube", 2284.3854),
+    ("example002", 12241.7321),
+    ("example004", 2284.3854),
+    ("example012", 32902.8816),
+    ("example014", 5936.7648),
+    ("example016", 10244.0),
+    ("example018", 2573423.2277),
+    ("example020", 915860.3783),
+    ("example022", 45145.3991),
+    ("example024", 203221.6422),
+    ("hull", 8568.7068),
+    ("linear_extrude", 12738.3007),
+    ("logo", 18686.2167),
+    ("polygon_areas", 1545.2409),
+    ("recursion", 141.4282),
+    ("rotate_extrude", 7724.9057),
+    ("text_on_cube", 220008.705),
+    ("union", 23750.0),
 ];
+
+/// Hinting moves letters of `recursion` by 4e-4 of their area; the rest is the sampling.
+const NEAR: f64 = 1e-3;
 
 /// The examples that name files which are not beside them, and how many items are refused for that.
 const WITHOUT_FILES: [(&str, usize); 5] =
@@ -58,7 +61,7 @@ fn volumes_are_those_of_openscad() {
     let Some(folder) = folder() else { return };
     let options = Options { facets: true, ..Options::default() };
     let dumps = Folder::new("volumes");
-    for (name, expected, tolerance) in VOLUMES {
+    for (name, expected) in VOLUMES {
         let dump = std::fs::read_to_string(folder.join(format!("{name}.csg"))).expect("a dump");
         let missing = FONTS.iter().find(|font| !Path::new(font).is_file());
         if let (true, Some(missing)) = (dump.contains("text("), missing) {
@@ -68,8 +71,8 @@ fn volumes_are_those_of_openscad() {
         let dump =
             dump.replace(r#"font = "Liberation Sans"#, FONT).replace(r#"font = """#, &format!("{FONT}\""));
         let read = dumps.read_with(&dump, &options);
-        let found = volume(&read.scene, 400);
-        assert!((found / expected - 1.0).abs() < 2e-3 + tolerance, "{name}: {found} instead of {expected}");
+        let found = volume(&read.scene, 300);
+        assert!((found / expected - 1.0).abs() < NEAR, "{name}: {found} instead of {expected}");
     }
 }
 

@@ -36,12 +36,14 @@ pub fn volume(scene: &Scene, side: usize) -> f64 {
     if bounds.is_empty() {
         return 0.0;
     }
-    let (centre, radius) = (0.5 * (bounds.lo + bounds.hi), 0.5 * (bounds.hi - bounds.lo).length());
-    assert!(radius.is_finite(), "{bounds:?}");
+    let (centre, half) = (0.5 * (bounds.lo + bounds.hi), 0.5 * (bounds.hi - bounds.lo));
+    assert!(half.length().is_finite(), "{bounds:?}");
     let w = Vec3::new(0.131, 0.277, 1.0).normalize();
     let u = w.cross(Vec3::X).normalize();
     let v = w.cross(u);
-    let at = |part: f64| radius * (2.0 * part - 1.0);
+    // the shadow of the box lies within a rectangle
+    let (wide, high) = (half.dot(u.abs()), half.dot(v.abs()));
+    let at = |part: f64| 2.0 * part - 1.0;
     let (count, golden) = ((side * side) as f64, (5.0_f64.sqrt() - 1.0) / 2.0);
     let evaluator = Packets::new(program);
     let mut length = 0.0;
@@ -49,7 +51,7 @@ pub fn volume(scene: &Scene, side: usize) -> f64 {
         let mut batch = RayBatch::default();
         for k in row * side..(row + 1) * side {
             let k = k as f64 + 0.5;
-            batch.push(Ray::new(centre + at(k / count) * u + at((k * golden).fract()) * v, w));
+            batch.push(Ray::new(centre + wide * at(k / count) * u + high * at((k * golden).fract()) * v, w));
         }
         let answers = evaluator.collect(batch.rays(), &Query::default()).expect("the rays are fine");
         for ray in 0..side {
@@ -63,7 +65,7 @@ pub fn volume(scene: &Scene, side: usize) -> f64 {
             }
         }
     }
-    length * (2.0 * radius / side as f64).powi(2)
+    length * 4.0 * wide * high / count
 }
 
 /// Compares the volume of a dump with what it should be, to a part.
