@@ -12,7 +12,7 @@ pub struct Counts {
     pub passed: u64,
     /// Tests that did not.
     pub failed: u64,
-    /// Tests that were left out: ignored, or waiting for the long mode.
+    /// Tests that were left out: ignored, waiting for the long mode, or without what they need.
     pub skipped: u64,
 }
 
@@ -41,6 +41,8 @@ impl Counts {
             self.failed += number_before(numbers, "failed");
             self.skipped += number_before(numbers, "ignored");
         }
+        // what a test prints that cannot run on this machine
+        self.skipped += u64::from(line.starts_with("SKIPPED: "));
     }
 
     /// Adds what the closing line of pytest counts, if this is it.
@@ -131,7 +133,8 @@ mod tests {
             "test result: FAILED. 1 passed; 2 failed; 0 ignored; 0 measured; 0 filtered out",
         );
         counts.read_cargo_line("test says: 9 passed; 9 failed");
-        assert_eq!(counts, Counts { passed: 6, failed: 2, skipped: 1 });
+        counts.read_cargo_line("SKIPPED: the font is not there");
+        assert_eq!(counts, Counts { passed: 6, failed: 2, skipped: 2 });
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Files of others, and files in files.
 
+use super::skip;
 use rayweave_formats::{Imported, LossKind, Options, load};
 use rayweave_model::Program;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ const FILES: [(&str, usize); 20] = [
 fn folder() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/gdml");
     if !folder.is_dir() {
-        eprintln!("SKIPPED: the GDML files of others are not at {}", folder.display());
+        skip::tell(&format!("the GDML files of others are not at {}", folder.display()));
         return None;
     }
     Some(folder)
