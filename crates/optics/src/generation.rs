@@ -186,12 +186,20 @@ impl Generation {
         self.first.push(self.starts.len() as u32);
     }
 
-    /// Appends rays `at..` of another generation that go on from a face: with what they carry but for their ways; the
-    /// first of their parents is `parent`, or none of them has one.
-    pub fn follow(&mut self, other: &Packets, at: usize, gone: &Gone, face: Face, parent: Option<i64>) {
+    /// Appends rays `at..` of another generation that go on from a face: with what they carry but for their powers and ways;
+    /// the first of their parents is `parent`, or none of them has one.
+    pub fn follow(
+        &mut self,
+        other: &Packets,
+        at: usize,
+        powers: &[f64; LANES],
+        gone: &Gone,
+        face: Face,
+        parent: Option<i64>,
+    ) {
         let (here, packets) = (at..at + LANES, &mut self.packets);
         packets.wavelength_nm.extend_from_slice(&other.wavelength_nm[here.clone()]);
-        packets.power.extend_from_slice(&other.power[here.clone()]);
+        packets.power.extend_from_slice(powers);
         packets.id.extend_from_slice(&other.id[here.clone()]);
         packets.stream.extend_from_slice(&other.stream[here.clone()]);
         packets.source.extend_from_slice(&other.source[here.clone()]);
@@ -199,19 +207,19 @@ impl Generation {
         self.go_on(gone, Some(face), parent);
     }
 
-    /// Appends rays `at..at + 8` of a beam, the first of which has the number `first`, after some events that happened to
-    /// all of them alike, the last one at a face.
+    /// Appends rays `at..at + 8` of a beam, the first of which has the number `first`, with the powers that they have after
+    /// some events that happened to all of them alike, the last one at a face.
     pub fn join(
         &mut self,
         (beam, first): (&Beam, u64),
         at: usize,
-        gone: &Gone,
+        (powers, gone): (&[f64; LANES], &Gone),
         (events, face): (u32, Option<Face>),
         parent: Option<i64>,
     ) {
         let (here, packets) = (at..at + LANES, &mut self.packets);
         packets.wavelength_nm.extend_from_slice(&beam.wavelengths_nm()[here.clone()]);
-        packets.power.extend_from_slice(&beam.powers()[here.clone()]);
+        packets.power.extend_from_slice(powers);
         packets.source.extend_from_slice(&beam.sources()[here.clone()]);
         let numbers = here.map(|i| first + i as u64);
         packets.id.extend(numbers.clone().map(|number| number as i64));

@@ -16,12 +16,22 @@ struct Slot {
 }
 
 /// What light sees of a medium.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Optics {
     /// Its index.
     pub index: Complex64,
     /// The absorption per unit of length.
     pub absorption: f64,
+}
+
+impl Optics {
+    /// What a length takes of a power (Beer-Lambert).
+    pub fn lost(self, power: f64, length: f64) -> f64 {
+        match self.absorption != 0.0 && length > 0.0 {
+            true => -libm::expm1(-self.absorption * length) * power,
+            false => 0.0,
+        }
+    }
 }
 
 /// A cache in which each pair of medium and wavelength has one place.
@@ -32,7 +42,7 @@ pub(crate) struct Indices {
 
 impl Default for Indices {
     fn default() -> Indices {
-        let optics = Optics { index: Complex64::ZERO, absorption: 0.0 };
+        let optics = Optics::default();
         Indices { slots: vec![Slot { wavelength_bits: 0, medium: u32::MAX, optics }; SLOTS] }
     }
 }

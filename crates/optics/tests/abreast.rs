@@ -26,13 +26,14 @@ fn flat_screen(name: &str, z: f64, size: f64) -> Element {
     screen(name, surface, trim)
 }
 
-/// The rows of each ray of a beam, as text in which every bit shows, and the sum of what was absorbed.
+/// The rows of each ray of a beam, as text in which every bit shows, and the sums of what was absorbed by elements and by media,
+/// and of what was dropped.
 fn told_by_ray<E: Evaluator>(
     tracer: &Tracer<'_, E>,
     lights: &[Light],
-    keep: Keep,
-) -> (Vec<Vec<String>>, f64) {
-    let settings = Settings { keep, generation_limit: 40, ..Settings::default() };
+    (keep, threshold): (Keep, f64),
+) -> (Vec<Vec<String>>, [f64; 3]) {
+    let settings = Settings { keep, threshold, generation_limit: 40, ..Settings::default() };
     let trace = tracer.trace(&lights.iter().copied().collect::<Beam>(), &settings).unwrap();
     assert!(trace.balance.error().abs() < 1e-9 * lights.len() as f64);
     let mut rows = vec![Vec::new(); lights.len()];
@@ -45,21 +46,24 @@ fn told_by_ray<E: Evaluator>(
         }
         rows[row.id as usize].push(format!("{:?}", Segment { id: 0, parent: 0, ..row }));
     }
-    (rows, trace.balance.absorbed.iter().sum())
+    let balance = &trace.balance;
+    (rows, [balance.absorbed.iter().sum(), balance.absorbed_in_media, balance.dropped])
 }
 
 /// Traces light together, and ray by ray with an evaluator that knows no lanes.
 fn assert_same_alone(what: &str, system: &System, lights: &[Light]) {
     let (packets, reference) = (Tracer::new(system, Packets::new), Tracer::new(system, Reference::new));
-    for keep in [Keep::All, Keep::Ends] {
-        let (together, absorbed) = told_by_ray(&packets, lights, keep);
-        let mut sum = 0.0;
+    for told in [(Keep::All, 0.0), (Keep::Ends, 0.0), (Keep::All, 0.8)] {
+        let (together, ends) = told_by_ray(&packets, lights, told);
+        let mut sums = [0.0; 3];
         for (light, rows) in lights.iter().zip(together) {
-            let (alone, absorbed) = told_by_ray(&reference, std::slice::from_ref(light), keep);
+            let (alone, ends) = told_by_ray(&reference, std::slice::from_ref(light), told);
             assert_eq!(rows, alone[0], "{what}: {light:?}");
-            sum += absorbed;
+            sums.iter_mut().zip(ends).for_each(|(sum, end)| *sum += end);
         }
-        assert!((absorbed - sum).abs() <= 1e-12 * sum, "{what}: {absorbed} {sum}");
+        for (end, sum) in ends.into_iter().zip(sums) {
+            assert!((end - sum).abs() <= 1e-12 * sum, "{what}: {ends:?} {sums:?}");
+        }
     }
 }
 

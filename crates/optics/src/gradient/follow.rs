@@ -3,7 +3,6 @@
 use crate::generation::{Generation, Met, Traveller};
 use crate::gradient::LocalField;
 use crate::gradient::collocation::{Step, Stepped};
-use crate::indices::Optics;
 use crate::interface::Stokes;
 use crate::medium::Medium;
 use crate::segments::{Event, Segment};
@@ -191,7 +190,7 @@ impl<E: Evaluator> Worker<'_, E> {
         step: &Step,
         (from, to): (f64, f64),
     ) -> Segment {
-        let Optics { absorption, .. } = self.optics(region, light.packet.wavelength_nm);
+        let optics = self.optics(region, light.packet.wavelength_nm);
         let (mut length, mut path) = (0.0, 0.0);
         for (t, weight) in step.quadrature(from, to) {
             let squared = field.at(step.at(t)).squared;
@@ -200,7 +199,7 @@ impl<E: Evaluator> Worker<'_, E> {
         }
         let intensity = light.packet.power;
         light.packet.path += path;
-        self.dim(light, absorption, length);
+        self.dim(light, optics, length);
         light.stokes = light.stokes.map(|stokes| transported(stokes, step, (from, to)));
         let start = if from == 0.0 { light.ray.origin } else { step.at(from) };
         light.ray = Ray::new(step.at(to), step.velocity_at(to).normalize());

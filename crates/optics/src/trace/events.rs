@@ -15,7 +15,7 @@ use rayweave_shape::Ray;
 use rayweave_shape::surface::delta;
 
 impl<E: Evaluator> Worker<'_, E> {
-    /// What happens to nearly all light: it goes on through a polished face into another clear medium. False, with nothing
+    /// What happens to nearly all light: it goes on through a polished face into another uniform medium. False, with nothing
     /// done, if that is not what happens.
     pub(super) fn transmit(&mut self, now: &Generation, met: &Met, i: usize) -> bool {
         let system = self.tracer.system;
@@ -25,14 +25,14 @@ impl<E: Evaluator> Worker<'_, E> {
         else {
             return false;
         };
-        let is_clear = |region| system.substance(region).is_uniform();
-        if met.placement[i] != 0 || !is_clear(before) || !is_clear(after) || met.between(i).is_some() {
+        let is_uniform = |region| system.substance(region).is_uniform();
+        if met.placement[i] != 0 || !is_uniform(before) || !is_uniform(after) || met.between(i).is_some() {
             return false;
         }
         let mut packet = now.packet(i);
         let here = self.indices.of(system, system.program.medium_of(before), packet.wavelength_nm);
         let behind = self.indices.of(system, system.program.medium_of(after), packet.wavelength_nm);
-        if here.absorption != 0.0 || here.index.re == behind.index.re || packet.power <= 0.0 {
+        if here.index.re == behind.index.re || packet.power <= 0.0 {
             return false;
         }
         let (ray, t) = (now.rays.rays().get(i), met.t[i]);
@@ -41,10 +41,11 @@ impl<E: Evaluator> Worker<'_, E> {
             return false;
         };
         packet.path += here.index.re * t;
+        let intensity = packet.power;
+        packet.power -= self.lose(here, intensity, t);
         let is_over = self.is_over(packet.generation + 1, packet.power);
         if is_over || self.settings.keep == Keep::All {
-            let segment =
-                Traveller { ray, packet, stokes: None }.segment((0.0, t), packet.power, here.index.re);
+            let segment = Traveller { ray, packet, stokes: None }.segment((0.0, t), intensity, here.index.re);
             let element = entered.or(left).unwrap_or(0);
             packet.parent = self.record(segment, element, number, Event::Transmitted);
         }
@@ -158,21 +159,25 @@ impl<E: Evaluator> Worker<'_, E> {
 
     /// Brings light to the end of a segment; the row for it lacks what is met there.
     fn arrive(&mut self, light: &mut Traveller, region: RegionId, (from, to): (f64, f64)) -> Segment {
-        let Optics { index, absorption } = self.optics(region, light.packet.wavelength_nm);
+        let optics = self.optics(region, light.packet.wavelength_nm);
         let length = to - from;
         let intensity = light.packet.power;
-        light.packet.path += index.re * length;
-        self.dim(light, absorption, length);
-        light.segment((from, to), intensity, index.re)
+        light.packet.path += optics.index.re * length;
+        self.dim(light, optics, length);
+        light.segment((from, to), intensity, optics.index.re)
     }
 
-    /// Takes what a length of a medium absorbs (Beer-Lambert).
-    pub(crate) fn dim(&mut self, light: &mut Traveller, absorption: f64, length: f64) {
-        let power = light.packet.power;
-        let lost = if length > 0.0 { -libm::expm1(-absorption * length) * power } else { 0.0 };
-        self.balance.absorbed_in_media += lost;
-        light.packet.power -= lost;
+    /// Takes what a length of a medium absorbs.
+    pub(crate) fn dim(&mut self, light: &mut Traveller, optics: Optics, length: f64) {
+        light.packet.power -= self.lose(optics, light.packet.power, length);
         light.stokes = light.stokes.map(|stokes| stokes.with_power(light.packet.power));
+    }
+
+    /// Books what a length of a medium absorbs of a power.
+    fn lose(&mut self, optics: Optics, power: f64, length: f64) -> f64 {
+        let lost = optics.lost(power, length);
+        self.balance.absorbed_in_media += lost;
+        lost
     }
 
     pub(crate) fn optics(&mut self, region: RegionId, wavelength_nm: f64) -> Optics {

@@ -2,13 +2,14 @@
 //! a look at the others. What cannot be proved is asked, with the rays that no eight are left of.
 
 use super::Worker;
+use super::eight::Spent;
 use super::rows::Rows;
 use crate::abreast::{Arrived, Gone, load, load_one, stored};
 use crate::beam::Beam;
 use crate::element::Action;
 use crate::foresee::{Eight, Foresight, Step};
 use crate::generation::Generation;
-use crate::indices::Indices;
+use crate::indices::{Indices, Optics};
 use crate::segments::{Balance, EightRows, Event};
 use crate::settings::{Keep, Settings};
 use crate::system::System;
@@ -58,6 +59,7 @@ struct Flight<S: Simd> {
     at: usize,
     eight: Eight<S>,
     path: Lanes<S>,
+    power: [f64; LANES],
     /// How many events there were, and the face of the last.
     events: u32,
     face: Option<Face>,
@@ -78,7 +80,7 @@ impl<S: Simd> Flight<S> {
             ..Gone::default()
         };
         let parent = (self.parent >= 0).then_some(self.parent);
-        rays.join((beam, first), self.at, &gone, (self.events, self.face), parent);
+        rays.join((beam, first), self.at, (&self.power, &gone), (self.events, self.face), parent);
     }
 }
 
@@ -187,16 +189,15 @@ impl Pilot<'_> {
         let is_common = load_one(simd, wavelengths, at)?.simd_eq(common).all_true();
         let sides = self.foresight.sides(simd, origin, origin.taxicab());
         let eight = Eight { origin, direction, start: None, sides };
-        let wavelength_nm = is_common.then_some(common);
-        Some(Flight { at, eight, path, events: 0, face: None, parent: -1, wavelength_nm })
+        let (wavelength_nm, power) = (is_common.then_some(common), *self.beam.powers()[at..].first_chunk()?);
+        Some(Flight { at, eight, path, power, events: 0, face: None, parent: -1, wavelength_nm })
     }
 
     /// Takes eight rays on until they end, or until it cannot be proved what comes next.
     #[inline(always)]
     fn fly_eight<S: Simd>(&mut self, simd: S, flight: &mut Flight<S>, ask: Ask<'_>) -> Flown {
-        let power = load_one(simd, self.beam.powers(), flight.at);
-        let threshold = self.settings.threshold;
-        if !power.is_some_and(|power| (power.simd_ge(threshold) & power.simd_gt(0.0)).all_true()) {
+        let power = Lanes::load_array_ref(simd, &flight.power);
+        if !(power.simd_ge(self.settings.threshold) & power.simd_gt(0.0)).all_true() {
             return Flown::On;
         }
         loop {
@@ -215,16 +216,16 @@ impl Pilot<'_> {
         }
     }
 
-    /// Takes eight rays through a face between clear media, if that is what they meet.
+    /// Takes eight rays through a face between uniform media, if that is what they meet.
     #[inline(always)]
     fn pass<S: Simd>(&mut self, simd: S, flight: &mut Flight<S>, surface: usize) -> Option<Flown> {
         let system = self.system;
         let seen = self.foresight.next(simd, &flight.eight, surface)?;
         let (element, number) = polished(system, &seen.step)?;
-        let (before, is_clear) = self.index(simd, flight, seen.step.before)?;
+        let (before, here) = self.index(simd, flight, seen.step.before)?;
         let (behind, _) = self.index(simd, flight, seen.step.after)?;
         let is_last = flight.events + 1 >= self.settings.generation_limit;
-        if is_last || !is_clear || before.simd_eq(behind).any_true() {
+        if is_last || before.simd_eq(behind).any_true() {
             return None;
         }
         if may_touch_sheets(simd, system, &flight.eight, seen.t, usize::MAX) {
@@ -248,6 +249,10 @@ impl Pilot<'_> {
             0xff => true,
             _ => return None,
         };
+        let spent = here.map(|here| Spent::new(&here, &flight.power, &seen.t.to_array()));
+        if spent.as_ref().is_some_and(|spent| !spent.is_followed(self.settings.threshold)) {
+            return None;
+        }
         if self.settings.keep == Keep::All {
             let (end, path, met) = (seen.point, behind.path, (element, number));
             let reached = Reached { end, path, index: before, met, event: Event::Transmitted };
@@ -256,11 +261,12 @@ impl Pilot<'_> {
         let start = Some((surface, inside));
         flight.eight = Eight { origin: behind.origin, direction: behind.direction, start, sides: seen.sides };
         (flight.path, flight.face) = (behind.path, Some(face));
+        self.spend(flight, spent);
         flight.events += 1;
         Some(Flown::On)
     }
 
-    /// Ends eight rays at an absorbing sheet, if they meet it in a clear medium.
+    /// Ends eight rays at an absorbing sheet, if that is what they meet.
     #[inline(always)]
     fn end<S: Simd>(
         &mut self,
@@ -272,24 +278,39 @@ impl Pilot<'_> {
         let plate = &system.plates[sheet];
         let (t, [before, after]) = plate.foresight.as_ref()?.through(simd, &flight.eight, surface)?;
         let region = self.foresight.region_up_to(simd, &flight.eight, t)?;
-        let (index, is_clear) = self.index(simd, flight, region)?;
+        let (index, here) = self.index(simd, flight, region)?;
         let is_through = before != RegionId(0) && after != RegionId(0);
-        if !is_clear || !is_through || may_touch_sheets(simd, system, &flight.eight, t, sheet) {
+        if !is_through || may_touch_sheets(simd, system, &flight.eight, t, sheet) {
             return None;
         }
         let (end, path) =
             (flight.eight.origin.plus(flight.eight.direction.times(t)), flight.path + index * t);
         let met = (plate.element, system.sheets_from() + sheet);
         self.record_eight(flight, &Reached { end, path, index, met, event: Event::Absorbed });
-        for lane in 0..LANES {
-            self.balance.absorbed[plate.element] += self.beam.powers()[flight.at + lane];
+        self.spend(flight, here.map(|here| Spent::new(&here, &flight.power, &t.to_array())));
+        for power in flight.power {
+            self.balance.absorbed[plate.element] += power;
         }
         Some(Flown::Ended)
     }
 
-    /// The index of a region for eight rays, if light goes straight on in it, and whether it takes nothing from any.
+    /// Takes from eight rays what a medium absorbs, if it does.
     #[inline(always)]
-    fn index<S: Simd>(&mut self, simd: S, flight: &Flight<S>, region: RegionId) -> Option<(Lanes<S>, bool)> {
+    fn spend<S: Simd>(&mut self, flight: &mut Flight<S>, spent: Option<Spent>) {
+        if let Some(Spent { lost, left }) = spent {
+            self.balance.absorbed_in_media += lost;
+            flight.power = left;
+        }
+    }
+
+    /// The index of a region for eight rays, if light goes straight on in it, and what they see of it if it absorbs.
+    #[inline(always)]
+    fn index<S: Simd>(
+        &mut self,
+        simd: S,
+        flight: &Flight<S>,
+        region: RegionId,
+    ) -> Option<(Lanes<S>, Option<[Optics; LANES]>)> {
         let system = self.system;
         if !system.substance(region).is_uniform() {
             return None;
@@ -297,27 +318,26 @@ impl Pilot<'_> {
         let medium = system.program.medium_of(region);
         if let Some(wavelength_nm) = flight.wavelength_nm {
             let optics = self.indices.of(system, medium, wavelength_nm);
-            return Some((splat(simd, optics.index.re), optics.absorption == 0.0));
+            let absorbs = optics.absorption != 0.0;
+            return Some((splat(simd, optics.index.re), absorbs.then_some([optics; LANES])));
         }
-        let (mut found, mut is_clear) = ([0.0; LANES], true);
+        let (mut found, mut absorbs) = ([Optics::default(); LANES], false);
         let wavelengths = self.beam.wavelengths_nm().get(flight.at..)?;
         for (found, &wavelength_nm) in found.iter_mut().zip(wavelengths) {
-            let optics = self.indices.of(system, medium, wavelength_nm);
-            *found = optics.index.re;
-            is_clear &= optics.absorption == 0.0;
+            *found = self.indices.of(system, medium, wavelength_nm);
+            absorbs |= found.absorption != 0.0;
         }
-        Some((Lanes::load_array_ref(simd, &found), is_clear))
+        let index = found.map(|optics| optics.index.re);
+        Some((Lanes::load_array_ref(simd, &index), absorbs.then_some(found)))
     }
 
     /// Appends a row for each of eight rays.
     #[inline(always)]
     fn record_eight<S: Simd>(&mut self, flight: &mut Flight<S>, reached: &Reached<S>) {
         let (at, beam, events, parent) = (flight.at, &self.beam, flight.events, flight.parent);
-        let (Some(source), Some(wavelength_nm), Some(intensity)) = (
-            beam.sources()[at..].first_chunk(),
-            beam.wavelengths_nm()[at..].first_chunk(),
-            beam.powers()[at..].first_chunk(),
-        ) else {
+        let (Some(source), Some(wavelength_nm)) =
+            (beam.sources()[at..].first_chunk(), beam.wavelengths_nm()[at..].first_chunk())
+        else {
             return;
         };
         if self.settings.keep == Keep::All {
@@ -329,7 +349,7 @@ impl Pilot<'_> {
             generation: [events; LANES],
             source,
             wavelength_nm,
-            intensity,
+            intensity: &flight.power,
             index: reached.index.to_array(),
             start: stored(flight.eight.origin),
             end: stored(reached.end),
