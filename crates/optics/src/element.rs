@@ -226,6 +226,11 @@ impl Element {
         }
     }
 
+    /// Whether it is a sheet that does not treat all polarisations alike.
+    pub fn polarises(&self) -> bool {
+        matches!(&self.body, Body::Sheet { action, .. } if action.polarises().is_some())
+    }
+
     /// What it is called.
     pub fn name(&self) -> &str {
         &self.name

@@ -23,6 +23,10 @@ pub(crate) struct Arriving {
     pub stream: u64,
 }
 
+/// So many facets of a rough face are looked at until one is found that light reaches and leaves; of those that it sees at a
+/// grazing angle one in 15 is taken.
+const FACETS: usize = 1024;
+
 /// Light that goes on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Going {
@@ -251,7 +255,8 @@ impl Arriving {
         Outcome::one(Event::Scattered, going)
     }
 
-    /// The normal of a facet, with slopes by the method of Box & Muller (Ann. Math. Stat. 29, 610, 1958).
+    /// The normal of a facet, with slopes by the method of Box & Muller (Ann. Math. Stat. 29, 610, 1958), each as often as the
+    /// light sees of its area: its cosine to the light over that to the mean normal.
     ///
     /// A facet that is turned away from the light, or would send it to the wrong side of the mean face, is hidden by others: its
     /// part in the distribution is masked or shadowed (Walter, Marschner, Li & Torrance, *Microfacet Models for Refraction
@@ -262,13 +267,17 @@ impl Arriving {
         // the draw of the branch comes from the same stream: it must not be the same number
         random.next_u64();
         let (u, v) = self.normal.any_orthonormal_pair();
-        for _ in 0..64 {
+        let cosine = -self.direction.dot(self.normal);
+        // slopes beyond six times their spread, one in 10^9, do not count for more
+        let most = cosine + 6.0 * slope * (1.0 - cosine * cosine).max(0.0).sqrt();
+        for _ in 0..FACETS {
             let (a, b): (f64, f64) = (1.0 - random.random::<f64>(), random.random());
             let length = slope * (-2.0 * libm::log(a)).sqrt();
             let angle = std::f64::consts::TAU * b;
             let tilt = length * (libm::cos(angle) * u + libm::sin(angle) * v);
+            let is_seen = random.random::<f64>() * most < -self.direction.dot(self.normal + tilt);
             let facet = (self.normal + tilt).normalize();
-            if self.is_open(facet, ratio) {
+            if is_seen && self.is_open(facet, ratio) {
                 return facet;
             }
         }
@@ -308,7 +317,9 @@ impl Arriving {
                 let side = if *reflects { self.normal } else { -self.normal };
                 // so many periods from the middle, the order's number of waves is gained in each
                 let periods = lines.dot(local.point(point));
-                let lines = frame.vector(*lines);
+                // as the gradient of the number of periods: a stretched grating has fewer lines
+                let lines = local.linear.transpose() * *lines;
+                let lines = lines - lines.dot(side) * side;
                 let wavelength = self.wavelength_nm / unit_nm;
                 let media = [self.index; 2];
                 let found = diffract(self.direction, side, media, lines, *order, wavelength);
@@ -316,7 +327,8 @@ impl Arriving {
                 match found {
                     Some(direction) => {
                         let delay = f64::from(*order) * wavelength * periods;
-                        Outcome::one(Event::Bent, Going { delay, ..self.going(direction, leaves) })
+                        let event = if *reflects { Event::Reflected } else { Event::Bent };
+                        Outcome::one(event, Going { delay, ..self.going(direction, leaves) })
                     }
                     None => Outcome::absorbed(),
                 }

@@ -65,17 +65,28 @@ impl Paths {
     /// Adds the segments of some rays, all of each: the parents of each row stand before it. Segments that are left out
     /// ([`crate::Keep::Ends`], escaped ones) are missed.
     pub fn add(&mut self, segments: &Segments) {
-        let mut ways: Vec<u32> = Vec::with_capacity(segments.len());
+        let mut steps: Vec<Step> = Vec::with_capacity(segments.len());
         let mut goes_on = vec![false; segments.len()];
         for row in 0..segments.len() {
             let parent = usize::try_from(segments.parent[row]).ok().filter(|&parent| parent < row);
-            let before = parent.map_or(FIRST, |parent| ways[parent]);
-            let is_back = parent.is_some_and(|parent| is_back(segments, parent, row));
+            let element = segments.element[row];
+            let step = match parent {
+                None => Step { before: FIRST, is_back: false, element },
+                // a piece of a curve goes on with what the piece before began
+                Some(parent) if segments.event[parent] == Event::Curved as u8 => {
+                    Step { element, ..steps[parent] }
+                }
+                Some(parent) => {
+                    let is_back = is_back(segments, parent, row);
+                    Step { before: self.number(steps[parent]), is_back, element }
+                }
+            };
             parent.into_iter().for_each(|parent| goes_on[parent] = true);
-            ways.push(self.number(Step { before, is_back, element: segments.element[row] }));
+            steps.push(step);
         }
         for row in (0..segments.len()).filter(|&row| !goes_on[row]) {
-            self.end(ways[row], segments.intensity[row]);
+            let way = self.number(steps[row]);
+            self.end(way, segments.intensity[row]);
         }
     }
 
@@ -129,7 +140,8 @@ impl Paths {
     }
 }
 
-/// Whether a segment begins with a reflection. Of the two rays after a split it is the one that stays in its medium and turns.
+/// Whether a segment begins with a reflection. Of the two rays after a split it is the one that stays in its medium and turns;
+/// within a gradient, where the index changes on the way, that cannot be told.
 fn is_back(segments: &Segments, parent: usize, row: usize) -> bool {
     let direction = |row: usize| {
         let [x, y, z] = segments.direction.each_ref();

@@ -1,6 +1,6 @@
 //! Phases along rays: of the optical path, and the jumps where light is reflected or goes from one medium to another.
 
-use crate::element::Finish;
+use crate::element::{Action, Finish};
 use crate::interface::{Film, response};
 use crate::segments::{Event, Segment, Segments};
 use crate::system::Substance;
@@ -65,7 +65,10 @@ impl<E: Evaluator> Tracer<'_, E> {
             Event::Scattered => return UNKNOWN,
             _ => return NONE,
         }
-        if before.surface as usize >= self.system.sheets_from() {
+        if let Some(sheet) = (before.surface as usize).checked_sub(self.system.sheets_from()) {
+            if matches!(self.system.plates[sheet].action, Action::Grating { .. }) {
+                return NONE;
+            }
             let goes_on = before.direction.dot(after.direction) > 1.0 - 1e-12;
             return if goes_on { NONE } else { CONDUCTOR };
         }

@@ -168,7 +168,11 @@ fn polarising_sheets() {
         )
     };
     let passed = |sheets: &str| {
-        Run::new(&read(&format!("[optics]\npolarised = true\n{sheets}{BENCH}"))).absorbed("before")
+        let said =
+            Run::new(&read(&format!("[optics]\npolarised = true\n{sheets}{BENCH}"))).absorbed("before");
+        // where a sheet polarises, polarisation is followed without a word
+        close(Run::new(&read(&format!("{sheets}{BENCH}"))).absorbed("before"), said);
+        said
     };
     let first = sheet("first", -2.0, "polariser = 0");
     close(passed(&first), 0.5);
@@ -406,6 +410,22 @@ wavelength_nm = { band = [700, 400] }
 38:17 spectrum: 400 nm after 700 nm (wavelengths must increase) are they exchanged?
 ", rayweave_optics::glass::glasses().len());
     assert_eq!(problems(text), expected);
+}
+
+/// What has no outline is no sheet, whatever else is said of it.
+#[test]
+fn outlines_and_values_that_are_missing() {
+    let sheet = |rest: &str| problems(&format!("{BENCH}[[optics.sheet]]\nname = 'a'\n{rest}\n"));
+    let no_outline = "`optics.sheet` has no `circle` or `rectangle` or `ellipse` (it is needed)";
+    assert!(sheet("action = 'absorb'").contains(no_outline));
+    assert!(sheet("action = 'absorb'\nopening = { circle = 1 }").contains(no_outline));
+    // a slip is told once
+    let slip = sheet("action = 'absorb'\ncircel = 3");
+    assert!(slip.contains("circle`?") && slip.lines().count() == 1, "{slip}");
+    let disc = problems("[optics]\n[[optics.source]]\ndisc = { angle = 10, rays = 5 }\n");
+    assert!(disc.contains("`disc` has no `circle` or"), "{disc}");
+    assert!(sheet("circle = 3\naction = 'mirror'").contains("action `mirror` has no value"));
+    assert!(sheet("circle = 3\naction = { absorb = 1 }").contains("action `absorb` takes no value"));
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod common;
 
 use common::{D_NM, along_z, ball, below, block, disk, glass, near, plane, rod, solid, trace};
 use num_complex::Complex64;
-use rayweave_math::{Affine, Vec3};
+use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::Solid;
 use rayweave_optics::component::Sheet;
 use rayweave_optics::interface::{Film, Stokes, response};
@@ -12,7 +12,7 @@ use rayweave_optics::{
     Action, Assembly, Beam, Branches, Element, Event, Finish, Keep, Light, Material, Medium, OpticsError,
     Segment, Settings, System, Trace, Tracer,
 };
-use rayweave_shape::primitive::{Ellipsoid, Paraboloid, Prism};
+use rayweave_shape::primitive::{Ellipsoid, HalfSpace, Paraboloid, Prism};
 use rayweave_trace::{Packets, Reference};
 use std::num::NonZeroUsize;
 
@@ -334,6 +334,35 @@ fn gratings_obey_their_equation() {
     // sin(b) = sin(a) + m wavelength / d
     near(rows[1].direction.x, sine + 600.0 * 500e-6, 1e-15);
     assert!(rows[1].direction.z < 0.0);
+    assert_eq!(rows[0].event, Event::Reflected);
+}
+
+/// A grating stretched twice has half the lines, in directions and in paths; one that is sheared along its normal keeps them.
+#[test]
+fn stretched_gratings_have_fewer_lines() {
+    let (light, order) = (Light::new(Vec3::new(1.0, 2.0, -9.0), Vec3::Z, 500.0), 1);
+    let behind = |lines: Vec3, linear: Mat3| {
+        let action = Action::Grating { lines, order, reflects: false };
+        let sheet = plane(0.0, 50.0).apply(&Affine::from_linear(linear)).unwrap();
+        one(
+            &Assembly::new().add(Element::sheet("grating", sheet, action)).compile().unwrap(),
+            light,
+            &Settings::default(),
+        )[1]
+    };
+    let lines = Vec3::new(600.0, 100.0, 0.0);
+    let plain = behind(lines, Mat3::IDENTITY);
+    near(plain.direction.x, 0.3, 1e-15);
+    let cases = [
+        (2.0 * lines, Mat3::from_diagonal(Vec3::splat(2.0))),
+        (Vec3::new(1800.0, 50.0, 0.0), Mat3::from_diagonal(Vec3::new(3.0, 0.5, 1.0))),
+        (lines, Mat3::from_cols(Vec3::X, Vec3::Y, Vec3::new(0.5, 0.3, 1.0))),
+    ];
+    for (lines, linear) in cases {
+        let found = behind(lines, linear);
+        near((found.direction - plain.direction).length(), 0.0, 1e-14);
+        near(found.path, plain.path, 1e-12);
+    }
 }
 
 /// All rays of a beam go the same length through an ideal lens to its focus: a wavefront that converges to a point.
@@ -395,6 +424,32 @@ fn rough_faces_send_light_to_the_right_side() {
             }
             assert!(found.balance.absorbed[0].abs() < 1e-11);
         }
+    }
+}
+
+/// What light sees of facets with the spread s of slopes: their slope towards it, at the angle a, is s^2 tan(a) in the mean
+/// (Walter et al. 2007, the distribution of visible normals, here of slopes).
+#[test]
+fn light_sees_the_facets_that_are_turned_to_it() {
+    let half = solid(HalfSpace::new(Vec3::Z, 0.0).unwrap());
+    for (slope, degrees) in [(0.1, 60.0_f64), (0.05, 75.0), (0.1, 0.0)] {
+        let (s, c) = degrees.to_radians().sin_cos();
+        let metal = Element::new("metal", half.clone(), Material::Metal(Medium::glass("Al").unwrap()));
+        let system = Assembly::new().add(metal.finish(Finish::Rough { slope })).compile().unwrap();
+        let light = Light::new(Vec3::new(-s, 0.0, c), Vec3::new(s, 0.0, -c), D_NM);
+        let count = 40_000;
+        let found = trace(&system, &(0..count).map(|_| light).collect(), &Settings::default());
+        let after = found.segments.iter().filter(|row| row.generation == 1);
+        let slopes = after.map(|row| {
+            let facet = row.direction - light.ray.direction;
+            -facet.x / facet.z
+        });
+        let mean = slopes.sum::<f64>() / f64::from(count);
+        let expected = slope * slope * degrees.to_radians().tan();
+        assert!(
+            (mean - expected).abs() < 5.0 * slope / f64::from(count).sqrt(),
+            "{degrees}: {mean} {expected}"
+        );
     }
 }
 

@@ -165,10 +165,10 @@ impl<'d> Reader<'d> {
     pub fn one_of(
         &mut self,
         keys: &mut Keys,
-        names: &[&'static str],
+        list: &[&'static str],
     ) -> Option<(Spanned<String>, Spanned<Datum>)> {
-        let mut found: Vec<_> = names.iter().filter_map(|name| keys.take_entry(name)).collect();
-        let names = names.join(", ");
+        let mut found: Vec<_> = list.iter().filter_map(|name| keys.take_entry(name)).collect();
+        let names = list.join(", ");
         if let [_, (second, _), ..] = found.as_slice() {
             let problem = Diagnostic::error(format!("`{}` is one too many", second.value));
             let reason = format!("`{}` has one of {names}", keys.name);
@@ -176,7 +176,10 @@ impl<'d> Reader<'d> {
             return None;
         }
         // a slip in the key is told when the rest is refused
-        if found.is_empty() && keys.rest.is_empty() {
+        let is_slip = |(key, _): &(Spanned<String>, Spanned<Datum>)| {
+            did_you_mean(&key.value, list.iter().copied()).is_some()
+        };
+        if found.is_empty() && !keys.rest.iter().any(is_slip) {
             self.report(keys.missing(&names.replace(", ", "` or `")), keys.span);
         }
         found.pop()

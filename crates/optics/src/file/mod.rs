@@ -7,7 +7,7 @@
 //! ```toml
 //! [optics]
 //! branches = "both"         # where light is split: ideal (default) goes on, both follows both, random chooses one
-//! polarised = false         # whether polarisation is followed
+//! polarised = false         # whether polarisation is followed; as a rule if a sheet or source asks for it
 //! generation_limit = 1000   # after so many events a ray is dropped
 //! threshold = 0             # below this power a ray is dropped
 //! seed = 0                  # of random choices
@@ -60,6 +60,7 @@ mod medium;
 mod sheet;
 mod source;
 
+use crate::element::Element;
 use crate::settings::{Branches, Settings};
 use crate::source::{Source, Sources};
 use crate::system::Assembly;
@@ -123,7 +124,7 @@ struct ReadSource {
 }
 
 fn optics(reader: &mut Reader, document: &Document, scene: &Scene, mut keys: Keys) -> Option<OpticalScene> {
-    let settings = settings(reader, &mut keys);
+    let (mut settings, polarised) = settings(reader, &mut keys);
     let media = medium::read(reader, document, scene, &mut keys);
     let elements = face::read(reader, scene, &media, &mut keys);
     let taken = scene.regions.iter().map(|region| region.name.clone()).collect();
@@ -132,6 +133,9 @@ fn optics(reader: &mut Reader, document: &Document, scene: &Scene, mut keys: Key
     let sources = source::read(reader, &mut keys, folder);
     sources.iter().for_each(|source| check_wavelengths(reader, source, &media));
     reader.refuse_the_rest(keys);
+    let is_polarised = |source: &ReadSource| source.source.is_polarised();
+    settings.polarised = polarised
+        .unwrap_or_else(|| sheets.iter().any(Element::polarises) || sources.iter().any(is_polarised));
     let world = media.world()?;
     let empty = Assembly::new().world(world).unit_nm(1e9 * scene.unit.metres());
     let assembly = elements.into_iter().chain(sheets).fold(empty, Assembly::add);
@@ -139,7 +143,8 @@ fn optics(reader: &mut Reader, document: &Document, scene: &Scene, mut keys: Key
     Some(OpticalScene { assembly, sources, settings })
 }
 
-fn settings(reader: &mut Reader, keys: &mut Keys) -> Settings {
+/// The settings, and whether they say that polarisation is followed: if they do not, it is where anything asks for it.
+fn settings(reader: &mut Reader, keys: &mut Keys) -> (Settings, Option<bool>) {
     let default = Settings::default();
     let choices = [(Branches::Ideal, "ideal"), (Branches::Both, "both"), (Branches::Random, "random")];
     let branches = keys.take("branches").and_then(|datum| reader.choice("branches", datum, &choices));
@@ -149,14 +154,14 @@ fn settings(reader: &mut Reader, keys: &mut Keys) -> Settings {
     let threshold = keys.take("threshold").and_then(|datum| {
         reader.checked("threshold", datum, "finite and at least 0", |value| value >= 0.0 && value.is_finite())
     });
-    Settings {
+    let settings = Settings {
         branches: branches.unwrap_or(default.branches),
-        polarised: polarised.unwrap_or(default.polarised),
         generation_limit: limit.map_or(default.generation_limit, |limit| limit as u32),
         threshold: threshold.unwrap_or(default.threshold),
         seed: seed(reader, keys).unwrap_or(default.seed),
         ..default
-    }
+    };
+    (settings, polarised)
 }
 
 fn seed(reader: &mut Reader, keys: &mut Keys) -> Option<u64> {
@@ -196,7 +201,11 @@ fn said(
         Datum::Text(word) => {
             let word = Spanned::new(word, datum.span);
             let is_known = words.contains(&word.value.as_str());
-            if !is_known {
+            if keys.contains(&word.value.as_str()) {
+                let problem = Diagnostic::error(format!("{what} `{}` has no value", word.value));
+                let suggestion = format!("{{ {} = ... }}", word.value);
+                reader.report(problem.why("it is a table of one key").suggest(Some(suggestion)), datum.span);
+            } else if !is_known {
                 reader.unknown(what, &word, &[words, keys].concat());
             }
             is_known.then_some(Said::Word(word))
@@ -204,7 +213,11 @@ fn said(
         Datum::Table(mut table) if table.len() == 1 => {
             let (key, value) = table.pop()?;
             let is_known = keys.contains(&key.value.as_str());
-            if !is_known {
+            if words.contains(&key.value.as_str()) {
+                let problem = Diagnostic::error(format!("{what} `{}` takes no value", key.value));
+                let suggestion = format!("\"{}\"", key.value);
+                reader.report(problem.why("it is a word").suggest(Some(suggestion)), key.span);
+            } else if !is_known {
                 reader.unknown(what, &key, &[words, keys].concat());
             }
             is_known.then_some(Said::Of(key, value))

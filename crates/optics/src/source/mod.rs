@@ -125,7 +125,8 @@ impl Source {
     }
 
     /// The same with polarised light: the parameters of Stokes i, q, u, v, of which only the proportions count. Light of q > 0
-    /// swings along the x axis of the source, as far as that lies across each ray; u > 0 leans from x towards y.
+    /// swings along the x axis of the source, as far as that lies across each ray; u > 0 leans from x towards y. A mirrored source
+    /// sends mirrored light.
     ///
     /// # Errors
     /// [`SourceError::Stokes`] for parameters of no light: more polarised than there is power.
@@ -136,6 +137,11 @@ impl Source {
             true => Ok(Source { stokes: Some(parameters), ..self }),
             false => Err(SourceError::Stokes { parameters }),
         }
+    }
+
+    /// Whether its light is polarised.
+    pub fn is_polarised(&self) -> bool {
+        self.stokes.is_some()
     }
 
     /// The same with other random numbers; the seed is 0 unless one is given.
@@ -198,6 +204,9 @@ impl Source {
     /// The parameters about the axis across a ray that is nearest to x.
     fn polarisation(&self, parameters: [f64; 4], direction: Vec3) -> Stokes {
         let x = self.turn * Vec3::X;
+        // what is said holds in the coordinates of the source: a mirror swaps the senses of u and v
+        let [i, q, u, v] = parameters;
+        let parameters = if self.turn.determinant() < 0.0 { [i, q, -u, -v] } else { parameters };
         let across = (x - direction * x.dot(direction)).try_normalize();
         Stokes { parameters, axis: across.unwrap_or_else(|| direction.any_orthonormal_vector()) }
     }

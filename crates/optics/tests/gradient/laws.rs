@@ -5,8 +5,8 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_optics::gradient::Gradient;
 use rayweave_optics::interface::Stokes;
 use rayweave_optics::{
-    Action, Assembly, Beam, Branches, Element, Event, Finish, Keep, Light, Medium, Segment, Settings, System,
-    Trace,
+    Action, Assembly, Beam, Branches, Element, Event, Finish, Keep, Light, Medium, Paths, Segment, Settings,
+    System, Trace,
 };
 use std::num::NonZeroUsize;
 
@@ -39,6 +39,24 @@ fn light_finds_its_way_back() {
         let length = (home.start - Vec3::new(x, y, -20.0)).length();
         near(home.path + 1.33 * (length - 10.0), last.path - 13.3 + 1.33 * 10.0, 1e-11);
     }
+}
+
+/// A step through a curve is no element that is met.
+#[test]
+fn paths_name_what_light_meets() {
+    let rod = Element::transparent("rod", rod(2.0, 30.0), &graded(1.6, Gradient::selfoc(0.1).unwrap()));
+    let screen = Element::absorber("screen", block(20.0, 20.0, 1.0).translate(Vec3::Z * 40.0));
+    let system = Assembly::new().add(rod).add(screen).compile().unwrap();
+    let found = trace(
+        &system,
+        &Beam::from_iter([Light::new(Vec3::new(0.5, 0.0, -20.0), Vec3::Z, D_NM)]),
+        &Settings::default(),
+    );
+    assert!(found.segments.iter().any(|row| row.event == Event::Curved));
+    let mut paths = Paths::default();
+    paths.add(&found.segments);
+    let told: Vec<String> = paths.list().iter().map(|path| path.text(system.element_names())).collect();
+    assert_eq!(told, ["rod rod screen"]);
 }
 
 /// Liouville: the determinant of the map of position and n times direction is 1, on every way through.

@@ -75,6 +75,25 @@ fn seeds_and_sources_differ() {
     assert_ne!(two.origins[0][..50], two.origins[0][50..]);
 }
 
+/// Light that leans from x towards y does so in a mirror, too: from the image of x towards that of y.
+#[test]
+fn mirrored_sources_send_mirrored_light() {
+    let line = || Source::new(Pattern::Line { length: 1.0, count: 3 }).unwrap();
+    let (half, turn) = (0.5_f64.sqrt(), Affine::rotation(Vec3::new(1.0, 2.0, 3.0), 40.0));
+    let maps = [Affine::IDENTITY, turn, Affine::mirror(Vec3::X), Affine::mirror(Vec3::Z).then(&turn)];
+    for map in maps.iter().chain([&Affine::scale(-Vec3::ONE)]) {
+        let source = line().stokes([1.0, 0.0, 1.0, 0.0]).unwrap().apply(map).unwrap();
+        let mut beam = Beam::default();
+        source.emit(0..3, &mut beam);
+        for k in 0..3 {
+            let light = beam.get(k);
+            let diagonal = map.vector(Vec3::new(half, half, 0.0));
+            let [i, q, ..] = light.stokes.unwrap().about(diagonal, light.ray.direction).parameters;
+            assert!((q / i - 1.0).abs() < 1e-14, "{map:?}: {q} of {i}");
+        }
+    }
+}
+
 #[test]
 fn memory_is_kept() {
     let sources = sources();
