@@ -6,6 +6,7 @@ mod drawing;
 mod failure;
 mod interrupt;
 mod interval;
+mod lens_file;
 mod terminal;
 
 use arguments::Cli;

@@ -60,6 +60,11 @@ pub fn complain(text: &str) {
     }
 }
 
+/// What was passed over, which has no place in a model.
+pub fn caution(text: &str) {
+    tell(&format!("warning: {text}"));
+}
+
 /// The problems of a model file, each with its place.
 pub fn diagnose(diagnostics: &Diagnostics) {
     tell(&diagnostics.render(has_colour()));

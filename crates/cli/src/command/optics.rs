@@ -4,6 +4,7 @@ use crate::arguments::{Cli, ModelArguments};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::lens_file::{self, Bench};
 use crate::terminal::{self, Unit, short};
 use clap::{Args, ValueEnum};
 use rayweave::Packets;
@@ -19,7 +20,10 @@ use std::path::{Path, PathBuf};
 
 /// Trace light through a model and tell where its power goes
 ///
-/// The [optics] tables of the model say what shines, what the media are, what faces and sheets do to light, and how it is
+/// The model may be a sequential lens file of Zemax (.zmx): its lenses and mirrors become solids, with stop and image as sheets, and
+/// each of its fields shines with 331 rays of each wavelength through its entrance pupil, of power 1 together.
+///
+/// The [optics] tables of any other model say what shines, what the media are, what faces and sheets do to light, and how it is
 /// followed. The summary tells for each element how much power ended there, and for each sheet how many rays met it, where
 /// their centroid lies in the sheet's own x and y, and the RMS distance from it, both weighted by power.
 ///
@@ -34,7 +38,8 @@ Examples:
   rayweave optics doublet.toml --layout doublet.svg
   rayweave optics doublet.toml --layout doublet.png --plane xz --rays 21 --colour source
   rayweave optics doublet.toml --spot spot.svg --map map.png --detector screen
-  rayweave optics doublet.toml --branches both --paths ghosts.csv")]
+  rayweave optics doublet.toml --branches both --paths ghosts.csv
+  rayweave optics cooke-triplet.zmx --layout triplet.png --spot spot.png")]
 pub struct Optics {
     #[command(flatten)]
     model: ModelArguments,
@@ -71,7 +76,7 @@ pub struct Optics {
     #[arg(long, value_name = "DRAWING")]
     map: Option<PathBuf>,
 
-    /// The sheet that --spot and --map are about [default: the one at which most power ends]
+    /// The sheet that --spot and --map are about [default: the image of a lens file, else the one at which most power ends]
     #[arg(long, value_name = "SHEET")]
     detector: Option<String>,
 
@@ -141,14 +146,11 @@ impl Optics {
         let is_piped = self.is_piped()?;
         let drawings = [&self.layout, &self.spot, &self.map];
         drawings.into_iter().flatten().try_for_each(|path| drawing::check(path))?;
-        let (document, scene) = self.model.load_document()?;
-        let optics = self.settled(cli, optics_of(&document, &scene)?)?;
-        if optics.sources.count() == 0 {
-            return Err(no_source(&document).into());
-        }
-        let (unit, system) = (scene.unit.symbol(), optics.assembly.compile()?);
+        let Bench { optics, unit, image } = self.bench()?;
+        let optics = self.settled(cli, optics)?;
+        let system = optics.assembly.compile()?;
         let mut spots = Spots::new(&system, self.map.is_some());
-        let detector = self.detector(&spots)?;
+        let detector = self.detector(&spots, image)?;
         let mut paths = self.paths.is_some().then(Paths::default);
         let summary = self.trace(cli, &optics, &system, unit, (&mut spots, &mut paths))?;
         self.draw_layout(&optics, &system, unit)?;
@@ -160,6 +162,19 @@ impl Optics {
             false if cli.quiet || is_piped => Ok(()),
             false => terminal::print(&told.as_text()),
         }
+    }
+
+    /// What the model or lens file puts up.
+    fn bench(&self) -> Result<Bench, Failure> {
+        if self.model.format.is_none() && lens_file::is_one(&self.model.model) {
+            return lens_file::load(&self.model);
+        }
+        let (document, scene) = self.model.load_document()?;
+        let optics = optics_of(&document, &scene)?;
+        if optics.sources.count() == 0 {
+            return Err(no_source(&document).into());
+        }
+        Ok(Bench { optics, unit: scene.unit.symbol(), image: None })
     }
 
     /// Whether something is written to standard output instead of the summary; there is room for one thing alone.
@@ -194,10 +209,10 @@ impl Optics {
     }
 
     /// The number of the sheet that is asked for.
-    fn detector(&self, spots: &Spots) -> Result<Option<usize>, Failure> {
-        let Some(name) = &self.detector else { return Ok(None) };
+    fn detector(&self, spots: &Spots, image: Option<&str>) -> Result<Option<usize>, Failure> {
+        let Some(name) = self.detector.as_deref().or(image) else { return Ok(None) };
         let names: Vec<&str> = spots.list.iter().map(|spot| spot.name.as_str()).collect();
-        match names.iter().position(|own| own == name) {
+        match names.iter().position(|own| *own == name) {
             Some(number) => Ok(Some(number)),
             None if names.is_empty() => {
                 Err(Failure::Usage(format!("no sheet is called `{name}` (there is none)")))

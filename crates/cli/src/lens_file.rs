@@ -1,0 +1,78 @@
+//! Lens files as models of the command: a sequential prescription as solids, with light of its fields.
+
+use crate::arguments::ModelArguments;
+use crate::failure::Failure;
+use crate::terminal;
+use rayweave::optics::analysis::hexapolar;
+use rayweave::optics::file::OpticalScene;
+use rayweave::optics::prescription::{IMAGE, Prescription, read_zmx};
+use rayweave::optics::source::{ListedRays, Pattern, Power, Source, Sources};
+use rayweave::optics::{Beam, Settings};
+use rayweave::scene::Unit;
+use std::path::Path;
+
+/// Rings of rays in the pupil: 331 rays for each field and wavelength.
+const RINGS: usize = 10;
+
+/// A system with its light.
+pub struct Bench {
+    pub optics: OpticalScene,
+    /// The symbol of its unit of lengths.
+    pub unit: &'static str,
+    /// The name of the sheet at the image, if it is a lens file's.
+    pub image: Option<&'static str>,
+}
+
+/// Whether a name is that of a lens file.
+pub fn is_one(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zmx"))
+}
+
+/// Reads a lens file; what of it was passed over goes to standard error.
+pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
+    let path = &model.model;
+    if let Some((name, _)) = model.definitions.first() {
+        let problem = format!("--define {name}: a lens file has no parameters");
+        return Err(Failure::Usage(format!("{problem} (they are of Rayweave's own models)")));
+    }
+    let name = path.display();
+    let bytes =
+        std::fs::read(path).map_err(|error| Failure::Input(format!("{name}: cannot be read ({error})")))?;
+    let wrong = |error: &dyn std::error::Error| {
+        let lines: Vec<String> = error.to_string().lines().map(|line| format!("{name}: {line}")).collect();
+        Failure::Input(lines.join("\nerror: "))
+    };
+    let read = read_zmx(&bytes).map_err(|error| wrong(&error))?;
+    for note in &read.notes {
+        terminal::caution(&format!("{name}: {note}"));
+    }
+    let lens = read.prescription;
+    let assembly = lens.assembly().map_err(|error| wrong(&error))?.assembly;
+    let sources = (0..lens.fields.len()).map(|field| source(&lens, field));
+    let sources = sources.collect::<Result<Vec<_>, _>>().map_err(|error| wrong(error.as_ref()))?;
+    let near = |unit: &&Unit| (1e9 * unit.metres() / lens.unit_nm - 1.0).abs() < 1e-9;
+    let units = Unit::ALL.map(|(unit, ..)| unit);
+    let unit = units.iter().find(near).map_or("", |unit| unit.symbol());
+    let optics = OpticalScene { assembly, sources: Sources::new(sources), settings: Settings::default() };
+    Ok(Bench { optics, unit, image: Some(IMAGE) })
+}
+
+/// The light of a field, of power 1 in all: each wavelength by its weight.
+fn source(lens: &Prescription, field: usize) -> Result<Source, Box<dyn std::error::Error>> {
+    let pupil = hexapolar(RINGS);
+    let (mut origins, mut directions) = (Vec::new(), Vec::new());
+    let (mut wavelengths, mut powers) = (Vec::new(), Vec::new());
+    for line in &lens.lines {
+        let beam: Beam = lens.beam(field, line.wavelength_nm, &pupil)?;
+        for k in 0..beam.len() {
+            let ray = beam.get(k).ray;
+            origins.push(ray.origin);
+            directions.push(ray.direction);
+            wavelengths.push(line.wavelength_nm);
+            powers.push(line.weight);
+        }
+    }
+    let rays = ListedRays::new(origins, directions, Some(wavelengths), Some(powers))?;
+    let total = rays.power().unwrap_or(1.0);
+    Ok(Source::new(Pattern::Rays(rays))?.power(Power::PerRay(1.0 / total))?)
+}
