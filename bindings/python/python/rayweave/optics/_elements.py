@@ -461,12 +461,13 @@ def corner_cube(depth: float, *, material: Material = "N-BK7", name: str = "corn
 def beam_splitter_cube(
     side: float, *, reflectance: float = 0.5, material: Material = "N-BK7", name: str = "cube"
 ) -> list[Element]:
-    """Two prisms that share a face, which reflects a fraction of the power."""
-    first, second = _core.optical_component("beam_splitter_cube", [float(side)])
-    hypotenuse = splitting(reflectance)
+    """Two prisms that share a face, z = y, which reflects a fraction of the power of light along +z towards +y. Faces: `front`,
+    `exit` and `split` of the first, `back`, `bottom` and `split` of the second."""
+    first, second = _core.optical_component("beam_splitter_cube", [real(side, "side")])
+    shared = splitting(reflectance)
     return [
         Element(f"{name}1", first, material),
-        Element(f"{name}2", second, material).with_finish(hypotenuse, "hypotenuse"),
+        Element(f"{name}2", second, material).with_finish(shared, "split"),
     ]
 
 
