@@ -14,7 +14,12 @@ from rayweave._core import Glass, GradedMedium, Sheet, Solid
 from rayweave.optics._given import real
 from rayweave.optics._place import Placed
 
-#: A glass, the name of one, a constant index (complex if it absorbs), a medium with a gradient, "mirror" or "absorber".
+#: The d line of helium.
+_D_NM = 587.5618
+
+#: A glass, the name of one, a constant index (complex if it absorbs), a medium with a gradient, "mirror" or "absorber". What has an
+#: extinction coefficient k above a tenth of its index n is a metal: it reflects by Fresnel's formulas and absorbs the rest. This is
+#: decided once, in yellow light (587.5618 nm) or, for a glass that has no index there, in the middle of its `range_nm`.
 Material = Glass | GradedMedium | str | float | complex
 
 #: A diameter, a width and a height (negative ones for an ellipse, as in PyRayT), or a kind with its sizes:
@@ -165,10 +170,15 @@ def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
     if isinstance(medium, GradedMedium):
         return "transparent", medium, finish
     # where hardly any light goes through a wavelength of it, it is a metal
-    index = medium.index(587.5618) if isinstance(medium, Glass) else medium[0]
-    extinction = medium.extinction(587.5618) if isinstance(medium, Glass) else medium[1]
-    is_metal = float(extinction) > 0.1 * float(index)
-    return "metal" if is_metal else "transparent", medium, finish
+    index, extinction = _yellow(medium) if isinstance(medium, Glass) else medium
+    return "metal" if extinction > 0.1 * index else "transparent", medium, finish
+
+
+def _yellow(glass: Glass) -> tuple[float, float]:
+    """The index and the extinction coefficient in yellow light, or in the middle of what is known of them: as in model files."""
+    low, high = glass.range_nm
+    wavelength = _D_NM if low <= _D_NM <= high else 0.5 * (low + high)
+    return float(glass.index(wavelength)), float(glass.extinction(wavelength))
 
 
 def _outline(aperture: Aperture) -> tuple[str, float, float]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
-from rayweave.optics._elements import Element, Finish
+from rayweave.optics._elements import _D_NM, Element, Finish
 from rayweave.optics._given import all_of, numbers, real
 from rayweave.optics._images import (
     Distortion,
@@ -40,9 +40,6 @@ Behind = str | Glass | float | tuple[float, float]
 
 _Unit = Literal["nm", "um", "mm", "cm", "m", "in"]
 _FieldKind = Literal["angle", "object height", "image height"]
-
-#: The d line of helium.
-_D_NM = 587.5618
 
 
 @dataclass(frozen=True)
