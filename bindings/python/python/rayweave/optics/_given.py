@@ -6,7 +6,12 @@ import operator
 from collections.abc import Iterable
 from difflib import get_close_matches
 from importlib import import_module
+from math import isfinite
+from reprlib import repr as shortened
 from typing import Any, NoReturn, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rayweave import _core
 
@@ -35,15 +40,53 @@ def real(value: Any, name: str, needed: str = "a number") -> float:
     raise TypeError(f"{name} is {value!r} ({needed} is needed)")
 
 
-def whole(value: Any, name: str, least: int = 0) -> int:
-    """A whole number of at most 64 bits."""
+def finite(value: Any, name: str, needed: str = "a number") -> float:
+    """A number, neither infinite nor NaN."""
+    number = real(value, name, needed)
+    if not isfinite(number):
+        raise _core.RayweaveError(f"{name} is {number} (it has to be finite)")
+    return number
+
+
+def whole(value: Any, name: str, least: int = 0, bits: int = 64) -> int:
+    """A whole number of at most so many bits."""
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{name} is {value!r} (a whole number is needed)") from None
-    if not least <= number < 2**64:
-        raise _core.RayweaveError(f"{name} is {number} (it has to be at least {least}, and below 2^64)")
+    if not least <= number < 2**bits:
+        raise _core.RayweaveError(f"{name} is {number} (it has to be at least {least}, and below 2^{bits})")
     return number
+
+
+def flag(value: Any, name: str, needed: str = "True or False") -> bool:
+    """Yes or no."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} is {value!r} ({needed} is needed)")
+    return bool(value)
+
+
+def text(value: Any, name: str, needed: str = "a text") -> str:
+    """A name or another text."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} is {value!r} ({needed} is needed)")
+    return value
+
+
+def pair(values: Any, name: str, needed: str) -> tuple[float, float]:
+    """Two numbers; `needed` says which."""
+    given = list(values) if isinstance(values, Iterable) and not isinstance(values, str) else []
+    if len(given) != 2:
+        raise TypeError(f"{name} is {values!r} ({needed} is needed)")
+    return real(given[0], name, needed), real(given[1], name, needed)
+
+
+def array(values: Any, name: str) -> NDArray[np.float64]:
+    """An array of numbers."""
+    try:
+        return np.asarray(values, float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} is {shortened(values)} (an array of numbers is needed)") from None
 
 
 def numbers(values: Any, name: str) -> list[float]:

@@ -25,6 +25,8 @@ class Source(Placed):
     lamp with another seed is another lamp."""
 
     compiled: _core.LightSource
+    #: Whether its light is polarised; one from a model file does not tell.
+    is_polarised: bool = False
 
     def transform(self, matrix: ArrayLike) -> Self:
         """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns."""
@@ -35,8 +37,11 @@ class Source(Placed):
 
     def polarised(self, i: float, q: float, u: float, v: float) -> Self:
         """The same with polarised light: the parameters of Stokes, of which only the proportions count. Light of q > 0 swings along
-        the x axis of the source, as far as that lies across each ray; u > 0 leans from x towards y."""
-        return replace(self, compiled=self.compiled.with_stokes((float(i), float(q), float(u), float(v))))
+        the x axis of the source, as far as that lies across each ray; u > 0 leans from x towards y. Light with q = u = v = 0 is
+        unpolarised. `System.trace` follows the polarisation unless it is told not to."""
+        parameters = tuple(real(value, name) for name, value in (("i", i), ("q", q), ("u", u), ("v", v)))
+        compiled = self.compiled.with_stokes((parameters[0], parameters[1], parameters[2], parameters[3]))
+        return replace(self, compiled=compiled, is_polarised=any(parameters[1:]))
 
     def rays(self) -> tuple[NDArray[np.float64], ...]:
         """Origins (N, 3), unit directions (N, 3), wavelengths in nanometres (N,) and powers (N,)."""

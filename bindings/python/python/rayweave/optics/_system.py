@@ -15,12 +15,15 @@ from rayweave import _core
 from rayweave._core import Glass
 from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
 from rayweave.optics._elements import Element, _medium
-from rayweave.optics._given import all_of, package, unknown, whole
+from rayweave.optics._given import all_of, array, flag, package, real, text, unknown, whole
 from rayweave.optics._sources import Source
 from rayweave.optics._stream import Progress, Stream, record_batch, reporter, write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+#: What sheets do that makes polarised light of any other, or needs to know how it is polarised.
+_POLARISES = ("polariser", "retarder")
 
 _UNIT_NM = {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "in": 2.54e7}
 
@@ -88,7 +91,7 @@ class System:
         sources: Source | Iterable[Source],
         *,
         branches: Literal["ideal", "both", "random"] = "ideal",
-        polarised: bool = False,
+        polarised: bool | None = None,
         generation_limit: int = 1000,
         threshold: float = 0.0,
         keep_escaped: bool = True,
@@ -101,12 +104,17 @@ class System:
 
         `branches` says which way it goes where part of it is reflected: "ideal" through without losses, back only by total
         reflection; "both" ways with their parts of the power by Fresnel's formulas; "random" one of them with all the power.
+        `polarised` says whether the polarisation of light is followed: True and False, or by default where it matters, that is if the
+        system has a `polariser` or a `wave_plate`, or a source shines with `Source.polarised` light. Where it is not followed, light
+        is taken as unpolarised at each face. (Elements and sources from model files do not tell: their `polarised` setting does.)
         Rays end after `generation_limit` events or below the power `threshold`. Results do not depend on `threads`. `progress` is
         called with the number of rays that are done and that of all; True draws a bar on standard error. `phases` adds the
         columns `phase_s` and `phase_p`, for which each event is looked at again: see `Trace.phases`.
         """
-        settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
-        compiled = [source.compiled for source in _all_sources(sources)]
+        given = _all_sources(sources)
+        is_followed = self._follows(polarised, given)
+        settings = _settings(branches, is_followed, generation_limit, threshold, keep_escaped, seed, threads)
+        compiled = [source.compiled for source in given]
         columns, accounts = self._compiled.trace_sources(compiled, settings, _told(progress))
         return self._told_of(columns, accounts, phases)
 
@@ -116,7 +124,7 @@ class System:
         *,
         rows: int = 1 << 17,
         branches: Literal["ideal", "both", "random"] = "ideal",
-        polarised: bool = False,
+        polarised: bool | None = None,
         generation_limit: int = 1000,
         threshold: float = 0.0,
         keep_escaped: bool = True,
@@ -126,9 +134,11 @@ class System:
         progress: Progress = None,
     ) -> Stream:
         """Follows the light of sources batch by batch, each of at least `rows` rows but for the last one, in memory that does not
-        grow with the number of rays. The rows of all batches, and `phases`, are those of `trace`."""
-        settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
-        return self._stream(_all_sources(sources), settings, rows, phases, progress)
+        grow with the number of rays. The rows of all batches, `polarised` and `phases` are those of `trace`."""
+        given = _all_sources(sources)
+        is_followed = self._follows(polarised, given)
+        settings = _settings(branches, is_followed, generation_limit, threshold, keep_escaped, seed, threads)
+        return self._stream(given, settings, rows, phases, progress)
 
     def _stream(
         self, given: list[Source], settings: dict[str, Any], rows: int, phases: bool, progress: Progress
@@ -143,7 +153,7 @@ class System:
         *,
         rows: int = 1 << 17,
         branches: Literal["ideal", "both", "random"] = "ideal",
-        polarised: bool = False,
+        polarised: bool | None = None,
         generation_limit: int = 1000,
         threshold: float = 0.0,
         keep_escaped: bool = True,
@@ -154,9 +164,11 @@ class System:
     ) -> Balance:
         """Follows the light of sources into a table of segments, `.parquet` (by pyarrow, in row groups of at least `rows` rows),
         `.csv` or `.npy` (with the names beside it), in memory that does not grow with the number of rays. The file appears under
-        its name when it is complete; elements, surfaces and events have names in it. `phases` as of `trace`."""
-        settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
-        return write(self, _all_sources(sources), FilePath(path), settings, rows, phases, progress)
+        its name when it is complete; elements, surfaces and events have names in it. `polarised` and `phases` as of `trace`."""
+        given = _all_sources(sources)
+        is_followed = self._follows(polarised, given)
+        settings = _settings(branches, is_followed, generation_limit, threshold, keep_escaped, seed, threads)
+        return write(self, given, FilePath(path), settings, rows, phases, progress)
 
     def trace_rays(
         self,
@@ -168,7 +180,7 @@ class System:
         *,
         stokes: ArrayLike | None = None,
         branches: Literal["ideal", "both", "random"] = "ideal",
-        polarised: bool = False,
+        polarised: bool | None = None,
         generation_limit: int = 1000,
         threshold: float = 0.0,
         keep_escaped: bool = True,
@@ -179,23 +191,33 @@ class System:
     ) -> Trace:
         """Follows rays, (N, 3) or (3,), broadcast against each other, with wavelengths in nanometres and powers (N,).
 
-        `stokes` (N, 7) is the polarisation: i, q, u, v and the axis of q > 0, a unit vector across the ray; only their
-        proportions count.
+        `stokes` (N, 7) is the polarisation: i, q, u, v, of which only the proportions count, and the axis of q > 0, as far as it
+        lies across the ray. It is followed as `trace` says: by default if `stokes` is given or an element polarises.
+        `source` (N,) are numbers of sources, for the column of that name.
         """
         starts, ways = _rays(origins, directions)
         count = len(starts)
-        settings = _settings(branches, polarised, generation_limit, threshold, keep_escaped, seed, threads)
+        light = None if stokes is None else _stokes(_column("stokes", stokes, (count, 7)), ways)
+        is_followed = self._follows(polarised, (), light is not None)
+        settings = _settings(branches, is_followed, generation_limit, threshold, keep_escaped, seed, threads)
         columns, accounts = self._compiled.trace(
             starts,
             ways,
             _column("wavelength_nm", wavelength_nm, (count,)),
             _column("power", power, (count,)),
-            _column("source", source, (count,)).astype(np.uint32),
-            None if stokes is None else _column("stokes", stokes, (count, 7)).tolist(),
+            _numbers_of("source", source, count),
+            None if light is None else light.tolist(),
             settings,
             _told(progress),
         )
         return self._told_of(columns, accounts, phases)
+
+    def _follows(self, polarised: bool | None, sources: Iterable[Source], is_polarised: bool = False) -> bool:
+        """Whether polarisation is followed: as told, or if something polarises."""
+        if polarised is not None:
+            return flag(polarised, "polarised", "True, False or None")
+        is_polarised = is_polarised or any(source.is_polarised for source in sources)
+        return is_polarised or any(part.action is not None and part.action.kind in _POLARISES for part in self.elements)
 
     def _told_of(self, columns: dict[str, NDArray[Any]], accounts: dict[str, Any], phases: bool) -> Trace:
         trace = Trace(self, columns, self._balance(accounts))
@@ -220,18 +242,16 @@ def _settings(
     seed: int,
     threads: int | None,
 ) -> dict[str, Any]:
-    whole(seed, "seed")
-    if not 0 <= generation_limit < 2**32:
-        raise _core.RayweaveError(f"generation_limit is {generation_limit} (it can be 0 to 2^32 - 1)")
-    if not threshold >= 0.0:
+    least = real(threshold, "threshold", "a power")
+    if not least >= 0.0:
         raise _core.RayweaveError(f"threshold is {threshold} (it is a power, at least 0)")
     return {
-        "branches": branches,
+        "branches": text(branches, "branches", '"ideal", "both" or "random"'),
         "polarised": polarised,
-        "generation_limit": generation_limit,
-        "threshold": threshold,
-        "keep_escaped": keep_escaped,
-        "seed": seed,
+        "generation_limit": whole(generation_limit, "generation_limit", bits=32),
+        "threshold": least,
+        "keep_escaped": flag(keep_escaped, "keep_escaped"),
+        "seed": whole(seed, "seed"),
         "threads": threads,
     }
 
@@ -396,21 +416,56 @@ def _local(trace: Trace, element: str) -> NDArray[np.float64]:
 def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     vectors = []
     for name, given in (("origins", origins), ("directions", directions)):
-        array = np.asarray(given, float)
-        if array.ndim not in (1, 2) or array.shape[-1] != 3:
-            raise _core.RayweaveError(f"{name} has shape {array.shape} ((N, 3) or (3,) is needed)")
-        vectors.append(np.atleast_2d(array))
-    counts = {len(array) for array in vectors} - {1} or {1}
+        found = array(given, name)
+        if found.ndim not in (1, 2) or found.shape[-1] != 3:
+            raise _core.RayweaveError(f"{name} has shape {found.shape} ((N, 3) or (3,) is needed)")
+        vectors.append(np.atleast_2d(found))
+    counts = {len(rows) for rows in vectors} - {1} or {1}
     if len(counts) > 1:
         lengths = f"origins has {len(vectors[0])} rows and directions {len(vectors[1])}"
         raise _core.RayweaveError(f"{lengths} (one of each for every ray, or one for all)")
-    first, second = (np.ascontiguousarray(np.broadcast_to(array, (min(counts), 3))) for array in vectors)
+    first, second = (np.ascontiguousarray(np.broadcast_to(rows, (min(counts), 3))) for rows in vectors)
     return first, second
 
 
 def _column(name: str, given: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    array = np.asarray(given, float)
+    found = array(given, name)
     try:
-        return np.broadcast_to(array, shape)
+        return np.broadcast_to(found, shape)
     except ValueError:
-        raise _core.RayweaveError(f"{name} has shape {array.shape} ({shape} is needed)") from None
+        raise _core.RayweaveError(f"{name} has shape {found.shape} ({shape} is needed)") from None
+
+
+def _numbers_of(name: str, given: ArrayLike, count: int) -> NDArray[np.uint32]:
+    """Whole numbers of 32 bits, one for each ray."""
+    found = _column(name, given, (count,))
+    wrong = np.flatnonzero(~((found >= 0.0) & (found < 2.0**32) & (found == np.floor(found))))
+    if len(wrong):
+        needed = "a whole number is needed, at least 0 and below 2^32"
+        raise _core.RayweaveError(f"{name}[{wrong[0]}] is {found[wrong[0]]:g} ({needed})")
+    return found.astype(np.uint32)
+
+
+def _stokes(rows: NDArray[np.float64], ways: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The parameters of Stokes with their axes, which are made unit vectors across the rays."""
+    i, q, u, v = rows[:, :4].T
+    with np.errstate(invalid="ignore", over="ignore"):
+        is_light = (i > 0.0) & np.isfinite(i) & (np.sqrt(q * q + u * u + v * v) <= i * (1.0 + 1e-12))
+    if not is_light.all():
+        k = int(np.argmin(is_light))
+        needed = "i, q, u, v are finite, with i > 0 and q^2 + u^2 + v^2 <= i^2"
+        raise _core.RayweaveError(f"stokes[{k}] is {rows[k].tolist()} ({needed})")
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        axes = rows[:, 4:] / np.abs(rows[:, 4:]).max(axis=1, keepdims=True)
+        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+        along = ways / np.abs(ways).max(axis=1, keepdims=True)
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        across = axes - (axes * along).sum(axis=1, keepdims=True) * along
+        length = np.linalg.norm(across, axis=1, keepdims=True)
+        # nearer to the ray than this, rounding alone would give the direction; rays that are none are told later
+        has_axis = (length > 1e-9) | ~np.isfinite(along).all(axis=1, keepdims=True)
+    if not has_axis.all():
+        k = int(np.argmin(has_axis))
+        needed = "its last three numbers are the axis of q > 0, which must not be 0, NaN nor along the ray"
+        raise _core.RayweaveError(f"stokes[{k}] is {rows[k].tolist()} ({needed})")
+    return np.concatenate([rows[:, :4], across / length], axis=1)
