@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, GradedMedium, Sheet, Solid
-from rayweave.optics._given import real
+from rayweave.optics._given import finite, flag, numbers, pair, real, text, unknown, whole
 from rayweave.optics._place import Placed
 
 #: The d line of helium.
@@ -37,7 +37,7 @@ class Finish:
     numbers: _Numbers = ()
 
     def _spec(self) -> tuple[str, list[float]]:
-        return self.kind, [float(number) for number in self.numbers]
+        return self.kind, [real(number, f"a number of the finish {self.kind!r}") for number in self.numbers]
 
 
 def polished() -> Finish:
@@ -52,22 +52,22 @@ def black() -> Finish:
 
 def reflecting(reflectance: float = 1.0) -> Finish:
     """Reflects a fraction of the power, from 0 to 1, and absorbs the rest."""
-    return Finish("mirror", (reflectance,))
+    return Finish("mirror", (real(reflectance, "reflectance"),))
 
 
 def splitting(reflectance: float = 0.5) -> Finish:
     """Reflects a fraction of the power, from 0 to 1, and transmits the rest."""
-    return Finish("splitter", (reflectance,))
+    return Finish("splitter", (real(reflectance, "reflectance"),))
 
 
 def diffuse(reflectance: float = 1.0) -> Finish:
     """Scatters a fraction of the power back by Lambert's cosine law and absorbs the rest."""
-    return Finish("diffuse", (reflectance,))
+    return Finish("diffuse", (real(reflectance, "reflectance"),))
 
 
 def rough(slope: float) -> Finish:
     """Polished facets whose slopes have a Gaussian distribution of this standard deviation along each axis."""
-    return Finish("rough", (slope,))
+    return Finish("rough", (real(slope, "slope"),))
 
 
 def coated(*films: tuple[complex, float]) -> Finish:
@@ -104,7 +104,10 @@ class Element(Placed):
     read: _core.ReadElement | None = None
 
     def __post_init__(self) -> None:
-        # a material that is none is told where it is given
+        # what is wrong is told where it is given
+        text(self.name, "name")
+        if not isinstance(self.body, Solid | Sheet):
+            raise TypeError(f"the body of {self.name!r} is {self.body!r} (a Solid is needed)")
         if self.read is None and self.action is None:
             _substance(self.material, self.finish)
 
@@ -118,6 +121,8 @@ class Element(Placed):
             raise _core.RayweaveError(f"{self.name} is a sheet (it has an action, not a finish)")
         if not isinstance(finish, Finish):
             raise TypeError(f"finish is {finish!r} (a Finish is needed: black(), polished(), coated(..), ... make one)")
+        if face is not None:
+            text(face, "face", "the name of a face")
         if self.read is not None:
             return replace(self, read=self.read.with_finish(finish._spec(), face))
         if face is None:
@@ -181,12 +186,21 @@ def _yellow(glass: Glass) -> tuple[float, float]:
     return float(glass.index(wavelength)), float(glass.extinction(wavelength))
 
 
+#: Kinds of apertures with the numbers of their sizes.
+_OUTLINES = {"circle": 1, "rectangle": 2, "ellipse": 2}
+
+
 def _outline(aperture: Aperture) -> tuple[str, float, float]:
     def size(number: Any) -> float:
         return real(number, "the aperture", "a diameter, a width and a height, or a kind with its sizes")
 
     match aperture:
         case (str() as kind, *sizes) if 1 <= len(sizes) <= 2:
+            if kind not in _OUTLINES:
+                unknown("aperture", kind, _OUTLINES)
+            if len(sizes) != _OUTLINES[kind]:
+                problem = f"the aperture is {aperture!r}"
+                raise _core.RayweaveError(f"{problem} (a {kind} has {'a diameter' if kind == 'circle' else 'a width and a height'})")
             return kind, size(sizes[0]), size(sizes[-1])
         case (width, height) if size(width) < 0 and size(height) < 0:
             return "ellipse", -size(width), -size(height)
@@ -206,14 +220,21 @@ def _component(
     terms: list[tuple[list[float], list[float]]] | None = None,
 ) -> Element:
     outline = None if aperture is None else _outline(aperture)
-    (solid,) = _core.optical_component(
-        kind, _sizes(numbers), outline, off_axis, terms or []
-    )
+    place = pair(off_axis, "off_axis", "a pair of lengths along x and y")
+    (solid,) = _core.optical_component(kind, _sizes(numbers), outline, place, terms or [])
     return Element(name, solid, material)
 
 
 def _sizes(numbers: _Numbers) -> list[float]:
     return [real(number, "a radius or size") for number in numbers]
+
+
+def _convex(r: float, name: str, hint: str = "") -> float:
+    """A radius that is stated without its sign."""
+    radius = real(r, name)
+    if radius < 0.0:
+        raise _core.RayweaveError(f"{name} is {radius:g} (the face is convex: its radius has to be positive){hint}")
+    return radius
 
 
 def element(solid: Solid, material: Material, *, name: str = "element") -> Element:
@@ -233,14 +254,14 @@ def biconvex_lens(
     r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
     """A lens with two convex faces; both radii are positive."""
-    return _component("biconvex", (r1, r2, thickness), name, material, aperture)
+    return _component("biconvex", (_convex(r1, "r1", " lens(..)?"), _convex(r2, "r2", " lens(..)?"), thickness), name, material, aperture)
 
 
 def plano_convex_lens(
     r: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
     """A lens with a plane front and a convex back of radius r > 0."""
-    return _component("plano_convex", (r, thickness), name, material, aperture)
+    return _component("plano_convex", (_convex(r, "r", " lens(..)?"), thickness), name, material, aperture)
 
 
 def conic_lens(
@@ -273,7 +294,7 @@ class Asphere:
     odd: tuple[float, ...] = ()
 
     def _terms(self) -> tuple[list[float], list[float]]:
-        return [float(c) for c in self.even], [float(c) for c in self.odd]
+        return numbers(self.even, "even"), numbers(self.odd, "odd")
 
 
 def aspheric_lens(
@@ -287,9 +308,9 @@ def aspheric_lens(
 ) -> Element:
     """A lens whose faces are aspheres, or spheres by their radii; otherwise a `lens`."""
     faces = [_asphere(front), _asphere(back)]
-    numbers = (faces[0].radius, faces[0].conic, faces[1].radius, faces[1].conic, thickness)
+    sizes = (faces[0].radius, faces[0].conic, faces[1].radius, faces[1].conic, thickness)
     terms = [face._terms() for face in faces]
-    return _component("aspheric_lens", numbers, name, material, aperture, terms=terms)
+    return _component("aspheric_lens", sizes, name, material, aperture, terms=terms)
 
 
 def aspheric_mirror(
@@ -303,24 +324,24 @@ def aspheric_mirror(
     """A mirror whose face is an asphere with its vertex at the origin, and faces -z: concave if the radius is negative. The rim and
     the back absorb."""
     face = _asphere(face)
-    numbers = (face.radius, face.conic, thickness)
-    return _faced("aspheric_mirror", numbers, name, aperture, off_axis, [face._terms()])
+    sizes = (face.radius, face.conic, thickness)
+    return _faced("aspheric_mirror", sizes, name, aperture, off_axis, [face._terms()])
 
 
 def _asphere(face: Asphere | float) -> Asphere:
-    return face if isinstance(face, Asphere) else Asphere(float(face))
+    return face if isinstance(face, Asphere) else Asphere(real(face, "a face", "a radius or an Asphere"))
 
 
 def cemented(
     radii: ArrayLike, thicknesses: ArrayLike, materials: list[Material], *, aperture: Aperture, name: str = "cemented"
 ) -> list[Element]:
     """Lenses that share their inner faces: one radius more than thicknesses and materials."""
-    radii, thicknesses = _core.number_list(radii, "radii"), _core.number_list(thicknesses, "thicknesses")
+    radii, thicknesses = numbers(radii, "radii"), numbers(thicknesses, "thicknesses")
     if not len(radii) - 1 == len(thicknesses) == len(materials):
         counts = f"{len(radii)} radii, {len(thicknesses)} thicknesses and {len(materials)} materials"
         raise _core.RayweaveError(f"{counts} are given (n + 1, n and n are needed)")
-    numbers = [radii[0], *(x for pair in zip(thicknesses, radii[1:], strict=True) for x in pair)]
-    solids = _core.optical_component("cemented", numbers, _outline(aperture))
+    sizes = [radii[0], *(x for both in zip(thicknesses, radii[1:], strict=True) for x in both)]
+    solids = _core.optical_component("cemented", sizes, _outline(aperture))
     pairs = enumerate(zip(solids, materials, strict=True), start=1)
     return [Element(f"{name}{k}", solid, material) for k, (solid, material) in pairs]
 
@@ -407,7 +428,9 @@ def toric_lens(
     name: str = "lens",
 ) -> Element:
     """A lens whose faces have one radius of curvature along x and another along y."""
-    return _component("toric_lens", (*front, *back, thickness), name, material, aperture)
+    needed = "a pair of radii, along x and along y,"
+    faces = (*pair(front, "front", needed), *pair(back, "back", needed))
+    return _component("toric_lens", (*faces, thickness), name, material, aperture)
 
 
 def fresnel_lens(
@@ -420,8 +443,8 @@ def fresnel_lens(
     material: Material = "PMMA",
     name: str = "lens",
 ) -> Element:
-    """A plane front, and behind it the rings of a convex surface of radius r, each `pitch` wide."""
-    return _component("fresnel_lens", (r, conic, pitch, thickness, diameter), name, material)
+    """A plane front, and behind it the rings of a convex surface of radius r > 0, each `pitch` wide."""
+    return _component("fresnel_lens", (_convex(r, "r"), conic, pitch, thickness, diameter), name, material)
 
 
 def lenslet_array(
@@ -435,7 +458,8 @@ def lenslet_array(
     name: str = "array",
 ) -> Element:
     """A plate of plano-convex lenses, columns along x and rows along y, each `pitch` wide and high."""
-    return _component("lenslet_array", (r, thickness, pitch, columns, rows), name, material)
+    counts = whole(columns, "columns", least=1), whole(rows, "rows", least=1)
+    return _component("lenslet_array", (_convex(r, "r"), thickness, pitch, *counts), name, material)
 
 
 def _faced(
@@ -457,9 +481,24 @@ def equilateral_prism(
     return _component("equilateral_prism", (side_length, width), name, material)
 
 
+#: Kinds of prisms with their numbers.
+_PRISMS = {
+    "dispersing": ("apex angle", "side", "width"),
+    "right_angle": ("leg", "width"),
+    "penta": ("side", "width"),
+    "dove": ("height", "length", "width"),
+    "amici": ("diameter",),
+}
+
+
 def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = "prism") -> Element:
     """A prism: "dispersing" (apex angle, side, width), "right_angle" (leg, width), "penta" (side, width), "dove" (height,
     length, width), "amici" (diameter)."""
+    if text(kind, "kind") not in _PRISMS:
+        unknown("prism", kind, _PRISMS)
+    wanted = _PRISMS[kind]
+    if len(numbers) != len(wanted):
+        raise _core.RayweaveError(f"the prism {kind!r} is given {len(numbers)} numbers (it has {len(wanted)}: {', '.join(wanted)})")
     return _component(f"{kind}_prism", numbers, name, material)
 
 
@@ -503,7 +542,7 @@ def detector(aperture: Aperture, *, absorbs: bool = True, name: str = "detector"
 
 def thin_lens(focal_length: float, *, aperture: Aperture, name: str = "thin lens") -> Element:
     """An ideal thin lens in the plane z = 0."""
-    return _sheet(name, Finish("thin_lens", (focal_length,)), aperture)
+    return _sheet(name, Finish("thin_lens", (real(focal_length, "focal_length"),)), aperture)
 
 
 def grating(
@@ -511,22 +550,26 @@ def grating(
 ) -> Element:
     """A plane grating in z = 0 that sends all light into one order: `lines` is a vector across the grooves, as long as their
     number per unit of length."""
-    return _sheet(name, Finish("grating", (*lines, order, reflects)), aperture)
+    needed = "a vector across the grooves, a pair of numbers along x and y,"
+    number = whole(order, "order", least=-(2**31), bits=31)
+    action = Finish("grating", (*pair(lines, "lines", needed), number, flag(reflects, "reflects")))
+    return _sheet(name, action, aperture)
 
 
 def polariser(degrees: float, *, aperture: Aperture, name: str = "polariser") -> Element:
     """Lets light pass that swings along an axis in the plane z = 0, at an angle from +x towards +y."""
-    angle = np.deg2rad(degrees)
+    angle = np.deg2rad(finite(degrees, "degrees"))
     return _sheet(name, Finish("polariser", (np.cos(angle), np.sin(angle))), aperture)
 
 
 def wave_plate(retardance_degrees: float, degrees: float, *, aperture: Aperture, name: str = "plate") -> Element:
     """Retards light across its fast axis, which lies at an angle from +x towards +y: by 90 degrees for a quarter wave."""
-    angle = np.deg2rad(degrees)
-    return _sheet(name, Finish("retarder", (np.cos(angle), np.sin(angle), retardance_degrees)), aperture)
+    angle = np.deg2rad(finite(degrees, "degrees"))
+    retardance = finite(retardance_degrees, "retardance_degrees")
+    return _sheet(name, Finish("retarder", (np.cos(angle), np.sin(angle), retardance)), aperture)
 
 
 def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float:
     """The focal length of a thick lens of index n in air: 1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2)) (Hecht, *Optics*,
     5th edition, section 6.1)."""
-    return _core.lensmaker(r1, r2, n, thickness)
+    return _core.lensmaker(real(r1, "r1"), real(r2, "r2"), real(n, "n"), real(thickness, "thickness"))

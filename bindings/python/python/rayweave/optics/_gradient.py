@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from rayweave._core import Glass, GradedMedium
 from rayweave.optics._elements import _medium
+from rayweave.optics._given import real, text
 
 #: What the index is multiplied by; see `graded`.
 Law = Literal["selfoc", "squared", "radial", "axial", "fish_eye", "luneburg"]
@@ -33,4 +34,5 @@ def graded(
     world, wherever the element is.
     """
     place = np.eye(4) if world_from_local is None else world_from_local
-    return GradedMedium(_medium(material), (law, [float(number) for number in numbers]), place)
+    known = [real(number, f"a number of the law {law!r}") for number in numbers]
+    return GradedMedium(_medium(material), (text(law, "law"), known), place)

@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave.optics._elements import Aperture, _outline
-from rayweave.optics._given import real, whole
+from rayweave.optics._given import array, real, unknown, whole
 from rayweave.optics._place import Placed
 
-#: A wavelength in nanometres; wavelengths with weights; or a kind with its numbers: ("uniform", lo, hi),
-#: ("black body", kelvin, lo, hi).
+#: A wavelength in nanometres; a dict of wavelengths with weights, which are lines; or a kind with its numbers: ("uniform", lo, hi), the
+#: same from lo to hi; ("black body", kelvin, lo, hi), Planck's law between them; ("table", w1, p1, w2, p2, ..), densities p at
+#: wavelengths w in rising order, and straight lines between; ("lines", w1, p1, w2, p2, ..), as a dict.
 Spectrum = float | dict[float, float] | tuple[str, *tuple[float, ...]]
 
 
@@ -58,14 +59,14 @@ def _source(
     outline: Aperture | None = None,
     sampling: str = "fibonacci",
 ) -> Source:
-    total, amount = (True, power[1]) if isinstance(power, tuple) else (False, power)
+    amount, is_total = _amount(power)
     compiled = _core.LightSource(
         kind,
         [real(number, "a size or angle of the source") for number in numbers],
         whole(count, "the number of rays", least=1),
         _spectrum(wavelength_nm),
-        real(amount, "power"),
-        total,
+        amount,
+        is_total,
         whole(seed, "seed"),
         None if outline is None else _outline(outline),
         sampling,
@@ -73,12 +74,29 @@ def _source(
     return Source(compiled)
 
 
+#: Kinds of spectra with their numbers; none for pairs of a wavelength and a weight.
+_SPECTRA: dict[str, tuple[str, ...]] = {
+    "line": ("wavelength",),
+    "lines": (),
+    "table": (),
+    "uniform": ("lowest wavelength", "highest wavelength"),
+    "black body": ("kelvin", "lowest wavelength", "highest wavelength"),
+}
+
+
 def _spectrum(wavelength_nm: Spectrum) -> tuple[str, list[float]]:
     match wavelength_nm:
         case dict() as lines:
-            return "lines", [float(x) for line in lines.items() for x in line]
+            return "lines", [real(x, "a wavelength or weight") for line in lines.items() for x in line]
         case (str() as name, *rest):
-            return name, [float(x) for x in rest]
+            if name not in _SPECTRA:
+                unknown("spectrum", name, _SPECTRA)
+            wanted = _SPECTRA[name]
+            if wanted and len(rest) != len(wanted):
+                raise _core.RayweaveError(f"the spectrum {name!r} is given {len(rest)} numbers (it has {len(wanted)}: {', '.join(wanted)})")
+            if not wanted and len(rest) % 2:
+                raise _core.RayweaveError(f"the spectrum {name!r} is given {len(rest)} numbers (they are pairs of wavelength and weight)")
+            return name, [real(x, f"a number of the spectrum {name!r}") for x in rest]
         case single:
             needed = "a number of nanometres, a dict of them with weights, or a kind of spectrum with its numbers"
             return "line", [real(single, "wavelength_nm", needed)]
@@ -166,8 +184,8 @@ def source_of_rays(
 ) -> Source:
     """Rays given one by one: origins (N, 3), and directions (N, 3) of any length but 0. Wavelengths are one for each ray (N,), or a
     spectrum from which they are drawn; powers (N,), one for all, or ("total", power)."""
-    lengths = _column(wavelength_nm)
-    powers = _column(power)
+    lengths = _column(wavelength_nm, "wavelength_nm")
+    powers = _column(power, "power")
     compiled = _core.LightSource.listed(origins, directions, lengths, powers)
     if lengths is None:
         compiled = compiled.with_spectrum(_spectrum(wavelength_nm))  # type: ignore[arg-type]
@@ -189,14 +207,24 @@ def source_from_file(
     return Source(_powered(compiled, 1.0 if power is None else power))
 
 
-def _column(given: Any) -> list[float] | None:
+def _column(given: Any, name: str) -> list[float] | None:
     """A number for each ray; none for a number, a spectrum or a total."""
-    if isinstance(given, (dict, tuple)):
+    if isinstance(given, dict) or (isinstance(given, tuple) and any(isinstance(part, str) for part in given)):
         return None
-    array = np.asarray(given, float)
-    return array.tolist() if array.ndim > 0 else None
+    column = array(given, name)
+    return column.tolist() if column.ndim > 0 else None
 
 
 def _powered(compiled: _core.LightSource, power: Any) -> _core.LightSource:
-    is_total = isinstance(power, tuple)
-    return compiled.with_power(float(power[1] if is_total else power), is_total)
+    return compiled.with_power(*_amount(power))
+
+
+def _amount(power: Any) -> tuple[float, bool]:
+    """A power, and whether it is that of all rays together."""
+    needed = 'a number, or a pair of "total" and a number,'
+    match power:
+        case ("total", amount):
+            return real(amount, "power", needed), True
+        case tuple() | list():
+            raise TypeError(f"power is {power!r} ({needed} is needed)")
+    return real(power, "power", needed), False
