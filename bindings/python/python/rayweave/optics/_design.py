@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave.optics._columns import Columns
-from rayweave.optics._given import real
+from rayweave.optics._given import all_of, flag, real, text, whole
 from rayweave.optics._images import _axis, _labelled
 from rayweave.optics._prescription import Prescription
 
@@ -92,16 +92,20 @@ def tolerance(
     With `refocus` the image of every trial is moved to where the mean square radius of all spots is least. Trial k is the same whatever
     the number of trials and of `threads`, and the errors of a parameter do not depend on the others.
     """
-    spreads = {name: _spread(spread) for name, spread in errors.items()}
+    if not isinstance(errors, Mapping):
+        raise TypeError(f"errors is {errors!r} (a dict of parameters with their deviations is needed)")
+    spreads = {text(name, "a parameter"): _spread(name, spread) for name, spread in errors.items()}
+    is_of_rays = merit in ("spot", "wavefront")
     found = _core.tolerance(
-        lens._compiled,
+        _lens(lens),
         [(name, kind, scale) for name, (kind, scale) in spreads.items()],
-        merit,
-        trials,
-        refocus=refocus,
-        vignette=vignette,
-        rings=rings,
-        seed=seed,
+        text(merit, "merit"),
+        whole(trials, "trials", least=1),
+        refocus=flag(refocus, "refocus"),
+        vignette=flag(vignette, "vignette"),
+        # without rings there is the ray in the middle: it has no radius, but a place
+        rings=whole(rings, "rings", least=1 if is_of_rays else 0, bits=31),
+        seed=whole(seed, "seed"),
         threads=threads,
     )
     unit = "waves" if merit == "wavefront" else lens.unit
@@ -125,12 +129,19 @@ def tolerance(
     return table
 
 
-def _spread(spread: Spread) -> tuple[str, float]:
+def _lens(lens: Prescription) -> _core.CompiledPrescription:
+    if not isinstance(lens, Prescription):
+        raise TypeError(f"lens is {lens!r} (a Prescription is needed)")
+    return lens._compiled
+
+
+def _spread(name: str, spread: Spread) -> tuple[str, float]:
+    needed = 'a number, or a pair of "uniform" or "normal" and a number,'
     match spread:
         case (str() as kind, scale):
-            return kind, float(scale)
+            return kind, real(scale, f"the deviation of {name!r}", needed)
         case scale:
-            return "uniform", float(scale)
+            return "uniform", real(scale, f"the deviation of {name!r}", needed)
 
 
 def _unit(name: str, unit: str) -> str:
@@ -186,8 +197,8 @@ def goal(
     if any(value is not None for value in places.values()) or any(value is None for value in wanted):
         needed = f"{names[0]} and {names[1]}" if wanted else "no field, wavelength_nm, surface nor height"
         raise _core.RayweaveError(f"the goal {operand!r} needs {needed}")
-    numbers = tuple(float(value) for value in wanted if value is not None)
-    return Goal(operand, numbers, *stated[0], float(weight))
+    numbers = tuple(real(value, name) for name, value in zip(names, wanted) if value is not None)
+    return Goal(operand, numbers, *stated[0], real(weight, "weight"))
 
 
 @dataclass(frozen=True)
@@ -222,6 +233,8 @@ def optimise(
     Levenberg and Marquardt's in the form of J. J. More (MINPACK, 1978); it finds the nearest minimum, not the best one, and gives up
     after `patience` prescriptions for each parameter.
     """
-    rows = [goal._row() for goal in goals]
-    names = [parameters] if isinstance(parameters, str) else list(parameters)
-    return Optimum._of(*_core.optimise(lens._compiled, names, rows, rings=rings, patience=patience))
+    rows = [goal._row() for goal in all_of(Goal, goals, "goals", ": goal(operand, ..) makes one")]
+    names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else parameters)]
+    is_of_rays = any(row[0] in ("spot", "wavefront") for row in rows)
+    count = whole(rings, "rings", least=1 if is_of_rays else 0, bits=31)
+    return Optimum._of(*_core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1)))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave.optics._columns import Columns
-from rayweave.optics._given import package, whole
+from rayweave.optics._given import array, package, real, whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,7 +63,7 @@ class Rays(Columns):
 
     def moved(self, shift: float) -> Rays:
         """The same rays on a plane moved along the axis."""
-        return Rays(self._compiled.moved(shift), self._unit)
+        return Rays(self._compiled.moved(real(shift, "shift")), self._unit)
 
     def spot(self) -> SpotSize:
         """The size of the spot."""
@@ -80,7 +80,7 @@ class Rays(Columns):
 
     def radius_of_energy(self, fraction: float) -> float:
         """The radius of the smallest circle about the centroid with at least a fraction of the power."""
-        return self._compiled.radius_of_energy(fraction)
+        return self._compiled.radius_of_energy(real(fraction, "fraction"))
 
     def mtf(self, frequencies: ArrayLike, direction: tuple[float, float] = (0.0, 1.0)) -> Numbers:
         """The modulation of lines across a direction by frequency in cycles per unit of length: the modulus of the Fourier
@@ -224,7 +224,7 @@ class ZernikeFit(Columns):
 
     def at(self, pupil: ArrayLike) -> Numbers:
         """The values of the sum at points (N, 2) of the unit disk."""
-        points = np.asarray(pupil, float)
+        points = array(pupil, "pupil")
         terms = zip(self["n"].tolist(), self["m"].tolist(), self["coefficient"], strict=True)
         values = [c * _core.zernike_values((n, m), points) for n, m, c in terms]
         return np.asarray(np.sum(values, axis=0), float)

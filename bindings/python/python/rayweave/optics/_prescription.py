@@ -13,7 +13,18 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
 from rayweave.optics._elements import _D_NM, Element, Finish
-from rayweave.optics._given import all_of, numbers, real
+from rayweave.optics._given import (
+    all_of,
+    array,
+    flag,
+    numbers,
+    pair,
+    real,
+    text,
+    unknown,
+    vector,
+    whole,
+)
 from rayweave.optics._images import (
     Distortion,
     Energy,
@@ -81,18 +92,23 @@ class ZernikePolynomials:
 Figure = Biconic | Toroidal | XYPolynomial | ZernikePolynomials
 
 
+_ORDERS = ("noll", "osa", "fringe")
+
+
 def _figure_row(figure: Figure | None) -> tuple[str, list[float]]:
     match figure:
         case None:
             return "round", []
         case Biconic(radius_x, conic_x):
-            return "biconic", [radius_x, conic_x]
+            return "biconic", [real(radius_x, "radius_x"), real(conic_x, "conic_x")]
         case Toroidal(turn):
-            return "toroidal", [turn]
+            return "toroidal", [real(turn, "turn")]
         case XYPolynomial(norm_radius, coefficients):
-            return "polynomial", [norm_radius, *coefficients]
+            return "polynomial", [real(norm_radius, "norm_radius"), *numbers(coefficients, "coefficients")]
         case ZernikePolynomials(norm_radius, coefficients, order):
-            return order, [norm_radius, *coefficients]
+            if text(order, "order") not in _ORDERS:
+                unknown("order of Zernike polynomials", order, _ORDERS)
+            return order, [real(norm_radius, "norm_radius"), *numbers(coefficients, "coefficients")]
     raise _core.RayweaveError(f"figure is {figure!r} (it can be Biconic, Toroidal, XYPolynomial, ZernikePolynomials or None)")
 
 
@@ -108,6 +124,15 @@ def _figure_of(row: tuple[str, list[float]]) -> Figure | None:
         case "polynomial":
             return XYPolynomial(numbers[0], tuple(numbers[1:]))
     return ZernikePolynomials(numbers[0], tuple(numbers[1:]), cast(Any, kind))
+
+
+def _behind(behind: Behind) -> Behind:
+    needed = '"air", "mirror", a glass or its name, a real index, or a pair of index and Abbe number'
+    if isinstance(behind, str | Glass):
+        return behind
+    if isinstance(behind, tuple):
+        return pair(behind, "behind", needed)
+    return real(behind, "behind", needed)
 
 
 @dataclass(frozen=True)
@@ -136,10 +161,12 @@ class Surface:
     figure: Figure | None = None
 
     def _row(self) -> tuple[Any, ...]:
-        terms = [[float(c) for c in coefficients] for coefficients in (self.even, self.odd)]
+        terms = numbers(self.even, "even"), numbers(self.odd, "odd")
         figure = _figure_row(self.figure)
         radius, thickness = real(self.radius, "the radius of a surface"), real(self.thickness, "a thickness")
-        return (radius, thickness, self.behind, self.conic, self.semi_diameter, self.hole, *terms, figure)
+        conic, hole = real(self.conic, "the conic constant of a surface"), real(self.hole, "hole")
+        semi_diameter = None if self.semi_diameter is None else real(self.semi_diameter, "semi_diameter")
+        return (radius, thickness, _behind(self.behind), conic, semi_diameter, hole, *terms, figure)
 
     @classmethod
     def _of(cls, row: tuple[Any, ...]) -> Surface:
@@ -163,9 +190,15 @@ class CoordinateBreak:
     matrix: tuple[tuple[float, ...], ...] | None = None
 
     def _row(self) -> tuple[int, list[list[float]]]:
+        before = whole(self.before, "before", least=1)
         if self.matrix is not None:
-            return self.before, np.asarray(self.matrix, float).tolist()
-        return self.before, _core.coordinate_break(self.decentre, self.tilt_degrees, self.tilts_first)
+            matrix = array(self.matrix, "matrix")
+            if matrix.shape != (4, 4):
+                raise _core.RayweaveError(f"the matrix of a coordinate break has shape {matrix.shape} ((4, 4) is needed)")
+            return before, matrix.tolist()
+        decentre = pair(self.decentre, "decentre", "a pair of lengths along x and y")
+        x, y, z = vector(self.tilt_degrees, "tilt_degrees")
+        return before, _core.coordinate_break(decentre, (x, y, z), flag(self.tilts_first, "tilts_first"))
 
 
 @dataclass(frozen=True)
@@ -206,7 +239,14 @@ def pupil_grid(
 ) -> NDArray[np.float64]:
     """Points (N, 2) of a pupil in units of its semi-diameter: rings of 6, 12, 18, ... about the middle, a square grid with so
     many points across, or as many points along one axis."""
-    return _core.pupil_points(kind, count)
+    if text(kind, "kind") not in _PUPILS:
+        unknown("grid of a pupil", kind, _PUPILS)
+    # a grid of no rings is the middle alone
+    return _core.pupil_points(kind, whole(count, "count", least=0 if kind == "hexapolar" else 1, bits=31))
+
+
+_FANS: tuple[Literal["fan_x", "fan_y"], ...] = ("fan_x", "fan_y")
+_PUPILS = ("hexapolar", "square", "fan_x", "fan_y")
 
 
 class Prescription:
@@ -246,8 +286,8 @@ class Prescription:
     ) -> None:
         wavelengths = numbers(wavelengths_nm, "wavelengths_nm")
         frame = {
-            "name": name,
-            "notes": list(notes),
+            "name": text(name, "name"),
+            "notes": [text(note, "a note") for note in ([notes] if isinstance(notes, str) else notes)],
             "unit_nm": _unit_nm(unit),
             "aperture": _aperture(
                 entrance_pupil_diameter=entrance_pupil_diameter,
@@ -255,13 +295,17 @@ class Prescription:
                 object_numerical_aperture=object_numerical_aperture,
                 stop_semi_diameter=stop_semi_diameter,
             ),
-            "field_kind": field_kind,
+            "field_kind": text(field_kind, "field_kind"),
             "fields": [_field(field) for field in fields],
             "lines": _lines(wavelengths, weights),
-            "primary": primary,
-            "object_distance": object_distance,
-            "stop": stop,
-            "image": (image_radius, image_conic, image_semi_diameter),
+            "primary": whole(primary, "primary"),
+            "object_distance": real(object_distance, "object_distance"),
+            "stop": whole(stop, "stop", least=1),
+            "image": (
+                real(image_radius, "image_radius"),
+                real(image_conic, "image_conic"),
+                None if image_semi_diameter is None else real(image_semi_diameter, "image_semi_diameter"),
+            ),
             "breaks": [at._row() for at in all_of(CoordinateBreak, breaks, "breaks")],
         }
         self._compiled = _core.CompiledPrescription([surface._row() for surface in all_of(Surface, surfaces, "surfaces")], frame)
@@ -365,7 +409,7 @@ class Prescription:
     def with_surface(self, number: int, **changes: Any) -> Prescription:
         """The same with changes to one surface, counted from 1: its `radius`, `thickness`, `behind`, ..."""
         rows = list(self.surfaces)
-        if not 1 <= number <= len(rows):
+        if not 1 <= whole(number, "number", least=-(2**63)) <= len(rows):
             raise _core.RayweaveError(f"there is no surface {number} (there are {len(rows)}, counted from 1)")
         rows[number - 1] = replace(rows[number - 1], **changes)
         return self.replace(rows)
@@ -416,7 +460,8 @@ class Prescription:
         They go through the points `pupil` (N, 2) of the entrance pupil in units of its semi-diameter, by default a hexapolar grid;
         if `aimed`, through those points of the stop.
         """
-        return self._compiled.rays(field, self._wavelength(wavelength_nm), _pupil(pupil, rings), aimed)
+        line = self._wavelength(wavelength_nm)
+        return self._compiled.rays(whole(field, "field"), line, _pupil(pupil, rings), flag(aimed, "aimed"))
 
     # real rays
 
@@ -433,7 +478,10 @@ class Prescription:
 
         Only rays that come by the surfaces in their order are there: not those that are vignetted or lost.
         """
-        return Rays(self._compiled.arrivals(field, wavelength_nm, _pupil(pupil, rings), aimed), self.unit)
+        self._needs_real_object()
+        line = None if wavelength_nm is None else self._wavelength(wavelength_nm)
+        points = _pupil(pupil, rings)
+        return Rays(self._compiled.arrivals(whole(field, "field"), line, points, flag(aimed, "aimed")), self.unit)
 
     def spots(
         self,
@@ -444,19 +492,20 @@ class Prescription:
         aimed: bool = False,
     ) -> Spots:
         """The spots of all fields, with centroid, RMS and geometric radius; on a plane that is moved along the axis by `shift`."""
-        rays = self._images(wavelength_nm, pupil_grid("hexapolar", rings), aimed)
-        return Spots.of([image.moved(shift) if shift else image for image in rays], self.fields, self.unit)
+        rays = self._images(wavelength_nm, _pupil(None, rings), aimed)
+        distance = real(shift, "shift")
+        return Spots.of([image.moved(distance) if distance else image for image in rays], self.fields, self.unit)
 
     def fans(self, *, wavelength_nm: float | None = None, count: int = 41, aimed: bool = False) -> Fans:
         """Transverse ray aberrations of all fields along both axes of the pupil, at one wavelength or, by default, at all of
         them."""
-        lines = self.wavelengths_nm if wavelength_nm is None else (wavelength_nm,)
+        self._needs_real_object()
+        lines = self.wavelengths_nm if wavelength_nm is None else (self._wavelength(wavelength_nm),)
         found = []
         for field in range(len(self.fields)):
             for line in lines:
-                for along, kind in enumerate(("fan_x", "fan_y")):
-                    pupil = _core.pupil_points(kind, count)
-                    at, errors = self._compiled.fan(field, line, pupil, aimed)
+                for along, kind in enumerate(_FANS):
+                    at, errors = self._compiled.fan(field, line, pupil_grid(kind, count), flag(aimed, "aimed"))
                     found.append((field, line, along, at[:, along], errors))
         return Fans.of(found, self.unit)
 
@@ -470,9 +519,10 @@ class Prescription:
         aimed: bool = False,
     ) -> Wavefront:
         """Optical path differences in waves, on a square grid of the pupil unless points (N, 2) of it are given."""
-        points = _core.pupil_points("square", across) if pupil is None else np.asarray(pupil, float)
+        self._needs_real_object()
+        points = pupil_grid("square", whole(across, "across", least=1)) if pupil is None else array(pupil, "pupil")
         line = self._wavelength(wavelength_nm)
-        return Wavefront.of(*self._compiled.wavefront(field, line, points, aimed))
+        return Wavefront.of(*self._compiled.wavefront(whole(field, "field"), line, points, flag(aimed, "aimed")))
 
     def encircled_energy(
         self,
@@ -484,10 +534,10 @@ class Prescription:
     ) -> Energy:
         """The fraction of the power of every field within circles about its centroid, without diffraction; by a square grid of so
         many rays across the pupil."""
-        rays = self._images(wavelength_nm, pupil_grid("square", across), aimed)
+        rays = self._images(wavelength_nm, pupil_grid("square", whole(across, "across", least=1)), aimed)
         if radii is None:
             radii = np.linspace(0.0, max(image.spot().geometric for image in rays), 101)
-        return Energy.of(rays, np.asarray(radii, float), self.unit)
+        return Energy.of(rays, array(radii, "radii"), self.unit)
 
     def mtf(
         self,
@@ -501,12 +551,12 @@ class Prescription:
         the direction of the field, `sagittal` for those along it. `limit` is that of diffraction alone at the primary wavelength,
         for a circular pupil and the paraxial F-number of the image (J. W. Goodman, Introduction to Fourier Optics, section 6.4).
         The rays are a square grid, `across` of them over the pupil."""
-        rays, cutoff = self._images(wavelength_nm, pupil_grid("square", across), aimed), self._cutoff()
+        rays, cutoff = self._images(wavelength_nm, pupil_grid("square", whole(across, "across", least=1)), aimed), self._cutoff()
         if frequencies is None:
             # where the modulation by the smallest spot has gone
             least = min(image.spot().rms for image in rays)
             frequencies = np.linspace(0.0, min(cutoff, 0.3 / least) if least > 0.0 else cutoff, 51)
-        return Modulation.of(rays, self.fields, np.asarray(frequencies, float), cutoff, self.unit)
+        return Modulation.of(rays, self.fields, array(frequencies, "frequencies"), cutoff, self.unit)
 
     def through_focus(
         self,
@@ -517,13 +567,13 @@ class Prescription:
         aimed: bool = False,
     ) -> ThroughFocus:
         """The RMS radii of the spots of all fields on planes moved along the axis by `shifts`."""
-        rays = self._images(wavelength_nm, pupil_grid("hexapolar", rings), aimed)
+        rays = self._images(wavelength_nm, _pupil(None, rings), aimed)
         if shifts is None:
             best = np.abs([image.best_focus() for image in rays])
             reach = 2.0 * float(best[np.isfinite(best)].max(initial=0.0))
             reach = reach or 1e-3 * abs(self.first_order().focal_length)
             shifts = np.linspace(-reach, reach, 41)
-        return ThroughFocus.of(rays, np.asarray(shifts, float), self.unit)
+        return ThroughFocus.of(rays, array(shifts, "shifts"), self.unit)
 
     def distortion(self, *, wavelength_nm: float | None = None, count: int = 21) -> Distortion:
         """Where real and paraxial principal rays meet the image, over the field from the axis to its widest point."""
@@ -541,8 +591,8 @@ class Prescription:
         on_axis = self if self.fields[0] == (0.0, 0.0) else self.replace(fields=[(0.0, 0.0), *self.fields])
         if wavelengths_nm is None:
             wavelengths_nm = np.linspace(min(self.wavelengths_nm), max(self.wavelengths_nm), 31)
-        lines = np.asarray(wavelengths_nm, float)
-        return FocalShift.of(lines, [on_axis._compiled.axial_focus(line, height) for line in lines], self.unit)
+        lines, part = np.atleast_1d(array(wavelengths_nm, "wavelengths_nm")), real(height, "height")
+        return FocalShift.of(lines, [on_axis._compiled.axial_focus(line, part) for line in lines], self.unit)
 
     def lateral_colour(self, *, count: int = 21) -> LateralColour:
         """How far the principal rays of all wavelengths meet the image from that of the primary one, away from the axis, over the
@@ -556,7 +606,7 @@ class Prescription:
         """Draws a section of the solids with rays of all fields in the plane x = 0, coloured by field; `options` are those of
         `Trace.show`."""
         elements = self.elements()
-        pupil = _core.pupil_points("fan_y", rays)
+        pupil = pupil_grid("fan_y", whole(rays, "rays", least=1, bits=31))
         bundles = [self.rays(field, pupil=pupil) for field in range(len(self.fields))]
         origins, directions = (np.concatenate(parts) for parts in zip(*bundles, strict=True))
         # a far object would leave little of the lens
@@ -580,7 +630,12 @@ class Prescription:
         return axis
 
     def _wavelength(self, wavelength_nm: float | None) -> float:
-        return self.primary_nm if wavelength_nm is None else float(wavelength_nm)
+        return self.primary_nm if wavelength_nm is None else real(wavelength_nm, "wavelength_nm")
+
+    def _needs_real_object(self) -> None:
+        if self.object_distance < 0.0:
+            problem = f"object_distance is {self.object_distance:g} (light would start behind surface 1)"
+            raise _core.RayweaveError(f"{problem} first_order() knows virtual objects, real rays need one in front: is the sign wrong?")
 
     def _images(self, wavelength_nm: float | None, pupil: ArrayLike, aimed: bool) -> list[Rays]:
         fields = range(len(self.fields))
@@ -588,6 +643,8 @@ class Prescription:
 
     def _swept(self, count: int) -> tuple[Prescription, Sweep]:
         """The same with fields from the axis to the widest one."""
+        self._needs_real_object()
+        whole(count, "count", least=1, bits=31)
         x, y = max(self.fields, key=lambda field: float(np.hypot(*field)))
         share = np.linspace(0.0, 1.0, count)
         is_angle = self._compiled.frame()["field_kind"] == "angle"
@@ -617,7 +674,7 @@ _APERTURES = {"entrance_pupil_diameter", "f_number", "object_numerical_aperture"
 
 
 def _aperture(**given: float | None) -> tuple[str, float]:
-    stated = [(kind, float(size)) for kind, size in given.items() if size is not None]
+    stated = [(kind, real(size, kind)) for kind, size in given.items() if size is not None]
     if len(stated) != 1:
         found = ", ".join(kind for kind, _ in stated) or "none"
         raise _core.RayweaveError(f"the aperture is given by {found} (one of {', '.join(given)} is needed)")
@@ -625,8 +682,8 @@ def _aperture(**given: float | None) -> tuple[str, float]:
 
 
 def _field(field: float | tuple[float, float]) -> tuple[float, float]:
-    match np.asarray(field, float).tolist():
-        case [x, y]:
+    match array(field, "a field").tolist():
+        case [float() as x, float() as y]:
             return x, y
         case float() as y:
             return 0.0, y
@@ -649,7 +706,9 @@ def _unit_nm(unit: str) -> float:
 
 
 def _pupil(pupil: ArrayLike | None, rings: int) -> NDArray[np.float64]:
-    return _core.pupil_points("hexapolar", rings) if pupil is None else np.asarray(pupil, float)
+    if pupil is None:
+        return pupil_grid("hexapolar", whole(rings, "rings", bits=31))
+    return array(pupil, "pupil")
 
 
 def _element(name: str, body: Any, material: Any, spec: Any, faces: Any) -> Element:
