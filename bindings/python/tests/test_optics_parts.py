@@ -1,6 +1,9 @@
 """Parts of optical systems that are made in Python: that each can be used, and does what it says."""
 
+from importlib.metadata import version
+
 import pytest
+import rayweave
 from rayweave import optics
 
 D_NM = 587.5618
@@ -44,3 +47,70 @@ def test_prescriptions_of_the_infrared() -> None:
     assert lens.system().element_names and names
     assert lens.first_order().focal_length == pytest.approx(optics.lensmaker(200, -200, n, 3), rel=1e-9)
     lens.show()
+
+
+def test_penta_prisms_need_mirrors() -> None:
+    """What is told of them: without the finish light goes through, with it light is turned by 90 degrees."""
+    plain = optics.prism("penta", 10, 10)
+    finished = plain.with_finish(optics.reflecting(), "mirror1").with_finish(optics.reflecting(), "mirror2")
+    for part, turned in ((plain, False), (finished, True)):
+        trace = optics.System(part).trace_rays([0.3, 0.2, -20], [0, 0, 1], D_NM)
+        assert bool((trace["y_tilt"][trace["event"] == 0] < -0.999).all()) == turned
+
+
+def faces(*parts: optics.Element) -> list[set[str]]:
+    names = [name.split(".") for name in optics.System(parts).surface_names]
+    return [{name[1] for name in names if name[0] == part.name} - {"left", "right", "hull"} for part in parts]
+
+
+def test_faces_have_the_names_that_are_told() -> None:
+    lens, aperture = {"front", "back", "edge"}, 10.0
+    parts = {
+        "lens": optics.lens(50, -50, 5, aperture=aperture),
+        "mirror": optics.spherical_mirror(-50, 3, aperture=aperture),
+        "array": optics.lenslet_array(20, 3, 4, 2, 2),
+        "axicon": optics.axicon(10, 5, 5),
+    }
+    for name, part in parts.items():
+        assert faces(part) == [lens], name
+    assert faces(optics.fresnel_lens(50, 2, 2, 20)) == [lens | {"draft"}]
+    assert faces(optics.ball_lens(1)) == [{"ball"}]
+    assert faces(*optics.cemented([60, -40, -150], [6, 3], [1.5, 1.6], aperture=20)) == [lens, lens]
+    split = faces(*optics.beam_splitter_cube(2))
+    assert split == [{"front", "exit", "split"}, {"back", "bottom", "split"}]
+    assert faces(optics.prism("dispersing", 60, 5, 5)) == [{"front", "back", "base"}]
+    assert faces(optics.equilateral_prism(5, 5)) == [{"front", "back", "base"}]
+    assert faces(optics.prism("right_angle", 5, 5)) == [{"front", "exit", "hypotenuse"}]
+    assert faces(optics.prism("penta", 5, 5)) == [{"front", "exit", "mirror1", "mirror2", "roof"}]
+    assert faces(optics.prism("dove", 5, 20, 5)) == [{"front", "back", "base", "top"}]
+    assert faces(optics.prism("amici", 5)) == [{"front", "exit", "roof1", "roof2"}]
+    assert faces(optics.corner_cube(5)) == [{"front", "mirror1", "mirror2", "mirror3"}]
+
+
+def test_finishes_of_faces_that_touch() -> None:
+    """That of the element which is entered counts or, if that is polished, that of the one which is left."""
+    first, second = (part.with_finish(optics.polished(), "split") for part in optics.beam_splitter_cube(2, material=1.5))
+    mirror, black = optics.reflecting(), optics.black()
+
+    def escaped(one: optics.Element, other: optics.Element) -> float:
+        return optics.System([one, other]).trace_rays([0.1, 0.2, -5], [0, 0, 1], D_NM).balance.escaped
+
+    assert escaped(first, second) == 1.0
+    assert escaped(first.with_finish(black, "split"), second) == 0.0
+    assert escaped(first, second.with_finish(black, "split")) == 0.0
+    assert escaped(first.with_finish(black, "split"), second.with_finish(mirror, "split")) == 1.0
+    assert escaped(first.with_finish(mirror, "split"), second.with_finish(black, "split")) == 0.0
+
+
+def test_searches_say_in_words_why_they_end() -> None:
+    surfaces = [optics.Surface(50, 5, "N-BK7"), optics.Surface(-50, 45)]
+    lens = optics.Prescription(surfaces, entrance_pupil_diameter=10.0)
+    goals = [optics.goal("focal length", 60.0)]
+    found = optics.optimise(lens, ["curvature 1"], goals)
+    assert found.has_converged and not set(found.reason) & set("{}_:()"), found.reason
+    short = optics.optimise(lens, ["curvature 1", "curvature 2"], [*goals, optics.goal("spherical", 5.0)], patience=1)
+    assert short.has_converged or "patience" in short.reason, short.reason
+
+
+def test_the_package_has_a_version() -> None:
+    assert rayweave.__version__ == version("rayweave")

@@ -1,5 +1,7 @@
 """Exact ray tracing through constructive solid geometry."""
 
+from importlib.metadata import version
+
 from rayweave import optics, rootray, space
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._check import Check, Finding, check
@@ -53,6 +55,8 @@ from rayweave._shapes import (
 )
 from rayweave._thickness import Thickness, thickness
 from rayweave._timeline import Timeline, ray_timeline, timeline
+
+__version__ = version("rayweave")
 
 __all__ = [
     "Camera",

@@ -84,8 +84,10 @@ def tolerance(
 
     Parameters are called by a quantity and surfaces, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic 1", "index 1", "r^4 1" (the
     coefficient of a power of the distance from the axis, 1 to 16); and for surfaces that are moved as one body, about the vertex of the first, "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3"
-    (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"), both over all fields,
-    the "focal length", the "back focal distance", or the way of the first field's centroid ("image shift"). Rays go from surface to
+    (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"),
+    the "focal length", the "back focal distance", or the way of the first field's centroid ("image shift"). A spot is that of all
+    wavelengths about their common centroid, each ray with the weight of its wavelength and all points of the pupil alike; a wavefront
+    is that at the primary wavelength; and both are the root of the mean square over all fields, which count alike. Rays go from surface to
     surface through the paraxial entrance pupil in so many `rings`, whatever the semi-diameters; with `vignette` those
     end that meet a surface beyond the semi-diameter stated for it, or in its hole.
 
@@ -204,7 +206,7 @@ def goal(
 @dataclass(frozen=True)
 class Optimum:
     """What a search has found: the prescription `lens`, the `values` of its parameters, the root of the sum of squares of all weighted
-    misses `before` and `after`; `has_converged` is true if no step made it better, and `reason` tells why it ended."""
+    misses `before` and `after`; `has_converged` is true if no step made it better, and `reason` says why it ended."""
 
     lens: Prescription
     values: dict[str, float]
@@ -216,7 +218,27 @@ class Optimum:
 
     @classmethod
     def _of(cls, compiled: _core.CompiledPrescription, table: dict[str, Any]) -> Self:
-        return cls(Prescription._of(compiled), **table)
+        return cls(Prescription._of(compiled), **(table | {"reason": _reason(table["reason"])}))
+
+
+#: Why the algorithm ends, by the name that it has for it.
+_REASONS = {
+    "ResidualsZero": "all goals are met exactly",
+    "Orthogonal": "no small change of the parameters makes it better",
+    "NoImprovementPossible": "rounding allows no better step",
+    "LostPatience": "patience is used up, and it may still get better",
+    "Numerical": "a number was not finite",
+    "User": "a ray did not arrive, or a parameter left its range",
+}
+
+
+def _reason(told: str) -> str:
+    """Why a search ended, in words."""
+    if told.startswith("Converged"):
+        which = (("ftol: true", "the sum of squares"), ("xtol: true", "the parameters"))
+        still = " and ".join(what for flag, what in which if flag in told)
+        return f"{still} changed by no more than rounding"
+    return _REASONS.get(told.split("(")[0], told)
 
 
 def optimise(

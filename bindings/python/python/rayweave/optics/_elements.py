@@ -31,7 +31,11 @@ _Numbers = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Finish:
-    """What a face does to light: made by `polished`, `coated`, `reflecting`, `splitting`, `diffuse`, `rough`, `black`."""
+    """What a face does to light: made by `polished`, `coated`, `reflecting`, `splitting`, `diffuse`, `rough`, `black`.
+
+    Where faces of two elements touch, the finish of the element that light enters counts or, if that is polished, that of the one
+    that it leaves.
+    """
 
     kind: str
     numbers: _Numbers = ()
@@ -116,7 +120,11 @@ class Element(Placed):
         return replace(self, name=name)
 
     def with_finish(self, finish: Finish, face: str | None = None) -> Self:
-        """The same with a finish on the faces of this name ("front", "front.side", ...), or on all that have none of their own."""
+        """The same with a finish on the faces of this name ("front", "front.side", ...), or on all that have none of their own.
+
+        Faces have the names that the function says which made the element: those of a lens are `front`, `back` and the rim `edge`.
+        `System.surface_names` lists them with those of their parts. Where two elements touch, see `Finish`.
+        """
         if self.action is not None:
             raise _core.RayweaveError(f"{self.name} is a sheet (it has an action, not a finish)")
         if not isinstance(finish, Finish):
@@ -238,7 +246,8 @@ def _convex(r: float, name: str, hint: str = "") -> float:
 
 
 def element(solid: Solid, material: Material, *, name: str = "element") -> Element:
-    """Any solid as a part of an optical system."""
+    """Any solid as a part of an optical system. Its faces have the names of those of its shapes: "side", "top", "x+", ..., behind the
+    names given by `Solid.named`."""
     return Element(name, solid, material)
 
 
@@ -246,21 +255,21 @@ def lens(
     r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
     """A lens about the origin with its axis along z: radii of curvature are positive if the centre is on the side of +z, inf for
-    a plane; the thickness is that on the axis."""
+    a plane; the thickness is that on the axis. Faces: `front`, `back` and the rim `edge`."""
     return _component("lens", (r1, r2, thickness), name, material, aperture)
 
 
 def biconvex_lens(
     r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
-    """A lens with two convex faces; both radii are positive."""
+    """A lens with two convex faces; both radii are positive. Faces: `front`, `back`, `edge`."""
     return _component("biconvex", (_convex(r1, "r1", " lens(..)?"), _convex(r2, "r2", " lens(..)?"), thickness), name, material, aperture)
 
 
 def plano_convex_lens(
     r: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
-    """A lens with a plane front and a convex back of radius r > 0."""
+    """A lens with a plane front and a convex back of radius r > 0. Faces: `front`, `back`, `edge`."""
     return _component("plano_convex", (_convex(r, "r", " lens(..)?"), thickness), name, material, aperture)
 
 
@@ -275,7 +284,8 @@ def conic_lens(
     material: Material = "N-BK7",
     name: str = "lens",
 ) -> Element:
-    """A lens whose faces are conics of revolution with the conic constants k (0 a sphere, -1 a paraboloid)."""
+    """A lens whose faces are conics of revolution with the conic constants k (0 a sphere, -1 a paraboloid). Faces: `front`, `back`,
+    `edge`."""
     return _component("conic_lens", (r1, k1, r2, k2, thickness), name, material, aperture)
 
 
@@ -306,7 +316,7 @@ def aspheric_lens(
     material: Material = "N-BK7",
     name: str = "lens",
 ) -> Element:
-    """A lens whose faces are aspheres, or spheres by their radii; otherwise a `lens`."""
+    """A lens whose faces are aspheres, or spheres by their radii; otherwise a `lens`, with faces of the same names."""
     faces = [_asphere(front), _asphere(back)]
     sizes = (faces[0].radius, faces[0].conic, faces[1].radius, faces[1].conic, thickness)
     terms = [face._terms() for face in faces]
@@ -322,7 +332,7 @@ def aspheric_mirror(
     name: str = "mirror",
 ) -> Element:
     """A mirror whose face is an asphere with its vertex at the origin, and faces -z: concave if the radius is negative. The rim and
-    the back absorb."""
+    the back absorb. Faces: `front`, `back`, `edge`."""
     face = _asphere(face)
     sizes = (face.radius, face.conic, thickness)
     return _faced("aspheric_mirror", sizes, name, aperture, off_axis, [face._terms()])
@@ -335,7 +345,8 @@ def _asphere(face: Asphere | float) -> Asphere:
 def cemented(
     radii: ArrayLike, thicknesses: ArrayLike, materials: list[Material], *, aperture: Aperture, name: str = "cemented"
 ) -> list[Element]:
-    """Lenses that share their inner faces: one radius more than thicknesses and materials."""
+    """Lenses that share their inner faces: one radius more than thicknesses and materials. Faces of each: `front`, `back`, `edge`; what
+    is cemented is the back of one and the front of the next, either of which can have a finish (see `Finish`)."""
     radii, thicknesses = numbers(radii, "radii"), numbers(thicknesses, "thicknesses")
     if not len(radii) - 1 == len(thicknesses) == len(materials):
         counts = f"{len(radii)} radii, {len(thicknesses)} thicknesses and {len(materials)} materials"
@@ -347,21 +358,21 @@ def cemented(
 
 
 def ball_lens(diameter: float, *, material: Material = "N-BK7", name: str = "ball") -> Element:
-    """A ball about the origin."""
+    """A ball about the origin. Its face is `ball`."""
     return _component("ball_lens", (diameter,), name, material)
 
 
 def axicon(
     cone_degrees: float, thickness: float, diameter: float, *, material: Material = "N-BK7", name: str = "axicon"
 ) -> Element:
-    """A plane front and a cone whose surface is inclined by an angle against the plane."""
+    """A plane front and a cone whose surface is inclined by an angle against the plane. Faces: `front`, the cone `back`, `edge`."""
     return _component("axicon", (cone_degrees, thickness, diameter), name, material)
 
 
 def plane_mirror(
     thickness: float, *, aperture: Aperture, off_axis: tuple[float, float] = (0.0, 0.0), name: str = "mirror"
 ) -> Element:
-    """A plane mirror in z = 0 that faces -z, its back at z = thickness."""
+    """A plane mirror in z = 0 that faces -z, its back at z = thickness. Faces: `front`, `back`, `edge`, of which all reflect."""
     return _component("plane_mirror", (thickness,), name, "mirror", aperture, off_axis)
 
 
@@ -374,7 +385,7 @@ def spherical_mirror(
     name: str = "mirror",
 ) -> Element:
     """A mirror with its vertex at the origin that faces -z; a negative radius is concave towards the light. The rim and the
-    back absorb."""
+    back absorb. Faces: `front`, `back`, `edge`."""
     return _faced("spherical_mirror", (radius, thickness), name, aperture, off_axis)
 
 
@@ -386,7 +397,8 @@ def parabolic_mirror(
     off_axis: tuple[float, float] = (0.0, 0.0),
     name: str = "mirror",
 ) -> Element:
-    """A mirror with its vertex at the origin that faces -z and has its focus at z = -focal_length. The rim and the back absorb."""
+    """A mirror with its vertex at the origin that faces -z and has its focus at z = -focal_length. The rim and the back absorb.
+    Faces: `front`, `back`, `edge`."""
     return _faced("parabolic_mirror", (focal_length, thickness), name, aperture, off_axis)
 
 
@@ -400,7 +412,7 @@ def elliptic_mirror(
     name: str = "mirror",
 ) -> Element:
     """A concave mirror with its vertex at the origin that faces -z; light from one focus, at z = -near, meets in the other, at
-    z = -far. The rim and the back absorb."""
+    z = -far. The rim and the back absorb. Faces: `front`, `back`, `edge`."""
     return _faced("elliptic_mirror", (near, far, thickness), name, aperture, off_axis)
 
 
@@ -414,7 +426,7 @@ def hyperbolic_mirror(
     name: str = "mirror",
 ) -> Element:
     """A convex mirror with its vertex at the origin that faces -z, the secondary of a Cassegrain: light on its way to the focus at
-    z = behind meets at z = -in_front. The rim and the back absorb."""
+    z = behind meets at z = -in_front. The rim and the back absorb. Faces: `front`, `back`, `edge`."""
     return _faced("hyperbolic_mirror", (behind, in_front, thickness), name, aperture, off_axis)
 
 
@@ -427,7 +439,7 @@ def toric_lens(
     material: Material = "N-BK7",
     name: str = "lens",
 ) -> Element:
-    """A lens whose faces have one radius of curvature along x and another along y."""
+    """A lens whose faces have one radius of curvature along x and another along y. Faces: `front`, `back`, `edge`."""
     needed = "a pair of radii, along x and along y,"
     faces = (*pair(front, "front", needed), *pair(back, "back", needed))
     return _component("toric_lens", (*faces, thickness), name, material, aperture)
@@ -443,7 +455,8 @@ def fresnel_lens(
     material: Material = "PMMA",
     name: str = "lens",
 ) -> Element:
-    """A plane front, and behind it the rings of a convex surface of radius r > 0, each `pitch` wide."""
+    """A plane front, and behind it the rings of a convex surface of radius r > 0, each `pitch` wide. Faces: `front`, the rings
+    `back`, the steps between them `draft`, the rim `edge`."""
     return _component("fresnel_lens", (_convex(r, "r"), conic, pitch, thickness, diameter), name, material)
 
 
@@ -457,7 +470,8 @@ def lenslet_array(
     material: Material = "N-BK7",
     name: str = "array",
 ) -> Element:
-    """A plate of plano-convex lenses, columns along x and rows along y, each `pitch` wide and high."""
+    """A plate of plano-convex lenses, columns along x and rows along y, each `pitch` wide and high. Faces: `front`, the lenses
+    `back`, `edge`."""
     counts = whole(columns, "columns", least=1), whole(rows, "rows", least=1)
     return _component("lenslet_array", (_convex(r, "r"), thickness, pitch, *counts), name, material)
 
@@ -477,7 +491,7 @@ def _faced(
 def equilateral_prism(
     side_length: float, width: float, *, material: Material = "N-BK7", name: str = "prism"
 ) -> Element:
-    """A prism of three equal faces."""
+    """A prism of three equal faces: a "dispersing" `prism` of 60 degrees, with the same names."""
     return _component("equilateral_prism", (side_length, width), name, material)
 
 
@@ -493,7 +507,19 @@ _PRISMS = {
 
 def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = "prism") -> Element:
     """A prism: "dispersing" (apex angle, side, width), "right_angle" (leg, width), "penta" (side, width), "dove" (height,
-    length, width), "amici" (diameter)."""
+    length, width), "amici" (diameter).
+
+    Light along +z enters by the face `front`, and leaves
+
+    - "dispersing": by `back`; `base` is below, the apex above;
+    - "right_angle": along +y by `exit`, after `hypotenuse`;
+    - "penta": along -y by `exit`, after `mirror1` and `mirror2`, on which it falls too steeply for total reflection: they have to be
+      made mirrors, `p.with_finish(reflecting(), "mirror1").with_finish(reflecting(), "mirror2")`; the fifth face is `roof`;
+    - "dove": along +z by `back`, after `base`; the other side is `top`;
+    - "amici": along +y by `exit`, after the roof `roof1` and `roof2`.
+
+    The sides across x are `left` and `right`.
+    """
     if text(kind, "kind") not in _PRISMS:
         unknown("prism", kind, _PRISMS)
     wanted = _PRISMS[kind]
@@ -503,7 +529,9 @@ def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = 
 
 
 def corner_cube(depth: float, *, material: Material = "N-BK7", name: str = "corner") -> Element:
-    """A corner of a cube that sends light back where it came from."""
+    """A corner of a cube that sends light back where it came from. Light along +z enters by `front` in z = 0; the faces that meet at
+    z = depth are `mirror1`, `mirror2` and `mirror3`, which reflect totally where the index allows, and otherwise as mirrors if they are
+    finished so."""
     return _component("corner_cube", (depth,), name, material)
 
 
