@@ -48,7 +48,11 @@ def test_parts() -> None:
             (TypeError, "side is 'a'", lambda: o.beam_splitter_cube("a")),
             (TypeError, r"a face is 'x' \(a radius or an Asphere", lambda: o.aspheric_lens("x", 5, 1, **lens)),
             (TypeError, "even has dtype", lambda: o.aspheric_lens(o.Asphere(5, 0, ("a",)), 5, 1, **lens)),
-            (TypeError, r"the body of 'element' is 'x' \(a Solid", lambda: o.element("x", 1.5)),
+            (TypeError, r"the body of 'element' is of the type str \(a Solid", lambda: o.element("x", 1.5)),
+            (TypeError, "is of the type Element .a Solid", lambda: o.element(o.ball_lens(1), 1.5)),
+            (TypeError, "materials is 1.5", lambda: o.cemented([1, 2], [1], 1.5, **lens)),
+            (TypeError, "absorbs is 3", lambda: o.detector(5, absorbs=3)),
+            (TypeError, "the prism is 3 .it can be dispersing, ", lambda: o.prism(3, 5)),
             (TypeError, "name is 5", lambda: o.element(sphere(1), 1.5, name=5)),
             (TypeError, "name is 5", lambda: o.detector(3).named(5)),
             (TypeError, "face is 5", lambda: o.ball_lens(1).with_finish(o.black(), 5)),
@@ -78,6 +82,7 @@ def test_sources() -> None:
             (RayweaveError, "it has 3: kelvin, lowest", lambda: o.beam(1, 5, wavelength_nm=("black body", 3000))),
             (RayweaveError, "pairs of wavelength and weight", lambda: o.beam(1, 5, wavelength_nm=("table", 400, 1, 500))),
             (TypeError, "spectrum 'uniform' is 'a'", lambda: o.beam(1, 5, wavelength_nm=("uniform", "a", 5))),
+            (TypeError, "sampling is 3", lambda: o.beam(1, 3, sampling=3)),
             (TypeError, "q is 'a'", lambda: o.beam(1, 5).polarised(1, "a", 0, 0)),
         ]
     )
@@ -106,6 +111,10 @@ def test_traces() -> None:
             (TypeError, r"polarised is 'yes' \(True, False or None", lambda: system.stream(light, polarised="yes")),
             (TypeError, "keep_escaped is 1", lambda: rays(keep_escaped=1)),
             (TypeError, "threshold is 'a'", lambda: rays(threshold="a")),
+            (TypeError, "phases is 3", lambda: rays(phases=3)),
+            (TypeError, r"unit is \[\]", lambda: o.System(o.ball_lens(1), unit=[])),
+            (TypeError, "the element is 3", lambda: system.trace(light).at(3)),
+            (RayweaveError, "rays is 0", lambda: system.trace(light).show(rays=0)),
             (RayweaveError, "threshold is nan", lambda: rays(threshold=np.nan)),
         ]
     )
@@ -121,6 +130,10 @@ def test_prescriptions() -> None:
             (RayweaveError, "primary is -1", lambda: prescription(primary=-1)),
             (TypeError, "name is 5", lambda: prescription(name=5)),
             (TypeError, "a note is 5", lambda: prescription(notes=[5])),
+            (TypeError, "notes is 5", lambda: prescription(notes=5)),
+            (TypeError, "fields is 5", lambda: prescription(fields=5)),
+            (TypeError, "along is 3", lambda: lens.first_order(along=3)),
+            (TypeError, r"direction is \(1,\)", lambda: lens.arrivals().mtf([1], (1,))),
             (TypeError, "field_kind is 3", lambda: prescription(field_kind=3)),
             (TypeError, "image_radius is 'a'", lambda: prescription(image_radius="a")),
             (TypeError, "entrance_pupil_diameter is 'a'", lambda: prescription(entrance_pupil_diameter="a")),
@@ -184,6 +197,8 @@ def test_searches_and_tolerances() -> None:
             (RayweaveError, "rings is 0", lambda: o.optimise(lens, ["radius 1"], [o.goal("spot", field=0, wavelength_nm=500)], rings=0)),
             (RayweaveError, "patience is 0", lambda: o.optimise(lens, ["radius 1"], goals, patience=0)),
             (TypeError, r"goals\[0\] is of the type str \(a Goal", lambda: o.optimise(lens, ["radius 1"], ["spot"])),
+            (TypeError, "operand is 3", lambda: o.goal(3)),
+            (TypeError, "parameters is 3", lambda: o.optimise(lens, 3, goals)),
             (TypeError, "weight is 'a'", lambda: o.goal("focal length", 50, weight="a")),
         ]
     )

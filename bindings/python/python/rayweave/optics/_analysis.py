@@ -43,7 +43,7 @@ class Spot:
 
     def encircled(self, radius: float) -> float:
         """The part of the power within a distance of the centroid."""
-        inside = ((self.points - self.centroid) ** 2).sum(axis=1) <= radius**2
+        inside = ((self.points - self.centroid) ** 2).sum(axis=1) <= real(radius, "radius") ** 2
         return float(self.power[inside].sum() / self.power.sum())
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave.optics._columns import Columns
-from rayweave.optics._given import all_of, flag, real, text, whole
+from rayweave.optics._given import all_of, each, flag, real, text, whole
 from rayweave.optics._images import _axis, _labelled
 from rayweave.optics._prescription import Prescription
 
@@ -187,6 +187,7 @@ def goal(
     "thickness 1"; "edge", the distance from a `surface` to the next one at a `height` from the axis. Operands of all rays of a `field` at a
     wavelength: "spot", whose sum of squares is the square of the RMS radius, and "wavefront", that of the RMS in waves.
     """
+    text(operand, "operand")
     given = {"equal": equal, "least": at_least, "most": at_most}
     stated = [(kind, real(value, kind)) for kind, value in given.items() if value is not None] or [("equal", 0.0)]
     if any(np.isnan(value) for _, value in stated):
@@ -256,7 +257,7 @@ def optimise(
     after `patience` prescriptions for each parameter.
     """
     rows = [goal._row() for goal in all_of(Goal, goals, "goals", ": goal(operand, ..) makes one")]
-    names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else parameters)]
+    names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]
     is_of_rays = any(row[0] in ("spot", "wavefront") for row in rows)
     count = whole(rings, "rings", least=1 if is_of_rays else 0, bits=31)
     return Optimum._of(*_core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1)))

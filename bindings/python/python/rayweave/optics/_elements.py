@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, GradedMedium, Sheet, Solid
-from rayweave.optics._given import finite, flag, numbers, pair, real, text, unknown, whole
+from rayweave.optics._given import each, finite, flag, numbers, pair, real, text, unknown, whole
 from rayweave.optics._place import Placed
 
 #: The d line of helium.
@@ -111,7 +111,8 @@ class Element(Placed):
         # what is wrong is told where it is given
         text(self.name, "name")
         if not isinstance(self.body, Solid | Sheet):
-            raise TypeError(f"the body of {self.name!r} is {self.body!r} (a Solid is needed)")
+            kind = type(self.body).__name__
+            raise TypeError(f"the body of {self.name!r} is of the type {kind} (a Solid is needed)")
         if self.read is None and self.action is None:
             _substance(self.material, self.finish)
 
@@ -247,7 +248,12 @@ def _convex(r: float, name: str, hint: str = "") -> float:
 
 def element(solid: Solid, material: Material, *, name: str = "element") -> Element:
     """Any solid as a part of an optical system. Its faces have the names of those of its shapes: "side", "top", "x+", ..., behind the
-    names given by `Solid.named`."""
+    names given by `Solid.named`.
+
+    A material with an extinction coefficient k above a tenth of its index n is a metal, which reflects by Fresnel's formulas and absorbs
+    the rest; others are transparent, and absorb along the way. It is decided once, at 587.5618 nm or, for a glass that has no index
+    there, in the middle of its `range_nm`.
+    """
     return Element(name, solid, material)
 
 
@@ -348,6 +354,7 @@ def cemented(
     """Lenses that share their inner faces: one radius more than thicknesses and materials. Faces of each: `front`, `back`, `edge`; what
     is cemented is the back of one and the front of the next, either of which can have a finish (see `Finish`)."""
     radii, thicknesses = numbers(radii, "radii"), numbers(thicknesses, "thicknesses")
+    materials = each(materials, "materials", "materials")
     if not len(radii) - 1 == len(thicknesses) == len(materials):
         counts = f"{len(radii)} radii, {len(thicknesses)} thicknesses and {len(materials)} materials"
         raise _core.RayweaveError(f"{counts} are given (n + 1, n and n are needed)")
@@ -520,7 +527,7 @@ def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = 
 
     The sides across x are `left` and `right`.
     """
-    if text(kind, "kind") not in _PRISMS:
+    if kind not in list(_PRISMS):
         unknown("prism", kind, _PRISMS)
     wanted = _PRISMS[kind]
     if len(numbers) != len(wanted):
@@ -565,7 +572,7 @@ def aperture_stop(size: Aperture, opening: Aperture, *, name: str = "stop") -> E
 
 def detector(aperture: Aperture, *, absorbs: bool = True, name: str = "detector") -> Element:
     """A sheet in the plane z = 0 that records what crosses it and ends it, or lets it pass."""
-    return _sheet(name, Finish("absorb" if absorbs else "record"), aperture)
+    return _sheet(name, Finish("absorb" if flag(absorbs, "absorbs") else "record"), aperture)
 
 
 def thin_lens(focal_length: float, *, aperture: Aperture, name: str = "thin lens") -> Element:

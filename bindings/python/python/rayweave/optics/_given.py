@@ -89,6 +89,13 @@ def array(values: Any, name: str) -> NDArray[np.float64]:
         raise TypeError(f"{name} is {shortened(values)} (an array of numbers is needed)") from None
 
 
+def each(values: Any, name: str, needed: str) -> list[Any]:
+    """The members of any iterable but a text."""
+    if not isinstance(values, Iterable) or isinstance(values, str):
+        raise TypeError(f"{name} is {values!r} (a list of {needed} is needed)")
+    return list(values)
+
+
 def numbers(values: Any, name: str) -> list[float]:
     """A list of numbers, from any iterable of them."""
     is_list = isinstance(values, Iterable) and not isinstance(values, str)
@@ -117,9 +124,11 @@ def all_of(kind: type[T], things: Any, name: str, make: str = "") -> list[T]:
     return given
 
 
-def unknown(what: str, name: str, known: Iterable[str]) -> NoReturn:
+def unknown(what: str, name: Any, known: Iterable[str]) -> NoReturn:
     """An error about a name that is none of those known."""
     names = list(known)
+    if not isinstance(name, str):
+        raise TypeError(f"the {what} is {name!r} (it can be {', '.join(names)})")
     close = get_close_matches(name, names, 1)
     hint = f" did you mean {close[0]!r}?" if close else ""
     raise _core.RayweaveError(f"there is no {what} {name!r} (there are {', '.join(names)}){hint}")

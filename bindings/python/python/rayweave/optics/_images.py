@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave.optics._columns import Columns
-from rayweave.optics._given import array, package, real, whole
+from rayweave.optics._given import array, package, pair, real, whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,7 +85,7 @@ class Rays(Columns):
     def mtf(self, frequencies: ArrayLike, direction: tuple[float, float] = (0.0, 1.0)) -> Numbers:
         """The modulation of lines across a direction by frequency in cycles per unit of length: the modulus of the Fourier
         transform of the spot (W. J. Smith, Modern Optical Engineering, section on the modulation transfer function)."""
-        return self._compiled.mtf(direction, _core.number_list(frequencies, "frequencies"))
+        return self._compiled.mtf(pair(direction, "direction", "a pair of numbers along x and y"), _core.number_list(frequencies, "frequencies"))
 
 
 class Spots(Columns):

@@ -16,6 +16,7 @@ from rayweave.optics._elements import _D_NM, Element, Finish
 from rayweave.optics._given import (
     all_of,
     array,
+    each,
     flag,
     numbers,
     pair,
@@ -239,7 +240,7 @@ def pupil_grid(
 ) -> NDArray[np.float64]:
     """Points (N, 2) of a pupil in units of its semi-diameter: rings of 6, 12, 18, ... about the middle, a square grid with so
     many points across, or as many points along one axis."""
-    if text(kind, "kind") not in _PUPILS:
+    if kind not in _PUPILS:
         unknown("grid of a pupil", kind, _PUPILS)
     # a grid of no rings is the middle alone
     return _core.pupil_points(kind, whole(count, "count", least=0 if kind == "hexapolar" else 1, bits=31))
@@ -287,7 +288,7 @@ class Prescription:
         wavelengths = numbers(wavelengths_nm, "wavelengths_nm")
         frame = {
             "name": text(name, "name"),
-            "notes": [text(note, "a note") for note in ([notes] if isinstance(notes, str) else notes)],
+            "notes": [text(note, "a note") for note in ([notes] if isinstance(notes, str) else each(notes, "notes", "texts"))],
             "unit_nm": _unit_nm(unit),
             "aperture": _aperture(
                 entrance_pupil_diameter=entrance_pupil_diameter,
@@ -296,7 +297,7 @@ class Prescription:
                 stop_semi_diameter=stop_semi_diameter,
             ),
             "field_kind": text(field_kind, "field_kind"),
-            "fields": [_field(field) for field in fields],
+            "fields": [_field(field) for field in each(fields, "fields", "numbers along y or pairs along x and y")],
             "lines": _lines(wavelengths, weights),
             "primary": whole(primary, "primary"),
             "object_distance": real(object_distance, "object_distance"),
@@ -423,7 +424,7 @@ class Prescription:
 
         `along` chooses the meridian where they differ: by the curvatures at the vertices along it.
         """
-        table = self._compiled.first_order(self._wavelength(wavelength_nm), along)
+        table = self._compiled.first_order(self._wavelength(wavelength_nm), text(along, "along", '"x" or "y"'))
         matrix = np.array(table.pop("matrix")).reshape(2, 2)
         entrance, exit_pupil = (Pupil(*table.pop(name)) for name in ("entrance_pupil", "exit_pupil"))
         return FirstOrder(matrix=matrix, entrance_pupil=entrance, exit_pupil=exit_pupil, **table)
@@ -700,7 +701,7 @@ def _lines(wavelengths: list[float], weights: Iterable[float] | None) -> list[tu
 
 
 def _unit_nm(unit: str) -> float:
-    if unit not in _UNIT_NM:
+    if text(unit, "unit", ", ".join(_UNIT_NM)) not in _UNIT_NM:
         raise _core.RayweaveError(f"unit is {unit!r} (it can be {', '.join(_UNIT_NM)})")
     return _UNIT_NM[unit]
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave.optics._elements import Aperture, _outline
-from rayweave.optics._given import array, real, unknown, whole
+from rayweave.optics._given import array, real, text, unknown, whole
 from rayweave.optics._place import Placed
 
 #: A wavelength in nanometres; a dict of wavelengths with weights, which are lines; or a kind with its numbers: ("uniform", lo, hi), the
@@ -69,7 +69,7 @@ def _source(
         is_total,
         whole(seed, "seed"),
         None if outline is None else _outline(outline),
-        sampling,
+        text(sampling, "sampling"),
     )
     return Source(compiled)
 
@@ -158,7 +158,12 @@ def beam(
     seed: int = 0,
 ) -> Source:
     """A collimated beam along +z over an aperture: uniform, or Gaussian with the 1/e^2 radius `waist`. `count` is about the
-    number of rays (grid and hexapolar samplings have their own)."""
+    number of rays (grid and hexapolar samplings have their own).
+
+    `wavelength_nm`, of this and other sources, is one wavelength, a dict of wavelengths with weights, or a kind of spectrum with its
+    numbers: ("uniform", lo, hi), ("black body", kelvin, lo, hi), ("table", w1, p1, w2, p2, ..) of densities p with straight lines
+    between, ("lines", w1, p1, w2, p2, ..). `power` is that of each ray, or ("total", power) of all of them.
+    """
     numbers = () if waist is None else (waist,)
     return _source("beam", numbers, count, wavelength_nm, power, seed, aperture, sampling)
 

@@ -60,7 +60,7 @@ class System:
         unit: Literal["nm", "um", "mm", "cm", "m", "in"] = "mm",
     ) -> None:
         flat = all_of(Element, _flat(elements), "elements", ": element(solid, material) makes one of a solid")
-        if unit not in _UNIT_NM:
+        if text(unit, "unit", ", ".join(_UNIT_NM)) not in _UNIT_NM:
             raise _core.RayweaveError(f"unit is {unit!r} (it can be {', '.join(_UNIT_NM)})")
         self.elements = tuple(flat)
         self.unit: str = unit
@@ -221,7 +221,7 @@ class System:
 
     def _told_of(self, columns: dict[str, NDArray[Any]], accounts: dict[str, Any], phases: bool) -> Trace:
         trace = Trace(self, columns, self._balance(accounts))
-        if phases:
+        if flag(phases, "phases"):
             columns["phase_s"], columns["phase_p"] = trace.phases()
         return trace
 
@@ -405,7 +405,7 @@ class Trace(Mapping[str, NDArray[Any]]):
         """
         from rayweave.optics._drawing import draw
 
-        return draw(self, view, color, axis, ray_width, rays, escape)
+        return draw(self, view, color, axis, ray_width, whole(rays, "rays", least=1), escape)
 
 
 def _local(trace: Trace, element: str) -> NDArray[np.float64]:
