@@ -146,6 +146,8 @@ def light() -> None:
     trace = system.trace(source, branches="both", threshold=1e-3)
     assert_type(trace.at("screen").points(), NDArray[np.float64])
     assert_type(trace.balance.error, float)
+    assert_type(system.trace(source, polarised=None), optics.Trace)
+    assert_type(source.polarised(1, 1, 0, 0).is_polarised, bool)
     assert_type(optics.glass("N-SF5").index(550.0), float)
     assert_type(optics.lensmaker(50, -50, 1.5, 8), float)
 
