@@ -37,7 +37,7 @@ use probe::Probe;
 use rayweave_analysis::measure::{Chord, Estimate, one_medium_each};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::Cancel;
-use rayweave_model::{Program, Region};
+use rayweave_model::{Program, Region, Solid};
 use rayweave_scene::{Scene, Unit};
 use std::num::NonZeroUsize;
 
@@ -245,11 +245,16 @@ pub fn check(
     let regions = clipped(written.clone(), settings.within)?;
     let boxes = compiled(&regions)?.region_bounds();
     let frame = frame(&boxes)?;
+    if settings.within.is_some() && frame.is_empty() {
+        let text = "nothing of the model is within the box (there is nothing to check) is it in the unit of the model?";
+        return Err(Error::said(ErrorKind::Solid, text.to_owned()));
+    }
     let regions = ended(regions, &boxes, &frame)?;
     let program = compiled(&regions)?;
     let mut probe = Probe::new(settings, frame, progress);
     probe.scope.has_hierarchy = hierarchy.is_some();
-    let subject = Subject { regions: &regions, boxes: program.region_bounds(), hierarchy };
+    let whole = settings.within.map(|_| written.as_slice());
+    let subject = Subject { regions: &regions, whole, boxes: program.region_bounds(), hierarchy };
     let mut findings = pairs::overlaps(&subject, &mut probe)?;
     findings.extend(pairs::outside(&subject, &mut probe)?);
     findings.extend(pieces::findings(&subject, program, &findings, &mut probe)?);
@@ -261,6 +266,8 @@ pub fn check(
 /// What is checked.
 struct Subject<'a> {
     regions: &'a [Region],
+    /// The regions with what of them is not looked at, if only a box is.
+    whole: Option<&'a [Region]>,
     /// The boxes of the regions, whatever later ones take.
     boxes: Vec<Bounds>,
     hierarchy: Option<&'a Hierarchy>,
@@ -269,6 +276,11 @@ struct Subject<'a> {
 impl Subject<'_> {
     fn name(&self, region: usize) -> &str {
         &self.regions[region].name
+    }
+
+    /// The solid of a region, if only a box of it is looked at.
+    fn beyond(&self, region: usize) -> Option<&Solid> {
+        self.whole.map(|whole| &whole[region].solid)
     }
 
     /// True if one of the regions is around the other, as mothers are around daughters.

@@ -193,6 +193,30 @@ fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding]) -> Vec<Findin
     found
 }
 
+/// A region of which there is nothing where it is looked at.
+fn nothing(subject: &Subject<'_>, region: usize, probe: &mut Probe<'_>) -> Result<Option<Finding>, Error> {
+    let name = subject.name(region);
+    let proved = || {
+        let finding = Finding::new(Kind::Empty, &[name], format!("there is nothing in {name}"));
+        Ok(Some(Finding { is_proved: true, ..finding }))
+    };
+    let Some(whole) = subject.beyond(region) else {
+        if subject.boxes[region].is_empty() {
+            return proved();
+        }
+        return Ok(Some(Finding::new(Kind::Empty, &[name], format!("no ray met anything in {name}"))));
+    };
+    let bounds = Program::compile(whole)?.bounds();
+    if bounds.is_empty() {
+        return proved();
+    }
+    // what lies beyond the box of the check is not missing
+    if !bounds.is_finite() || probe.thickest(whole, &bounds, 3 * FEW)?.is_some() {
+        return Ok(None);
+    }
+    Ok(Some(Finding::new(Kind::Empty, &[name], format!("no ray met anything in {name}"))))
+}
+
 /// A region of which no ray has met anything.
 fn unseen(
     subject: &Subject<'_>,
@@ -201,13 +225,8 @@ fn unseen(
     probe: &mut Probe<'_>,
 ) -> Result<Option<Finding>, Error> {
     let (name, bounds) = (subject.name(region), subject.boxes[region]);
-    if bounds.is_empty() {
-        let finding = Finding::new(Kind::Empty, &[name], format!("there is nothing in {name}"));
-        return Ok(Some(Finding { is_proved: true, ..finding }));
-    }
-    let solid = &subject.regions[region].solid;
-    let Some(met) = probe.thickest(solid, &bounds, 3 * FEW)? else {
-        return Ok(Some(Finding::new(Kind::Empty, &[name], format!("no ray met anything in {name}"))));
+    let Some(met) = probe.thickest(&subject.regions[region].solid, &bounds, 3 * FEW)? else {
+        return nothing(subject, region, probe);
     };
     let at = 0.5 * (met.chord.from + met.chord.to);
     let mut winner = [RegionId(0)];

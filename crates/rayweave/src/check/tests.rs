@@ -92,6 +92,25 @@ fn hidden_and_empty() {
     assert!(report.of(Kind::Overlap).next().is_none(), "{report:?}");
 }
 
+/// What lies outside of the box of a check is neither empty nor proved to be so; what has nothing anywhere is.
+#[test]
+fn what_is_beyond_the_box_is_not_empty() {
+    let four = boxes(&[
+        ("a", [0.0; 3], [2.0; 3]),
+        ("outside", [5.0; 3], [6.0; 3]),
+        ("beside", [0.0, 1.5, 0.0], [2.0, 3.0, 2.0]),
+    ]);
+    let none = "[solid.x]\nexpr = \"a - a\"\n[[region]]\nsolid = \"x\"";
+    let within = |lo: f64, hi: f64| Some(Bounds::new(Vec3::splat(lo), Vec3::splat(hi)));
+    let settings = CheckSettings { within: within(-1.0, 1.0), ..quick() };
+    let report = checked(&format!("{four}{none}"), &settings);
+    let empty: Vec<_> = report.of(Kind::Empty).map(|found| found.regions[0].as_str()).collect();
+    assert_eq!(empty, ["x"], "{report:?}");
+    let far = CheckSettings { within: within(50.0, 51.0), ..quick() };
+    let error = check(&scene(&four), None, &far, &mut |_| ()).unwrap_err().to_string();
+    assert!(error.starts_with("nothing of the model is within the box"), "{error}");
+}
+
 #[test]
 fn walls_and_gaps() {
     let plates = boxes(&[
