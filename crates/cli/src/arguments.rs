@@ -178,7 +178,7 @@ pub struct SamplingArguments {
     #[arg(long, value_name = "C", default_value_t = 0.99)]
     pub confidence: f64,
 
-    /// Ask at most so many rays for a region
+    /// Ask at most so many rays for a region, after a first round for all regions
     #[arg(long, value_name = "N", default_value_t = 1 << 24)]
     pub rays: u64,
 

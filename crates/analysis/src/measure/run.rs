@@ -17,7 +17,7 @@ const MOST_REACH: f64 = 1e30;
 const CELLS_PER_TASK: u64 = 1024;
 
 /// Cells along an edge of the cross-section in the first round.
-const FIRST_ACROSS: u64 = 48;
+pub(super) const FIRST_ACROSS: u64 = 48;
 
 /// How a model is measured.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub struct Settings {
     pub precision: f64,
     /// The level of confidence of all intervals: from 0.5, below 1.
     pub confidence: f64,
-    /// The most rays that are asked for the sake of one region.
+    /// The most rays that are asked for the sake of one region, besides those of the first round, which is for all.
     pub most_rays: u64,
     /// Only what lies within this box counts; what of the boundary lies on it does not.
     pub within: Option<Bounds>,
@@ -222,10 +222,13 @@ impl<E: Evaluator> Run<'_, E> {
     ) -> Result<u64, MeasureError> {
         let mut across = FIRST_ACROSS;
         let mut spent = 0;
-        while !bounds.is_empty() && spent < self.settings.most_rays && !self.is_sure(&results[region], spent)
-        {
-            // the number of rays doubles
-            across = (across * 99).div_ceil(70);
+        while !bounds.is_empty() && !self.is_sure(&results[region], spent) {
+            let most = ((self.settings.most_rays - spent) / 6).isqrt();
+            if most == 0 {
+                break;
+            }
+            // the number of rays doubles, as long as that is allowed
+            across = (across * 99).div_ceil(70).min(most);
             spent += 6 * across * across;
             self.round(bounds, across, Some(region), results)?;
         }

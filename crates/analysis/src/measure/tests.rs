@@ -118,6 +118,18 @@ fn within_a_box() {
     assert!((found.volume.value - 6.0).abs() < 1e-12 && (found.area.value - 6.0).abs() < 1e-12, "{found:?}");
 }
 
+/// No region gets more rays than is said, and the interval says what that is worth.
+#[test]
+fn no_more_rays_than_asked() {
+    let first = 6 * super::run::FIRST_ACROSS * super::run::FIRST_ACROSS;
+    for most_rays in [0, 1, 6, 1000, 50_000, 123_456] {
+        let found = one(&sphere(2.0), &Settings { most_rays, precision: 1e-9, ..Settings::default() });
+        assert!(found.rays <= most_rays + first, "{most_rays}: {}", found.rays);
+        assert!(most_rays < 1000 || found.rays > most_rays * 99 / 100, "{most_rays}: {}", found.rays);
+        assert!(!found.is_reached && found.volume.holds(32.0 * PI / 3.0), "{most_rays}: {found:?}");
+    }
+}
+
 #[test]
 fn nothing_there() {
     let apart = cube(1.0) & cube(1.0).translate(Vec3::new(0.5, 0.5, 2.0));
