@@ -116,6 +116,11 @@ impl Section {
             None => self.plane,
         };
         let (Some(from), Some(to)) = (self.from, self.to) else { return Ok(vec![plane]) };
+        if self.normal.is_none() && plane.offset() != 0.0 {
+            let problem = format!("--plane {plane}: a stack has no place of its own");
+            let remedy = "(--from and --to say where it begins and ends) name the plane alone, as yz?";
+            return Err(Failure::Usage(format!("{problem} {remedy}")));
+        }
         let evenly = (to - from) / f64::from(self.count.unwrap_or(10) - 1);
         // a stack without height is one plane
         let step = self.step.unwrap_or(if to == from { 1.0 } else { evenly });

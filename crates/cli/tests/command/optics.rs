@@ -302,3 +302,25 @@ fn phases_are_columns_on_request() {
     assert_eq!(seen, [5000; 2]);
     assert!(bench.fails(2, &["optics", "plate.toml", "--phases"]).contains("--out"));
 }
+
+/// A plano-convex lens of BK7 as a lens file: f = R / (n - 1).
+#[test]
+fn a_lens_file() {
+    let bench = Bench::new();
+    let file = "UNIT MM\nENPD 2\nYFLN 0 1\nWAVM 1 0.5876 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n CURV 0.02\n DISZ 3\n GLAS N-BK7\n\
+                SURF 2\n DISZ 94.775\nSURF 3\n";
+    bench.write("lens.ZMX", file);
+    let said = bench.says(&["optics", "lens.ZMX", "--spot", "spot.svg", "--layout", "layout.svg"]);
+    // two fields of 331 rays through two faces to the image, and away
+    assert!(said.starts_with("lens.ZMX: 662 rays, 2648 segments"), "{said}");
+    let image: Vec<&str> =
+        said.lines().find(|line| line.starts_with("image ")).unwrap().split_whitespace().collect();
+    // half the field of a degree, by the focal length of 96.75 mm: 50 / 0.5168
+    let height: f64 = image[3].trim_end_matches(')').parse().unwrap();
+    assert!((height - 0.5 * 96.75 * 1f64.to_radians().tan()).abs() < 2e-3, "{said}");
+    bench.write("bad.zmx", "SURF x\n");
+    let failed = bench.fails(3, &["optics", "bad.zmx"]);
+    assert!(failed.contains("error: bad.zmx: line 1: the file has no aperture"), "{failed}");
+    assert!(bench.fails(3, &["optics", "none.zmx"]).contains("none.zmx: cannot be read"));
+    assert!(bench.fails(2, &["optics", "lens.ZMX", "-D", "a=3"]).contains("a lens file has no parameters"));
+}

@@ -62,6 +62,10 @@ fn refusals() {
     assert!(failed.contains("`z=nan` is no plane"), "{failed}");
     bench.fails(2, &["section", "ball.toml", "--normal", "0,0,0"]);
     bench.fails(2, &["section", "ball.toml", "--tolerance", "nan"]);
+    let failed = bench.fails(2, &["section", "ball.toml", "--tolerance", "-1"]);
+    assert!(failed.contains("the tolerance is -1 (it has"), "{failed}");
+    let placed = ["section", "ball.toml", "--plane", "x=0.5", "--from", "0", "--to", "0.5"];
+    assert!(bench.fails(2, &placed).contains("a stack has no place of its own"));
     bench.fails(2, &["section", "ball.toml", "--from", "0", "--to", "1", "--step", "-1"]);
     let failed = bench.fails(2, &["section", "ball.toml", "-o", "b.pdf"]);
     assert!(failed.contains(".svg, .png or .dxf"), "{failed}");

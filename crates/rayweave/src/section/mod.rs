@@ -206,6 +206,11 @@ pub(crate) struct Cutter<'a, E> {
 impl<E: Evaluator> Cutter<'_, E> {
     pub fn cut(&self, plane: &SectionPlane) -> Result<CrossSection, Error> {
         let cut = plane.cut()?;
+        let is_positive = |tolerance: &f64| *tolerance > 0.0 && tolerance.is_finite();
+        if let Some(tolerance) = self.settings.tolerance.filter(|tolerance| !is_positive(tolerance)) {
+            let text = format!("the tolerance is {tolerance} (it has to be greater than 0 and finite)");
+            return Err(Error::said(ErrorKind::Value, text));
+        }
         let bounds = self.evaluator.program().bounds();
         let ranges = [0, 1].map(|k| cut.range(&bounds, k));
         let (lo, hi) = ([ranges[0][0], ranges[1][0]], [ranges[0][1], ranges[1][1]]);
