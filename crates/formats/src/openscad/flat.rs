@@ -123,10 +123,10 @@ impl Flats {
 
 type Box2 = [Point<2>; 2];
 
-const NOWHERE: Box2 = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+pub(super) const NOWHERE: Box2 = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
 const EVERYWHERE: Box2 = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
 
-fn hull(a: Box2, b: Box2) -> Box2 {
+pub(super) fn hull(a: Box2, b: Box2) -> Box2 {
     [[0, 1].map(|k| a[0][k].min(b[0][k])), [0, 1].map(|k| a[1][k].max(b[1][k]))]
 }
 

@@ -38,7 +38,7 @@ pub(super) fn offset(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Re
         true => Corner::Sharp,
         false => Corner::Round(fragments),
     };
-    let contours = moved(&contours, by, corner);
+    let contours = moved(arguments, &contours, by, corner)?;
     match contours.is_empty() {
         true => Ok(Part::Empty),
         false => Ok(flats.leaf(Leaf::Outline(contours)).into()),

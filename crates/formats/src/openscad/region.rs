@@ -5,7 +5,7 @@
 use super::arguments::{Arguments, Refusal};
 use super::boolean::Operation;
 use super::drawing::chords;
-use super::flat::{Flat, Flats, Leaf, image};
+use super::flat::{Flat, Flats, Leaf, NOWHERE, hull, image};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::simplify::SimplifyShape;
@@ -20,11 +20,24 @@ pub(super) type Contours = Vec<Vec<Point<2>>>;
 /// More points than these take longer than a reader should.
 const MOST_POINTS: usize = 2_000_000;
 
-/// Points farther out than this cannot be told from infinity by what is done here.
+/// Points farther out than this cannot be told from infinity by what is done here: `i_overlay` takes none beyond 2^500.
 const FARTHEST: f64 = 1e150;
 
+/// The grid of `i_overlay` as a part of what it is given.
+const GRID: f64 = 1.0 / (1u64 << 50) as f64;
+
 /// What lies within contours by a rule, as outlines counter-clockwise and holes clockwise that do not cross.
-pub(super) fn filled(contours: &Contours, rule: FillRule) -> Contours {
+pub(super) fn filled(
+    arguments: &Arguments,
+    contours: &Contours,
+    rule: FillRule,
+) -> Result<Contours, Refusal> {
+    check_near(arguments, contours)?;
+    Ok(filled_near(contours, rule))
+}
+
+/// [`filled`] of contours that are known to pass [`is_near`].
+pub(super) fn filled_near(contours: &Contours, rule: FillRule) -> Contours {
     match contours.iter().all(|contour| contour.len() < 3) {
         true => Vec::new(),
         false => contours.simplify_shape_as::<i64>(rule).into_iter().flatten().collect(),
@@ -34,14 +47,14 @@ pub(super) fn filled(contours: &Contours, rule: FillRule) -> Contours {
 /// Regions without crossings, joined into one of the same kind.
 pub(super) fn join_contours(operation: Operation, operands: Vec<Contours>) -> Contours {
     let rule = match operation {
-        Operation::Union => return filled(&operands.concat(), FillRule::NonZero),
+        Operation::Union => return filled_near(&operands.concat(), FillRule::NonZero),
         Operation::Difference => OverlayRule::Difference,
         Operation::Intersection => OverlayRule::Intersect,
     };
     let mut operands = operands.into_iter();
     let mut first = operands.next().unwrap_or_default();
     if operation == Operation::Difference {
-        let others = filled(&operands.collect::<Vec<_>>().concat(), FillRule::NonZero);
+        let others = filled_near(&operands.collect::<Vec<_>>().concat(), FillRule::NonZero);
         return overlaid(&first, &others, rule);
     }
     for other in operands {
@@ -57,28 +70,74 @@ fn overlaid(a: &Contours, b: &Contours, rule: OverlayRule) -> Contours {
 /// The boundary of a region. Discs have their facets or, where they are truly round, chords: `Flats::has_chords` tells.
 pub(super) fn boundary(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Contours, Refusal> {
     let mut points = 0;
+    let size = size_of_leaves(flats, flat)?;
     let outline = |leaf: &Leaf, map: &Affine| {
-        let mut contours = match leaf {
+        let contours = match leaf {
             Leaf::Disc { radius, fragments } if !flats.facets => {
                 flats.has_chords.set(true);
                 Leaf::Disc { radius: *radius, fragments: chords(360.0).max(*fragments) }.contours()
             }
             leaf => leaf.contours(),
         };
-        contours.iter_mut().flatten().for_each(|p| *p = image(map, *p));
         points += contours.iter().map(Vec::len).sum::<usize>();
-        check(arguments, &contours, points)?;
-        Ok(filled(&contours, FillRule::EvenOdd))
+        if points > MOST_POINTS {
+            return Err(arguments.refusal(&format!("its outline has more than {MOST_POINTS} points")));
+        }
+        Ok(filled_near(&placed(arguments, contours, map, size)?, FillRule::EvenOdd))
     };
     flats.fold(flat, outline, join_contours)
 }
 
-/// Refuses what cannot be joined in a reasonable time.
-fn check(arguments: &Arguments, contours: &Contours, points: usize) -> Result<(), Refusal> {
-    if points > MOST_POINTS {
-        return Err(arguments.refusal(&format!("its outline has more than {MOST_POINTS} points")));
+/// The larger side of the box around all leaves, also those that are cut away.
+pub(super) fn size_of_leaves(flats: &Flats, flat: Flat) -> Result<f64, Refusal> {
+    let hull = |_, all: Vec<[Point<2>; 2]>| all.into_iter().fold(NOWHERE, hull);
+    let [lo, hi] = flats.fold(flat, |leaf, map| Ok(leaf.bounds(map)), hull)?;
+    Ok((hi[0] - lo[0]).max(hi[1] - lo[1]))
+}
+
+/// The contours of a leaf in their place, in a drawing of some size: refused if they are too far out, or if rounding loses one.
+pub(super) fn placed(
+    arguments: &Arguments,
+    mut contours: Contours,
+    map: &Affine,
+    size: f64,
+) -> Result<Contours, Refusal> {
+    for contour in &mut contours {
+        let (_, is_sure) = width(contour);
+        contour.iter_mut().for_each(|p| *p = image(map, *p));
+        check_near(arguments, std::slice::from_ref(contour))?;
+        if is_sure && width(contour).0 < GRID * size {
+            let why = "its outline is too thin beside the size of the drawing: rounding loses it";
+            return Err(arguments.refusal(why));
+        }
     }
-    match contours.iter().flatten().flatten().all(|x| x.abs() < FARTHEST) {
+    Ok(contours)
+}
+
+/// How far points lie from the line through the first of them and the one farthest from it, and whether that is surely more than
+/// the rounding of numbers in text and of products makes of points on a line.
+fn width(points: &[Point<2>]) -> (f64, bool) {
+    let Some(&first) = points.first() else { return (0.0, false) };
+    let from_first = |p: &Point<2>| [p[0] - first[0], p[1] - first[1]];
+    let length = |p: &Point<2>| libm::hypot(from_first(p)[0], from_first(p)[1]);
+    let far = points.iter().copied().max_by(|p, q| length(p).total_cmp(&length(q))).unwrap_or(first);
+    let [x, y] = from_first(&far);
+    let across = |p: &Point<2>| (x * from_first(p)[1] - y * from_first(p)[0]).abs();
+    // coordinates are off by u, their differences by u, and their products and the difference of them by u again
+    let sum = |p: &Point<2>, k: usize| p[k].abs() + first[k].abs();
+    let off = |p: &Point<2>| 4.0 * f64::EPSILON * (sum(&far, 0) * sum(p, 1) + sum(&far, 1) * sum(p, 0));
+    let width = points.iter().map(across).fold(0.0, f64::max) / length(&far);
+    (width, points.iter().any(|p| across(p) > off(p)))
+}
+
+/// True if no point is too far out for `i_overlay`, which panics there.
+pub(super) fn is_near(contours: &[Vec<Point<2>>]) -> bool {
+    contours.iter().flatten().flatten().all(|x| x.abs() < FARTHEST)
+}
+
+/// Refuses contours that do not pass [`is_near`].
+pub(super) fn check_near(arguments: &Arguments, contours: &[Vec<Point<2>>]) -> Result<(), Refusal> {
+    match is_near(contours) {
         true => Ok(()),
         false => Err(arguments.refusal("its points are too far out")),
     }
@@ -102,9 +161,14 @@ pub(super) enum Corner {
 /// kept. Sharp corners reach at most a million times as far as the edges move, as in OpenSCAD.
 ///
 /// *Source*: X. Chen, S. McMains, "Polygon offsetting by computing winding numbers", ASME 2005; A. Johnson, *Clipper* 6.
-pub(super) fn offset(contours: &Contours, by: f64, corner: Corner) -> Contours {
+pub(super) fn offset(
+    arguments: &Arguments,
+    contours: &Contours,
+    by: f64,
+    corner: Corner,
+) -> Result<Contours, Refusal> {
     let moved: Contours = contours.iter().map(|contour| moved(contour, by, corner)).collect();
-    filled(&moved, FillRule::Positive)
+    filled(arguments, &moved, FillRule::Positive)
 }
 
 /// A contour with its edges moved to the right.
@@ -182,7 +246,7 @@ pub(super) fn sum(arguments: &Arguments, a: &Contours, b: &Contours) -> Result<C
         }
     }
     // one by one counter-clockwise, so that nothing counts against another
-    Ok(filled(&all, FillRule::Positive))
+    filled(arguments, &all, FillRule::Positive)
 }
 
 fn plus(p: Point<2>, q: Point<2>) -> Point<2> {

@@ -5,9 +5,9 @@ use super::arguments::{Arguments, Refusal};
 use super::boolean::{Operation, join_solids};
 use super::extrude::{formula, odd};
 use super::facets::Fineness;
-use super::flat::{Flat, Flats, Leaf, image, simple};
+use super::flat::{Flat, Flats, Leaf, simple};
 use super::primitive::solid;
-use super::region::{Contours, boundary, filled};
+use super::region::{Contours, boundary, filled_near, placed, size_of_leaves};
 use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees, unit_vector_degrees};
 use rayweave_model::Solid;
@@ -32,6 +32,8 @@ pub(super) struct Turn<'a> {
     /// The largest distance from the axis, and the least and the greatest height.
     reach: f64,
     ends: [f64; 2],
+    /// That of all that the region is made of, for rounding.
+    size: f64,
 }
 
 impl<'a> Turn<'a> {
@@ -78,6 +80,7 @@ impl<'a> Turn<'a> {
             map,
             reach: hi[0].max(-lo[0]),
             ends: [lo[1], hi[1]],
+            size: size_of_leaves(flats, flat)?,
         }))
     }
 
@@ -120,10 +123,9 @@ impl<'a> Turn<'a> {
         map: &Affine,
         mut wall: impl FnMut(HalfPlane) -> Result<Solid, Refusal>,
     ) -> Result<Solid, Refusal> {
-        let mut contours = leaf.contours();
-        contours.iter_mut().flatten().for_each(|p| *p = image(map, *p));
+        let mut contours = placed(self.arguments, leaf.contours(), map, self.size)?;
         if contours.iter().any(|contour| simple(self.arguments, contour.clone()).is_err()) {
-            contours = filled(&contours, FillRule::EvenOdd);
+            contours = filled_near(&contours, FillRule::EvenOdd);
         }
         let mut parts = Vec::new();
         for contour in contours {

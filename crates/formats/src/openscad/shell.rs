@@ -13,7 +13,7 @@ use super::hull2::corners;
 use super::mesh::{self, Twist};
 use super::primitive::CylinderSizes;
 use super::reader::Reader;
-use super::region::{Contours, area, boundary, filled, join_contours};
+use super::region::{Contours, area, boundary, check_near, filled, join_contours};
 use super::transform;
 use crate::kernel::triangulated;
 use i_overlay::core::fill_rule::FillRule;
@@ -263,9 +263,10 @@ pub(super) fn section(reader: &Reader, root: usize) -> Result<Contours, Refusal>
 }
 
 fn section_at(reader: &Reader, root: usize, height: f64, side: Side) -> Result<Contours, Refusal> {
-    let cut = |_: &Arguments, shells: &[Shell], map: &Affine| {
-        let all = shells.iter().map(|shell| filled(&cut(shell, map, height, side), FillRule::EvenOdd));
-        Ok(join_contours(Operation::Union, all.collect()))
+    let cut = |arguments: &Arguments, shells: &[Shell], map: &Affine| {
+        let section = |shell| filled(arguments, &cut(shell, map, height, side), FillRule::EvenOdd);
+        let all = shells.iter().map(section).collect::<Result<Vec<_>, _>>()?;
+        Ok(join_contours(Operation::Union, all))
     };
     fold(reader, Start::Below(root), cut, join_contours)
 }
@@ -326,21 +327,25 @@ fn snapped(x: f64, size: f64) -> f64 {
 pub(super) fn shadow(reader: &Reader, root: usize) -> Result<Contours, Refusal> {
     if !is_union(reader, root)? {
         let body = body(reader, Start::Below(root))?;
-        return Ok(body.map_or_else(Contours::new, |body| shade(&Shell::of_body(&body), &Affine::IDENTITY)));
+        let arguments = Arguments::new(reader.source, &reader.tree.nodes[root]);
+        let shade = |body| shade(&arguments, &Shell::of_body(&body), &Affine::IDENTITY);
+        return body.map_or_else(|| Ok(Contours::new()), shade);
     }
-    let of_shells = |_: &Arguments, shells: &[Shell], map: &Affine| {
-        let all = shells.iter().map(|shell| shade(shell, map)).collect();
+    let of_shells = |arguments: &Arguments, shells: &[Shell], map: &Affine| {
+        let all = shells.iter().map(|shell| shade(arguments, shell, map)).collect::<Result<_, _>>()?;
         Ok(join_contours(Operation::Union, all))
     };
     fold(reader, Start::Below(root), of_shells, join_contours)
 }
 
 /// The shadow of a shell: of one that is convex the hull of its points, of others the union of the shadows of its triangles.
-fn shade(shell: &Shell, map: &Affine) -> Contours {
+fn shade(arguments: &Arguments, shell: &Shell, map: &Affine) -> Result<Contours, Refusal> {
     let mut points: Vec<Point<2>> =
         shell.vertices.iter().map(|p| map.point(*p)).map(|p| [p.x, p.y]).collect();
     if shell.is_convex {
-        return vec![corners(points)].into_iter().filter(|contour| contour.len() >= 3).collect();
+        // the kernel meets it when it is joined with others
+        let hull: Contours = vec![corners(points)].into_iter().filter(|contour| contour.len() >= 3).collect();
+        return check_near(arguments, &hull).map(|()| hull);
     }
     let size = points.iter().flatten().fold(0f64, |size, x| size.max(x.abs()));
     points.iter_mut().flatten().for_each(|x| *x = snapped(*x, size));
@@ -348,7 +353,7 @@ fn shade(shell: &Shell, map: &Affine) -> Contours {
         shell.triangles.iter().map(|corners| corners.map(|k| points[k as usize]).to_vec()).collect();
     triangles.retain(|triangle| area(triangle) != 0.0);
     triangles.iter_mut().filter(|triangle| area(triangle) < 0.0).for_each(|triangle| triangle.reverse());
-    filled(&triangles, FillRule::NonZero)
+    filled(arguments, &triangles, FillRule::NonZero)
 }
 
 /// The corners of the facets below a node: what it is has their hull, and their box.
@@ -371,6 +376,7 @@ pub(super) fn corner_points(reader: &Reader, root: usize) -> Result<Vec<Vec3>, R
 
 #[cfg(test)]
 mod tests {
+    use super::super::region::filled_near;
     use super::*;
 
     #[test]
@@ -379,7 +385,7 @@ mod tests {
         let (vertices, triangles) = mesh::between_rings(&rings, 4);
         let shell = Shell { vertices, triangles, is_convex: true };
         let size = |height, side| {
-            let contours = filled(&cut(&shell, &Affine::IDENTITY, height, side), FillRule::EvenOdd);
+            let contours = filled_near(&cut(&shell, &Affine::IDENTITY, height, side), FillRule::EvenOdd);
             contours.iter().map(|contour| area(contour)).sum::<f64>()
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;

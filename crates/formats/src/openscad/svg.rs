@@ -6,7 +6,7 @@
 
 use super::drawing::{Drawing, MOST_POINTS, TOLERANCE, arc, chords, curve, pieces, plane_map};
 use super::flat::Leaf;
-use super::region::{Contours, filled};
+use super::region::{Contours, filled_near, is_near};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::mesh::float::stroke::offset::StrokeOffset;
 use i_overlay::mesh::float::style::{LineCap, LineJoin, StrokeStyle};
@@ -360,7 +360,7 @@ impl<'a, 'input> Reader<'a, 'input> {
         map: &Affine,
         style: Style,
     ) -> Result<(), String> {
-        let is_finite = |(chain, _): &(Vec<Point<2>>, bool)| chain.iter().flatten().all(|x| x.abs() < 1e150);
+        let is_finite = |(chain, _): &(Vec<Point<2>>, bool)| is_near(std::slice::from_ref(chain));
         if !chains.iter().all(is_finite) {
             return self.refuse(node, "its numbers are too large");
         }
@@ -372,8 +372,8 @@ impl<'a, 'input> Reader<'a, 'input> {
                 false => {}
             }
         }
-        self.push(filled(&closed, FillRule::EvenOdd), map)?;
-        self.push(filled(&strokes, FillRule::NonZero), map)
+        self.push(filled_near(&closed, FillRule::EvenOdd), map)?;
+        self.push(filled_near(&strokes, FillRule::NonZero), map)
     }
 }
 

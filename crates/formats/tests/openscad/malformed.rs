@@ -1,7 +1,7 @@
 //! Damaged files: an error that says where, no panic, no hang.
 
 use crate::measure::read;
-use rayweave_formats::{Format, Options, parse};
+use rayweave_formats::{Format, LossKind, Options, parse};
 use std::time::{Duration, Instant};
 
 const MODEL: &str = "group() {\n\tdifference() {\n\t\tcube(size = [30, 30.5, 3e1], center = true);\n\t\t#multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -5], [0, 0, 0, 1]]) {\n\t\t\tsphere($fn = 0, r = 20);\n\t\t}\n\t\ttext(text = \"a\\\"b\");\n\t}\n}\n";
@@ -124,4 +124,36 @@ fn parameters_are_refused() {
     let problems =
         parse("cube(1);", Format::OpenScad, &overrides, &Options::default()).expect_err("no parameters");
     assert!(problems.to_string().contains("have no parameters"), "{problems}");
+}
+
+/// What the crate for booleans of the plane panics at, or rounds away.
+#[test]
+fn points_that_are_too_far_out_are_refused() {
+    let thin = |far: &str| format!("polygon(points = [[0, 0], [{far}, 4], [4, 0], [0, 4]], paths = undef);");
+    let cases = [
+        (format!("rotate_extrude() {}", thin("1e153")), "too far out"),
+        (format!("rotate_extrude() {}", thin("1e20")), "too thin beside the size"),
+        (
+            format!("linear_extrude(height = 1) offset(delta = 1) {}", thin("1e20")),
+            "too thin beside the size",
+        ),
+        ("linear_extrude(height = 1) offset(delta = 1e155) square(1);".to_owned(), "too far out"),
+        (
+            "linear_extrude(height = 1) offset(delta = 1) { square(1e20); square(1); }".to_owned(),
+            "too thin beside the size",
+        ),
+    ];
+    for (text, why) in cases {
+        let report = read(&text, false).report;
+        assert!(report.count(LossKind::Refused) > 0, "{text}");
+        let first = report.iter().next().expect("one");
+        assert!(report.warnings().to_string().contains(why), "{text}\n{}", report.warnings());
+        assert!(first.first.line_column().is_some(), "{text}");
+    }
+    // what is small beside the drawing, but not lost
+    assert!(
+        read("rotate_extrude() polygon(points = [[0, 0], [1e9, 4], [4, 0], [0, 4]]);", false)
+            .report
+            .is_empty()
+    );
 }
