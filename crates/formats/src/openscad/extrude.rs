@@ -2,9 +2,11 @@
 
 use super::arguments::{Arguments, Refusal};
 use super::boolean::join_solids;
-use super::flat::{Flat, Flats, Leaf, image, simple};
+use super::flat::{Flat, Flats, Leaf, simple};
 use super::mesh::Twist;
 use super::primitive::solid;
+use super::region::{filled_near, placed};
+use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{BoxFromCorners, Convex, Cylinder, HalfSpace, Quadric};
@@ -167,16 +169,23 @@ fn pyramid(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Resul
     {
         return cone(arguments, *radius, map, way);
     }
+    let [lo, hi] = leaf.bounds(map);
+    let mut contours = placed(arguments, leaf.contours(), map, (hi[0] - lo[0]).max(hi[1] - lo[1]))?;
+    if contours.iter().any(|contour| simple(arguments, contour.clone()).is_err()) {
+        // where edges cross there must be a corner: walls between others than the crossing ones are curved
+        contours = filled_near(&contours, FillRule::EvenOdd);
+    }
     let mut parts = Vec::new();
-    for contour in leaf.contours() {
-        let moved = contour.iter().map(|p| image(map, *p)).collect();
-        let polygons = match simple(arguments, moved) {
+    for contour in contours {
+        let polygons = match simple(arguments, contour.clone()) {
             Ok(None) => continue,
             Ok(Some(polygons)) => polygons,
-            Err(_) => {
-                parts.push(tangled(arguments, &contour, map, way)?);
+            // plane walls, which triangles say exactly
+            Err(_) if way.is_even() => {
+                parts.push(tangled(arguments, &contour, &Affine::IDENTITY, way)?);
                 continue;
             }
+            Err(why) => return Err(why),
         };
         let bounds = around(arguments, polygons.corner_bounds(), way)?;
         parts.push(formula(&polygons, |half_plane| wall(arguments, &half_plane, way))? & bounds);

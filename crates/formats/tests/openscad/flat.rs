@@ -1,6 +1,6 @@
 //! Regions of the plane and what is made of them, by closed forms.
 
-use crate::measure::{check_volume, losses, read, volume};
+use crate::measure::{check_volume, losses, read, volume, whole};
 use rayweave_formats::LossKind;
 use std::f64::consts::PI;
 
@@ -72,6 +72,30 @@ fn pyramids() {
         2.0 * 12.0 * 1.75,
         NEAR,
     );
+}
+
+/// Two triangles of area 4 that meet where the contour crosses itself; a section at t has them times both factors.
+#[test]
+fn pyramids_over_contours_that_cross_themselves() {
+    let bow = "polygon(points = [[-2, -2], [2, 2], [2, -2], [-2, 2]], paths = undef);";
+    let cases = [("[0, 1]", 36.0), ("[3, 1]", 144.0), ("[1, 1]", 72.0), ("[0.5, 0.5]", 72.0 * 1.75 / 3.0)];
+    for facets in [false, true] {
+        // facets are slices, whose sides are not those of the solid
+        for (scale, expected) in cases.into_iter().skip(if facets { 2 } else { 0 }) {
+            check_volume(
+                &format!("linear_extrude(height = 9, scale = {scale}) {bow}"),
+                facets,
+                expected,
+                NEAR,
+            );
+        }
+    }
+    // five points, within it twice: what is wound around twice is a hole
+    let star = "polygon(points = [[0, 3], [2, -3], [-3, 1], [3, 1], [-2, -3]], paths = undef);";
+    let [straight, uneven] = ["[1, 1]", "[3, 1]"].map(|scale| {
+        volume(&whole(&format!("linear_extrude(height = 9, scale = {scale}) {star}"), false), 300)
+    });
+    assert!((uneven / straight - 2.0).abs() < NEAR, "{uneven} {straight}");
 }
 
 /// Pappus: the area times the way of its centroid.
