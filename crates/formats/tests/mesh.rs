@@ -198,3 +198,62 @@ fn what_is_folded_flat_encloses_nothing() {
     let problems = read(sheet, &Options::default()).unwrap_err().to_string();
     assert!(problems.contains("encloses nothing") && !problems.contains("--repair"), "{problems}");
 }
+
+/// The outward faces of a tetrahedron in a 3MF model, as an object of some attributes.
+fn tetrahedron(attributes: &str) -> String {
+    format!(
+        r#"<object {attributes}><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/>
+        <vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/>
+        <triangle v1="1" v2="2" v3="3"/><triangle v1="0" v2="3" v3="2"/></triangles></mesh></object>"#
+    )
+}
+
+/// A 3MF file of a model with a unit, objects and a build.
+fn threemf(folder: &Folder, unit: &str, objects: &str, build: &str) -> Imported {
+    let path = folder.0.join("model.3mf");
+    let mut archive = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
+    archive.start_file("3D/3dmodel.model", zip::write::SimpleFileOptions::default()).unwrap();
+    let model = format!("<model{unit}><resources>{objects}</resources><build>{build}</build></model>");
+    std::io::Write::write_all(&mut archive, model.as_bytes()).unwrap();
+    archive.finish().unwrap();
+    load(&path, None, &[], &Options::default()).unwrap_or_else(|problems| panic!("{model}\n{problems}"))
+}
+
+#[test]
+fn units_of_3mf_are_known_or_told() {
+    let folder = Folder::new("units-of-3mf");
+    let read = |unit: &str| threemf(&folder, unit, &tetrahedron("id=\"1\""), "<item objectid=\"1\"/>").scene;
+    let known = [
+        ("", Unit::Millimetre),
+        (" unit=\"micron\"", Unit::Micrometre),
+        (" unit=\"millimeter\"", Unit::Millimetre),
+        (" unit=\"centimeter\"", Unit::Centimetre),
+        (" unit=\"inch\"", Unit::Inch),
+        (" unit=\"foot\"", Unit::Foot),
+        (" unit=\"meter\"", Unit::Metre),
+    ];
+    for (text, unit) in known {
+        let scene = read(text);
+        assert_eq!((scene.unit, scene.warnings.len()), (unit, 0), "{text}");
+    }
+    let scene = read(" unit=\"parsec\"");
+    let told = scene.warnings.to_string();
+    assert!(told.contains("the unit `parsec` is unknown (3MF has micron, "), "{told}");
+    assert_eq!(scene.unit, Unit::Millimetre);
+}
+
+#[test]
+fn supports_of_3mf_are_left_out() {
+    let folder = Folder::new("supports-of-3mf");
+    for kind in ["support", "solidsupport", "other"] {
+        let objects = [
+            tetrahedron("id=\"1\" type=\"model\""),
+            tetrahedron(&format!("id=\"2\" name=\"foot\" type=\"{kind}\"")),
+        ];
+        let build = "<item objectid=\"1\"/><item objectid=\"2\" transform=\"1 0 0 0 1 0 0 0 1 5 0 0\"/>";
+        let imported = threemf(&folder, "", &objects.concat(), build);
+        assert_eq!((region(&imported, [0.1; 3]), region(&imported, [5.1, 0.1, 0.1])), (1, 0), "{kind}");
+        let told = imported.scene.warnings.to_string();
+        assert!(told.contains(&format!("object 2 `foot` is left out (its type is `{kind}`")), "{told}");
+    }
+}

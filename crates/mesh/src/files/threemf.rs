@@ -25,6 +25,8 @@ const MOST_PLACED: usize = 1 << 20;
 #[derive(Default)]
 struct Object {
     name: String,
+    /// Its type, which is empty for a model.
+    kind: String,
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     components: Vec<Used>,
@@ -58,16 +60,32 @@ pub fn read(from: impl BufRead + Seek, options: &ReadOptions) -> Result<Loaded, 
     let mut archive = ZipArchive::new(from).map_err(damaged)?;
     let model = whole_model(&mut archive, options)?;
     let (mut mesh, mut starts) = (Scattered::default(), Vec::new());
+    let mut warnings = Vec::new();
     for (key, map) in &model.build {
-        let name = model.objects.get(key).map_or("", |object| &object.name);
+        let object = model.objects.get(key);
+        let name = object.map_or("", |object| &object.name);
+        if let Some(object) = object.filter(|object| NO_MODELS.contains(&object.kind.as_str())) {
+            let (id, kind) = (&key.1, &object.kind);
+            warnings.push(format!(
+                "object {id} `{name}` is left out (its type is `{kind}`: it is no part of the model)"
+            ));
+            continue;
+        }
         starts.push((name.to_owned(), mesh.triangles.len()));
         placed(&model, (key, *map), options, &mut mesh)?;
     }
     let parts = parts(starts, mesh.triangles.len());
-    let unit = Some(short_unit(&model.unit).to_owned());
+    let unit = short_unit(&model.unit).unwrap_or_else(|| {
+        let unit = super::words::short(&model.unit);
+        let known = UNITS.map(|(name, _)| name).join(", ");
+        warnings
+            .push(format!("the unit `{unit}` is unknown (3MF has {known}) lengths are taken in millimetres"));
+        MILLIMETRE
+    });
+    let unit = Some(unit.to_owned());
     let error = |error| FileError::Mesh { place: Place::Byte(0), error };
     let mesh = Mesh::new(mesh.vertices, mesh.triangles).map_err(error)?;
-    Ok(Loaded { mesh, warnings: Vec::new(), unit, parts })
+    Ok(Loaded { mesh, warnings, unit, parts })
 }
 
 /// The model that the archive is about, and the parts that it uses.
@@ -208,7 +226,8 @@ impl<'a> Parser<'a> {
         let name = attribute(values.e, "name").unwrap_or_default();
         // a name that is no proper text is as good as another
         let name = quick_xml::escape::unescape(&name).map(|name| name.into_owned()).unwrap_or(name);
-        self.model.objects.insert(self.open.clone(), Object { name, ..Object::default() });
+        let kind = attribute(values.e, "type").unwrap_or_default();
+        self.model.objects.insert(self.open.clone(), Object { name, kind, ..Object::default() });
         Ok(())
     }
 
@@ -324,14 +343,26 @@ fn placed(
     Ok(())
 }
 
-fn short_unit(unit: &str) -> &str {
+/// What the core specification calls its units, and what they are called here (`ST_Unit`).
+const UNITS: [(&str, &str); 6] = [
+    ("micron", "um"),
+    ("millimeter", MILLIMETRE),
+    ("centimeter", "cm"),
+    ("inch", "inch"),
+    ("foot", "foot"),
+    ("meter", "m"),
+];
+
+const MILLIMETRE: &str = "mm";
+
+/// Types of objects that are no part of what is to be made: what holds it up while it is made, and what is for components only.
+const NO_MODELS: [&str; 3] = ["support", "solidsupport", "other"];
+
+/// The unit of a model, millimetres if none is said; `None` of one that is unknown.
+fn short_unit(unit: &str) -> Option<&'static str> {
     match unit {
-        "micron" => "um",
-        "centimeter" => "cm",
-        "inch" => "inch",
-        "foot" => "foot",
-        "meter" => "m",
-        _ => "mm",
+        "" => Some(MILLIMETRE),
+        _ => UNITS.iter().find(|(name, _)| *name == unit).map(|(_, short)| *short),
     }
 }
 
