@@ -257,3 +257,26 @@ fn supports_of_3mf_are_left_out() {
         assert!(told.contains(&format!("object 2 `foot` is left out (its type is `{kind}`")), "{told}");
     }
 }
+
+#[test]
+fn mirrors_turn_triangles() {
+    let folder = Folder::new("mirrors");
+    // in the build, and in components of which one is a mirror of a mirror
+    let objects = tetrahedron("id=\"1\"")
+        + r#"<object id="2"><components><component objectid="1"/><component objectid="1" transform="-1 0 0 0 1 0 0 0 1 -9 0 0"/>
+        </components></object>"#;
+    let build = r#"<item objectid="2" transform="1 0 0 0 1 0 0 0 -1 0 0 0"/>"#;
+    let imported = threemf(&folder, "", &objects, build);
+    assert!(imported.scene.warnings.is_empty(), "{}", imported.scene.warnings);
+    assert_eq!((region(&imported, [0.1, 0.1, -0.1]), region(&imported, [-9.1, 0.1, -0.1])), (1, 1));
+
+    let path = folder.0.join("part.gltf");
+    save(&cuboid([0.0; 3], [1.0; 3]), &path, None, WriteOptions::default()).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let nodes = r#""nodes":[{"mesh":0,"scale":[-1,1,1],"translation":[7,0,0]}],"scene""#;
+    let mirrored = text.replace(r#""nodes":[{"mesh":0}],"scene""#, nodes);
+    assert_ne!(mirrored, text);
+    let imported = parse(&mirrored, Format::Mesh(MeshFormat::Gltf), &[], &Options::default()).unwrap();
+    assert!(imported.scene.warnings.is_empty(), "{}", imported.scene.warnings);
+    assert_eq!((region(&imported, [6.5, -0.5, 0.5]), region(&imported, [0.5, -0.5, 0.5])), (1, 0));
+}

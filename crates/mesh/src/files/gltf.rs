@@ -246,23 +246,34 @@ impl Scene<'_> {
                 Value::Null => (0..positions.len() as u64 / 3).collect(),
                 indices => self.numbers(indices, "SCALAR")?.into_iter().map(|x| x as u64).collect(),
             };
-            self.triangles(&corners, mode, first)?;
+            // a mirror turns the triangles (glTF 2.0, section 3.7.4)
+            let is_mirror = map.linear.determinant() < 0.0;
+            self.triangles(&corners, mode, first, is_mirror)?;
         }
         Ok(())
     }
 
-    fn triangles(&mut self, corners: &[u64], mode: u64, first: u64) -> Result<(), FileError> {
+    fn triangles(
+        &mut self,
+        corners: &[u64],
+        mode: u64,
+        first: u64,
+        is_mirror: bool,
+    ) -> Result<(), FileError> {
         let count = match mode {
             4 => corners.len() / 3,
             _ => corners.len().saturating_sub(2),
         };
         for k in 0..count {
-            let triangle = match mode {
+            let mut triangle = match mode {
                 4 => [3 * k, 3 * k + 1, 3 * k + 2],
                 // every second triangle of a strip turns the other way
                 5 => [k, k + 1 + k % 2, k + 2 - k % 2],
                 _ => [0, k + 1, k + 2],
             };
+            if is_mirror {
+                triangle.swap(1, 2);
+            }
             self.builder
                 .face(&triangle.map(|corner| corners[corner].saturating_add(first)), Place::Byte(0))?;
         }

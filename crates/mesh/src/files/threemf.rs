@@ -330,13 +330,16 @@ fn placed(
             check_count(what, sum).map_err(|error| FileError::Mesh { place, error })?;
         }
         vertices.extend(object.vertices.iter().map(|&point| map.point(point)));
+        // a mirror turns the triangles
+        let is_mirror = map.linear.determinant() < 0.0;
         for corners in &object.triangles {
             if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= object.vertices.len()) {
                 let (vertex, count) = (u64::from(vertex), object.vertices.len());
                 let error = MeshError::Index { triangle: triangles.len(), vertex, count };
                 return Err(FileError::Mesh { place, error });
             }
-            triangles.push(corners.map(|corner| corner + first as u32));
+            let [a, b, c] = corners.map(|corner| corner + first as u32);
+            triangles.push(if is_mirror { [a, c, b] } else { [a, b, c] });
         }
         waiting.extend(object.components.iter().rev().map(|(key, inner)| (key, inner.then(&map))));
     }
