@@ -6,7 +6,7 @@ use rayweave_math::{Affine, Bounds, Mat3, Vec3};
 use rayweave_mesh::files::{MeshFormat, ReadOptions, read_bytes};
 use rayweave_mesh::{Mesh, Polyhedron};
 use rayweave_model::{Evaluator, Program, Query, RayBatch, RegionId, Solid};
-use rayweave_scene::{Document, Scene};
+use rayweave_scene::{Document, Scene, Unit};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{self, Primitive};
 use rayweave_trace::Weave;
@@ -350,4 +350,36 @@ fn booleans_of_twenty_pairs_of_meshes_agree_with_those_of_the_kernel() {
         let error = (made.volume() - expected).abs();
         assert!(error < 2e-3 * size.x * size.y * size.z, "{round}: {} {expected}", made.volume());
     }
+}
+
+/// A box without a curved face, and a ball, in centimetres.
+#[test]
+fn lengths_are_millimetres_where_a_format_says_no_unit() {
+    let cuboid = Solid::from(Primitive::from(primitive::CentredBox::new(Vec3::new(2.0, 3.0, 4.0)).unwrap()));
+    let ball = Solid::from(Primitive::from(primitive::Sphere::new(1.0).unwrap())).translate([5.0, 0.0, 0.0]);
+    let mut scene = scene(&[("cuboid", cuboid), ("ball", ball)]);
+    scene.unit = Unit::Centimetre;
+    let size = Vec3::new(7.0, 3.0, 4.0);
+    let meshes = [MeshFormat::Stl, MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off].map(Format::Mesh);
+    for format in [Format::OpenScad, Format::Gdml].into_iter().chain(meshes) {
+        // the tolerance is in the unit of the scene
+        let file = written(&scene, format, Some(0.01));
+        let told: Vec<String> = file.remarks.iter().map(ToString::to_string).collect();
+        assert!(told.contains(&"changed: lengths in cm are in mm".to_owned()), "{format} {told:?}");
+        assert!(!told.iter().any(|line| line.contains("unit")), "{format} {told:?}");
+        let back = back(&file, format).scene;
+        assert_eq!(back.unit, Unit::Millimetre);
+        let bounds = Program::compile(&whole(&back)).unwrap().bounds();
+        let off = (bounds.size() - 10.0 * size).abs().max_element();
+        assert!(off <= 2.0 * 10.0 * 0.01, "{format} {bounds:?}");
+        if format == Format::OpenScad {
+            let colours =
+                |scene: &Scene| -> Vec<_> { scene.regions.iter().map(|region| region.colour).collect() };
+            assert_eq!(colours(&back), colours(&scene));
+        }
+    }
+    scene.unit = Unit::Millimetre;
+    let text = String::from_utf8(written(&scene, Format::OpenScad, None).bytes).unwrap();
+    // one for each shape, none for the unit
+    assert_eq!(text.matches("multmatrix").count(), 2, "{text}");
 }

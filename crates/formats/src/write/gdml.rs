@@ -16,7 +16,7 @@ use super::{RemarkKind, WriteError};
 use crate::gdml::{NO_REGION, stated};
 use rayweave_math::{Affine, Bounds, Mat3, Vec3, any_perpendicular};
 use rayweave_mesh::Mesh;
-use rayweave_scene::{Datum, Foreign, Unit};
+use rayweave_scene::{Datum, Foreign};
 use rayweave_shape::primitive::{Primitive, Value};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
@@ -53,10 +53,8 @@ pub(super) fn write(
     table: Option<&Foreign>,
     remarks: &mut Remarks,
 ) -> Result<Vec<u8>, WriteError> {
-    let scale = model.scene.unit.metres() / Unit::Millimetre.metres();
-    if scale != 1.0 {
-        remarks.add(RemarkKind::Changed, format!("lengths in {} are in mm", model.scene.unit));
-    }
+    let scale = model.millimetres();
+    model.tell_unit(remarks);
     let table = table.and_then(|foreign| match &foreign.value.value {
         Datum::Table(table) => Some(table),
         _ => None,

@@ -5,7 +5,7 @@ use super::{RemarkKind, WriteError, WriteOptions};
 use crate::Format;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::Program;
-use rayweave_scene::{Scene, SceneRegion};
+use rayweave_scene::{Scene, SceneRegion, Unit};
 
 /// The part of the size of a model by which its box is grown, so that no face lies in a face of the box.
 const MARGIN: f64 = 0.125;
@@ -46,6 +46,18 @@ impl<'s> Model<'s> {
     /// The regions that are more than the world, with their numbers.
     pub fn regions(&self) -> impl Iterator<Item = (usize, &'s SceneRegion)> {
         self.scene.regions.iter().enumerate().filter(|(_, region)| region.medium != 0)
+    }
+
+    /// Millimetres in the unit of the scene, for formats that are in millimetres or say no unit, which are read as such.
+    pub fn millimetres(&self) -> f64 {
+        self.scene.unit.metres() / Unit::Millimetre.metres()
+    }
+
+    /// A remark on lengths that are written in millimetres in place of the unit of the scene.
+    pub fn tell_unit(&self, remarks: &mut Remarks) {
+        if self.scene.unit != Unit::Millimetre {
+            remarks.add(RemarkKind::Changed, format!("lengths in {} are in mm", self.scene.unit));
+        }
     }
 
     /// A remark on what is cut out of regions.

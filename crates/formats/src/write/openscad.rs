@@ -2,7 +2,8 @@
 //!
 //! Boxes, balls, cylinders, cones and rings are OpenSCAD's own, under `multmatrix`; what has plane faces is a `polyhedron`. Round
 //! shapes are truly round for who reads them so; `$fn` says how many facets keep within the tolerance. Others are `polyhedron`s
-//! of triangles. Regions are the children of the file, each with its colour.
+//! of triangles. Regions are the children of the file, each with its colour; where the scene is not in millimetres, which is what
+//! OpenSCAD's numbers usually are, each is scaled to them.
 
 use super::facets::{self, Request, number};
 use super::fold::{Builder, Operation, fold};
@@ -37,18 +38,24 @@ pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, Wri
     model.tell_cuts(remarks);
     let mut writer = Writer { model, remarks, region: 0, pieces: Vec::new(), known: HashMap::new() };
     let mut text = String::new();
+    let scale = model.millimetres();
     for (number, region) in model.regions() {
         let Some(part) = writer.carved(number)? else { continue };
         let Colour { red, green, blue, alpha } = region.colour;
         let level = |level: u8| f64::from(level) / 255.0;
         let colour = [red, green, blue, alpha].map(|own| format!("{:?}", level(own))).join(", ");
         text += &format!("color([{colour}]) {{\n");
-        writer.print(part, &mut text)?;
+        match scale == 1.0 {
+            true => writer.print(part, 1, &mut text)?,
+            false => {
+                text += &format!("\tmultmatrix({}) {{\n", rows(&Affine::scale(Vec3::splat(scale))));
+                writer.print(part, 2, &mut text)?;
+                text += "\t}\n";
+            }
+        }
         text += "}\n";
     }
-    if model.scene.unit != Default::default() {
-        writer.remarks.add(RemarkKind::Dropped, format!("the unit ({})", model.scene.unit));
-    }
+    model.tell_unit(writer.remarks);
     let names: BTreeSet<_> = model.regions().map(|(_, region)| region.colour.to_string()).collect();
     writer.remarks.add(RemarkKind::Dropped, "names of regions, media and faces (regions keep their colours)");
     if names.len() < model.regions().count() {
@@ -92,9 +99,9 @@ impl Writer<'_, '_> {
         fold(&self.model.scene.regions[number].solid, self)
     }
 
-    /// Writes a part and all parts of it, with a tab for each level.
-    fn print(&self, part: usize, text: &mut String) -> Result<(), WriteError> {
-        let mut waiting = vec![(Some(part), 1)];
+    /// Writes a part and all parts of it, with a tab for each level from a first one on.
+    fn print(&self, part: usize, level: usize, text: &mut String) -> Result<(), WriteError> {
+        let mut waiting = vec![(Some(part), level)];
         while let Some((part, depth)) = waiting.pop() {
             let tabs = "\t".repeat(depth.min(32));
             match part.map(|part| &self.pieces[part]) {
@@ -197,7 +204,12 @@ impl Builder for Writer<'_, '_> {
             return Ok(Some(self.add(Piece::Text(under(place, &text)))));
         }
         if facets::planes_of(&shape.lower()).is_none() {
-            let what = format!("`{}`, by triangles within {:.3e}", shape.name(), self.model.tolerance);
+            let what = format!(
+                "`{}`, by triangles within {:.3e} {}",
+                shape.name(),
+                self.model.tolerance,
+                self.model.scene.unit
+            );
             self.remarks.add(RemarkKind::Approximated, what);
         }
         let request = Request { shape, place, clip: &self.model.clip, tolerance: self.model.tolerance };

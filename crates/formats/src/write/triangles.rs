@@ -9,7 +9,6 @@ use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::Mesh;
 use rayweave_mesh::files::{MeshFormat, WriteOptions as MeshOptions, write_parts};
-use rayweave_scene::Unit;
 use rayweave_shape::primitive::Primitive;
 
 /// Builds bodies of triangles.
@@ -140,7 +139,7 @@ pub(super) fn write(
         if !diagnosis.is_sound() {
             remarks.add(RemarkKind::Approximated, format!("the mesh of `{name}` is not sound: {diagnosis}"));
         }
-        let mesh = mesh.mapped(|p| in_format(p, format, model.scene.unit));
+        let mesh = mesh.mapped(|p| in_format(p, format, model));
         parts.push((name.as_str(), mesh.map_err(|error| failed(error.to_string()))?));
     }
     let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
@@ -159,19 +158,19 @@ fn tell(model: &Model, format: MeshFormat, options: &WriteOptions, remarks: &mut
         remarks.add(RemarkKind::Approximated, "coordinates, in single precision");
     }
     let has_unit = matches!(format, MeshFormat::ThreeMf | MeshFormat::Gltf | MeshFormat::Glb);
-    if !has_unit && unit != Unit::default() {
-        remarks.add(RemarkKind::Dropped, format!("the unit ({unit})"));
+    if !has_unit {
+        model.tell_unit(remarks);
     }
     remarks.add(RemarkKind::Dropped, "colours and names of faces");
     model.tell_media(remarks);
     model.tell_pictures(remarks);
 }
 
-/// A point in the unit and the axes of the format: 3MF is written in millimetres, glTF is in metres with y up.
-fn in_format(p: Vec3, format: MeshFormat, unit: Unit) -> Vec3 {
+/// A point in the unit and the axes of the format: glTF is in metres with y up, others are in millimetres, by what they say or by
+/// what is usual.
+fn in_format(p: Vec3, format: MeshFormat, model: &Model) -> Vec3 {
     match format {
-        MeshFormat::ThreeMf => p * (unit.metres() / Unit::Millimetre.metres()),
-        MeshFormat::Gltf | MeshFormat::Glb => Vec3::new(p.x, p.z, -p.y) * unit.metres(),
-        _ => p,
+        MeshFormat::Gltf | MeshFormat::Glb => Vec3::new(p.x, p.z, -p.y) * model.scene.unit.metres(),
+        _ => p * model.millimetres(),
     }
 }
