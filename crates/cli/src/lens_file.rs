@@ -14,6 +14,9 @@ use std::path::Path;
 /// Rings of rays in the pupil: 331 rays for each field and wavelength.
 const RINGS: usize = 10;
 
+/// Ghosts are followed down to this part of the power of a ray: in lenses that reflect at every face there is no end of them.
+const FAINTEST: f64 = 1e-6;
+
 /// A system with its light.
 pub struct Bench {
     pub optics: OpticalScene,
@@ -53,7 +56,9 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     let near = |unit: &&Unit| (1e9 * unit.metres() / lens.unit_nm - 1.0).abs() < 1e-9;
     let units = Unit::ALL.map(|(unit, ..)| unit);
     let unit = units.iter().find(near).map_or("", |unit| unit.symbol());
-    let optics = OpticalScene { assembly, sources: Sources::new(sources), settings: Settings::default() };
+    let rays = (hexapolar(RINGS).len() * lens.lines.len()) as f64;
+    let settings = Settings { threshold: FAINTEST / rays, ..Settings::default() };
+    let optics = OpticalScene { assembly, sources: Sources::new(sources), settings };
     Ok(Bench { optics, unit, image: Some(IMAGE) })
 }
 

@@ -21,7 +21,8 @@ use std::path::{Path, PathBuf};
 /// Trace light through a model and tell where its power goes
 ///
 /// The model may be a sequential lens file of Zemax (.zmx): its lenses and mirrors become solids, with stop and image as sheets, and
-/// each of its fields shines with 331 rays of each wavelength through its entrance pupil, of power 1 together.
+/// each of its fields shines with 331 rays of each wavelength through its entrance pupil, of power 1 together; ghosts are followed down to a
+/// millionth of a ray.
 ///
 /// The [optics] tables of any other model say what shines, what the media are, what faces and sheets do to light, and how it is
 /// followed. The summary tells for each element how much power ended there, and for each sheet how many rays met it, where

@@ -318,6 +318,9 @@ fn a_lens_file() {
     // half the field of a degree, by the focal length of 96.75 mm: 50 / 0.5168
     let height: f64 = image[3].trim_end_matches(')').parse().unwrap();
     assert!((height - 0.5 * 96.75 * 1f64.to_radians().tan()).abs() < 2e-3, "{said}");
+    // ghosts have an end
+    let ghosts = bench.says(&["optics", "lens.ZMX", "--branches", "both", "--paths", "-"]);
+    assert!(ghosts.contains("lens 1-2 lens 1-2* lens 1-2* lens 1-2 image"), "{ghosts}");
     bench.write("bad.zmx", "SURF x\n");
     let failed = bench.fails(3, &["optics", "bad.zmx"]);
     assert!(failed.contains("error: bad.zmx: line 1: the file has no aperture"), "{failed}");
