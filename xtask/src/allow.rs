@@ -5,7 +5,7 @@
 pub struct Exception {
     /// The rule that may be broken.
     pub rule: String,
-    /// Where: a path, or a path, `::` and the name of an item.
+    /// Place: a path, or a path, `::` and the name of an item.
     pub place: String,
     /// The line of the list.
     pub line: usize,

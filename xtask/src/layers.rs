@@ -1,10 +1,11 @@
-//! The crates' dependencies, compared with the table of layers in ARCHITECTURE.md.
+//! The crates' dependencies, compared with the table of layers in ARCHITECTURE.md, and import cycles between files.
 
 use std::process::Command;
 
 use serde_json::Value;
 
-use crate::Outcome;
+use crate::cycles;
+use crate::outcome::Outcome;
 use crate::process;
 use crate::repository::Repository;
 
@@ -37,6 +38,7 @@ pub fn run(repository: &Repository) -> Outcome {
     let members = read_members(&metadata(repository)?)?;
     let mut problems = table_problems(&layers);
     problems.extend(member_problems(&layers, &members));
+    problems.extend(cycles::problems(repository, FILE, &text)?);
     for problem in &problems {
         println!("{problem}");
     }
@@ -49,7 +51,7 @@ pub fn run(repository: &Repository) -> Outcome {
     }
 }
 
-/// What cargo knows about the workspace.
+/// Output of `cargo metadata` for the workspace.
 pub fn metadata(repository: &Repository) -> Result<Value, String> {
     let mut cargo = Command::new("cargo");
     cargo.current_dir(&repository.root).args(["metadata", "--format-version", "1", "--no-deps"]);
@@ -63,7 +65,7 @@ fn read_table(text: &str) -> Result<Vec<Layer>, String> {
     let marker = |wanted: &str| {
         let found = lines.iter().position(|line| line.trim() == wanted);
         found.ok_or_else(|| {
-            format!("{FILE}: no line '{wanted}' (the table of layers stands between two markers)")
+            format!("{FILE}: no line '{wanted}': the table of layers stands between two markers.")
         })
     };
     let (open, close) = (marker(OPEN)?, marker(CLOSE)?);
@@ -77,7 +79,7 @@ fn read_row(row: &str, line: usize) -> Result<Layer, String> {
     let cells: Vec<&str> = row.trim().trim_matches('|').split('|').map(str::trim).collect();
     let [storey, name, may_depend_on] = cells[..] else {
         return Err(format!(
-            "{FILE}:{line}: {} cells in a row of 3 (storey, crate, may depend on)",
+            "{FILE}:{line}: {} cells in a row of 3: storey, crate, may depend on.",
             cells.len()
         ));
     };
@@ -113,17 +115,17 @@ fn read_members(metadata: &Value) -> Result<Vec<Member>, String> {
         .collect())
 }
 
-/// What is wrong with the table itself: a row names only crates of rows above it.
+/// Problems of the table itself: a row may name only crates of rows above it.
 fn table_problems(layers: &[Layer]) -> Vec<String> {
     let mut problems = Vec::new();
     for (index, layer) in layers.iter().enumerate() {
         let Layer { storey, name, line, .. } = layer;
         let above = &layers[..index];
         if above.iter().any(|other| other.name == *name) {
-            problems.push(format!("{FILE}:{line}: second row for {name} (each crate has one)"));
+            problems.push(format!("{FILE}:{line}: second row for {name}: each crate has one."));
         }
         if above.last().is_some_and(|last| last.storey > *storey) {
-            problems.push(format!("{FILE}:{line}: storey {storey} below a higher one (the rows rise)"));
+            problems.push(format!("{FILE}:{line}: storey {storey} below a higher one: the rows rise."));
         }
         for wanted in
             layer.may_depend_on.iter().filter(|wanted| !above.iter().any(|other| other.name == **wanted))
@@ -134,7 +136,7 @@ fn table_problems(layers: &[Layer]) -> Vec<String> {
     problems
 }
 
-/// Where the workspace and the table differ.
+/// Differences between the workspace and the table.
 fn member_problems(layers: &[Layer], members: &[Member]) -> Vec<String> {
     let mut problems = Vec::new();
     for Member { name, depends_on } in members {
@@ -147,7 +149,7 @@ fn member_problems(layers: &[Layer], members: &[Member]) -> Vec<String> {
         for other in depends_on.iter().filter(|other| !layer.may_depend_on.contains(other)) {
             let line = layer.line;
             problems.push(format!(
-                "{name} depends on {other} (against {FILE}:{line}) move the code, or the wall"
+                "{name} depends on {other}: that is against {FILE}:{line}. Move the code, or change the table."
             ));
         }
     }
@@ -208,7 +210,7 @@ mod tests {
         assert_eq!(problems(&good), Vec::<String>::new());
         let bad = [member("math", &[]), member("shape", &["math", "top"]), member("new", &[])];
         let found = problems(&bad).join("\n");
-        assert!(found.contains("shape depends on top (against ARCHITECTURE.md:6)"), "{found}");
+        assert!(found.contains("shape depends on top: that is against ARCHITECTURE.md:6."), "{found}");
         assert!(found.contains("no row for new"), "{found}");
         assert!(found.contains("ARCHITECTURE.md:7: no crate top"), "{found}");
     }

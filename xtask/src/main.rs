@@ -1,25 +1,28 @@
 //! Chores of the repository: tests, tidy checks, layers, new primitives.
 
+mod accepted;
 mod allow;
-mod golden;
+mod cycles;
 mod layers;
+mod lean;
 mod masked;
 mod new_primitive;
+mod outcome;
 mod process;
 mod python;
 mod report;
 mod repository;
+mod slowest;
 mod stage;
 mod suite;
 mod tidy;
+mod workshop;
 
 use std::process::ExitCode;
 
 use lexopt::prelude::*;
+use outcome::{Outcome, usage};
 use repository::Repository;
-
-/// What a command ends with: nothing to say, or one line that says what went wrong.
-type Outcome = Result<(), String>;
 
 const HELP: &str = "\
 Usage: cargo xtask COMMAND
@@ -28,16 +31,17 @@ Commands:
   test [--long] [--fail-fast] [--only STAGE]... [--skip STAGE]... [--list]
                        run every check and test, stage by stage
   tidy                 check the text of all files of the repository
-  layers               compare the crates' dependencies with ARCHITECTURE.md
+  layers               compare dependencies and import cycles with ARCHITECTURE.md
   new-primitive NAME   write the first version of a primitive's file
   golden [--accept]    compare the pictures of all models with those accepted, or accept them
+  answers [--accept]   compare the hashes of answers with those recorded, or record them
   help                 print this text
 
 Options of test:
   --long               also run the ignored tests whose names begin with long_
   --fail-fast          stop at the first stage that fails
-  --only STAGE         run this stage (may be repeated)
-  --skip STAGE         leave this stage out (may be repeated)
+  --only STAGE         run this stage: may be repeated.
+  --skip STAGE         leave this stage out: may be repeated.
   --list               print the stages and what each does
 ";
 
@@ -68,7 +72,8 @@ fn run() -> Result<ExitCode, String> {
             let name = one_value(arguments, "NAME")?;
             new_primitive::run(&Repository::find()?, &name)?;
         }
-        "golden" => golden::run(&Repository::find()?, arguments)?,
+        "golden" => accepted::run(&Repository::find()?, &accepted::GOLDEN, arguments)?,
+        "answers" => accepted::run(&Repository::find()?, &accepted::ANSWERS, arguments)?,
         "tidy" => {
             finish(arguments)?;
             tidy::run(&Repository::find()?)?;
@@ -76,6 +81,7 @@ fn run() -> Result<ExitCode, String> {
         "layers" => {
             finish(arguments)?;
             layers::run(&Repository::find()?)?;
+            lean::run(&Repository::find()?)?;
         }
         "help" => print!("{HELP}"),
         other => return Err(usage(&format!("no command '{other}'"))),
@@ -96,9 +102,4 @@ fn finish(mut arguments: lexopt::Parser) -> Outcome {
         None => Ok(()),
         Some(argument) => Err(usage(&argument.unexpected().to_string())),
     }
-}
-
-/// A message about wrong arguments, with the way to the right ones.
-fn usage(problem: &str) -> String {
-    format!("{problem} (see 'cargo xtask help')")
 }

@@ -13,7 +13,7 @@ pub struct Masked {
     pub test: Vec<bool>,
 }
 
-/// What a character belongs to.
+/// Class of a character.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Code,

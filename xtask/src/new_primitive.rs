@@ -5,7 +5,7 @@
 
 use std::fs;
 
-use crate::Outcome;
+use crate::outcome::Outcome;
 use crate::repository::Repository;
 use crate::tidy::text::is_word;
 
@@ -21,7 +21,7 @@ const KEYWORDS: [&str; 50] = [
     "where", "while",
 ];
 
-/// Writes the file of a new primitive and tells how to register it.
+/// Writes the file of a new primitive and prints how to register it.
 pub fn run(repository: &Repository, name: &str) -> Outcome {
     check_name(name)?;
     let path = format!("{FOLDER}/{name}.rs");
@@ -30,7 +30,7 @@ pub fn run(repository: &Repository, name: &str) -> Outcome {
     }
     let text = derive(&sphere(repository)?, name);
     fs::write(repository.root.join(&path), text)
-        .map_err(|error| format!("{path}: cannot be written ({error})"))?;
+        .map_err(|error| format!("{path}: cannot be written: {error}."))?;
     let [module, entry] = registration(name);
     println!("{path} is written: a ball under its new name. Register it in {FOLDER}/mod.rs:");
     println!("    {module}    below the other modules");

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{env, io};
 
-use crate::Outcome;
+use crate::outcome::Outcome;
 
 /// Runs a program to its end, its output going where ours goes; anything but exit code 0 is an error.
 pub fn run(command: &mut Command) -> Outcome {
@@ -14,20 +14,21 @@ pub fn run(command: &mut Command) -> Outcome {
     if status.success() { Ok(()) } else { Err(format!("{} ended with {status}", title(command))) }
 }
 
-/// Runs a program as [`run`] does and also hands each line of its standard output to `each_line`.
+/// Runs a program as [`run`] does and also hands each line of its standard output and standard error to `each_line`.
 pub fn run_reading(command: &mut Command, mut each_line: impl FnMut(&str)) -> Outcome {
     announce(command);
-    let mut child = command
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .spawn()
-        .map_err(|error| cannot_start(command, &error))?;
-    if let Some(output) = child.stdout.take() {
-        for line in BufReader::new(output).split(b'\n').map_while(Result::ok) {
-            let line = String::from_utf8_lossy(&line);
-            println!("{line}");
-            each_line(&line);
-        }
+    // one pipe for both, so that the lines keep their order: cargo names test programs on standard error
+    let (reader, writer) = io::pipe().map_err(|error| cannot_start(command, &error))?;
+    let second = writer.try_clone().map_err(|error| cannot_start(command, &error))?;
+    command.stdin(Stdio::null()).stdout(writer).stderr(second);
+    let child = command.spawn();
+    // the command holds the ends for writing: without them the reader ends with the child
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = child.map_err(|error| cannot_start(command, &error))?;
+    for line in BufReader::new(reader).split(b'\n').map_while(Result::ok) {
+        let line = String::from_utf8_lossy(&line);
+        println!("{line}");
+        each_line(&line);
     }
     let status = child.wait().map_err(|error| cannot_start(command, &error))?;
     if status.success() { Ok(()) } else { Err(format!("{} ended with {status}", title(command))) }
@@ -43,7 +44,7 @@ pub fn output(command: &mut Command) -> Result<String, String> {
     Err(format!("{} ended with {}\n{}", title(command), output.status, complaint.trim_end()))
 }
 
-/// Where a program of this name stands on the PATH.
+/// The first file of this name on the PATH.
 pub fn on_path(name: &str) -> Option<PathBuf> {
     let folders = env::var_os("PATH")?;
     env::split_paths(&folders).map(|folder| folder.join(name)).find(|file| file.is_file())
@@ -64,7 +65,7 @@ fn announce(command: &Command) {
 }
 
 fn cannot_start(command: &Command, error: &io::Error) -> String {
-    format!("{}: cannot run ({error}) is it installed?", title(command))
+    format!("{}: cannot run: {error}. Is it installed?", title(command))
 }
 
 #[cfg(test)]
@@ -81,16 +82,16 @@ mod tests {
     #[test]
     fn a_missing_program_is_named() {
         let message = output(Command::new("no-such-program").arg("now")).unwrap_err();
-        assert!(message.starts_with("no-such-program now: cannot run ("), "{message}");
+        assert!(message.starts_with("no-such-program now: cannot run: "), "{message}");
     }
 
     #[test]
     fn lines_are_read_even_when_the_program_fails() {
         let mut lines = Vec::new();
         let mut command = Command::new("sh");
-        command.args(["-c", "echo one; echo two; exit 3"]);
+        command.args(["-c", "echo one; echo two >&2; echo three; exit 3"]);
         let outcome = run_reading(&mut command, |line| lines.push(line.to_owned()));
-        assert_eq!(lines, ["one", "two"]);
+        assert_eq!(lines, ["one", "two", "three"]);
         assert!(outcome.unwrap_err().contains("exit status: 3"));
     }
 

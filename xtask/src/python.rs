@@ -40,7 +40,7 @@ impl Python {
         let folder = self.environment()?;
         let mut command = Command::new(folder.join("bin").join(name));
         command.current_dir(&self.root).env("VIRTUAL_ENV", &folder);
-        // what the caller's own Python is told must not change what is tested
+        // environment variables of the caller's own Python must not change the tests
         command.env_remove("PYTHONPATH").env_remove("PYTHONHOME").env_remove("CONDA_PREFIX");
         Ok(command)
     }
@@ -72,7 +72,7 @@ impl Python {
     fn build_and_install(&mut self) -> Result<(), String> {
         let project = self.root.join(BINDING).join("pyproject.toml");
         if !project.is_file() {
-            return Err(format!("{BINDING}/pyproject.toml: no such file (the package is built from it)"));
+            return Err(format!("{BINDING}/pyproject.toml: no such file: the package is built from it."));
         }
         self.install(&["maturin>=1.16,<2"])?;
         let wheels = self.target.join("wheels");
@@ -126,7 +126,7 @@ fn make_environment(folder: &Path) -> Result<PathBuf, String> {
 /// Removes a folder of an earlier run.
 fn remove_old(folder: &Path) -> Result<(), String> {
     match fs::remove_dir_all(folder) {
-        Err(error) if folder.exists() => Err(format!("{}: cannot be removed ({error})", folder.display())),
+        Err(error) if folder.exists() => Err(format!("{}: cannot be removed: {error}.", folder.display())),
         _ => Ok(()),
     }
 }
@@ -134,7 +134,7 @@ fn remove_old(folder: &Path) -> Result<(), String> {
 /// The only wheel in the folder.
 fn the_wheel(folder: &Path) -> Result<PathBuf, String> {
     let entries =
-        fs::read_dir(folder).map_err(|error| format!("{}: cannot be read ({error})", folder.display()))?;
+        fs::read_dir(folder).map_err(|error| format!("{}: cannot be read: {error}.", folder.display()))?;
     let mut wheels: Vec<PathBuf> = entries
         .filter_map(|entry| entry.ok().map(|entry| entry.path()))
         .filter(|path| path.extension().is_some_and(|extension| extension == "whl"))

@@ -5,7 +5,7 @@ use std::iter::Sum;
 use std::ops::AddAssign;
 use std::time::Duration;
 
-/// How many tests ended how.
+/// Numbers of tests by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Tests that did what they should.
@@ -16,13 +16,13 @@ pub struct Counts {
     pub skipped: u64,
 }
 
-/// What one stage came to.
+/// Result of one stage.
 pub struct Report {
     /// The stage's name.
     pub name: &'static str,
     /// Its tests.
     pub counts: Counts,
-    /// How long it took.
+    /// Duration.
     pub time: Duration,
     /// Why it failed, if it did.
     pub failure: Option<String>,

@@ -1,4 +1,4 @@
-//! Where the repository is and which files belong to it.
+//! The repository: its root and its files.
 
 use std::env;
 use std::fs;
@@ -17,14 +17,14 @@ pub struct Repository {
 pub struct Source {
     /// The path from the root, with `/` between its parts.
     pub path: String,
-    /// What the file holds.
+    /// Contents of the file.
     pub text: String,
 }
 
 impl Repository {
     /// Looks for the workspace upwards from the current folder.
     pub fn find() -> Result<Repository, String> {
-        let here = env::current_dir().map_err(|error| format!("no current folder ({error})"))?;
+        let here = env::current_dir().map_err(|error| format!("no current folder: {error}."))?;
         here.ancestors()
             .find(|folder| is_workspace(folder))
             .map(|folder| Repository { root: folder.to_owned() })
@@ -57,7 +57,7 @@ impl Repository {
     /// Reads one file of the repository; `None` if it is not UTF-8 text.
     pub fn source(&self, path: &str) -> Result<Option<Source>, String> {
         let bytes =
-            fs::read(self.root.join(path)).map_err(|error| format!("{path}: cannot be read ({error})"))?;
+            fs::read(self.root.join(path)).map_err(|error| format!("{path}: cannot be read: {error}."))?;
         let text = String::from_utf8(bytes).ok();
         Ok(text.map(|text| Source { path: path.to_owned(), text }))
     }
@@ -93,6 +93,6 @@ mod tests {
     #[test]
     fn a_missing_file_is_named() {
         let message = Repository::find().unwrap().source("no/such/file.rs").err().unwrap();
-        assert!(message.starts_with("no/such/file.rs: cannot be read ("), "{message}");
+        assert!(message.starts_with("no/such/file.rs: cannot be read: "), "{message}");
     }
 }

@@ -6,18 +6,10 @@ mod examples;
 mod package;
 mod primitive;
 
-use crate::python::Python;
+use crate::outcome::Outcome;
 use crate::report::Counts;
-use crate::repository::Repository;
-use crate::{Outcome, layers, tidy};
-
-/// What the stages share.
-pub struct Workshop<'a> {
-    /// The checkout under test.
-    pub repository: &'a Repository,
-    /// The Python of this run.
-    pub python: Python,
-}
+use crate::workshop::Workshop;
+use crate::{layers, tidy};
 
 /// One stage.
 pub struct Stage {

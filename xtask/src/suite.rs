@@ -5,13 +5,15 @@ use std::time::Instant;
 
 use lexopt::prelude::*;
 
+use crate::outcome::usage;
 use crate::python::Python;
 use crate::report::{self, Counts, Report};
 use crate::repository::Repository;
-use crate::stage::{self, Stage, Workshop};
-use crate::usage;
+use crate::slowest::Slowest;
+use crate::stage::{self, Stage};
+use crate::workshop::Workshop;
 
-/// What the command line asks for.
+/// Options of the command line.
 #[derive(Debug, Default)]
 pub struct Options {
     long: bool,
@@ -54,7 +56,7 @@ fn stage_name(arguments: &mut lexopt::Parser) -> Result<String, String> {
         return Ok(name);
     }
     let known: Vec<&str> = stage::STAGES.iter().map(|stage| stage.name).collect();
-    Err(format!("no stage '{name}' (the stages are {})", known.join(", ")))
+    Err(format!("no stage '{name}': the stages are {}.", known.join(", ")))
 }
 
 /// Runs the stages and prints the table of results; the last line counts all tests.
@@ -64,8 +66,11 @@ pub fn run(repository: &Repository, options: &Options) -> Result<ExitCode, Strin
         wanted.iter().for_each(|stage| println!("{:<10} {}", stage.name, stage.what));
         return Ok(ExitCode::SUCCESS);
     }
-    let mut workshop = Workshop { repository, python: Python::new(repository) };
+    let mut workshop = Workshop { repository, python: Python::new(repository), slowest: Slowest::default() };
     let reports = run_stages(&wanted, options.fail_fast, &mut workshop);
+    if !workshop.slowest.is_empty() {
+        println!("\n{}", workshop.slowest);
+    }
     println!("\n{}", report::table(&reports));
     let failed: Vec<&Report> = reports.iter().filter(|report| report.failure.is_some()).collect();
     for Report { name, failure, .. } in &failed {
@@ -108,7 +113,7 @@ fn run_stage(stage: &Stage, workshop: &mut Workshop<'_>) -> Report {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Outcome;
+    use crate::outcome::Outcome;
 
     fn options(arguments: &[&str]) -> Result<Options, String> {
         Options::parse(lexopt::Parser::from_args(arguments))
@@ -139,7 +144,7 @@ mod tests {
         assert!(
             options(&["--only", "nothing"])
                 .unwrap_err()
-                .starts_with("no stage 'nothing' (the stages are fmt, ")
+                .starts_with("no stage 'nothing': the stages are fmt, ")
         );
         assert!(options(&["--only"]).unwrap_err().contains("--only"));
         assert!(options(&["--fast"]).unwrap_err().contains("--fast"));
@@ -156,7 +161,11 @@ mod tests {
     #[test]
     fn a_failing_stage_stops_the_others_only_on_request() {
         let repository = Repository::find().unwrap();
-        let mut workshop = Workshop { repository: &repository, python: Python::new(&repository) };
+        let mut workshop = Workshop {
+            repository: &repository,
+            python: Python::new(&repository),
+            slowest: Slowest::default(),
+        };
         let bad = Stage { name: "bad", what: "", long: false, run: fails };
         let good = Stage { name: "good", what: "", long: false, run: passes };
         let reports = run_stages(&[&bad, &good], false, &mut workshop);

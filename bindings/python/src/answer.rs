@@ -31,7 +31,7 @@ impl<'a> Rows<'a> {
         self.t.len()
     }
 
-    /// The first so many rows, or all if there are fewer; these are left without.
+    /// The first `rows` rows, or all if there are fewer; removes them from the answer.
     pub fn take(&mut self, count: usize) -> Rows<'a> {
         let count = count.min(self.len());
         Rows {
@@ -60,7 +60,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// The first so many entries of a column; none of one without entries.
+/// The first `count` entries of a column; none for an empty column.
 pub fn take<'a, T>(column: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     column.split_off_mut(..count).unwrap_or_default()
 }
@@ -83,7 +83,7 @@ pub struct Answer<'py> {
 }
 
 impl<'py> Answer<'py> {
-    /// Room for so many rows about so many rays.
+    /// Buffers for `rows` rows of `rays` rays.
     pub fn new(py: Python<'py>, engine: &Engine, [rows, rays]: [usize; 2]) -> PyResult<Self> {
         let numbers = || fresh::<i32>(py, rows);
         let regions = || Ok::<_, PyErr>([numbers()?, numbers()?, numbers()?, numbers()?]);

@@ -1,15 +1,16 @@
-//! What a check of a model finds, as rows.
+//! Findings of a model check, as rows.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::check::{CheckReport, CheckSettings, Finding, Hierarchy, check, finding_section};
 use rayweave::model::drive::Cancel;
+use rayweave::{AnalysisError, AnyEvaluator};
 
 use crate::engine::thread_argument;
 use crate::interrupt::interruptible;
-use crate::measure::{bounds, scene};
 use crate::model::PyModel;
 use crate::section::PySection;
+use crate::subject::{bounds, scene};
 
 /// Kind, regions, text; size, volume with its half width, area; place; ray; whether it is proved; picture.
 type Row = (
@@ -21,7 +22,7 @@ type Row = (
     Option<PySection>,
 );
 
-/// What of a model may not be what was meant, with the unit and what was looked at: see `rayweave.check`.
+/// Probable faults of a model, with the unit and the scope of the check: see `rayweave.check`.
 #[pyfunction]
 #[pyo3(signature = (subject, wall, gap, distance, cells, confidence, most_pairs, within, seed, pictures, threads))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
@@ -57,17 +58,17 @@ pub fn check_rows<'py>(
     };
     let unit = scene.unit.symbol();
     let (report, rows) = interruptible(py, &cancel, || {
-        let report = check(&scene, hierarchy.as_ref(), &settings, &mut |_| ())?;
+        let report = check(&scene, hierarchy.as_ref(), AnyEvaluator::maker(None), &settings, &mut |_| ())?;
         let picture = |finding: &Finding| match pictures {
-            true => finding_section(&scene, finding, &settings),
+            true => finding_section(&scene, finding, AnyEvaluator::maker(None), &settings),
             false => Ok(None),
         };
         let row = |finding: &Finding| {
             let section = picture(finding)?.map(|section| PySection::new(section, unit));
             Ok(row(finding, section))
         };
-        let rows = report.findings.iter().map(row).collect::<Result<Vec<_>, rayweave::Error>>()?;
-        Ok((report, rows))
+        let rows = report.findings.iter().map(row).collect::<Result<Vec<_>, AnalysisError>>()?;
+        Ok::<_, AnalysisError>((report, rows))
     })?;
     Ok((rows, unit, scope(py, &report)?))
 }

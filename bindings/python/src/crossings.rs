@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
 use rayweave::AnyEvaluator;
-use rayweave::model::{Crossing, Evaluator, Program, Query, RayAnswer, Window, dress};
+use rayweave::model::{Crossing, Evaluator, Program, Query, RayAnswer, Window, attributes};
 use rayweave::shape::Ray;
 use rayweave::space::{Curve, CurveTrace, curve_normal, curve_point};
 
@@ -20,7 +20,7 @@ use crate::engine::{BLOCK, Cut, Engine, How, Worker, ask as ask_rays, inside, sh
 use crate::error::bad_value;
 use crate::rays::{Columns, RayArrays, RayRows};
 
-/// A crossing with all that is told about it.
+/// A crossing with all of its attributes.
 struct Row {
     t: f64,
     point: [f64; 3],
@@ -35,7 +35,7 @@ struct Row {
 /// Crossings of rays that follow each other.
 #[derive(Default)]
 pub struct Table {
-    /// How many each ray has.
+    /// Number of crossings of each ray.
     counts: Vec<usize>,
     start_inside: Vec<bool>,
     start_region: Vec<u32>,
@@ -47,12 +47,13 @@ impl Table {
     fn push(&mut self, program: &Program, ray: &Ray, answer: &RayAnswer<'_>) {
         self.start(answer.start.0, inside(program, answer.start), answer.crossings.len());
         self.rows.extend(answer.crossings.iter().map(|crossing| {
-            let (point, normal) = (dress::point(ray, crossing), dress::normal(program, ray, crossing));
+            let (point, normal) =
+                (attributes::point(ray, crossing), attributes::normal(program, ray, crossing));
             row(program, [point.to_array(), normal.to_array()], crossing)
         }));
     }
 
-    /// What one curve meets.
+    /// Crossings of one curve.
     pub fn of_curve(program: &Program, curve: &dyn Curve<3>, found: &CurveTrace) -> Table {
         let mut table = Table::default();
         table.start(found.start.0, inside(program, found.start), found.crossings.len());
@@ -119,7 +120,7 @@ fn put<T>(rows: &[Row], to: &mut [T], of: impl Fn(&Row) -> T) {
     zip(to, rows).for_each(|(to, row)| *to = of(row));
 }
 
-/// Rays, and how their crossings are asked for.
+/// Rays with the options of the query.
 struct Asked<'a, 'py> {
     py: Python<'py>,
     evaluator: Cow<'a, AnyEvaluator>,
@@ -170,7 +171,7 @@ impl<'a, 'py> Asked<'a, 'py> {
             let (memory, scratch) = (evaluator.scratch(), Columns::default());
             let mut worker = Worker { evaluator, memory, scratch };
             let table = look_at(&mut worker, rays, 0..count, window, Table::default());
-            // a ray that cannot be used is told when all are asked
+            // invalid rays are reported when all rays are processed
             table.map_or(0, |table| table.rows.len())
         });
         let likely = sampled as f64 / count as f64 * self.cut.len as f64;
@@ -196,7 +197,7 @@ fn look_at(
     Some(table)
 }
 
-/// So many rays are asked first, to guess the number of rows that all of them need.
+/// Number of rays that are traced first, to estimate the number of rows of all rays.
 const SAMPLE: usize = 1024;
 
 /// All crossings of every ray as the object that Python sees.
@@ -212,7 +213,7 @@ pub fn crossings<'py>(
     }
 }
 
-/// From so many chunks on it pays to ask some rays twice, so that tables are brought to their places while they are still in
+/// From this number of chunks on it is faster to trace some rays twice, so that tables are moved to their places while they are in
 /// a near cache, and their memory is used again.
 const LONG: usize = 16;
 
@@ -235,7 +236,7 @@ impl Job<'_> {
     }
 }
 
-/// What threads leave for each other; of use even if one of them panicked.
+/// State shared by threads; valid even if one of them panicked.
 fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
@@ -339,7 +340,7 @@ pub fn into_python<'py>(
     answer.into_python(engine, Some(offsets))
 }
 
-/// Where each ray's rows begin, and their total at the end.
+/// Start of the rows of each ray, and the total number of rows at the end.
 pub fn offsets(counts: &[usize]) -> PyResult<Vec<i64>> {
     let mut offsets = room(counts.len() + 1)?;
     let mut end = 0;
@@ -351,7 +352,7 @@ pub fn offsets(counts: &[usize]) -> PyResult<Vec<i64>> {
     Ok(offsets)
 }
 
-/// The number of each row's ray; there are so many rows.
+/// The index of each row's ray, for `rows` rows.
 pub fn rows_of(counts: &[usize], rows: usize) -> PyResult<Vec<i64>> {
     let mut rays = room(rows)?;
     for (ray, &count) in counts.iter().enumerate() {

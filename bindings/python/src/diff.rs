@@ -6,12 +6,13 @@ use pyo3::prelude::*;
 use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, diff, diff_section};
 use rayweave::measure::Settings;
 use rayweave::model::drive::Cancel;
+use rayweave::{AnalysisError, AnyEvaluator};
 
 use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::interrupt::interruptible;
-use crate::measure::{bounds, scene};
 use crate::section::PySection;
+use crate::subject::{bounds, scene};
 
 /// The numbers of a pair: three volumes with their half widths, the thickness and the ends of the piece of a ray, the corners of
 /// the place.
@@ -27,7 +28,7 @@ type Columns<'py> = (
     PySection,
 );
 
-/// What two models have in common and what not: see `rayweave.diff`.
+/// Common and different parts of two models: see `rayweave.diff`.
 #[pyfunction]
 #[pyo3(signature = (a, b, by, distance, cells, precision, confidence, most_rays, within, seed, threads))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
@@ -51,7 +52,7 @@ pub fn diff_columns<'py>(
         Some("region") => Match::Region,
         Some("medium") => Match::Medium,
         Some("whole") => Match::Whole,
-        Some(other) => return Err(bad_value(format!("by is '{other}' (it can be region, medium or whole)"))),
+        Some(other) => return Err(bad_value(format!("by is '{other}': it can be region, medium or whole."))),
     };
     let cancel = Cancel::new();
     let settings = DiffSettings {
@@ -69,9 +70,9 @@ pub fn diff_columns<'py>(
         },
     };
     let (report, section) = interruptible(py, &cancel, || {
-        let report = diff(&first, &second, &settings, &mut |_| ())?;
-        let section = diff_section(&first, &second, &report, &settings, None)?;
-        Ok((report, section))
+        let report = diff(&first, &second, AnyEvaluator::maker(None), &settings, &mut |_| ())?;
+        let section = diff_section(&first, &second, &report, AnyEvaluator::maker(None), &settings, None)?;
+        Ok::<_, AnalysisError>((report, section))
     })?;
     columns(py, &report, PySection::new(section, report.unit.symbol()))
 }

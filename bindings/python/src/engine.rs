@@ -29,7 +29,7 @@ const PIECES: usize = 8;
 /// Rays or points that are answered at a time: few enough for the nearest cache.
 pub const BLOCK: usize = 512;
 
-/// How long Ctrl-C may go unnoticed.
+/// Longest delay of Ctrl-C.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Something compiled, with what every question about it needs.
@@ -50,12 +50,12 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// What answers questions about a solid.
+    /// Evaluator of a solid.
     pub fn of_solid(program: Program) -> PyResult<Self> {
         Engine::new(Arc::new(program), None)
     }
 
-    /// What answers questions about a model.
+    /// Evaluator of a model.
     pub fn of_model(compiled: &Compiled) -> PyResult<Self> {
         Engine::new(compiled.program.clone(), Some(compiled.media.clone()))
     }
@@ -146,9 +146,9 @@ impl Engine {
     }
 }
 
-/// How a question is to be answered, whatever it is.
+/// Options of any query.
 pub struct How {
-    /// The part of the rays that is asked about.
+    /// The time window.
     pub window: Window,
     /// None for the one for daily use, which is kept ready.
     evaluator: Option<String>,
@@ -167,7 +167,7 @@ impl How {
             .map_err(|error| bad_value(format!("t_min = {t_min}, t_max = {t_max}: {error}")))?;
         if let Some(other) = evaluator.filter(|name| !AnyEvaluator::NAMES.contains(name)) {
             let names = AnyEvaluator::NAMES.map(|name| format!("'{name}'")).join(", ");
-            return Err(bad_value(format!("evaluator is '{other}' (it must be one of {names})")));
+            return Err(bad_value(format!("evaluator is '{other}': it must be one of {names}.")));
         }
         let evaluator = evaluator.filter(|&name| name != AnyEvaluator::NAMES[0]).map(str::to_owned);
         Ok(How { window, evaluator, threads: threads.map(thread_argument).transpose()? })
@@ -178,19 +178,19 @@ impl How {
 pub fn thread_argument(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
     let number: i64 = threads
         .extract()
-        .map_err(|_| bad_type(format!("threads is {} (a whole number is needed)", threads.get_type())))?;
+        .map_err(|_| bad_type(format!("threads is {}: a whole number is needed.", threads.get_type())))?;
     usize::try_from(number)
         .ok()
         .and_then(NonZeroUsize::new)
-        .ok_or_else(|| bad_value(format!("threads is {number} (it must be at least 1)")))
+        .ok_or_else(|| bad_value(format!("threads is {number}: it must be at least 1.")))
 }
 
-/// How a number of rays or points is cut up for a number of threads.
+/// Division of rays or points into chunks for threads.
 #[derive(Clone, Copy)]
 pub struct Cut {
     /// The number of them.
     pub len: usize,
-    /// How many a thread takes at a time, at least 1.
+    /// Chunk size, at least 1.
     pub chunk: usize,
     threads: NonZeroUsize,
 }
@@ -220,7 +220,7 @@ impl Cut {
 }
 
 impl How {
-    /// How a question about so many rays or points is cut up.
+    /// Division of `count` rays or points into chunks.
     pub fn cut(&self, len: usize) -> Cut {
         // looking up the number of threads takes longer than many a question
         if len <= LEAST {
@@ -238,11 +238,11 @@ impl How {
 
 /// A thread that answers a question.
 pub struct Worker<'e, S> {
-    /// What answers.
+    /// Evaluator.
     pub evaluator: &'e AnyEvaluator,
     /// The evaluator's own memory.
     pub memory: AnyScratch,
-    /// What the question needs beside it.
+    /// Additional state of the query.
     pub scratch: S,
 }
 
@@ -276,7 +276,7 @@ pub fn share<C: Send>(
 enum Halt {
     /// A ray or point cannot be used.
     Refused,
-    /// Something that Python is to be told.
+    /// An exception for Python.
     Raised(PyErr),
 }
 
@@ -286,7 +286,7 @@ impl From<PyErr> for Halt {
     }
 }
 
-/// Works on things by their numbers, so many at a time, on several threads; `merge` takes the results in order. To be called
+/// Processes items by index, `step` at a time, on several threads; `merge` receives the results in order. To be called
 /// with the interpreter released; Ctrl-C is noticed between chunks.
 pub fn in_chunks<A: Send, M>(
     len: usize,

@@ -1,4 +1,4 @@
-//! How an answer comes about, as a Python class.
+//! Explanation of an answer, as a Python class.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ macro_rules! record {
     }};
 }
 
-/// How the answer for one ray came about: printed, it is a story; its parts hold the same as data.
+/// Explanation of the answer for one ray: printed as text, with the same contents as data in its attributes.
 #[pyclass(frozen, module = "rayweave", name = "Explanation")]
 pub struct PyExplanation {
     told: Explanation,
@@ -51,7 +51,7 @@ impl PyExplanation {
         self.region(self.told.start.0).to_string()
     }
 
-    /// What the model was asked, in order: see `Question`.
+    /// Queries to the model, in order: see `Question`.
     #[getter]
     fn questions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let make = || -> PyResult<Py<PyTuple>> {
@@ -76,23 +76,23 @@ impl PyExplanation {
         PyTuple::new(py, self.told.crossings.iter().map(passage).collect::<PyResult<Vec<_>>>()?)
     }
 
-    /// How many changes of medium were joined with their neighbours, because the ray keeps to both surfaces between them.
+    /// Number of changes of medium that were welded with their neighbours, because the ray keeps to both surfaces between them.
     #[getter]
     fn welded(&self) -> usize {
         self.told.welded
     }
 
-    /// How many shapes were asked and decisions made, over all questions.
+    /// Number of shapes queried and decisions made, over all queries.
     #[getter]
     fn steps(&self) -> usize {
         self.told.steps()
     }
 
-    /// The story in at most so many lines of decisions, None for all of them; what is left out is counted.
+    /// The text with at most `lines` lines of decisions, None for all of them; omitted lines are counted.
     #[pyo3(signature = (lines = Some(MOST_LINES)))]
     fn story(&self, py: Python<'_>, lines: Option<usize>) -> PyResult<String> {
         match lines {
-            Some(0) => Err(bad_value("lines is 0 (it must be at least 1)")),
+            Some(0) => Err(bad_value("lines is 0: it must be at least 1.")),
             lines => Ok(py.detach(|| self.told.story(lines.unwrap_or(usize::MAX)).to_string())),
         }
     }

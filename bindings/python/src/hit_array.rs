@@ -28,7 +28,7 @@ impl<'py, T: Real + Element> Pair<'py, T> {
         let (shape1, shape2) = (hit_shape(&array1, "array1")?, hit_shape(&array2, "array2")?);
         if shape1.len() != shape2.len() {
             return Err(bad_value(format!(
-                "array1 has shape {} and array2 has shape {} (both must be one ray, or both an array of rays)",
+                "array1 has shape {} and array2 has shape {}: both must be one ray, or both an array of rays.",
                 shape_text(&shape1),
                 shape_text(&shape2)
             )));
@@ -48,7 +48,7 @@ fn hit_shape<T: Element>(array: &Array<'_, T>, name: &str) -> PyResult<Vec<usize
     match array.shape() {
         shape @ ([_] | [_, _]) => Ok(shape.to_vec()),
         other => Err(bad_value(format!(
-            "{name} has shape {} (hits of one ray are (H,), of N rays (H, N))",
+            "{name} has shape {}: hits of one ray are (H,), of N rays (H, N).",
             shape_text(other)
         ))),
     }
@@ -59,7 +59,7 @@ fn view<'a, T: Real + Element>(array: &'a PyReadonlyArrayDyn<'_, T>) -> PyResult
     HitArray::new(array.as_slice().map_err(bad_value)?, array.shape()[0], columns).map_err(bad_value)
 }
 
-/// What is asked of two arrays, before the type of their numbers is known.
+/// Query about two arrays of any element type.
 struct Request<'a, 'py> {
     operation: Operation,
     sort_output: bool,
@@ -79,7 +79,7 @@ impl<'py> Request<'_, 'py> {
             Regularize::Exact => Regularize::Exact,
             Regularize::Weld(min_sep) => Regularize::Weld(narrow(min_sep)),
         };
-        // to ask the system for its cores takes longer than a small array
+        // querying the number of cores takes longer than a small array
         let threads = match hit_array::most_threads(pair.array1.len() + pair.array2.len()) {
             NonZeroUsize::MIN => NonZeroUsize::MIN,
             most => thread_count(self.threads).min(most),
@@ -137,19 +137,19 @@ fn output<'a, 'py, T: Element>(out: &'a Bound<'py, PyAny>, shape: &[usize]) -> P
             Err(_) => out.get_type().to_string(),
         };
         return Err(bad_type(format!(
-            "out is {found} (an array of dtype {} is needed)",
+            "out is {found}: an array of dtype {} is needed.",
             T::get_dtype(out.py())
         )));
     };
     if array.shape() != shape {
         return Err(bad_value(format!(
-            "out has shape {} (the result has shape {})",
+            "out has shape {}: the result has shape {}.",
             shape_text(array.shape()),
             shape_text(shape)
         )));
     }
     if !array.getattr("flags")?.getattr("writeable")?.is_truthy()? {
-        return Err(bad_value("out is read-only (the result is written into it)"));
+        return Err(bad_value("out is read-only: the result is written into it."));
     }
     Ok(array)
 }
@@ -177,7 +177,7 @@ fn regularize_from(object: &Bound<'_, PyAny>) -> PyResult<Regularize<f64>> {
     match object.extract::<f64>() {
         Ok(min_sep) => Ok(Regularize::Weld(min_sep)),
         Err(_) => Err(bad_type(format!(
-            "regularize is {} (True, False or the least length of a piece is needed)",
+            "regularize is {}: True, False or the least length of a piece is needed.",
             object.get_type()
         ))),
     }

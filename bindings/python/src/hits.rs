@@ -35,7 +35,7 @@ impl<'a> Places<'a> {
         Some(Places { times, faces: faces.map(|row| row.into_slice()).collect::<Option<_>>()? })
     }
 
-    /// Those of the first so many rays, or of all if there are fewer; these are left without.
+    /// The rows of the first `count` rays, or of all if there are fewer; removes them from the answer.
     fn take(&mut self, count: usize) -> Self {
         let count = count.min(self.len());
         Places { times: take(&mut self.times, count), faces: take(&mut self.faces, count) }
@@ -56,7 +56,7 @@ struct HitsQuestion<'a> {
     window: Window,
     /// Whether rays with more entries than there are rows are kept aside, or only counted.
     keeps: bool,
-    /// The most entries that a ray is known to have.
+    /// The largest known number of entries of a ray.
     most: AtomicUsize,
 }
 
@@ -135,7 +135,7 @@ impl HitsQuestion<'_> {
     }
 }
 
-/// The least even number of rows, at least 2, that holds so many entries.
+/// The least even number of rows, at least 2, for this number of entries.
 fn even(entries: usize) -> usize {
     entries.next_multiple_of(2).max(2)
 }
@@ -148,7 +148,7 @@ fn filled<T: Clone>(rows: usize, columns: usize, value: T) -> PyResult<Array2<T>
     Array2::from_shape_vec((rows, columns), data).map_err(bad_value)
 }
 
-/// Rays, and how their hits are asked for.
+/// Rays with the options of the query.
 struct Asked<'a, 'py> {
     py: Python<'py>,
     engine: &'a Engine,
@@ -158,7 +158,7 @@ struct Asked<'a, 'py> {
     cut: Cut,
 }
 
-/// Hit arrays of Python's: the times, and the faces if they are asked for.
+/// Hit arrays of Python: the times, and the faces if requested.
 type Tables<'py> = (Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyArray2<i32>>>);
 
 impl<'py> Asked<'_, 'py> {
@@ -179,7 +179,7 @@ impl<'py> Asked<'_, 'py> {
         Ok((question.most.into_inner(), asides))
     }
 
-    /// How many rows there should be, from what was needed last and from rays spread over all.
+    /// Estimated number of rows, from the last query and from sample rays.
     fn guess(&self) -> usize {
         let last = even(self.engine.rows.load(Relaxed));
         let count = (self.cut.len / SHARE).min(SAMPLE);
@@ -193,11 +193,11 @@ impl<'py> Asked<'_, 'py> {
             let (memory, scratch) = (evaluator.scratch(), Columns::default());
             let mut row = vec![0.0; count];
             let places = Places { times: vec![&mut row], faces: Vec::new() };
-            // a ray that cannot be used is told when all are asked
+            // invalid rays are reported when all rays are processed
             let _ = question.answer(&mut Worker { evaluator, memory, scratch }, (0, places));
         });
         let sampled = even(question.most.into_inner());
-        // too many rows cost memory, too few are asked for once more: the last question may have been another
+        // too many rows cost memory, too few cause a second pass: the last query may differ from this one
         if last <= 2 * sampled { last.max(sampled) } else { sampled }
     }
 
@@ -249,17 +249,17 @@ impl<'py> Asked<'_, 'py> {
             return Ok(());
         }
         Err(bad_value(format!(
-            "{name} has shape {} (the hits need {} columns and an even number of rows, at least {least})",
+            "{name} has shape {}: the hits need {} columns and an even number of rows, at least {least}.",
             shape_text(shape),
             self.cut.len,
         )))
     }
 }
 
-/// One ray in so many is asked first, to guess the number of rows that all of them need,
+/// Sampling interval: one ray of this many is traced first, to estimate the number of rows of all rays,
 const SHARE: usize = 500;
 
-/// and no more than so many.
+/// up to this number of rays.
 const SAMPLE: usize = 4096;
 
 /// Calls a function with the places in arrays, or with none if their rows have gaps.
@@ -281,7 +281,7 @@ fn writable<'py, T: Element>(
 ) -> PyResult<PyReadwriteArray2<'py, T>> {
     let strides = array.strides();
     if !array.is_aligned() || !strides.iter().all(|stride| stride % size_of::<T>() as isize == 0) {
-        let problem = "is laid out in parts of numbers (an aligned array is needed)";
+        let problem = "is laid out in parts of numbers: an aligned array is needed.";
         return Err(bad_value(format!("{name} {problem}")));
     }
     let array = array.try_readwrite().map_err(|error| bad_value(format!("{name}: {error}")))?;
@@ -290,7 +290,7 @@ fn writable<'py, T: Element>(
     let mut spans: Vec<_> = spans.map(|(s, len)| (s.unsigned_abs(), s.unsigned_abs() * len)).collect();
     spans.sort_unstable();
     if spans.iter().any(|span| span.0 == 0) || spans.windows(2).any(|pair| pair[0].1 > pair[1].0) {
-        return Err(bad_value(format!("{name} has elements that share memory (each hit needs its own)")));
+        return Err(bad_value(format!("{name} has elements that share memory: each hit needs its own.")));
     }
     Ok(array)
 }
@@ -341,7 +341,7 @@ fn copy<T: Element + Copy>(
     Ok(())
 }
 
-/// The hits of every ray as an array (H, N), and the surfaces hit if they are asked for.
+/// The hits of every ray as an array (H, N), and the surfaces hit if requested.
 pub fn hits<'py>(
     engine: &Engine,
     rays: [&Bound<'py, PyAny>; 2],
@@ -372,7 +372,7 @@ fn given_tables<'py>(out: &Bound<'py, PyAny>, surfaces: bool) -> PyResult<(Table
     let table = |array: &Bound<'py, PyAny>, name: &str| match array.cast::<PyArray2<f64>>() {
         Ok(array) => Ok(array.clone()),
         Err(_) => {
-            Err(bad_type(format!("{name} is no float64 array of two dimensions (hits are written into it)")))
+            Err(bad_type(format!("{name} is no float64 array of two dimensions: hits are written into it.")))
         }
     };
     let Ok(pair) = out.cast::<PyTuple>() else {
@@ -383,16 +383,16 @@ fn given_tables<'py>(out: &Bound<'py, PyAny>, surfaces: bool) -> PyResult<(Table
     };
     if !surfaces || pair.len() != 2 {
         return Err(bad_type(
-            "out is a tuple (one array is needed, or a pair of arrays with return_surfaces)",
+            "out is a tuple: one array is needed, or a pair of arrays with return_surfaces.",
         ));
     }
     let (times, faces) = (table(&pair.get_item(0)?, "out[0]")?, pair.get_item(1)?);
     let Ok(faces) = faces.cast_into::<PyArray2<i32>>() else {
-        return Err(bad_type("out[1] is no int32 array of two dimensions (surfaces are written into it)"));
+        return Err(bad_type("out[1] is no int32 array of two dimensions: surfaces are written into it."));
     };
     if faces.shape() != times.shape() {
         let (first, second) = (shape_text(times.shape()), shape_text(faces.shape()));
-        return Err(bad_value(format!("out has shapes {first} and {second} (both must be the same)")));
+        return Err(bad_value(format!("out has shapes {first} and {second}: both must be the same.")));
     }
     Ok(((times, Some(faces)), ["out[0]", "out[1]"]))
 }

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use rayweave::AnyEvaluator;
 use rayweave::infill::{Fillable, Filling, InfillError, LayerTraces, Layers, Raster, Run, Slices, infill};
 use rayweave::model::Program;
-use rayweave::{AnyEvaluator, Error};
 
 use crate::arrays::list;
 use crate::engine::{Engine, thread_argument};
@@ -45,7 +45,7 @@ pub fn infill_columns<'py>(
     let table = match subject.cast::<PyPolygons>() {
         Ok(region) => {
             if heights.is_some() || layer_height.is_some() {
-                let text = "a region of the plane is one layer (layers and layer_height are for solids)";
+                let text = "a region of the plane is one layer: layers and layer_height are for solids.";
                 return Err(bad_value(text));
             }
             let region = region.get().polygons();
@@ -57,7 +57,7 @@ pub fn infill_columns<'py>(
                 (None, Some(height)) => Layers::Every(height),
                 _ => {
                     return Err(bad_value(
-                        "either layers or layer_height is needed (a solid is filled at heights)",
+                        "either layers or layer_height is needed: a solid is filled at heights.",
                     ));
                 }
             };
@@ -81,14 +81,14 @@ fn program_of(subject: &Bound<'_, PyAny>) -> PyResult<Arc<Program>> {
     match subject.cast::<PyModel>() {
         Ok(model) => model.get().compiled(py).map(|(_, engine)| program(engine)),
         Err(_) => Err(bad_type(format!(
-            "subject is {} (a Solid, a Model or Polygons is needed)",
+            "subject is {}: a Solid, a Model or Polygons is needed.",
             subject.get_type()
         ))),
     }
 }
 
 fn evaluator_of(program: &Arc<Program>, name: Option<&str>) -> PyResult<AnyEvaluator> {
-    AnyEvaluator::new(name, program.clone()).map_err(|error: Error| bad_value(error))
+    AnyEvaluator::new(name, program.clone()).map_err(bad_value)
 }
 
 /// The columns while they grow.

@@ -1,23 +1,23 @@
 //! Long questions that Ctrl-C ends.
 
+use std::fmt::Display;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
 use pyo3::prelude::*;
-use rayweave::Error;
 use rayweave::model::drive::Cancel;
 
 use crate::error::bad_value;
 
-/// How often signals are looked at.
+/// Interval between checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Works on a thread of its own, without the interpreter, and asks the run to stop when Python has a signal to handle.
-pub fn interruptible<T: Send>(
+/// Runs work on a thread of its own, without the interpreter, and cancels it when Python has a signal to handle.
+pub fn interruptible<T: Send, X: Display + Send>(
     py: Python<'_>,
     cancel: &Cancel,
-    work: impl FnOnce() -> Result<T, Error> + Send,
+    work: impl FnOnce() -> Result<T, X> + Send,
 ) -> PyResult<T> {
     py.detach(|| {
         thread::scope(|scope| {

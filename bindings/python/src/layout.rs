@@ -28,7 +28,7 @@ pub fn join([x, y, z]: [&[f64]; 3], rows: &mut [[f64; 3]]) {
     });
 }
 
-/// Where rays are at their times; NaN where a time is infinite.
+/// Positions of rays at their times; NaN where a time is infinite.
 pub fn points_at(origins: [&[f64]; 3], directions: [&[f64]; 3], times: &[f64], points: &mut [[f64; 3]]) {
     dispatch!(Level::new(), _simd => points_here(origins, directions, times, points));
 }

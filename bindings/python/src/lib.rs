@@ -8,6 +8,7 @@ mod arrays;
 mod check;
 mod crossings;
 mod diff;
+mod drawing;
 mod engine;
 mod error;
 mod explain;
@@ -29,7 +30,9 @@ mod rootray;
 mod section;
 mod shapes;
 mod solid;
+mod solid_scene;
 mod space;
+mod subject;
 mod thickness;
 mod timeline;
 mod vectors;
@@ -71,25 +74,29 @@ mod _core {
     #[pymodule_export]
     use crate::optics::design::{optimise, tolerance};
     #[pymodule_export]
-    use crate::optics::file::{PyElement, load_optics, loads_optics};
+    use crate::optics::element::PyElement;
+    #[pymodule_export]
+    use crate::optics::file::{load_optics, loads_optics};
     #[pymodule_export]
     use crate::optics::glass::{PyGlass, glass_names};
     #[pymodule_export]
-    use crate::optics::gradient::PyGradedMedium;
+    use crate::optics::medium::PyGradedMedium;
     #[pymodule_export]
     use crate::optics::prescription::{PyPrescription, coordinate_break, pupil_points};
+    #[pymodule_export]
+    use crate::optics::segments::event_names;
     #[pymodule_export]
     use crate::optics::source::PySource;
     #[pymodule_export]
     use crate::optics::stream::PyStream;
     #[pymodule_export]
-    use crate::optics::system::{PySystem, event_names};
+    use crate::optics::system::PySystem;
     #[pymodule_export]
     use crate::optics::zernike::{zernike_fit, zernike_term, zernike_values};
     #[pymodule_export]
     use crate::polygons::{PyPolygons, region_from_polygons};
     #[pymodule_export]
-    use crate::render::{notebook_png, render_array, sheet_svg};
+    use crate::render::{notebook_picture, render_array, sheet_svg};
     #[pymodule_export]
     use crate::rootray::{PyRootRay, count_surfaces, least_separation, root_problems};
     #[pymodule_export]
@@ -97,7 +104,7 @@ mod _core {
     #[pymodule_export]
     use crate::shapes::{manuals, shape};
     #[pymodule_export]
-    use crate::solid::{PySolid, intersection, place, plenum, solid_from_bytes, union, vacuum};
+    use crate::solid::{PySolid, empty, intersection, place, solid_from_bytes, union, universe};
     #[pymodule_export]
     use crate::space::curve::{PyArc, PyCurve, PyHelix, PyLine, PyParabola, PySpline};
     #[pymodule_export]

@@ -3,17 +3,14 @@
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use rayweave::AnyEvaluator;
 use rayweave::measure::{Estimate, RegionReport, SceneReport, Settings, measure_scene};
 use rayweave::model::drive::Cancel;
-use rayweave::scene::Scene;
-use rayweave::{Bounds, Vec3};
 
 use crate::engine::thread_argument;
-use crate::error::{bad_type, bad_value};
+use crate::error::bad_value;
 use crate::interrupt::interruptible;
-use crate::model::PyModel;
-use crate::render::scene_of;
-use crate::solid::PySolid;
+use crate::subject::{bounds, scene};
 
 /// Names of regions and media; numbers of rays and whether the precision is reached; the numbers of each region with their
 /// half widths, row by row: volume, area, mass, volume by formula, centre (3), inertia (9).
@@ -53,25 +50,10 @@ pub fn measure_columns<'py>(
         threads: threads.map(thread_argument).transpose()?,
         cancel: cancel.clone(),
     };
-    let report =
-        interruptible(py, &cancel, || measure_scene(&scene, None, evaluator, &settings, &mut |_| ()))?;
+    let report = interruptible(py, &cancel, || {
+        measure_scene(&scene, None, AnyEvaluator::maker(evaluator), &settings, &mut |_| ())
+    })?;
     columns(py, &report)
-}
-
-/// A box by its corners.
-pub fn bounds([lo, hi]: [[f64; 3]; 2]) -> Bounds {
-    Bounds { lo: Vec3::from(lo), hi: Vec3::from(hi) }
-}
-
-/// What is asked about: a model, or a solid as its only region.
-pub fn scene(subject: &Bound<'_, PyAny>) -> PyResult<Scene> {
-    if let Ok(model) = subject.cast::<PyModel>() {
-        return Ok(model.get().scene().clone());
-    }
-    match subject.cast::<PySolid>() {
-        Ok(solid) => Ok(scene_of(solid.get().solid())),
-        Err(_) => Err(bad_type(format!("subject is {} (a Solid or a Model is needed)", subject.get_type()))),
-    }
 }
 
 fn columns<'py>(py: Python<'py>, report: &SceneReport) -> PyResult<Columns<'py>> {

@@ -12,22 +12,22 @@ use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 use rayweave::formats::{self, Format, Options, WriteOptions};
 use rayweave::model::simplify::Preparation;
 use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
-use rayweave::{Compiled, convert};
+use rayweave::{Classified, Compiled, ErrorKind};
 
+use crate::drawing::{Subject, notebook_png};
 use crate::engine::{Engine, How};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
-use crate::render::notebook_png;
 use crate::solid::{PySolid, bounds_array};
 use crate::{along, crossings, hits, nearest, pickle, points};
 
 /// A model: an ordered list of regions, each a solid made of a medium. It never changes.
 ///
-/// Where solids overlap the later region wins; everywhere else is the medium of the world, number 0. Models come from `load`
+/// Later regions have priority where solids overlap; everywhere else is the medium of the world, number 0. Models come from `load`
 /// and `loads`. The questions are those of `Solid`; inside is where the medium is not that of the world.
 #[pyclass(frozen, module = "rayweave", name = "Model")]
 pub struct PyModel {
-    /// What the file says, if that is more than the scene.
+    /// The document of the file, if it has more contents than the scene.
     stated: Option<Document>,
     scene: Scene,
     /// True if some parameters have other values than the document says.
@@ -43,12 +43,12 @@ impl PyModel {
         Ok(PyModel { stated, scene, overridden, compiled: OnceLock::new(), solids: PyOnceLock::new() })
     }
 
-    /// What the model means.
+    /// The evaluated scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// What the file says, if that is more than what the model means.
+    /// The document of the file, if it has more contents than the scene.
     pub fn stated(&self) -> Option<&Document> {
         self.stated.as_ref()
     }
@@ -67,7 +67,7 @@ impl PyModel {
         self.compiled.get().ok_or_else(|| bad_value("the model was not compiled"))
     }
 
-    /// What answers questions.
+    /// Evaluator of queries.
     pub fn engine(&self, py: Python<'_>) -> PyResult<&Engine> {
         Ok(&self.compiled(py)?.1)
     }
@@ -84,11 +84,12 @@ impl PyModel {
 }
 
 /// Reads a model file: a native one (.toml), one of another program (OpenSCAD's .csg, Geant4's .gdml), or a mesh (.stl, .obj, .ply,
-/// .off, .3mf, .gltf, .glb). The ending tells the format, unless `format` names it: "native", "openscad", "gdml", or the ending of a mesh. `parameters` gives other values to some of the parameters of a native file: numbers, or arithmetic
-/// text. With `facets` round shapes are the facets that their own program makes of them, else they are truly round. What was
-/// approximated, dropped or refused is told by `warnings` of the model. `fonts` are files of fonts, and folders of them, in which those
-/// of texts are looked for before the system's. With `repair` meshes that are no solids are mended as far as that is safe, and
-/// `warnings` tell what was done. `unit` is that of lengths in files that say none (STL, OBJ, PLY, OFF, OpenSCAD), "mm" if it is not given.
+/// .off, .3mf, .gltf, .glb). The ending selects the format, unless `format` names it: "native", "openscad", "gdml", or the
+/// ending of a mesh. `parameters` overrides parameters of a native file by numbers or arithmetic text. With `facets`, round
+/// shapes become the facets that their own program uses; by default they are exactly round. The model's `warnings` list parts
+/// that were approximated, dropped or rejected. `fonts` are font files and folders, searched before the system's fonts. With
+/// `repair`, meshes that are not solids are repaired as far as that is safe, and `warnings` list the changes. `unit` is the unit
+/// of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm".
 #[pyfunction]
 #[pyo3(name = "load", signature = (path, parameters = None, *, format = None, facets = false, fonts = Vec::new(), repair = false, unit = None))]
 #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
@@ -112,16 +113,16 @@ pub fn load_model(
 
 fn format_of(name: &str) -> PyResult<Format> {
     let reason =
-        || bad_value(format!("no format is called '{name}' (there is {})", Format::NAMES.join(", ")));
+        || bad_value(format!("no format is called '{name}': there is {}.", Format::NAMES.join(", ")));
     Format::from_name(name).ok_or_else(reason)
 }
 
 fn unit_of(symbol: &str) -> PyResult<Unit> {
     let known = Unit::ALL.map(|(_, symbol, _)| symbol).join(", ");
-    Unit::parse(symbol).ok_or_else(|| bad_value(format!("no unit is called '{symbol}' (there is {known})")))
+    Unit::parse(symbol).ok_or_else(|| bad_value(format!("no unit is called '{symbol}': there is {known}.")))
 }
 
-/// Reads a model from the text of a model file. Files that it names are looked for in the current folder.
+/// Reads a model from the text of a model file. Relative file names refer to the current folder.
 #[pyfunction]
 #[pyo3(signature = (text, parameters = None))]
 pub fn loads(py: Python<'_>, text: &str, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<PyModel> {
@@ -137,7 +138,7 @@ pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String
         Err(_) => match value.extract::<f64>() {
             Ok(number) => Ok(format!("{number:?}")),
             Err(_) => Err(bad_type(format!(
-                "parameters['{name}'] is {} (a number or arithmetic text is needed)",
+                "parameters['{name}'] is {}: a number or arithmetic text is needed.",
                 value.get_type()
             ))),
         },
@@ -213,7 +214,7 @@ impl PyModel {
         self.scene.unit.symbol()
     }
 
-    /// What may not have been meant in the file, as text for people.
+    /// Warnings about the file, as text.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.scene.warnings.iter().map(|warning| Diagnostics::from(warning.clone()).render(false)).collect()
@@ -254,7 +255,7 @@ impl PyModel {
 
     /// All changes of the medium by one curve, or by each in a list of curves, strictly between two times: see `ModelCrossings`, where
     /// `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
-    /// What curves are is told in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
+    /// Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
     /// `acceleration_bound(t0, t1)`.
     #[pyo3(signature = (curves, t_min, t_max, *, threads = None))]
     fn crossings_along<'py>(
@@ -309,8 +310,8 @@ impl PyModel {
         points::contains(self.engine(points.py())?, points, &how)
     }
 
-    /// How the crossings of one ray come about: every decision of the single-hit evaluator, and why. Print the answer to read
-    /// it as a story, or look into its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
+    /// Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read
+    /// it as text, or use its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
     #[pyo3(signature = (origin, direction, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY))]
     fn explain(
         &self,
@@ -322,7 +323,7 @@ impl PyModel {
         explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
     }
 
-    /// What is done to the tree of the model before it is asked, pass by pass, and which parts are never asked, and why: the text
+    /// Explains the compilation of the model: the effect of each pass on its tree, and the pruned parts, with reasons: the text
     /// of `rayweave info --explain`, with at most `lines` parts for each solid.
     #[pyo3(signature = (*, lines = 200))]
     fn preparation(&self, py: Python<'_>, lines: usize) -> PyResult<String> {
@@ -336,10 +337,10 @@ impl PyModel {
         Ok(bounds_array(py, &self.engine(py)?.program.bounds()))
     }
 
-    /// Writes the model to a file, complete or not at all, in the format of its ending (native where that tells none) or the one
-    /// that `format` names, as `load` takes them. Curved faces that the format has not are triangles within `tolerance`, in the unit
-    /// of the model, a five-thousandth of its diagonal if it is not given. With `text`, STL and PLY are text. Returns what was approximated, dropped
-    /// or said in another way, as sentences.
+    /// Writes the model to a file, complete or not at all, in the format of its ending (native for unknown endings) or the one
+    /// that `format` names, as in `load`. Curved faces that the format does not support become triangles within `tolerance`, in
+    /// the unit of the model; default 1/5000 of its diagonal. With `text`, STL and PLY are written as text. Returns sentences
+    /// about parts that were approximated, dropped or written in another form.
     #[pyo3(signature = (path, *, format = None, tolerance = None, text = false))]
     fn save(
         &self,
@@ -352,10 +353,10 @@ impl PyModel {
         let format = format.map(format_of).transpose()?;
         let options = WriteOptions { tolerance, text };
         let saved =
-            py.detach(|| convert::save(&self.scene, self.current_statement(), &path, format, &options));
-        let remarks = saved.map_err(|error| match error.is_output() {
-            true => PyOSError::new_err(error.to_string()),
-            false => bad_value(error),
+            py.detach(|| formats::save(&self.scene, self.current_statement(), &path, format, &options));
+        let remarks = saved.map_err(|error| match error.kind() {
+            ErrorKind::Output => PyOSError::new_err(error.to_string()),
+            _ => bad_value(error),
         })?;
         Ok(remarks.iter().map(ToString::to_string).collect())
     }
@@ -391,7 +392,8 @@ impl PyModel {
 
     /// The picture that a notebook shows.
     fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyBytes>> {
-        notebook_png(slf.as_any())
+        let (py, model) = (slf.py(), slf.get());
+        notebook_png(py, &Subject::of_model(model.scene(), model.compiled(py)?)?)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

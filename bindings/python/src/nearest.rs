@@ -10,7 +10,7 @@ use crate::engine::{BLOCK, Engine, How, Worker, ask};
 use crate::layout::{join, points_at};
 use crate::rays::{Columns, RayArrays, RayRows};
 
-/// What a thread needs to answer a block.
+/// State of a thread that processes a block.
 #[derive(Default)]
 struct Scratch {
     columns: Columns,
@@ -103,7 +103,7 @@ impl Question<'_> {
     }
 
     /// Makes normals outward of the solid: those of the evaluator look at regions, and out of a region of the world's medium
-    /// is not out of the solid. `enters` tells whether what follows is inside.
+    /// is not out of the solid. `enters` states whether the ray enters a region there.
     fn turn_normals(&self, after: &[u32], rows: &mut Rows<'_>) {
         if self.engine.is_plain() {
             return;

@@ -8,7 +8,7 @@ use rayweave::math::{Affine, Vec3};
 use rayweave::model::{Node, Solid};
 use rayweave::shape::primitive::{Primitive, Value, build};
 
-/// What the bytes begin with; the number is that of the format.
+/// Header of the bytes; the number is the version of the format.
 const MAGIC: &[u8] = b"rayweave solid 1\n";
 
 /// The nodes of a solid, operands before what uses them, shared ones once, with the numbers of their operands.
@@ -100,7 +100,7 @@ pub fn encode(solid: &Solid) -> Vec<u8> {
 
 /// The solid that [`encode`] was given, or why there is none.
 pub fn decode(bytes: &[u8]) -> Result<Solid, String> {
-    let bytes = bytes.strip_prefix(MAGIC).ok_or("these bytes are no solid (of this version)")?;
+    let bytes = bytes.strip_prefix(MAGIC).ok_or("these bytes are no solid: of this version.")?;
     let mut reader = Reader(bytes);
     let count = reader.count()?;
     let mut solids: Vec<Solid> = Vec::new();
@@ -139,8 +139,8 @@ impl Writer {
     /// The node without its operands.
     fn node(&mut self, node: &Node) {
         match node {
-            Node::Vacuum => self.0.push(b'0'),
-            Node::Plenum => self.0.push(b'1'),
+            Node::Empty => self.0.push(b'0'),
+            Node::Universe => self.0.push(b'1'),
             Node::Primitive(primitive) => self.primitive(primitive),
             Node::Complement(_) => self.0.push(b'~'),
             Node::Union(all) => self.join(b'|', all),
@@ -249,8 +249,8 @@ impl<'a> Reader<'a> {
 
     fn node(&mut self, solids: &[Solid]) -> Result<Solid, String> {
         Ok(match self.byte()? {
-            b'0' => Solid::vacuum(),
-            b'1' => Solid::plenum(),
+            b'0' => Solid::empty(),
+            b'1' => Solid::universe(),
             b's' => self.primitive()?,
             b'~' => !self.operand(solids)?,
             b'|' => Solid::union(self.operands(solids)?),

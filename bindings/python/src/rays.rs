@@ -12,10 +12,10 @@ use crate::arrays::{double_array, shape_text};
 use crate::error::bad_value;
 use crate::layout::separate;
 
-/// What is asked of the components of vectors.
+/// Requirements on the components of vectors.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
-    /// That they are finite and not too large.
+    /// Components are finite and not too large.
     Point,
     /// And that they do not all vanish.
     Direction,
@@ -26,7 +26,7 @@ impl Kind {
     #[inline(always)]
     fn accepts(self, [x, y, z]: [f64; 3]) -> bool {
         let (x, y, z) = (x.abs(), y.abs(), z.abs());
-        // no branches: this is asked of millions in a row
+        // free of branches, because it runs for millions of numbers in a row
         let small = (x <= Ray::MOST) & (y <= Ray::MOST) & (z <= Ray::MOST);
         small & ((self == Kind::Point) | (x >= Ray::LEAST) | (y >= Ray::LEAST) | (z >= Ray::LEAST))
     }
@@ -61,7 +61,7 @@ impl<'py> Vectors<'py> {
             [3] => (array.reshape([1, 3])?.into_any(), true),
             other => {
                 let shape = shape_text(other);
-                return Err(bad_value(format!("{name} has shape {shape} ((N, 3) or (3,) is needed)")));
+                return Err(bad_value(format!("{name} has shape {shape}: (N, 3) or (3,) is needed.")));
             }
         };
         let rows = rows.cast_into::<PyArray2<f64>>()?;
@@ -82,22 +82,22 @@ impl<'py> Vectors<'py> {
         self.rows.as_array().nrows()
     }
 
-    /// What is wrong with the first vector that cannot be used.
+    /// The problem of the first invalid vector.
     pub fn problem(&self) -> Option<PyErr> {
         let view = self.rows.as_array();
         let first_bad = |kind: Kind| (0..view.nrows()).find(|&i| !kind.accepts(row(view, i)));
-        // a component out of range is told before a length, wherever it is
+        // a component out of range has priority over a length, wherever it is
         let i = first_bad(Kind::Point).or_else(|| first_bad(self.kind))?;
         let [x, y, z] = row(view, i);
         let place = if self.single { self.name.to_owned() } else { format!("{}[{i}]", self.name) };
         Some(bad_value(match () {
             () if !Kind::Point.accepts([x, y, z]) => format!(
-                "{place}: ({x:?}, {y:?}, {z:?}) (every component must be finite, from {:e} to {:e})",
+                "{place}: ({x:?}, {y:?}, {z:?}): every component must be finite, from {:e} to {:e}.",
                 -Ray::MOST,
                 Ray::MOST
             ),
-            () if [x, y, z] == [0.0; 3] => format!("{place}: zero length (a ray must go somewhere)"),
-            () => format!("{place}: ({x:?}, {y:?}, {z:?}) (its length must be at least {:e})", Ray::LEAST),
+            () if [x, y, z] == [0.0; 3] => format!("{place}: zero length: a ray must go somewhere."),
+            () => format!("{place}: ({x:?}, {y:?}, {z:?}): its length must be at least {:e}.", Ray::LEAST),
         }))
     }
 }
@@ -106,10 +106,10 @@ fn row(view: ArrayView2<'_, f64>, i: usize) -> [f64; 3] {
     [view[[i, 0]], view[[i, 1]], view[[i, 2]]]
 }
 
-/// What is wrong with arrays in which something was refused.
+/// The problem of arrays with rejected components.
 pub fn refusal(arrays: &[&Vectors<'_>]) -> PyErr {
     let problem = arrays.iter().find_map(|vectors| vectors.problem());
-    problem.unwrap_or_else(|| bad_value("an array was changed while it was read (by another thread)"))
+    problem.unwrap_or_else(|| bad_value("an array was changed while it was read: by another thread."))
 }
 
 /// Rows of three components in whatever layout they came.
@@ -124,7 +124,7 @@ pub struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// The first row of every so many.
+    /// The first row of every block of `block` rows.
     fn every(self, step: usize) -> Self {
         Rows { view: self.view.slice_move(s![..;step as isize, ..]), packed: None, ..self }
     }
@@ -148,7 +148,7 @@ impl<'py> RayArrays<'py> {
             (1, n) | (n, 1) => n,
             (a, b) => {
                 return Err(bad_value(format!(
-                    "there are {a} origins and {b} directions (as many of both, or one of either, are needed)"
+                    "there are {a} origins and {b} directions: as many of both, or one of either, are needed."
                 )));
             }
         };
@@ -169,7 +169,7 @@ impl<'py> RayArrays<'py> {
         RayRows { origins: self.origins.rows(), directions: self.directions.rows() }
     }
 
-    /// What is wrong with the rays, some of which were refused.
+    /// The problem of the rays, some of which were rejected.
     pub fn refusal(&self) -> PyErr {
         refusal(&[&self.origins, &self.directions])
     }
@@ -183,7 +183,7 @@ pub struct RayRows<'a> {
 }
 
 impl RayRows<'_> {
-    /// The first ray of every so many.
+    /// The first ray of every block of `block` rays.
     pub fn every(self, step: usize) -> Self {
         RayRows { origins: self.origins.every(step), directions: self.directions.every(step) }
     }

@@ -1,62 +1,24 @@
 //! Pictures of solids and models as arrays.
 
 use std::num::NonZeroUsize;
-use std::sync::Arc;
 
 use numpy::ndarray::{Array2, Array3};
 use numpy::{Element, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use rayweave::AnyEvaluator;
 use rayweave::math::Vec3;
-use rayweave::model::drive::Cancel;
-use rayweave::model::{Program, Solid};
-use rayweave::picture::{Cut, Explosion, Opacity, Picture, PictureKind, Sheet, SheetKind, Wishes, arrange};
-use rayweave::render::{Plane, Run, Size, Style};
-use rayweave::scene::{Camera, Colour, Medium, Projection, RenderSettings, Scene, SceneRegion, Unit};
-use rayweave::{AnyEvaluator, Compiled};
+use rayweave::picture::{Cut, Explosion, Opacity, Picture, PictureOptions, Sheet, SheetKind};
+use rayweave::render::{Plane, Size, Style};
+use rayweave::scene::{Camera, Projection};
 
+use crate::drawing::{Subject, draw, notebook_png, released};
 use crate::engine::thread_argument;
 use crate::error::bad_value;
-use crate::interrupt::interruptible;
-use crate::measure::scene;
 use crate::model::PyModel;
 use crate::solid::PySolid;
+use crate::subject::scene;
 use crate::vectors::vector;
-
-/// The size of pictures in notebooks.
-const NOTEBOOK: (u32, u32) = (480, 360);
-
-/// What is drawn.
-struct Subject {
-    scene: Scene,
-    compiled: Compiled,
-    evaluator: AnyEvaluator,
-}
-
-impl Subject {
-    fn new(object: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let py = object.py();
-        if let Ok(model) = object.cast::<PyModel>() {
-            let (compiled, engine) = model.get().compiled(py)?;
-            let (whole, scene) = (model.get().scene(), model.get().scene().clone().seen());
-            if scene.regions.len() < whole.regions.len() {
-                return Subject::of_scene(scene).map_err(bad_value);
-            }
-            return Ok(Subject { scene, compiled: compiled.clone(), evaluator: engine.evaluator().clone() });
-        }
-        let scene = scene(object)?;
-        let engine = object.cast::<PySolid>()?.get().engine(py)?;
-        let (compiled, evaluator) = (compiled_of(engine.program.clone()), engine.evaluator().clone());
-        Ok(Subject { scene, compiled, evaluator })
-    }
-
-    /// A scene, compiled anew.
-    fn of_scene(scene: Scene) -> Result<Subject, rayweave::Error> {
-        let compiled = Compiled::new(&scene)?;
-        let evaluator = AnyEvaluator::new(None, compiled.program.clone())?;
-        Ok(Subject { scene, compiled, evaluator })
-    }
-}
 
 /// How a picture is drawn: the keyword arguments of `rayweave.render`.
 #[derive(FromPyObject)]
@@ -82,7 +44,7 @@ impl Asked<'_> {
     /// What is drawn, changed as is asked for and then compiled anew.
     fn subject(&self, object: &Bound<'_, PyAny>) -> PyResult<Subject> {
         let mut subject = match self.opacity.is_empty() && self.cut.is_none() && self.explode.is_none() {
-            true => Subject::new(object)?,
+            true => subject_of(object)?,
             false => self.opened(object)?,
         };
         if let Some(object) = &self.camera {
@@ -113,9 +75,9 @@ impl Asked<'_> {
         open().map_err(bad_value)
     }
 
-    fn wishes(&self) -> PyResult<Wishes> {
+    fn options(&self) -> PyResult<PictureOptions> {
         let size = self.size.map(|(width, height)| Size::new(width, height));
-        Ok(Wishes {
+        Ok(PictureOptions {
             size: size.transpose().map_err(bad_value)?,
             view: self.view.as_deref().map(str::parse).transpose().map_err(bad_value)?,
             field_of_view: self.field_of_view,
@@ -128,30 +90,6 @@ impl Asked<'_> {
 
     fn threads(&self) -> PyResult<Option<NonZeroUsize>> {
         self.threads.as_ref().map(thread_argument).transpose()
-    }
-}
-
-/// A compiled solid as a model of one region.
-pub fn compiled_of(program: Arc<Program>) -> Compiled {
-    Compiled { program, media: ["world".to_owned(), "solid".to_owned()].into() }
-}
-
-/// The scene of one solid and nothing else.
-pub fn scene_of(solid: &Solid) -> Scene {
-    let name = "solid".to_owned();
-    let medium = |name: &str| Medium { name: name.to_owned(), ..Medium::default() };
-    let region =
-        SceneRegion { name: name.clone(), solid: solid.clone(), medium: 1, colour: Colour::PALETTE[0] };
-    Scene {
-        unit: Unit::default(),
-        parameters: Vec::new(),
-        solids: vec![(name, solid.clone())],
-        regions: vec![region],
-        media: vec![medium("world"), medium("solid")],
-        camera: None,
-        lights: Vec::new(),
-        render: RenderSettings::default(),
-        warnings: Default::default(),
     }
 }
 
@@ -174,29 +112,8 @@ fn style(name: &str) -> PyResult<Style> {
         "gooch" => Ok(Style::Gooch),
         "headlight" => Ok(Style::Headlight),
         "flat" => Ok(Style::Flat),
-        _ => Err(bad_value(format!("shading is '{name}' (it must be 'gooch', 'headlight' or 'flat')"))),
+        _ => Err(bad_value(format!("shading is '{name}': it must be 'gooch', 'headlight' or 'flat'."))),
     }
-}
-
-/// Draws with the interpreter released; Ctrl-C stops it.
-fn released<T: Send>(
-    py: Python<'_>,
-    threads: Option<NonZeroUsize>,
-    draw: impl FnOnce(&mut Run<'_>) -> Result<T, rayweave::Error> + Send,
-) -> PyResult<T> {
-    let cancel = Cancel::new();
-    interruptible(py, &cancel, || draw(&mut Run { threads, cancel: cancel.clone(), progress: None }))
-}
-
-fn draw(
-    py: Python<'_>,
-    subject: &Subject,
-    kind: PictureKind,
-    wishes: &Wishes,
-    threads: Option<NonZeroUsize>,
-) -> PyResult<Picture> {
-    let (camera, settings) = arrange(&subject.scene, &subject.compiled, wishes).map_err(bad_value)?;
-    released(py, threads, |run| Picture::draw(kind, &subject.evaluator, &camera, &settings, run))
 }
 
 /// A picture of a solid or a model: see `rayweave.render`.
@@ -210,7 +127,7 @@ pub fn render_array<'py>(
     let py = subject.py();
     let subject = asked.subject(subject)?;
     let kind = kind.parse().map_err(bad_value)?;
-    to_array(py, draw(py, &subject, kind, &asked.wishes()?, asked.threads()?)?)
+    to_array(py, draw(py, &subject, kind, &asked.options()?, asked.threads()?)?)
 }
 
 /// A sheet with pictures of a solid or a model and a legend, as SVG: see `rayweave.sheet`.
@@ -225,9 +142,9 @@ pub fn sheet_svg(
     let py = subject.py();
     let Subject { scene, compiled, evaluator } = &asked.subject(subject)?;
     let kind = if is_one { SheetKind::One } else { SheetKind::Views };
-    let wishes = asked.wishes()?;
+    let options = asked.options()?;
     released(py, asked.threads()?, |run| {
-        let sheet = Sheet::draw(kind, scene, compiled, evaluator, &wishes, run)?;
+        let sheet = Sheet::draw(kind, scene, compiled, evaluator, &options, run)?;
         Ok(sheet.to_svg(title))
     })
 }
@@ -258,12 +175,19 @@ fn with_channels<T: Element, const N: usize>(
 
 /// A picture as a PNG file for notebooks.
 #[pyfunction]
-#[pyo3(signature = (subject))]
-pub fn notebook_png<'py>(subject: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
-    let py = subject.py();
-    let subject = Subject::new(subject)?;
-    let size = Size::new(NOTEBOOK.0, NOTEBOOK.1).map_err(bad_value)?;
-    let wishes = Wishes { size: Some(size), ..Wishes::default() };
-    let picture = draw(py, &subject, PictureKind::Colour, &wishes, None)?;
-    Ok(PyBytes::new(py, &py.detach(|| picture.to_png())))
+#[pyo3(name = "notebook_png", signature = (subject))]
+pub fn notebook_picture<'py>(subject: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
+    notebook_png(subject.py(), &subject_of(subject)?)
+}
+
+/// The solid or model to draw.
+fn subject_of(object: &Bound<'_, PyAny>) -> PyResult<Subject> {
+    let py = object.py();
+    if let Ok(model) = object.cast::<PyModel>() {
+        return Subject::of_model(model.get().scene(), model.get().compiled(py)?);
+    }
+    // of any other type, this is the error
+    scene(object)?;
+    let solid = object.cast::<PySolid>()?.get();
+    Ok(Subject::of_solid(solid.solid(), solid.engine(py)?))
 }

@@ -88,7 +88,7 @@ impl PyRootRay {
             None => Ok(PyRootRay(self.0.weld(rayweave::rootray::min_sep))),
             Some(length) if length >= 0.0 && length.is_finite() => Ok(PyRootRay(self.0.weld(|_, _| length))),
             Some(length) => {
-                Err(bad_value(format!("min_sep is {length} (it must be finite and not negative)")))
+                Err(bad_value(format!("min_sep is {length}: it must be finite and not negative.")))
             }
         }
     }
@@ -176,7 +176,7 @@ fn side(start: &Bound<'_, PyAny>) -> PyResult<Side> {
             "outside" => Ok(Side::Outside),
             "inside" => Ok(Side::Inside),
             other => {
-                Err(bad_value(format!("start is '{other}' (it must be 'outside' or 'inside', +1 or -1)")))
+                Err(bad_value(format!("start is '{other}': it must be 'outside' or 'inside', +1 or -1.")))
             }
         };
     }
@@ -186,7 +186,7 @@ fn side(start: &Bound<'_, PyAny>) -> PyResult<Side> {
         let ray = seed::from_pair(sign, &[]);
         return ray.map(|ray| ray.start()).map_err(|error| bad_value(format!("start: {error}")));
     }
-    Err(bad_type(format!("start is {} (+1 or 'outside', -1 or 'inside' is needed)", start.get_type())))
+    Err(bad_type(format!("start is {}: +1 or 'outside', -1 or 'inside' is needed.", start.get_type())))
 }
 
 /// The least separation of two root times: see `rayweave.rootray.min_sep`.
@@ -195,7 +195,7 @@ fn side(start: &Bound<'_, PyAny>) -> PyResult<Side> {
 pub fn least_separation(t1: f64, t2: f64) -> PyResult<f64> {
     for (name, t) in [("t1", t1), ("t2", t2)] {
         if !t.is_finite() {
-            return Err(bad_value(format!("{name} is {t} (root times are finite)")));
+            return Err(bad_value(format!("{name} is {t}: root times are finite.")));
         }
     }
     Ok(min_sep(t1, t2))

@@ -4,19 +4,19 @@ use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use rayweave::Vec3;
 use rayweave::model::drive::Cancel;
 use rayweave::section::{
     By, CrossSection, SectionPart, SectionPlane, SectionSettings, Sweep, cross_sections, section_dxf,
     section_svg,
 };
+use rayweave::{AnyEvaluator, Vec3};
 
 use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::interrupt::interruptible;
-use crate::measure::{bounds, scene};
+use crate::subject::{bounds, scene};
 
-/// What a plane cuts out of a model: areas and contours of each medium or region.
+/// Plane section of a model: areas and contours of each medium or region.
 ///
 /// A notebook shows it as a picture.
 #[pyclass(frozen, module = "rayweave", name = "Section")]
@@ -55,7 +55,7 @@ impl PySection {
         self.section.plane.offset()
     }
 
-    /// How far contours may be from the truth; an area errs by at most this times the perimeter.
+    /// Maximum distance of contours from the surfaces; the error of an area is at most this times the perimeter.
     #[getter]
     fn tolerance(&self) -> f64 {
         self.section.tolerance
@@ -77,7 +77,7 @@ impl PySection {
     fn contours<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyTuple>> {
         let Some(part) = self.section.part(name) else {
             let known = self.names().join(", ");
-            return Err(bad_value(format!("the section has no part '{name}' (there is {known})")));
+            return Err(bad_value(format!("the section has no part '{name}': there is {known}.")));
         };
         let array = |contour: &Vec<[f64; 2]>| {
             let points = contour.as_flattened().to_vec();
@@ -142,13 +142,13 @@ pub fn section_list(
     let by = match by {
         "medium" => By::Medium,
         "region" => By::Region,
-        other => return Err(bad_value(format!("by is '{other}' (it can be medium or region)"))),
+        other => return Err(bad_value(format!("by is '{other}': it can be medium or region."))),
     };
     let cancel = Cancel::new();
     let sweep = Sweep { threads: threads.map(thread_argument).transpose()?, cancel: cancel.clone() };
     let settings = SectionSettings { by, tolerance, columns, within: within.map(bounds), sweep };
     let found = interruptible(py, &cancel, || {
-        cross_sections(&scene, None, evaluator, &planes, &settings, &mut |_| ())
+        cross_sections(&scene, None, AnyEvaluator::maker(evaluator), &planes, &settings, &mut |_| ())
     })?;
     let unit = scene.unit.symbol();
     Ok(found.into_iter().map(|section| PySection::new(section, unit)).collect())
@@ -163,6 +163,6 @@ pub fn section_text(sections: Vec<PyRef<'_, PySection>>, format: &str, title: &s
     match format {
         "svg" => Ok(section_svg(&all, title, unit)),
         "dxf" => Ok(section_dxf(&all, unit)),
-        other => Err(bad_value(format!("no format is called '{other}' (there is svg, dxf)"))),
+        other => Err(bad_value(format!("no format is called '{other}': there is svg, dxf."))),
     }
 }

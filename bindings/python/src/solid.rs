@@ -12,10 +12,10 @@ use rayweave::math::{Affine, Bounds, Vec3};
 use rayweave::model::{Node, Program, Solid};
 use rayweave::scene::Document;
 
+use crate::drawing::{Subject, notebook_png};
 use crate::engine::{Engine, How};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
-use crate::render::notebook_png;
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
 use crate::{along, crossings, hits, nearest, pickle, points};
 
@@ -124,7 +124,7 @@ impl PySolid {
     #[pyo3(signature = (name))]
     fn named(&self, name: &str) -> PyResult<Self> {
         if name.is_empty() {
-            return Err(bad_value("name is empty (faces are called by it)"));
+            return Err(bad_value("name is empty: faces are called by it."));
         }
         Ok(Self::from_solid(self.solid.named(name)))
     }
@@ -149,12 +149,12 @@ impl PySolid {
         Self::from_solid(!&self.solid)
     }
 
-    /// When rays enter and leave the solid: a float64 array (H, N), or the pair of it and the surfaces.
+    /// Times at which rays enter and leave the solid: a float64 array (H, N), or a pair of it and the surfaces.
     ///
     /// Column = ray, row = k-th entry, each column in order and padded with +inf; H is the least even number, at least 2, that
-    /// holds all columns. A ray that is inside just after t_min has -inf first; one that is inside just before t_max has
-    /// nothing for that end. With `return_surfaces`, an int32 array (H, N) tells which face is crossed (`surface_names` of
-    /// `crossings` has their names), -1 where none is.
+    /// holds all columns. The column of a ray that is inside just after t_min begins with -inf; a ray that is inside just
+    /// before t_max has no entry for that end. With `return_surfaces`, an int32 array (H, N) has the face of each entry
+    /// (`surface_names` of `crossings` has their names), or -1.
     ///
     /// `out` is a float64 array of an even number of rows, enough for all columns, or with `return_surfaces` a pair of it and an
     /// int32 array of the same shape. The hits are written into it, and it is returned in place of a new one. It is fastest where
@@ -193,7 +193,7 @@ impl PySolid {
 
     /// All crossings of the surface by one curve, or by each in a list of curves, strictly between two times: see `Crossings`, where
     /// `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
-    /// What curves are is told in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
+    /// Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
     /// `acceleration_bound(t0, t1)`.
     #[pyo3(signature = (curves, t_min, t_max, *, threads = None))]
     fn crossings_along<'py>(
@@ -222,8 +222,8 @@ impl PySolid {
         nearest::nearest(self.engine(origins.py())?, [origins, directions], &how)
     }
 
-    /// How the crossings of one ray come about: every decision of the single-hit evaluator, and why. Print the answer to read
-    /// it as a story, or look into its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
+    /// Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read
+    /// it as text, or use its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
     #[pyo3(signature = (origin, direction, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY))]
     fn explain(
         &self,
@@ -285,7 +285,8 @@ impl PySolid {
 
     /// The picture that a notebook shows.
     fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyBytes>> {
-        notebook_png(slf.as_any())
+        let (py, solid) = (slf.py(), slf.get());
+        notebook_png(py, &Subject::of_solid(solid.solid(), solid.engine(py)?))
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {
@@ -346,24 +347,24 @@ pub fn solid_from_bytes(data: &[u8]) -> PyResult<PySolid> {
 
 /// Nothing: the neutral element of union.
 #[pyfunction]
-pub fn vacuum() -> PySolid {
-    PySolid::from_solid(Solid::vacuum())
+pub fn empty() -> PySolid {
+    PySolid::from_solid(Solid::empty())
 }
 
 /// All of space: the neutral element of intersection.
 #[pyfunction]
-pub fn plenum() -> PySolid {
-    PySolid::from_solid(Solid::plenum())
+pub fn universe() -> PySolid {
+    PySolid::from_solid(Solid::universe())
 }
 
-/// Inside any of the solids; of none, `vacuum()`.
+/// Inside any of the solids; of none, `empty()`.
 #[pyfunction]
 #[pyo3(signature = (solids))]
 pub fn union(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
     Ok(PySolid::from_solid(Solid::union(operands(solids)?)))
 }
 
-/// Inside all of the solids; of none, `plenum()`.
+/// Inside all of the solids; of none, `universe()`.
 #[pyfunction]
 #[pyo3(signature = (solids))]
 pub fn intersection(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
@@ -380,14 +381,14 @@ pub fn place(solid: PyRef<'_, PySolid>, transforms: &Bound<'_, PyAny>) -> PyResu
 }
 
 fn operands(solids: &Bound<'_, PyAny>) -> PyResult<Vec<Solid>> {
-    let wrong = || bad_type(format!("solids is {} (an iterable of solids is needed)", solids.get_type()));
+    let wrong = || bad_type(format!("solids is {}: an iterable of solids is needed.", solids.get_type()));
     let solids: PyResult<Bound<'_, PyIterator>> = solids.try_iter().map_err(|_| wrong());
     solids?
         .enumerate()
         .map(|(k, item)| match item?.cast_into::<PySolid>() {
             Ok(solid) => Ok(solid.get().solid.clone()),
             Err(error) => {
-                Err(bad_type(format!("solids[{k}] is {} (a Solid is needed)", error.into_inner().get_type())))
+                Err(bad_type(format!("solids[{k}] is {}: a Solid is needed.", error.into_inner().get_type())))
             }
         })
         .collect()

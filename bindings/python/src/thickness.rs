@@ -4,20 +4,20 @@ use numpy::ndarray::{Array2, Array3};
 use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use rayweave::model::drive::Cancel;
-use rayweave::picture::Wishes;
-use rayweave::render::Size;
+use rayweave::picture::{PictureOptions, arrange};
+use rayweave::render::{Settings, Size};
 use rayweave::thickness::{Run, ThicknessMap};
-use rayweave::{AnyEvaluator, Compiled};
+use rayweave::{AnyEvaluator, Compiled, Error};
 
 use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::interrupt::interruptible;
-use crate::measure::scene;
+use crate::subject::scene;
 
 /// Names of media; their attenuations; lengths (H, W, M); the radiograph (H, W).
 type Maps<'py> = (Vec<String>, Vec<f64>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray2<f64>>, &'static str);
 
-/// How far rays go through each medium: see `rayweave.thickness`.
+/// Path lengths of rays through each medium: see `rayweave.thickness`.
 #[pyfunction]
 #[pyo3(signature = (subject, view, size, evaluator, threads))]
 pub fn thickness_maps<'py>(
@@ -29,10 +29,10 @@ pub fn thickness_maps<'py>(
 ) -> PyResult<Maps<'py>> {
     let py = subject.py();
     let scene = scene(subject)?;
-    let wishes = Wishes {
+    let options = PictureOptions {
         size: size.map(|(width, height)| Size::new(width, height)).transpose().map_err(bad_value)?,
         view: view.map(str::parse).transpose().map_err(bad_value)?,
-        ..Wishes::default()
+        ..PictureOptions::default()
     };
     let cancel = Cancel::new();
     let threads = threads.map(thread_argument).transpose()?;
@@ -40,11 +40,14 @@ pub fn thickness_maps<'py>(
         let compiled = Compiled::new(&scene)?;
         let evaluator = AnyEvaluator::new(evaluator, compiled.program.clone())?;
         let mut run = Run { threads, cancel: cancel.clone(), progress: None };
-        ThicknessMap::new(&scene, &compiled, &evaluator, &wishes, &mut run)
+        let (camera, Settings { size, .. }) = arrange(&scene, &compiled, &options)?;
+        let ray = |x: usize, y: usize| camera.ray(size, x as f64 + 0.5, y as f64 + 0.5);
+        let size = [size.width(), size.height()];
+        Ok::<_, Error>(ThicknessMap::new(&compiled, &evaluator, size, ray, &mut run)?)
     })?;
-    let (height, width, media) = (map.size().height(), map.size().width(), map.media().len());
+    let ([width, height], media) = (map.size(), map.media().len());
     let lengths = Array3::from_shape_vec((height, width, media), map.path_lengths().values().to_vec());
-    let radiograph = Array2::from_shape_vec((height, width), map.radiograph(&scene).into_values());
+    let radiograph = Array2::from_shape_vec((height, width), map.radiograph(&scene));
     Ok((
         map.media().to_vec(),
         map.attenuations(&scene),

@@ -1,16 +1,16 @@
 //! Time lines as drawings.
 
 use pyo3::prelude::*;
-use rayweave::render::Timeline;
+use rayweave::draw::{Timeline, ray_timeline};
 use rayweave::scene::Scene;
 use rayweave::shape::Ray;
-use rayweave::{Compiled, timeline};
+use rayweave::{Compiled, Weave};
 
 use crate::error::bad_value;
 use crate::model::PyModel;
-use crate::render::{compiled_of, scene_of};
 use crate::rootray::PyRootRay;
 use crate::solid::PySolid;
+use crate::solid_scene::{compiled_of, scene_of};
 use crate::vectors::{direction, vector};
 
 /// The rows of a drawing, each with its name.
@@ -47,7 +47,7 @@ fn draw(mut timeline: Timeline, window: Option<(f64, f64)>) -> PyResult<String> 
     Ok(timeline.to_svg())
 }
 
-/// What happens along one ray through a solid or a model, as SVG: see `rayweave.ray_timeline`.
+/// Time line of one ray through a solid or a model, as SVG: see `rayweave.ray_timeline`.
 #[pyfunction]
 #[pyo3(signature = (subject, origin, direction, title, window))]
 pub fn ray_timeline_svg(
@@ -59,7 +59,9 @@ pub fn ray_timeline_svg(
 ) -> PyResult<String> {
     let py = subject.py();
     let ray = Ray::new(vector(origin, "origin")?, self::direction(direction, "direction")?);
-    let along = |scene: &Scene, compiled: &Compiled| timeline(scene, None, compiled, ray).map_err(bad_value);
+    let along = |scene: &Scene, compiled: &Compiled| {
+        ray_timeline(scene, None, compiled, ray, Weave::new).map_err(bad_value)
+    };
     let mut timeline = match subject.cast::<PyModel>() {
         Ok(model) => along(model.get().scene(), &model.get().compiled(py)?.0),
         Err(_) => {

@@ -1,6 +1,7 @@
-//! Single vectors and matrices on their way in.
+//! Vectors, points and matrices on their way in and out.
 
-use numpy::{PyArrayMethods, PyUntypedArrayMethods};
+use numpy::ndarray::{Array2, ArrayView1, Ix2};
+use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use rayweave::math::{Affine, Vec3};
 
@@ -11,10 +12,10 @@ use crate::error::bad_value;
 pub fn vector(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
     let [x, y, z] = list(object, name)?
         .try_into()
-        .map_err(|list: Vec<f64>| bad_value(format!("{name} has {} numbers (3 are needed)", list.len())))?;
+        .map_err(|list: Vec<f64>| bad_value(format!("{name} has {} numbers: 3 are needed.", list.len())))?;
     for (k, value) in [x, y, z].into_iter().enumerate() {
         if !value.is_finite() {
-            return Err(bad_value(format!("{name}[{k}] is {value} (it must be finite)")));
+            return Err(bad_value(format!("{name}[{k}] is {value}: it must be finite.")));
         }
     }
     Ok(Vec3::new(x, y, z))
@@ -24,7 +25,7 @@ pub fn vector(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
 pub fn direction(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
     let vector = vector(object, name)?;
     if vector == Vec3::ZERO {
-        return Err(bad_value(format!("{name}: zero length (it must say a direction)")));
+        return Err(bad_value(format!("{name}: zero length: it must say a direction.")));
     }
     Ok(vector)
 }
@@ -34,7 +35,7 @@ pub fn finite(value: f64, name: &str) -> PyResult<f64> {
     if value.is_finite() {
         return Ok(value);
     }
-    Err(bad_value(format!("{name} is {value} (it must be finite)")))
+    Err(bad_value(format!("{name} is {value}: it must be finite.")))
 }
 
 /// The map itself, if it has an inverse.
@@ -50,11 +51,23 @@ pub fn matrix(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Affine> {
     let array = double_array(object, name)?;
     if array.shape() != [4, 4] {
         let shape = shape_text(array.shape());
-        return Err(bad_value(format!("{name} has shape {shape} ((4, 4) is needed)")));
+        return Err(bad_value(format!("{name} has shape {shape}: (4, 4) is needed.")));
     }
     let array = array.try_readonly().map_err(bad_value)?;
     let entries: Vec<f64> = array.as_array().iter().copied().collect();
     affine(&entries, name)
+}
+
+/// The rows of an array (N, 3).
+pub fn vectors(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
+    let array = double_array(object, name)?;
+    let [_, 3] = *array.shape() else {
+        return Err(bad_value(format!("{name} has shape {}: (N, 3) is needed.", shape_text(array.shape()))));
+    };
+    let array = array.try_readonly().map_err(bad_value)?;
+    let row = |row: ArrayView1<'_, f64>| Vec3::new(row[0], row[1], row[2]);
+    let view = array.as_array().into_dimensionality::<Ix2>().map_err(bad_value)?;
+    Ok(view.rows().into_iter().map(row).collect())
 }
 
 /// Many maps: translations (N, 3) or matrices (N, 4, 4).
@@ -70,7 +83,7 @@ pub fn maps(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Affine>> {
         }
         [0] => Ok(Vec::new()),
         other => {
-            Err(bad_value(format!("{name} has shape {} ((N, 3) or (N, 4, 4) is needed)", shape_text(other))))
+            Err(bad_value(format!("{name} has shape {}: (N, 3) or (N, 4, 4) is needed.", shape_text(other))))
         }
     }
 }
@@ -81,8 +94,24 @@ fn affine(entries: &[f64], name: &str) -> PyResult<Affine> {
     let map = Affine::from_rows(&rows).ok_or_else(|| {
         let last = &rows[3];
         bad_value(format!(
-            "{name}: the last row is {last:?} (it must be [0, 0, 0, 1]) is the matrix transposed?"
+            "{name}: the last row is {last:?}: it must be [0, 0, 0, 1]. Is the matrix transposed?"
         ))
     })?;
     invertible(map, name)
+}
+
+/// An array (N, 2) as a list of points.
+pub fn points(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f64; 2]>> {
+    let array = double_array(object, name)?;
+    let [_, 2] = *array.shape() else {
+        return Err(bad_value(format!("{name} has shape {}: (N, 2) is needed.", shape_text(array.shape()))));
+    };
+    let array = array.try_readonly().map_err(bad_value)?;
+    let view = array.as_array().into_dimensionality::<Ix2>().map_err(bad_value)?;
+    Ok(view.rows().into_iter().map(|row: ArrayView1<'_, f64>| [row[0], row[1]]).collect())
+}
+
+/// A list of points as an array (N, 2).
+pub fn pairs<'py>(py: Python<'py>, points: &[[f64; 2]]) -> Bound<'py, PyArray2<f64>> {
+    PyArray2::from_owned_array(py, Array2::from_shape_fn((points.len(), 2), |(row, k)| points[row][k]))
 }

@@ -231,11 +231,11 @@ def test_given_arrays_that_are_too_small(rng, layout, count):
     origins, directions = rays(rng, count)
     rows = len(die().hits(origins, directions))
     assert rows > 2
-    need = rf"out has shape \(2, {count}\) \(the hits need {count} columns and an even number of rows, at least {rows}\)"
+    need = rf"out has shape \(2, {count}\): the hits need {count} columns and an even number of rows, at least {rows}\."
     with pytest.raises(RayweaveError, match=need):
         die().hits(origins, directions, out=LAYOUTS[layout]((2, count), np.float64))
     pair = LAYOUTS[layout]((2, count), np.float64), LAYOUTS[layout]((2, count), np.int32)
-    with pytest.raises(RayweaveError, match=rf"out\[0\] has shape .* at least {rows}\)"):
+    with pytest.raises(RayweaveError, match=rf"out\[0\] has shape .* at least {rows}\."):
         die().hits(origins, directions, out=pair, return_surfaces=True)
 
 
@@ -254,7 +254,7 @@ def test_given_arrays_that_cannot_be_used(rng):
         ask((faces, times))
     with pytest.raises(TypeError, match=r"out\[1\] is no int32 array"):
         ask((times, times))
-    with pytest.raises(RayweaveError, match=r"out has shapes \(10, 4\) and \(8, 4\) \(both must be the same\)"):
+    with pytest.raises(RayweaveError, match=r"out has shapes \(10, 4\) and \(8, 4\): both must be the same\."):
         ask((times, faces[:8]))
     with pytest.raises(RayweaveError, match=r"out\[1\]: .*not writeable"):
         ask((times, np.broadcast_to(np.int32(0), (10, 4))))
@@ -276,8 +276,8 @@ def test_given_arrays_that_cannot_be_used(rng):
 def test_the_first_bad_ray_is_named(rng, layout, count, threads):
     for array, value, message in (
         ("origins", [0, math.nan, 0], r"origins\[{i}\]: \(0.0, NaN, 0.0\)"),
-        ("origins", [-INF, 0, 0], r"origins\[{i}\]: \(-inf, 0.0, 0.0\)"),
-        ("directions", [0, 0, INF], r"directions\[{i}\]: \(0.0, 0.0, inf\)"),
+        ("origins", [-INF, 0, 0], r"origins\[{i}\]:: -inf, 0.0, 0.0\."),
+        ("directions", [0, 0, INF], r"directions\[{i}\]:: 0.0, 0.0, inf\."),
         ("directions", [0, -0.0, 0], r"directions\[{i}\]: zero length"),
     ):
         given = dict(zip(("origins", "directions"), rays(rng, count), strict=True))

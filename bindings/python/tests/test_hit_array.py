@@ -195,7 +195,7 @@ def test_out_is_written_in_place(rng):
 
 
 def test_out_must_fit():
-    with pytest.raises(RayweaveError, match=r"out has shape \(13,\) \(the result has shape \(14,\)\)"):
+    with pytest.raises(RayweaveError, match=r"out has shape \(13,\): the result has shape \(14,\)\."):
         array_csg(A, B, Operation.UNION, out=np.empty(13))
     with pytest.raises(TypeError, match="out is an array of dtype float32"):
         array_csg(A, B, Operation.UNION, out=np.empty(14, np.float32))

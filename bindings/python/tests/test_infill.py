@@ -73,14 +73,14 @@ def test_what_is_wrong_is_said():
     with pytest.raises(RayweaveError, match="either layers or layer_height"):
         rayweave.infill(rayweave.sphere(1), 1)
     with pytest.raises(RayweaveError, match="unbounded in x and y"):
-        rayweave.infill(rayweave.plenum(), 1, layers=[0])
+        rayweave.infill(rayweave.universe(), 1, layers=[0])
     with pytest.raises(RayweaveError, match="is empty"):
-        rayweave.infill(rayweave.vacuum(), 1, layers=[0])
+        rayweave.infill(rayweave.empty(), 1, layers=[0])
     with pytest.raises(TypeError, match="Solid, a Model or Polygons"):
         rayweave.infill("ball", 1, layers=[0])
     with pytest.raises(RayweaveError, match="evaluator"):
         rayweave.infill(rayweave.sphere(1), 1, layers=[0], evaluator="none")
-    with pytest.raises(RayweaveError, match="goes around clockwise"):
+    with pytest.raises(RayweaveError, match="contour 0 is clockwise"):
         rayweave.from_polygons([SQUARE[::-1]])
     with pytest.raises(RayweaveError, match="contour 0, edge from vertex 1 to vertex 2 crosses"):
         rayweave.from_polygons([SQUARE[[0, 1, 3, 2]]])

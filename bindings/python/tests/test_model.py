@@ -192,8 +192,8 @@ cylinder = { radius = 1, height = 2 }
 expr = "plate - (hole | pin)"
 """
     text = rw.loads(toml).preparation()
-    assert "as written  plate - (hole | pin)\nas kept     plate & ~pin\n" in text
-    assert "  hole: it lies outside plate (A - B with disjoint bounds)\n" in text
+    assert "as written  plate -: hole | pin.\nas kept     plate & ~pin\n" in text
+    assert "  hole: it lies outside plate: A - B with disjoint bounds.\n" in text
     assert "... and 1 more" in rw.loads(toml).preparation(lines=0)
 
 

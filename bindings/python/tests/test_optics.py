@@ -235,7 +235,7 @@ def test_what_is_wrong_is_named() -> None:
         system.trace([])
     with pytest.raises(RayweaveError, match='branches is "all"'):
         system.trace_rays([0, 0, -5], [0, 0, 1], branches="all")  # type: ignore[arg-type]
-    with pytest.raises(RayweaveError, match=r"wavelength_nm has shape \(3,\) \(\(2,\) is needed\)"):
+    with pytest.raises(RayweaveError, match=r"wavelength_nm has shape \(3,\): \(2,\) is needed\."):
         system.trace_rays([[0, 0, -5]] * 2, [0, 0, 1], [500.0] * 3)
     with pytest.raises(RayweaveError, match=r"directions has shape \(2,\)"):
         system.trace_rays([0, 0, -5], [0, 1])
@@ -259,8 +259,8 @@ def test_what_is_given_is_checked_where_it_is_given() -> None:
         (TypeError, "a radius or size is None", lambda: optics.ball_lens(None)),  # type: ignore[arg-type]
         (TypeError, "the material is None", lambda: optics.ball_lens(1, material=None)),  # type: ignore[arg-type]
         (RayweaveError, "the material is -1.5", lambda: optics.ball_lens(1, material=-1.5)),
-        (RayweaveError, "did you mean N-BK7", lambda: optics.ball_lens(1, material="N-BK77")),
-        (RayweaveError, "did you mean 'mirror'", lambda: optics.ball_lens(1, material="mirorr")),
+        (RayweaveError, "Did you mean N-BK7", lambda: optics.ball_lens(1, material="N-BK77")),
+        (RayweaveError, "Did you mean 'mirror'", lambda: optics.ball_lens(1, material="mirorr")),
         (TypeError, "finish is 'black'", lambda: optics.ball_lens(1).with_finish("black")),  # type: ignore[arg-type]
         (TypeError, r"a film is \(1.38,\)", lambda: optics.coated((1.38,))),  # type: ignore[arg-type]
         (TypeError, r"wavelength_nm is \[500, 600\]", lambda: optics.beam(1, 5, wavelength_nm=[500, 600])),  # type: ignore[arg-type]
@@ -280,7 +280,7 @@ def test_what_is_given_is_checked_where_it_is_given() -> None:
     trace = system.trace(light)
     with pytest.raises(KeyError, match="no column 'power'"):
         trace["power"]
-    with pytest.raises(RayweaveError, match="did you mean 'detector'"):
+    with pytest.raises(RayweaveError, match="Did you mean 'detector'"):
         trace.at("detecter")
     with pytest.raises(RayweaveError, match="bins is 0"):
         trace.irradiance("detector", 0)
@@ -360,6 +360,6 @@ def test_media_with_a_gradient() -> None:
     assert (columns["event"] == core.event_names().index("curved")).any()
     with pytest.raises(RayweaveError, match="luneburg"):
         optics.graded(1.0, "luneburg", 1.0, 2.0)
-    with pytest.raises(RayweaveError, match="the radius is -1"):
+    with pytest.raises(RayweaveError, match="radius of the gradient is -1"):
         optics.graded(1.0, "luneburg", -1.0)
 

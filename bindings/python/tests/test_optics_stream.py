@@ -94,7 +94,7 @@ def test_a_file_that_cannot_be_finished_is_not_there(tmp_path):
         with pytest.raises(ValueError, match="enough"):
             bench().trace_to(tmp_path / f"a.{kind}", beams(200_000), rows=1000, progress=stop)
         assert list(tmp_path.iterdir()) == []
-    with pytest.raises(RayweaveError, match="unknown table format"):
+    with pytest.raises(RayweaveError, match="table format is unknown"):
         bench().trace_to(tmp_path / "a.txt", beams(10))
 
 
@@ -223,7 +223,7 @@ def test_problems_of_files(tmp_path):
     with pytest.raises(RayweaveError) as problem:
         ro.load(path)
     text = str(problem.value)
-    assert "bad.toml:20:1" in text and "did you mean `threshold`?" in text and "N-BK7?" in text
+    assert "bad.toml:20:1" in text and "Did you mean `threshold`?" in text and "N-BK7?" in text
     with pytest.raises(RayweaveError, match="none.toml"):
         ro.load(tmp_path / "none.toml")
     with pytest.raises(RayweaveError, match=r"no \[optics\] table"):

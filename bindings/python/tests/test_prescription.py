@@ -58,7 +58,7 @@ def test_cardinal_points_of_a_thick_lens() -> None:
 
 
 def test_spots_and_wavefronts_of_a_peer() -> None:
-    with (ROOT / "crates/optics/tests/design/reference/peers.csv").open() as file:
+    with (ROOT / "crates/lens/tests/design/reference/peers.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     compared = 0
     for name in ("cooke-triplet", "double-gauss"):
@@ -218,7 +218,7 @@ def test_refusals() -> None:
     surface = Surface(50.0, 4.0, "N-BK7")
     with pytest.raises(RayweaveError, match="none .one of entrance_pupil_diameter, f_number"):
         Prescription([surface])
-    with pytest.raises(RayweaveError, match=r"surface 1: .*did you mean"):
+    with pytest.raises(RayweaveError, match=r"surface 1: .*Did you mean"):
         Prescription([Surface(50.0, 4.0, "N-BK8")], entrance_pupil_diameter=1)
     with pytest.raises(RayweaveError, match="no surface"):
         Prescription([], entrance_pupil_diameter=1)

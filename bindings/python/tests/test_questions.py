@@ -261,7 +261,7 @@ def test_out():
 @pytest.mark.parametrize(
     ("origins", "directions", "message"),
     [
-        (np.zeros((4, 2)), [0, 0, 1], r"origins has shape \(4, 2\) \(\(N, 3\) or \(3,\) is needed\)"),
+        (np.zeros((4, 2)), [0, 0, 1], r"origins has shape \(4, 2\): \(N, 3\) or \(3,\) is needed\."),
         ([0, 0, 0], np.zeros((2, 2, 3)), r"directions has shape \(2, 2, 3\)"),
         (np.zeros(()), [0, 0, 1], r"origins has shape \(\)"),
         ([0, 0, 0], [0, 0, 0], "directions: zero length"),

@@ -126,7 +126,7 @@ def test_defaults_and_keywords():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: rayweave.sphere(-1), r"sphere: radius is -1 \(.*\) did you mean 1\?"),
+        (lambda: rayweave.sphere(-1), r"sphere: radius is -1: .* Did you mean 1\?"),
         (lambda: rayweave.sphere(0), "radius is 0"),
         (lambda: rayweave.sphere(math.nan), "radius is nan"),
         (lambda: rayweave.sphere(INF), "radius is inf"),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rayweave
-from rayweave import RayweaveError, Solid, box, half_space, place, plenum, sphere, union, vacuum
+from rayweave import RayweaveError, Solid, box, half_space, place, universe, sphere, union, empty
 
 INF = math.inf
 
@@ -33,17 +33,17 @@ def test_operators_are_boolean_functions_of_inside(rng):
         np.testing.assert_array_equal(solid.contains(points), expected)
 
 
-def test_vacuum_and_plenum():
+def test_empty_and_universe():
     point = [[1.0, 2.0, 3.0]]
-    for empty in (vacuum(), union([]), rayweave.intersection([vacuum(), sphere(1)]), ~plenum()):
+    for empty in (empty(), union([]), rayweave.intersection([empty(), sphere(1)]), ~universe()):
         assert not empty.contains(point)
         assert empty.hits(point, [0, 0, 1]).tolist() == [[INF], [INF]]
-    for full in (plenum(), rayweave.intersection([]), ~vacuum()):
+    for full in (universe(), rayweave.intersection([]), ~empty()):
         assert full.contains(point)
         assert full.hits(point, [0, 0, 1]).tolist() == [[-INF], [INF]]
-    assert vacuum().bounds().tolist() == [[INF] * 3, [-INF] * 3]
-    assert plenum().bounds().tolist() == [[-INF] * 3, [INF] * 3]
-    assert place(sphere(1), np.zeros((0, 3))).bounds().tolist() == vacuum().bounds().tolist()
+    assert empty().bounds().tolist() == [[INF] * 3, [-INF] * 3]
+    assert universe().bounds().tolist() == [[-INF] * 3, [INF] * 3]
+    assert place(sphere(1), np.zeros((0, 3))).bounds().tolist() == empty().bounds().tolist()
     assert not place(sphere(1), []).contains([0, 0, 0])
 
 
@@ -116,7 +116,7 @@ def everything():
     shapes += [rayweave.convex([[1, 0, 0, 1], [0, 1, 0, 2]]), rayweave.cylinder(1), rayweave.torus(2, 1)]
     joined = (union(shapes) & rayweave.intersection(shapes)) ^ (shapes[0] - shapes[1]) | ~shapes[2]
     placed = place(joined.named("pièce"), np.arange(6).reshape(2, 3))
-    return (placed | vacuum() | plenum()).rotate([1, 2, 3], 20).scale([1, 2, 0.5])
+    return (placed | empty() | universe()).rotate([1, 2, 3], 20).scale([1, 2, 0.5])
 
 
 def test_copies():
@@ -225,7 +225,7 @@ def test_wrong_types_are_type_errors(make):
 
 
 def test_operands_are_named():
-    with pytest.raises(TypeError, match=r"solids\[1\] is <class 'int'> \(a Solid is needed\)"):
+    with pytest.raises(TypeError, match=r"solids\[1\] is <class 'int'>: a Solid is needed\."):
         union([sphere(1), 3])
 
 

@@ -23,8 +23,8 @@ SHAPES = [
     rs.cylinder(2, 1, 3),
     rs.cone(2, 1, 3),
     rs.prism([[0, 0], [4, 0], [1, 1], [0, 4]], 2),
-    rs.vacuum(2),
-    rs.plenum(3),
+    rs.empty(2),
+    rs.universe(3),
     rw.from_polygons([[[0, 0], [9, 0], [0, 9]], [[1, 1], [1, 2], [2, 1]]]).solid(3),
     rs.ball(1, 2).translate([1, 2]).scale([2, 3]).rotate(0, 1, 30).affine([[1, 2], [0, 1]], [3, 4]),
     rs.union([rs.ball(1, 3), rs.box([0] * 3, [1] * 3)]) ^ ~rs.ball(2, 2).extrude(3).named("tower"),
@@ -66,8 +66,8 @@ def test_what_is_inside(rng):
             (rs.quadric(d, 1, 1), 2 * first - square + 1 < 0),
             (rs.cylinder(1, 1.5, d), first < 2.25),
             (rs.cone(d - 1, 0.5, d), square - p[:, -1] ** 2 < p[:, -1] ** 2 / 4),
-            (rs.vacuum(d), np.zeros(2000, bool)),
-            (~rs.vacuum(d), np.ones(2000, bool)),
+            (rs.empty(d), np.zeros(2000, bool)),
+            (~rs.empty(d), np.ones(2000, bool)),
             (rs.prism([[0, 0], [0, 2], [2, 0]], d), (p[:, 0] > 0) & (p[:, 1] > 0) & (p[:, 0] + p[:, 1] < 2)),
         ]:
             np.testing.assert_array_equal(solid.contains(p), expected, err_msg=repr(solid))
@@ -157,7 +157,7 @@ def test_polygons_are_solids():
     assert [names.surface_names[k] for k in names.surface][0] == "contour0.edge3"
     with pytest.raises(RayweaveError, match=r"points has shape \(3,\)"):
         frame.contains([1, 2, 3])
-    with pytest.raises(RayweaveError, match=r"points\[1\]: .*not finite"):
+    with pytest.raises(RayweaveError, match=r"points\[1\]: .*must be finite"):
         frame.contains([[0, 0], [math.nan, 0]])
 
 
@@ -209,7 +209,7 @@ def test_spaces_do_not_mix():
         (lambda: rs.quadric(2, 3, 0), "n is 2 and m is 3"),
         (lambda: rs.quadric(1, 1, 0), "dimension is 1"),
         (lambda: rs.ball(-1, 2), "radius is -1"),
-        (lambda: rs.ball(1e61, 2), "unit right"),
+        (lambda: rs.ball(1e61, 2), "Check the unit"),
         (lambda: rs.ball(math.inf, 2), "radius is inf"),
         (lambda: rs.cylinder(0, 1, 2), "m is 0"),
         (lambda: rs.cone(3, 1, 3), "m is 3"),

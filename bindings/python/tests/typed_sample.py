@@ -88,7 +88,7 @@ def root_rays() -> None:
 def solids() -> Solid:
     ball = rayweave.sphere(2).translate([0, 0, 1]).named("ball")
     shapes = [rayweave.box([1, 2, 3]), rayweave.cylinder(1), rayweave.torus(major=3, minor=np.float64(1))]
-    solid = (ball | rayweave.union(shapes)) - ~rayweave.half_space((0, 0, 1), 5) & rayweave.plenum()
+    solid = (ball | rayweave.union(shapes)) - ~rayweave.half_space((0, 0, 1), 5) & rayweave.universe()
     assert_type(solid, Solid)
     placed = rayweave.place(solid.rotate([0, 0, 1], 45).scale(2.0).mirror([1, 0, 0]), np.zeros((1, 3)))
     return placed.transform(np.eye(4))

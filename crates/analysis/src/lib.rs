@@ -1,12 +1,25 @@
-//! Questions about geometry, asked of any evaluator.
+//! Questions about models, answered with any evaluator.
 //!
-//! [`infill`](mod@infill) covers a region of the plane, or the layers of a solid, with the parallel traces of a tool;
-//! [`measure`](mod@measure) tells how large regions are: volume, centre, inertia, surface area;
-//! [`section`](mod@section) cuts a model by a plane; [`survey`](mod@survey) looks at the pieces of rays in regions, and how thick
-//! they are; [`thickness`] tells how far rays go through each medium.
+//! - [`measure`](mod@measure): volume, mass, centre, inertia, surface area, with confidence intervals;
+//! - [`section`](mod@section): cross-sections by planes;
+//! - [`thickness`]: path lengths of rays through media, and radiographs;
+//! - [`diff`](mod@diff): comparison of two models;
+//! - [`check`](mod@check): search for mistakes in a model;
+//! - [`infill`](mod@infill): parallel traces of a tool over a region of the plane, or the layers of a solid;
+//! - [`hits`]: streaming of ray files into tables of hits;
+//! - [`survey`](mod@survey): pieces of random rays in regions, and how thick they are, which others build on.
+//!
+//! Functions that compile programs of their own take a function `make` from a program to its evaluator.
 
+pub mod check;
+pub mod diff;
+mod error;
+pub mod hits;
 pub mod infill;
 pub mod measure;
 pub mod section;
+mod subject;
 pub mod survey;
 pub mod thickness;
+
+pub use error::{AnalysisError, Cancelled};

@@ -1,23 +1,24 @@
-//! The pieces of many rays in the regions of a model: what lies on both sides of each, and how thick the model is there.
+//! Pieces of random rays in the regions of a model: the neighbours of each, and the thickness of the model there.
 //!
 //! Rays are drawn parallel to x, y and z through a box, two at random places in each cell of its cross-section, as in
-//! [`measure`](mod@crate::measure). A piece of a ray is where it is in one region between two crossings. Its length says little of how
-//! thick the region is: a ray that grazes a film goes through it for long. With `n` the normals of the faces at its ends and `d` its
-//! direction,
+//! [`measure`](mod@crate::measure). A piece is the part of a ray in one region between two crossings. Its length is a poor measure of
+//! the thickness of the region, because a ray that grazes a film has a long piece in it. With `n` the normals of the faces at its
+//! ends and `d` its direction,
 //!
 //! ```text
 //!   thickness = length * (|n1 . d| + |n2 . d|) / 2
 //! ```
 //!
-//! is the distance of the faces where they are parallel, and that of two spheres about one centre but for the square of it over the
-//! radius; at the rim of a thin shell, which a ray may follow from outside to outside, it is at most four times that of the shell.
-//! [`shortest_at`] looks at the same place from other sides.
+//! is the distance of parallel faces, and that of two concentric spheres up to its square over the radius. At the rim of a thin
+//! shell, where a ray may run within the shell from outside to outside, it is at most four times the thickness of the shell.
+//! [`shortest_at`] measures the same place along other directions.
 
+pub use crate::error::Cancelled;
 use crate::measure::Chord;
 use crate::measure::cells::Cells;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{Crossing, Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, dress};
+use rayweave_model::{Crossing, Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, attributes};
 use rayweave_shape::Ray;
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -26,7 +27,7 @@ use std::ops::Range;
 /// Cells that a thread takes at a time.
 const CELLS_PER_TASK: u64 = 512;
 
-/// Which rays are asked.
+/// The rays of a survey.
 #[derive(Clone, Debug)]
 pub struct Survey {
     /// The box that they go through: finite.
@@ -35,18 +36,13 @@ pub struct Survey {
     pub across: u32,
     /// Chooses the random numbers: equal seeds give equal rays.
     pub seed: u64,
-    /// Different for all that is asked with one seed.
+    /// The number of the random stream: different for all surveys with one seed.
     pub stream: u64,
     /// The number of threads; [`thread_count`] if it is not given. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
     /// Stops the run.
     pub cancel: Cancel,
 }
-
-/// Somebody asked the run to stop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("cancelled")]
-pub struct Cancelled;
 
 /// Where a ray is in one region between two crossings.
 #[derive(Clone, Copy, Debug)]
@@ -83,19 +79,19 @@ impl Piece<'_> {
     /// The normals of the faces at its ends, out of the region.
     pub fn normals(&self) -> [Vec3; 2] {
         let normal = |crossing: &Crossing, sign: f64| {
-            let normal = dress::normal(self.program, &self.ray, crossing);
+            let normal = attributes::normal(self.program, &self.ray, crossing);
             if normal.dot(self.ray.direction) * sign < 0.0 { -normal } else { normal }
         };
         [normal(self.entry, -1.0), normal(self.exit, 1.0)]
     }
 
-    /// How thick the region is, seen from here: the length times the mean cosine of the faces.
+    /// The thickness of the region here: the length times the mean cosine of the faces.
     pub fn thickness(&self) -> f64 {
         let cosines = self.normals().map(|normal| normal.dot(self.ray.direction).abs());
         self.length() * 0.5 * (cosines[0] + cosines[1])
     }
 
-    /// The distance of two faces that look away from each other, to within 25 degrees; `None` at the edges of a body, where two
+    /// The distance of two faces whose normals are opposite to within 25 degrees; `None` at the edges of a body, where two
     /// faces meet and any length occurs, and at its rim.
     pub fn wall(&self) -> Option<f64> {
         let [first, second] = self.normals();
@@ -103,8 +99,8 @@ impl Piece<'_> {
     }
 }
 
-/// Asks the rays of a survey, and shows every piece to `visit`, which gathers what it wants in a value for each task; they are
-/// merged in order. The number of rays that were asked.
+/// Traces the rays of a survey. `visit` receives every piece and collects into one value per task; `merge` receives these values
+/// in order. Returns the number of rays.
 ///
 /// # Errors
 ///
@@ -159,9 +155,8 @@ fn pieces<E: Evaluator>(
     evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
 }
 
-/// How thick what `is_in` takes in is at a point: the shortest of the pieces of rays that go through the point along some
-/// directions, of any length; neighbouring regions that are both taken in count as one. `None` if the point is in none of them, or
-/// all pieces are infinite.
+/// The shortest chord through a point along some directions, within the regions that `is_in` selects; neighbouring selected
+/// regions count as one. `None` if the point is in none of them, or all chords are infinite.
 pub fn shortest_at<E: Evaluator>(
     evaluator: &E,
     point: Vec3,
@@ -200,6 +195,23 @@ fn stretch_around(answer: &RayAnswer<'_>, is_in: impl Fn(RegionId) -> bool) -> O
         }
     }
     inside.then_some([since, f64::INFINITY])
+}
+
+/// The thickness of a piece, or the shortest chord through its middle along the axes and the normals at its ends, whichever is
+/// less; 0 where rounding alone made the piece.
+pub(crate) fn remeasured<E: Evaluator>(
+    evaluator: &E,
+    (thickness, chord, normals): (f64, Chord, [Vec3; 2]),
+    is_in: impl Fn(RegionId) -> bool,
+    scratch: &mut E::Scratch,
+) -> (f64, Chord) {
+    let directions = [Vec3::X, Vec3::Y, Vec3::Z, normals[0], normals[1]];
+    let middle = 0.5 * (chord.from + chord.to);
+    match shortest_at(evaluator, middle, &directions, is_in, scratch) {
+        None => (0.0, chord),
+        Some(around) if around.length() <= thickness * (1.0 + 1e-9) => (around.length(), around),
+        Some(_) => (thickness, chord),
+    }
 }
 
 #[cfg(test)]

@@ -127,8 +127,8 @@ fn what_is_infinite_ends_at_the_window() {
     let found = cut(&[below], &look());
     assert!((found.area(ONE) - 240.0).abs() < 1e-9);
     assert_eq!(found.contours(ONE).len(), 1);
-    assert!(cut(&[Solid::vacuum()], &look()).edges.is_empty());
-    let all = cut(&[!Solid::vacuum()], &look());
+    assert!(cut(&[Solid::empty()], &look()).edges.is_empty());
+    let all = cut(&[!Solid::empty()], &look());
     assert!((all.area(ONE) - 400.0).abs() < 1e-9);
 }
 

@@ -26,7 +26,7 @@ pub struct HitTable {
 }
 
 impl HitTable {
-    /// Room for so many entries on each of so many rays.
+    /// Buffers for `rows` entries of each of `rays` rays.
     pub fn new(rows: usize, columns: usize) -> HitTable {
         HitTable { times: vec![0.0; rows * columns], faces: vec![0; rows * columns], columns }
     }
@@ -59,7 +59,7 @@ pub struct FirstTable {
 }
 
 impl FirstTable {
-    /// Room for so many rays.
+    /// Buffers for `rays` rays.
     pub fn new(columns: usize) -> FirstTable {
         let (numbers, ids) = (|| vec![0.0; columns], || vec![0; columns]);
         FirstTable {
@@ -105,7 +105,7 @@ pub fn first_lists<E: Evaluator>(evaluator: &E, rays: Rays<'_>) -> Result<Lists,
     Ok(table.lists())
 }
 
-/// How well two contenders agree.
+/// The degree to which two contenders agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
     /// The rays that were compared.

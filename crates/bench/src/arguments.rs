@@ -1,4 +1,4 @@
-//! What a run is asked for.
+//! Command-line options of a benchmark run.
 
 use crate::clock::Clock;
 use crate::contest::Effort;
@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
 
-    /// Where peers/install.sh has installed the peers
+    /// Folder in which peers/install.sh has installed the peers
     #[arg(long, value_name = "DIR")]
     pub peers: Option<PathBuf>,
 
@@ -66,7 +66,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// How long to measure.
+    /// Duration of each measurement.
     pub(crate) fn effort(&self) -> Effort {
         match (&self.once, self.quick) {
             (Some(contender), _) => Effort::Once { contender: contender.clone() },
@@ -75,12 +75,12 @@ impl Arguments {
         }
     }
 
-    /// What is measured.
+    /// Selection of exemplars.
     pub(crate) fn clock(&self) -> Clock {
         if self.processor_time { Clock::Processor } else { Clock::Wall }
     }
 
-    /// True if the exemplar of this name is asked for.
+    /// True if the options select the exemplar of this name.
     pub(crate) fn wants(&self, name: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|start| name.starts_with(start.as_str()))
     }
@@ -90,7 +90,7 @@ impl Arguments {
         thread_count(self.threads).get()
     }
 
-    /// The path of the plot: as it was asked for, or beside the page.
+    /// The path of the plot: the one given, or beside the page.
     pub(crate) fn plot(&self) -> Option<PathBuf> {
         let beside = || self.markdown.as_ref().map(|page| page.with_extension("svg"));
         self.plot.clone().or_else(beside)

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-/// What is measured.
+/// Kind of time that is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Clock {
     /// The time that passes.
@@ -29,7 +29,7 @@ impl Clock {
         }
     }
 
-    /// The clock for work on so many threads: only one of them can be asked.
+    /// The clock for work on `threads` threads: processor time is available for a single thread only.
     pub fn on(self, threads: usize) -> Clock {
         if threads == 1 { self } else { Clock::Wall }
     }

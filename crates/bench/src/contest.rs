@@ -11,7 +11,7 @@ pub enum Role {
     Ours,
     /// Another system.
     Peer,
-    /// What the machine can do at most.
+    /// Ceilings of the machine.
     Ceiling,
 }
 
@@ -26,18 +26,18 @@ impl Role {
     }
 }
 
-/// How long to measure.
+/// Duration of the measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effort {
-    /// So many rounds, in each of which every contender runs for about so many seconds.
+    /// Rounds, in each of which every contender runs for about `seconds` seconds.
     Rounds {
-        /// How many.
+        /// Number of rounds.
         rounds: usize,
         /// The time of one run.
         seconds: f64,
         /// Models and batches are smaller by this factor.
         shrink: usize,
-        /// What is measured.
+        /// Kind of measurement.
         clock: Clock,
     },
     /// One contender runs once, for a tool that counts instructions: see [`counted`].
@@ -75,7 +75,7 @@ impl Effort {
 
 /// Somebody who does some work again and again.
 pub struct Contender<'a> {
-    /// What it is called.
+    /// Name in tables.
     pub name: String,
     /// On whose behalf it runs.
     pub role: Role,
@@ -90,9 +90,9 @@ pub struct Contender<'a> {
 
 /// The work of a contender.
 enum Work<'a> {
-    /// Is run, and timed, here, so many times in a row.
+    /// Runs and times the work in this process, `n` times in a row.
     Here { repeats: usize, run: Box<dyn FnMut() + 'a> },
-    /// Runs elsewhere and tells the seconds that it took for so many items.
+    /// Runs elsewhere and reports the seconds for `n` items.
     Elsewhere(Box<dyn FnMut(f64) -> Result<f64, String> + 'a>),
 }
 
@@ -104,7 +104,7 @@ impl<'a> Contender<'a> {
         Contender { name: name.into(), role, threads: 1, items, least: items, work }
     }
 
-    /// One whose work is done by somebody else, who is given the number of items, at most `most`, and tells the seconds.
+    /// A contender in another process: it receives the number of items, at most `most`, and reports the seconds.
     pub fn elsewhere(
         name: impl Into<String>,
         most: usize,
@@ -164,15 +164,15 @@ impl<'a> Contender<'a> {
     }
 }
 
-/// Runs something once. A tool that counts instructions is told to count in here alone.
+/// Runs something once. Tools that count instructions count only inside this function.
 #[inline(never)]
 pub fn counted(run: &mut dyn FnMut()) {
     run();
-    // nothing may follow the call as its tail, or this frame would be gone
+    // the call must not be a tail call, which would remove this frame
     black_box(());
 }
 
-/// What became of a contender.
+/// Result of one contender.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Its name.

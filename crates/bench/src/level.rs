@@ -12,7 +12,7 @@ pub fn name(level: Level) -> String {
     word.replace('_', ".")
 }
 
-/// The levels that this processor knows, from narrow to wide; at most the one of this name, if one is given.
+/// The SIMD levels of this processor, from narrow to wide, up to the given one.
 pub fn available(most: Option<&str>) -> Vec<Level> {
     let best = Level::new();
     let mut levels = narrower(best);

@@ -1,10 +1,10 @@
-//! The machine that a benchmark runs on, as far as the system tells.
+//! Description of the machine that runs the benchmark, as far as the system reports it.
 
 use std::fs::read_to_string;
 use std::thread::available_parallelism;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// What is said about a machine: pairs of a name and a text.
+/// Facts about a machine: pairs of a name and a text.
 pub fn description() -> Vec<(&'static str, String)> {
     let facts = [
         ("processor", processor()),
@@ -76,7 +76,7 @@ fn system() -> Option<String> {
     Some(format!("{} on {}", release.trim(), std::env::consts::ARCH))
 }
 
-/// How many processes want to run, on average over the last minute.
+/// Load average of the last minute.
 fn load() -> Option<String> {
     Some(read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.to_owned())
 }

@@ -1,11 +1,11 @@
-//! Peers: other systems, each behind a small program that takes orders line by line and tells its own times.
+//! Peers: other systems, each behind a small program that reads commands line by line and reports its own times.
 //!
 //! A driver is started in a folder with the inputs and prints `peer NAME VERSION TASK TASK ...`. Then it answers each line:
 //! `run TASK FILE N` with `seconds S`, the time that the first N rays of FILE.npy took it; `answer TASK FILE N OUT` with
 //! `done` when OUT.npy holds the times, float64 of shape (H, N), +inf where there is none. Whatever goes wrong is
-//! `error TEXT`. It ends when its input does. If the variable `RAYWEAVE_BENCH_CLOCK` is `processor`, it tells processor times.
+//! `error TEXT`. It ends with its input. If the variable `RAYWEAVE_BENCH_CLOCK` is `processor`, it reports processor times.
 //! A task `NAME/all` is NAME on as many threads as the variable `RAYWEAVE_THREADS` says; its times are those that pass.
-//! What is missing is told, and no reason to stop.
+//! Missing peers are reported and skipped.
 
 use crate::answer::Lists;
 use crate::clock::Clock;
@@ -81,7 +81,7 @@ pub struct Peers {
     running: Vec<Rc<RefCell<Peer>>>,
     /// Names of peers that are missing, each with the reason.
     pub missing: Vec<(String, String)>,
-    /// Where inputs and answers are exchanged; removed in the end.
+    /// Folder for inputs and answers, removed at the end.
     folder: Option<Folder>,
 }
 
@@ -116,7 +116,7 @@ impl Drop for Peer {
 }
 
 impl Peers {
-    /// Starts the peers that are installed in a folder; without one, all are missing. Tasks for all threads get so many.
+    /// Starts the peers that are installed in a folder; without a folder all are missing. `threads` applies to tasks on all threads.
     pub fn start(installed: Option<&Path>, clock: Clock, threads: usize) -> io::Result<Peers> {
         let Some(installed) = installed else {
             let reason = "no folder of peers is given (--peers)";
@@ -168,7 +168,7 @@ impl Peers {
         writer.finish()
     }
 
-    /// Contenders for a task about the first rays of a file, at most `most`, one for each peer that knows the task.
+    /// Contenders for a task about the first rays of a file, at most `most`, one for each peer that supports the task.
     pub fn contenders(&self, task: &str, file: &str, most: usize) -> Vec<Contender<'static>> {
         let able = self.running.iter().filter(|peer| peer.borrow().can(task));
         let contender = |peer: &Rc<RefCell<Peer>>| {
@@ -180,7 +180,7 @@ impl Peers {
         able.map(contender).collect()
     }
 
-    /// What the peers answer about the first `count` rays of a file, each with its name.
+    /// Answers of the peers about the first `count` rays of a file, each with the peer's name.
     pub fn answers(&self, task: &str, file: &str, count: usize) -> Vec<(String, Result<Lists, String>)> {
         let able = self.running.iter().filter(|peer| peer.borrow().can(task));
         let answer = |peer: &Rc<RefCell<Peer>>| {

@@ -9,7 +9,7 @@ pub struct Statistics {
     pub quartiles: [f64; 2],
     /// The least and the greatest.
     pub range: [f64; 2],
-    /// How many numbers there are.
+    /// Number of samples.
     pub count: usize,
 }
 
@@ -33,7 +33,7 @@ impl Statistics {
         (self.quartiles[1] - self.quartiles[0]) / self.median
     }
 
-    /// What becomes of the numbers under a function that falls or rises throughout, as `|x| 1.0 / x` above 0.
+    /// Maps the statistics by a monotonic function, such as `|x| 1.0 / x` above 0.
     pub fn map(&self, f: impl Fn(f64) -> f64) -> Statistics {
         let both = |[a, b]: [f64; 2]| {
             let (a, b) = (f(a), f(b));

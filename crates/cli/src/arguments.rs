@@ -1,96 +1,44 @@
-//! The command line: its sub-commands and what they share.
+//! Arguments that several sub-commands share.
 
-use crate::command::{
-    Bench, Check, Completions, Convert, Diff, Export, Infill, Info, Man, Optics, Probe, Render, Schema,
-    Section, Shapes, Thickness, Trace, Volume,
-};
 use crate::failure::Failure;
-use clap::{Args, Parser, Subcommand};
+use clap::Args;
 use rayweave::formats::{self, Format, Imported, Options};
 use rayweave::scene::{Document, Scene, Unit};
 use rayweave::{Bounds, Vec3};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-const AFTER_HELP: &str = "\
-Exit codes:
-  0    done
-  1    the run failed, because a file could not be written for instance
-  2    the command line is wrong
-  3    the model or another input file is wrong or cannot be read
-  130  cancelled by Ctrl-C; unfinished files are removed
-
-Environment:
-  RAYWEAVE_THREADS  the number of threads, where --threads is not given
-  NO_COLOR          if set, messages have no colours
-
-Examples:
-  rayweave render lens.toml
-  rayweave probe lens.toml --from -100,0,0 --to 100,0,0
-  rayweave trace lens.toml --rays rays.csv -o hits.csv
-  rayweave optics doublet.toml
-  rayweave volume lens.toml";
-
-/// Exact ray tracing through constructive solid geometry
-///
-/// A model file says solids as boolean expressions over shapes. This command draws it, asks it along rays, and tells
-/// what it holds.
-#[derive(Parser)]
-#[command(name = "rayweave", version, after_help = AFTER_HELP, max_term_width = 100)]
-pub struct Cli {
-    /// Use so many threads (all cores, unless the variable RAYWEAVE_THREADS says otherwise)
+/// The arguments of all sub-commands.
+#[derive(Args)]
+pub struct GlobalArguments {
+    /// Number of threads [default: the variable RAYWEAVE_THREADS, else all cores]
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
 
     /// Show no progress bar and no message of success
     #[arg(short, long, global = true)]
     pub quiet: bool,
-
-    #[command(subcommand)]
-    pub command: Command,
-}
-
-#[derive(Subcommand)]
-pub enum Command {
-    Render(Render),
-    Probe(Probe),
-    Trace(Trace),
-    Optics(Optics),
-    Convert(Convert),
-    Export(Export),
-    Infill(Infill),
-    Volume(Volume),
-    Check(Check),
-    Section(Section),
-    Diff(Diff),
-    Thickness(Thickness),
-    Info(Info),
-    Bench(Bench),
-    Shapes(Shapes),
-    Schema(Schema),
-    Completions(Completions),
-    Man(Man),
 }
 
 /// A model file and the values of its parameters.
 #[derive(Args)]
 pub struct ModelArguments {
-    /// The model file: a native one (.toml), one of OpenSCAD (.csg) or Geant4 (.gdml), or a mesh (.stl, .obj, .ply, .off, .3mf, .gltf, .glb)
+    /// Model file: native (.toml), OpenSCAD (.csg), Geant4 (.gdml), or a mesh (.stl, .obj, .ply, .off, .3mf, .gltf, .glb)
     pub model: PathBuf,
 
-    /// Read the model file as one of this format [default: what its name says, or native]
+    /// Format of the model file [default: by its ending, else native]
     #[arg(long, value_name = "NAME", value_parser = Format::NAMES)]
     pub format: Option<String>,
 
-    /// Take round shapes of OpenSCAD as the facets that it makes of them, instead of truly round
+    /// Use OpenSCAD's facets for round shapes instead of exact surfaces
     #[arg(long)]
     pub facets: bool,
 
-    /// Look for the fonts of texts in this file or folder before those of the system. May be repeated
+    /// Font file or folder, searched before the system's fonts. May be repeated
     #[arg(long = "font", value_name = "PATH")]
     pub fonts: Vec<PathBuf>,
 
-    /// Mend meshes that are no solids as far as that is safe, and tell what was done
+    /// Repair meshes that are not solids as far as that is safe, and report the changes
     #[arg(long)]
     pub repair: bool,
 
@@ -155,19 +103,19 @@ impl ModelArguments {
     }
 }
 
-/// Which part of the model is asked, and who answers.
+/// The part of the model and the evaluator.
 #[derive(Args)]
 pub struct SubjectArguments {
     /// Take this solid alone instead of all regions
     #[arg(long, value_name = "NAME")]
     pub solid: Option<String>,
 
-    /// Who answers: packets (many rays at a time), weave (one sweep along a ray), reference (obvious), single_hit (step by step) or spans (array by array); the answers are the same, bit for bit
+    /// Evaluator: packets (many rays at a time), weave (one sweep along a ray), reference (direct), single_hit (step by step) or spans (array by array); all return the same answers, bit for bit
     #[arg(long, value_name = "NAME", value_parser = rayweave::AnyEvaluator::NAMES)]
     pub evaluator: Option<String>,
 }
 
-/// How closely volumes are measured.
+/// Accuracy of measured volumes.
 #[derive(Args)]
 pub struct SamplingArguments {
     /// Stop when half the width of the interval is this part of the volume
@@ -178,7 +126,7 @@ pub struct SamplingArguments {
     #[arg(long, value_name = "C", default_value_t = 0.99)]
     pub confidence: f64,
 
-    /// Ask at most so many rays for a region, after a first round for all regions
+    /// Trace at most this many rays for a region, after a first round for all regions
     #[arg(long, value_name = "N", default_value_t = 1 << 24)]
     pub rays: u64,
 
@@ -244,12 +192,6 @@ pub fn time(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_description_is_consistent() {
-        use clap::CommandFactory;
-        Cli::command().debug_assert();
-    }
 
     #[test]
     fn points() {

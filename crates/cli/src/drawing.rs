@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::terminal;
-use rayweave::picture::{Placed, Sheet};
+use rayweave::picture::{PlacedPicture, Sheet};
 use rayweave::render::Image;
 use resvg::tiny_skia::{ColorU8, IntSize, Pixmap, PixmapPaint, Transform};
 use resvg::usvg::{Options, Tree};
@@ -37,7 +37,7 @@ fn kind(path: &Path) -> Option<Kind> {
 pub fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();
-        Failure::Usage(format!("{path}: unknown format of drawings (they are written as .svg or .png)"))
+        Failure::Usage(format!("{path}: unknown format of drawings: they are written as .svg or .png."))
     };
     kind(path).map(|_| ()).ok_or_else(problem)
 }
@@ -56,7 +56,7 @@ pub fn save_sheet(path: &Path, sheet: &Sheet, title: &str) -> Result<(), Failure
         return terminal::save(path, sheet.to_svg(title).as_bytes());
     }
     let mut pixels = pixels(&sheet.without_pictures(title), 1.0).map_err(Failure::Run)?;
-    for Placed { x, y, image } in sheet.pictures() {
+    for PlacedPicture { x, y, image } in sheet.pictures() {
         put(&mut pixels, [*x, *y], image);
     }
     terminal::save(path, &encoded(&pixels).map_err(Failure::Run)?)
@@ -83,7 +83,7 @@ fn encoded(pixels: &Pixmap) -> Result<Vec<u8>, String> {
 }
 
 fn failed(error: &dyn std::fmt::Display) -> String {
-    format!("cannot draw the picture ({error})")
+    format!("cannot draw the picture: {error}.")
 }
 
 fn pixels(svg: &str, zoom: f32) -> Result<Pixmap, String> {
@@ -92,7 +92,7 @@ fn pixels(svg: &str, zoom: f32) -> Result<Pixmap, String> {
     fonts.load_system_fonts();
     if fonts.is_empty() {
         terminal::note(
-            "note: this machine has no fonts, so that the picture has no texts (write it as .svg?)",
+            "note: this machine has no fonts, so that the picture has no texts: write it as .svg?",
         );
     }
     let tree = Tree::from_str(svg, &options).map_err(|error| failed(&error))?;

@@ -1,17 +1,15 @@
-//! How the command ends when it does not end well.
+//! Failures of the command: messages and exit codes.
 
-use crate::terminal;
 use rayweave::{Error, ErrorKind};
 use std::io;
-use std::process::ExitCode;
 
 /// Why a run ended early.
 pub enum Failure {
     /// The library says so.
     Library(Error),
-    /// The command line asks for something that makes no sense.
+    /// The command line is invalid.
     Usage(String),
-    /// The model cannot be asked this.
+    /// The question does not apply to the model.
     Input(String),
     /// The run failed.
     Run(String),
@@ -26,25 +24,8 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Tells the user and gives the exit code.
-    pub fn report(&self) -> ExitCode {
-        match self {
-            Failure::Library(error) => match error.diagnostics() {
-                Some(diagnostics) => terminal::diagnose(diagnostics),
-                None => terminal::complain(&error.to_string()),
-            },
-            Failure::Usage(text) | Failure::Input(text) | Failure::Run(text) => terminal::complain(text),
-            Failure::BrokenPipe | Failure::Answer => {}
-            Failure::Trouble(failure) => {
-                failure.report();
-            }
-            Failure::Cancelled => terminal::complain("cancelled (unfinished files are removed)"),
-        }
-        ExitCode::from(self.code())
-    }
-
     /// The exit code, as the help text lists them.
-    fn code(&self) -> u8 {
+    pub fn code(&self) -> u8 {
         match self {
             Failure::Library(error) => match error.kind() {
                 ErrorKind::ModelFile
@@ -82,6 +63,6 @@ impl<E: Into<Error>> From<E> for Failure {
 pub fn stdout_failure(error: &io::Error) -> Failure {
     match error.kind() {
         io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
-        _ => Failure::Run(format!("cannot write to standard output ({error})")),
+        _ => Failure::Run(format!("cannot write to standard output: {error}.")),
     }
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C: runs are asked to stop, so that they can remove their unfinished files.
+//! Ctrl-C: cancels runs, so that they can remove their unfinished files.
 
 use crate::failure::Failure;
 use rayweave::model::drive::Cancel;
@@ -12,7 +12,7 @@ pub fn token() -> Result<Cancel, Failure> {
     let cancel = Cancel::new();
     let own = cancel.clone();
     ctrlc::set_handler(move || own.cancel())
-        .map_err(|error| Failure::Run(format!("cannot listen for Ctrl-C ({error})")))?;
+        .map_err(|error| Failure::Run(format!("cannot listen for Ctrl-C: {error}.")))?;
     Ok(cancel)
 }
 
@@ -25,7 +25,7 @@ pub struct Interruptible {
     cancel: Cancel,
 }
 
-/// How often a waiting reader looks at its token.
+/// Interval at which a waiting reader checks its token.
 const LOOK: Duration = Duration::from_millis(50);
 
 impl Interruptible {

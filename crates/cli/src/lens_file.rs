@@ -3,9 +3,9 @@
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
 use crate::terminal;
-use rayweave::optics::analysis::hexapolar;
+use rayweave::lens::analysis::hexapolar;
+use rayweave::lens::prescription::{IMAGE, Prescription, read_zmx};
 use rayweave::optics::file::OpticalScene;
-use rayweave::optics::prescription::{IMAGE, Prescription, read_zmx};
 use rayweave::optics::source::{ListedRays, Pattern, Power, Source, Sources};
 use rayweave::optics::{Beam, Settings};
 use rayweave::scene::Unit;
@@ -36,11 +36,11 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     let path = &model.model;
     if let Some((name, _)) = model.definitions.first() {
         let problem = format!("--define {name}: a lens file has no parameters");
-        return Err(Failure::Usage(format!("{problem} (they are of Rayweave's own models)")));
+        return Err(Failure::Usage(format!("{problem}: they are of Rayweave's own models.")));
     }
     let name = path.display();
     let bytes =
-        std::fs::read(path).map_err(|error| Failure::Input(format!("{name}: cannot be read ({error})")))?;
+        std::fs::read(path).map_err(|error| Failure::Input(format!("{name}: cannot be read: {error}.")))?;
     let wrong = |error: &dyn std::error::Error| {
         let lines: Vec<String> = error.to_string().lines().map(|line| format!("{name}: {line}")).collect();
         Failure::Input(lines.join("\nerror: "))

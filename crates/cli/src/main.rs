@@ -1,6 +1,7 @@
 //! The command `rayweave`: pictures, probes, traces and facts of solid models.
 
 mod arguments;
+mod cli;
 mod command;
 mod drawing;
 mod failure;
@@ -9,8 +10,8 @@ mod interval;
 mod lens_file;
 mod terminal;
 
-use arguments::Cli;
 use clap::{CommandFactory, FromArgMatches};
+use cli::Cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -20,8 +21,8 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => error.exit(),
     };
-    match command::run(&cli) {
+    match cli::run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+        Err(failure) => terminal::report(&failure),
     }
 }

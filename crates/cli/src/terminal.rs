@@ -1,4 +1,4 @@
-//! What the user sees: text on standard output, messages and progress on standard error.
+//! Output: text on standard output, messages and progress on standard error.
 
 use crate::failure::{Failure, stdout_failure};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -6,6 +6,7 @@ use rayweave::scene::Diagnostics;
 use rayweave::table::AtomicFile;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
+use std::process::ExitCode;
 use std::time::Duration;
 
 const RED: &str = "\x1b[1;31m";
@@ -31,7 +32,7 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     }
     let mut file = AtomicFile::create(path)?;
     file.write_all(bytes)
-        .map_err(|error| Failure::Run(format!("cannot write {} ({error})", path.display())))?;
+        .map_err(|error| Failure::Run(format!("cannot write {}: {error}.", path.display())))?;
     file.finish()?;
     Ok(())
 }
@@ -42,7 +43,7 @@ fn has_colour() -> bool {
     io::stderr().is_terminal() && !forbidden
 }
 
-/// Writes a message to standard error; there is nobody to tell if that fails.
+/// Writes a message to standard error and ignores failures.
 fn tell(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
@@ -60,7 +61,7 @@ pub fn complain(text: &str) {
     }
 }
 
-/// What was passed over, which has no place in a model.
+/// A note about ignored input without a place in a model.
 pub fn caution(text: &str) {
     tell(&format!("warning: {text}"));
 }
@@ -75,6 +76,23 @@ pub fn warn(warnings: &Diagnostics) {
     if !warnings.is_empty() {
         diagnose(warnings);
     }
+}
+
+/// Reports a failure on standard error; its exit code.
+pub fn report(failure: &Failure) -> ExitCode {
+    match failure {
+        Failure::Library(error) => match error.diagnostics() {
+            Some(diagnostics) => diagnose(diagnostics),
+            None => complain(&error.to_string()),
+        },
+        Failure::Usage(text) | Failure::Input(text) | Failure::Run(text) => complain(text),
+        Failure::BrokenPipe | Failure::Answer => {}
+        Failure::Trouble(failure) => {
+            report(failure);
+        }
+        Failure::Cancelled => complain("cancelled: unfinished files are removed."),
+    }
+    ExitCode::from(failure.code())
 }
 
 /// A bar on standard error, shown on a terminal only. Without a total it is a counter.
@@ -106,7 +124,7 @@ pub fn counter(what: &str, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// What a progress bar counts.
+/// Unit of a progress bar.
 #[derive(Clone, Copy)]
 pub enum Unit {
     /// Bytes of a file.
@@ -120,7 +138,7 @@ pub fn short3(x: f64) -> String {
     short(rounded(x, 3))
 }
 
-/// A number to so many digits, at least 1.
+/// A number with `digits` significant digits, at least 1.
 pub fn rounded(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits - 1).parse().unwrap_or(x)
 }

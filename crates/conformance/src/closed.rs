@@ -2,7 +2,7 @@
 
 use crate::models::{block, half_space, shape};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Evaluator, Program, Query, RegionId, Solid, dress};
+use rayweave_model::{Evaluator, Program, Query, RegionId, Solid, attributes};
 use rayweave_shape::Ray;
 use std::sync::Arc;
 
@@ -74,8 +74,8 @@ fn known() -> Vec<Known> {
             &[0.52],
             &[[0.0, 0.6, 0.8]],
         ),
-        (Solid::plenum(), x, &[], &[]),
-        (Solid::vacuum(), x, &[], &[]),
+        (Solid::universe(), x, &[], &[]),
+        (Solid::empty(), x, &[], &[]),
     ]
 }
 
@@ -92,7 +92,7 @@ pub fn forms<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
             assert_eq!(found.crossings.len(), times.len(), "{k}: {solid:?}");
             for (crossing, (&t, &n)) in found.crossings.iter().zip(times.iter().zip(normals)) {
                 assert!((crossing.t - t).abs() <= tolerance * (20.0 + t), "{k}: {} is not {t}", crossing.t);
-                let normal = dress::normal(evaluator.program(), &ray, crossing);
+                let normal = attributes::normal(evaluator.program(), &ray, crossing);
                 let wanted = frame.vector(Vec3::from_array(n)).normalize();
                 assert!((normal - wanted).length() <= 1e-12, "{k}: {normal} is not {wanted}");
                 // outward: against the ray where it enters

@@ -41,8 +41,8 @@ impl Form {
         match self {
             Form::Part(k) => parts[*k].clone(),
             Form::Not(a) => !a.solid(parts),
-            Form::Or(forms) => all(forms).into_iter().reduce(|a, b| a | b).unwrap_or_else(Solid::vacuum),
-            Form::And(forms) => all(forms).into_iter().reduce(|a, b| a & b).unwrap_or_else(Solid::plenum),
+            Form::Or(forms) => all(forms).into_iter().reduce(|a, b| a | b).unwrap_or_else(Solid::empty),
+            Form::And(forms) => all(forms).into_iter().reduce(|a, b| a & b).unwrap_or_else(Solid::universe),
             Form::Odd(a, b) => a.solid(parts) ^ b.solid(parts),
             Form::Minus(a, b) => a.solid(parts) - b.solid(parts),
         }
@@ -70,8 +70,8 @@ impl Form {
 /// The same parts under one operator, n-ary and as chains and trees, in any order.
 fn joined(rng: &mut Random, parts: &[Solid], join: fn(Vec<Solid>) -> Solid) -> Vec<(&'static str, Solid)> {
     let two = |a: Solid, b: Solid| join(vec![a, b]);
-    let left = |all: &[Solid]| all.iter().cloned().reduce(two).unwrap_or_else(Solid::vacuum);
-    let right = parts.iter().rev().cloned().reduce(|rest, a| two(a, rest)).unwrap_or_else(Solid::vacuum);
+    let left = |all: &[Solid]| all.iter().cloned().reduce(two).unwrap_or_else(Solid::empty);
+    let right = parts.iter().rev().cloned().reduce(|rest, a| two(a, rest)).unwrap_or_else(Solid::empty);
     let shuffled: Vec<Solid> = rng.order(parts.len()).into_iter().map(|k| parts[k].clone()).collect();
     vec![
         ("n-ary", join(parts.to_vec())),

@@ -20,6 +20,8 @@
 //! }
 //! ```
 //!
+//! [`approximate`] judges the second contract: evaluators whose answers have bounds or are marked as uncertain.
+//!
 //! Every test has a long form, `cargo test -- --ignored long_`. Beside the suite stand [`exact`], the oracle without
 //! rounding, [`contest`], which asks many evaluators at once, and [`scale`], models of any size.
 
@@ -30,6 +32,7 @@ mod random;
 mod tally;
 
 pub mod agree;
+pub mod approximate;
 pub mod chords;
 pub mod closed;
 pub mod contest;

@@ -4,10 +4,9 @@ use crate::laws::nothing_of;
 use crate::models::{block, compiled, motion, shape, solid};
 use crate::rays::batch;
 use crate::{Effort, Model, Random, Style, Tally, list};
-use rayweave_math::{Affine, Vec3};
+use rayweave_math::{Affine, PERTURBATION_DIRECTION, Vec3};
 use rayweave_model::{Crossing, Evaluator, Program, Query, Solid, Window};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::LIE_DIRECTION;
 use std::sync::Arc;
 
 /// Models of planes on a grid, turned as a whole, and rays along the lines of that grid: the answer is that of
@@ -24,7 +23,7 @@ pub fn as_if_moved<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
         let rays: Vec<Ray> = (0..40).map(|_| grid_ray(&mut rng).transformed(&frame)).collect();
         // a sixteenth of the smallest cell is never reached
         let moved: Vec<Ray> =
-            rays.iter().map(|r| Ray::new(r.origin + 1e-4 * LIE_DIRECTION, r.direction)).collect();
+            rays.iter().map(|r| Ray::new(r.origin + 1e-4 * PERTURBATION_DIRECTION, r.direction)).collect();
         // planes that a turned ray is parallel to but for rounding are met far away, if at all
         let window = Window::new(-30.0, 30.0).unwrap_or_default();
         let query = Query { window, ..Query::default() };
@@ -122,7 +121,7 @@ fn cell(rng: &mut Random, lo: Vec3) -> Solid {
     match rng.below(7) {
         0 => block(lo, lo + Vec3::ONE),
         1 => {
-            unit.translate(rng.point(10.0)).apply(Affine::IDENTITY) & Solid::vacuum() | unit.translate(middle)
+            unit.translate(rng.point(10.0)).apply(Affine::IDENTITY) & Solid::empty() | unit.translate(middle)
         }
         2 => unit.apply(turn).translate(middle),
         3 => unit.mirror(axis).translate(middle),

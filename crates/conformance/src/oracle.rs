@@ -146,36 +146,36 @@ impl Oracle {
         oracle
     }
 
-    fn add(&mut self, solid: &Solid, map: &Map, world_stretch: f64, way: f64) {
+    fn add(&mut self, solid: &Solid, map: &Map, world_norm: f64, way: f64) {
         match solid.node() {
-            Node::Vacuum => self.steps.push(Step::Constant(Side::Outside)),
-            Node::Plenum => self.steps.push(Step::Constant(Side::Inside)),
+            Node::Empty => self.steps.push(Step::Constant(Side::Outside)),
+            Node::Universe => self.steps.push(Step::Constant(Side::Inside)),
             Node::Primitive(primitive) => {
                 let stretch = map.stretch();
                 self.steps.push(Step::Shape(Box::new(Placed {
                     formula: Formula::new(primitive),
                     local_from_world: *map,
                     stretch,
-                    condition: (stretch * world_stretch).max(1.0),
+                    condition: (stretch * world_norm).max(1.0),
                     way,
                 })));
             }
             Node::Complement(a) => {
-                self.add(a, map, world_stretch, way);
+                self.add(a, map, world_norm, way);
                 self.steps.push(Step::Not);
             }
-            Node::Union(all) => self.add_all(all, Step::Any, map, world_stretch, way),
-            Node::Intersection(all) => self.add_all(all, Step::All, map, world_stretch, way),
-            Node::SymmetricDifference(all) => self.add_all(all, Step::Odd, map, world_stretch, way),
+            Node::Union(all) => self.add_all(all, Step::Any, map, world_norm, way),
+            Node::Intersection(all) => self.add_all(all, Step::All, map, world_norm, way),
+            Node::SymmetricDifference(all) => self.add_all(all, Step::Odd, map, world_norm, way),
             Node::Difference(a, b) => {
-                self.add(a, map, world_stretch, way);
-                self.add(b, map, world_stretch, way);
+                self.add(a, map, world_norm, way);
+                self.add(b, map, world_norm, way);
                 self.steps.extend([Step::Not, Step::All(2)]);
             }
-            Node::Transformed(by, a) => self.add_moved(a, by, map, world_stretch, way),
-            Node::Named(_, a) => self.add(a, map, world_stretch, way),
+            Node::Transformed(by, a) => self.add_moved(a, by, map, world_norm, way),
+            Node::Named(_, a) => self.add(a, map, world_norm, way),
             Node::Placed(a, maps) => {
-                maps.iter().for_each(|by| self.add_moved(a, by, map, world_stretch, way));
+                maps.iter().for_each(|by| self.add_moved(a, by, map, world_norm, way));
                 self.steps.push(Step::Any(maps.len()));
             }
         }
@@ -186,12 +186,12 @@ impl Oracle {
         self.steps.push(join(all.len()));
     }
 
-    fn add_moved(&mut self, solid: &Solid, by: &Affine, map: &Map, world_stretch: f64, way: f64) {
+    fn add_moved(&mut self, solid: &Solid, by: &Affine, map: &Map, world_norm: f64, way: f64) {
         let back = Map::inverse_of(by);
         let forth = by.to_rows()[..3].iter().flat_map(|row| &row[..3]).map(|e| e * e).sum::<f64>().sqrt();
-        let shift = by.translation.length() * world_stretch;
+        let shift = by.translation.length() * world_norm;
         // a norm over all three directions is larger than the stretch by up to sqrt(3): not once per map
-        self.add(solid, &map.then(&back), world_stretch * (forth / 3f64.sqrt()).max(1e-3), way + shift);
+        self.add(solid, &map.then(&back), world_norm * (forth / 3f64.sqrt()).max(1e-3), way + shift);
     }
 
     /// The side of a point.

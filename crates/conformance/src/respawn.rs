@@ -8,7 +8,7 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
     Collected, Crossing, Evaluator, Face, LeafId, Limit, PlacementId, Program, Query, RegionId, Solid, Start,
-    StartLists, dress,
+    StartLists, attributes,
 };
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::Primitive;
@@ -179,16 +179,16 @@ impl<E: Evaluator> Walk<'_, E> {
     }
 
     fn is_on(&self, face: Face, ray: &Ray, t: f64) -> bool {
-        let (local, reach) = local_ray(self.program, ray, face.placement);
+        let (local, magnitude) = local_ray(self.program, ray, face.placement);
         let entry = self.program.surface(face.surface);
         let (value, gradient) = entry.surface.value_and_gradient(local.at(t));
-        value.abs() <= delta(entry.reach + reach, &local, t) * gradient.length()
+        value.abs() <= delta(entry.magnitude + magnitude, &local, t) * gradient.length()
     }
 
     /// The reflected ray from a point put onto the face by one Newton step, and the faces that it starts on: all
     /// within the tolerance, on the side where it was, that is inside.
     fn bounced(&self, ray: &Ray, crossing: &Crossing) -> (Ray, Vec<Start>) {
-        let normal = dress::normal(self.program, ray, crossing);
+        let normal = attributes::normal(self.program, ray, crossing);
         let mut starts = Vec::new();
         for placement in 0..self.program.prototypes()[0].placements {
             let placement = PlacementId(placement);

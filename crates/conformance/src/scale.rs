@@ -44,7 +44,7 @@ pub fn plate(n: usize) -> Solid {
 pub fn sponge(n: usize) -> Solid {
     let cells = cells(n.div_ceil(4).max(1));
     let mut holes: Vec<Vec<Solid>> = vec![Vec::new(); cells.len()];
-    let mut cube = Solid::vacuum();
+    let mut cube = Solid::empty();
     for (k, cell) in cells.iter().enumerate().rev() {
         let less = std::mem::take(&mut holes[k]);
         cube = cell.drilled(less);

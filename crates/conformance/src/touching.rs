@@ -107,7 +107,7 @@ fn without_grazes(crossings: &[Crossing], ray: &Ray) -> Vec<Crossing> {
 fn agree(expected: &Program, ray: &Ray, found: &Crossing, wanted: &Crossing) -> bool {
     let entry = expected.surface(wanted.face.surface);
     let (value, gradient) = entry.surface.value_and_gradient(ray.at(found.t));
-    let near = value.abs() <= 8.0 * delta(entry.reach + 20.0, ray, found.t) * gradient.length();
+    let near = value.abs() <= 8.0 * delta(entry.magnitude + 20.0, ray, found.t) * gradient.length();
     near && (found.before, found.after) == (wanted.before, wanted.after)
 }
 
@@ -145,7 +145,7 @@ fn shuffled(rng: &mut Random, parts: Vec<Solid>) -> Solid {
     let parts = order.into_iter().map(|k| parts[k].clone());
     match rng.below(3) {
         0 => Solid::union(parts),
-        1 => parts.reduce(|a, b| a | b).unwrap_or_else(Solid::vacuum),
+        1 => parts.reduce(|a, b| a | b).unwrap_or_else(Solid::empty),
         _ => !Solid::intersection(parts.map(|s| !s)),
     }
 }
@@ -198,11 +198,11 @@ fn equal_boxes(rng: &mut Random) -> Case {
     let (lo, hi) = (Vec3::ZERO, Vec3::new(1.0, 0.8, 0.6));
     let (a, b) = (made_box(rng, lo, hi), made_box(rng, lo, hi));
     let (whole, expected) = match rng.below(6) {
-        0 => (&a - &b, Solid::vacuum()),
-        1 => (&a ^ &b, Solid::vacuum()),
+        0 => (&a - &b, Solid::empty()),
+        1 => (&a ^ &b, Solid::empty()),
         2 => (&a & &b, block(lo, hi)),
         3 => (&a | &b, block(lo, hi)),
-        4 => (!&a | &b, Solid::plenum()),
+        4 => (!&a | &b, Solid::universe()),
         _ => ((&a ^ &b) ^ &a, block(lo, hi)),
     };
     // a far box, so that both models have a length
@@ -335,7 +335,7 @@ fn touching_pair(rng: &mut Random) -> Case {
     let (one, both) = (block(Vec3::ZERO, Vec3::ONE), block(Vec3::ZERO, hi));
     let far = block(Vec3::splat(40.0), Vec3::splat(41.0));
     let (whole, expected) = match rng.below(5) {
-        0 => (&a & &b, Solid::vacuum()),
+        0 => (&a & &b, Solid::empty()),
         1 => (&a - &b, one),
         2 => (&a ^ &b, both),
         3 => (!(!&a & !&b), both),

@@ -1,24 +1,24 @@
-//! The formats of models.
+//! Model formats: names and file extensions.
 
-use rayweave_mesh::files::MeshFormat;
+use rayweave_mesh_io::MeshFormat;
 use std::fmt;
 use std::path::Path;
 
-/// A format of models.
+/// A model format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {
     /// Rayweave's own model file, `.toml`.
     Native,
-    /// OpenSCAD's flattened dump, `.csg`.
+    /// The flattened dump of OpenSCAD, `.csg`.
     OpenScad,
-    /// Geant4's exchange format, `.gdml`.
+    /// The Geometry Description Markup Language of Geant4, `.gdml`.
     Gdml,
-    /// A file of triangles.
+    /// A triangle mesh file.
     Mesh(MeshFormat),
 }
 
-/// All formats with their names and the endings of their files.
+/// All formats, each with its name and file extensions.
 const TABLE: [(Format, &str, &[&str]); 10] = [
     (Format::Native, "native", &["toml"]),
     (Format::OpenScad, "openscad", &["csg"]),
@@ -33,7 +33,7 @@ const TABLE: [(Format, &str, &[&str]); 10] = [
 ];
 
 impl Format {
-    /// The names of all formats.
+    /// Names of all formats.
     pub const NAMES: [&'static str; TABLE.len()] = {
         let mut names = [""; TABLE.len()];
         let mut k = 0;
@@ -49,12 +49,12 @@ impl Format {
         TABLE.iter().find(|row| row.0 == self).map_or("", |row| row.1)
     }
 
-    /// The format of a name.
+    /// The format with the given name.
     pub fn from_name(name: &str) -> Option<Format> {
         TABLE.iter().find(|row| row.1 == name).map(|row| row.0)
     }
 
-    /// The format that a file's ending tells, in small or capital letters.
+    /// The format of a file extension, in lower or upper case.
     pub fn from_path(path: &Path) -> Option<Format> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         TABLE.iter().find(|row| row.2.contains(&ending.as_str())).map(|row| row.0)

@@ -1,7 +1,7 @@
-//! Booleans of triangles, by the kernel of the library Manifold (E. Lalish) as it was ported to Rust.
+//! Booleans of triangle meshes with the Rust port of the Manifold library (E. Lalish).
 //!
-//! Bodies are closed and have no triangle through another; so are unions, differences and intersections, also where faces
-//! coincide: the kernel moves one of them by an infinitesimal amount.
+//! Bodies are closed meshes without self-intersections. Unions, differences and intersections keep that property, also for
+//! coincident faces: the kernel moves one of them by an infinitesimal amount.
 
 use manifold_rust::linalg::{Vec2, Vec3 as KernelVec};
 use manifold_rust::manifold::Manifold;
@@ -10,7 +10,7 @@ use manifold_rust::types::{Box as KernelBox, Error, MeshGL64, OpType};
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::{Mesh, Polyhedron, RepairOptions};
 
-/// A solid within triangles, not empty.
+/// A non-empty solid bounded by triangles.
 #[derive(Clone)]
 pub(crate) struct Body(Manifold);
 
@@ -23,7 +23,7 @@ impl Body {
         let raw = raw(&points, &triangles);
         let strict = Manifold::from_mesh_gl64(&raw);
         let made = match strict.status() {
-            // edges with four triangles, say
+            // for example an edge with four triangles
             Error::NotManifold => Manifold::from_mesh_gl64_robust(&raw),
             _ => strict,
         };
@@ -32,7 +32,7 @@ impl Body {
 
     pub fn from_polyhedron(solid: &Polyhedron) -> Result<Body, String> {
         let mesh = solid.to_mesh();
-        let turned = mesh.repaired(&RepairOptions { weld: 0.0, fill: false });
+        let turned = mesh.repaired(&RepairOptions::default().with_fill(false));
         let (points, triangles) = turned.map_or(mesh, |(mesh, _)| mesh).into_parts();
         Body::from_triangles(points, triangles)
     }
@@ -41,7 +41,7 @@ impl Body {
         Body(Manifold::cube(to_kernel(bounds.size()), false).translate(to_kernel(bounds.lo)))
     }
 
-    /// The convex hull; `None` if that is flat.
+    /// The convex hull; `None` if it is flat.
     pub fn hull(points: &[Vec3]) -> Result<Option<Body>, String> {
         if points.len() < 4 {
             return Ok(None);
@@ -58,10 +58,10 @@ impl Body {
         self.0.num_tri()
     }
 
-    /// Every sum of a point of one and a point of the other: the sums of all triangles of the first with the second, or with all
-    /// its triangles if it is not convex, and what none of these reaches.
+    /// The Minkowski sum: the union of the sums of all triangles of the first body with the second (or with all triangles
+    /// of the second if it is not convex), plus the interior that these do not cover.
     ///
-    /// *Source*: the boundary of a sum lies in the sum of the boundaries.
+    /// *Source*: the boundary of a Minkowski sum lies in the sum of the boundaries.
     pub fn sum(&self, other: &Body) -> Result<Option<Body>, String> {
         let (of, by) = if self.is_convex() { (other, self) } else { (self, other) };
         let pieces = if by.is_convex() { vec![by.triangles().0] } else { by.facets() };
@@ -73,7 +73,7 @@ impl Body {
                 parts.extend(Body::hull(&sums)?.filter(|part| part.0.volume() > 0.0));
             }
         }
-        // where the boundaries do not meet, a component of one lies within the other
+        // if the boundaries do not intersect, a component of one lies within the other
         parts.push(Body(of.0.translate(to_kernel(by.a_point()))));
         if !by.is_convex() {
             parts.push(Body(by.0.translate(to_kernel(of.a_point()))));
@@ -86,7 +86,7 @@ impl Body {
         triangles.iter().map(|t| t.map(|k| points[k as usize]).to_vec()).collect()
     }
 
-    /// A point of the body: its middle, if that is sure to be one.
+    /// A point of the body: the mean of the vertices of a convex body, otherwise a vertex.
     fn a_point(&self) -> Vec3 {
         let (points, _) = self.triangles();
         match self.is_convex() {
@@ -95,7 +95,7 @@ impl Body {
         }
     }
 
-    /// Where a function is greater than 0, from a grid of this spacing.
+    /// The set where a function is greater than 0, sampled on a grid of the given spacing.
     pub fn level_set(
         of: impl Fn(Vec3) -> f64 + Sync,
         bounds: &Bounds,
@@ -139,7 +139,7 @@ impl Body {
         Body::checked(self.0.boolean(&other.0, OpType::Intersect))
     }
 
-    /// The union of all, two by two, so that none is large before the last.
+    /// The union of all bodies, computed pairwise so that operands stay small until the last step.
     pub fn union(mut all: Vec<Body>) -> Result<Option<Body>, String> {
         while all.len() > 1 {
             let pairs = all.chunks(2).map(|pair| match pair {
@@ -156,7 +156,7 @@ impl Body {
         triangles.iter().map(|t| t.iter().map(|k| points[*k as usize]).sum::<Vec3>() / 3.0).collect()
     }
 
-    /// The corners and the triangles, counter-clockwise from outside.
+    /// The vertices and the triangles, counter-clockwise seen from outside.
     pub fn triangles(&self) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         parts(&self.0.get_mesh_gl64(-1))
     }
@@ -167,12 +167,12 @@ impl Body {
     }
 }
 
-/// The triangles of a region of the plane within contours that do not cross, counter-clockwise around it and clockwise around
-/// its holes, by the numbers of its points one contour after the other.
+/// Triangulation of a plane region bounded by contours that do not cross: outer contours counter-clockwise, holes
+/// clockwise. The triangles index the points of all contours in sequence.
 pub(crate) fn triangulated(contours: &[Vec<[f64; 2]>]) -> Vec<[u32; 3]> {
     let polygon = |contour: &Vec<[f64; 2]>| contour.iter().map(|[x, y]| Vec2 { x: *x, y: *y }).collect();
     let polygons = contours.iter().map(polygon).collect();
-    // a negative tolerance is chosen by the size
+    // a negative tolerance: the library derives it from the size
     let triangles = triangulate(&polygons, -1.0, true);
     triangles.iter().map(|t| [t.x as u32, t.y as u32, t.z as u32]).collect()
 }
@@ -186,7 +186,7 @@ fn raw(points: &[Vec3], triangles: &[[u32; 3]]) -> MeshGL64 {
     }
 }
 
-/// Points and triangles, with points that are to be one as one.
+/// Points and triangles, with merged vertices.
 fn parts(mesh: &MeshGL64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let width = mesh.num_prop as usize;
     let points: Vec<Vec3> =

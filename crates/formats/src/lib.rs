@@ -1,8 +1,8 @@
-//! Models of other programs, read as documents and scenes.
+//! Models of other programs, read as documents and scenes: OpenSCAD, GDML and mesh files.
 //!
-//! [`load`] reads a model in any [`Format`], by the ending of its name or by choice. What a format says and a scene cannot
-//! say is told in a [`Report`]: each loss with its kind, its place and how many times it occurred. An item that cannot be
-//! understood is refused and the rest is read; a file that is no such file at all is an error.
+//! [`load`] reads a model in any [`Format`]; the extension of the file or the caller selects it. A [`Report`] lists every
+//! loss, i.e. each construct that a scene cannot represent, with its kind, its position and its count. Items that are not
+//! supported are refused and the rest of the file is read. A file that does not have the format at all is an error.
 //!
 //! ```
 //! use rayweave_formats::{Format, Options, parse};
@@ -12,7 +12,7 @@
 //! assert!(imported.report.is_empty());
 //! assert_eq!(imported.scene.regions.len(), 1);
 //!
-//! // the document says the same in a native model file
+//! // the same model in a native model file
 //! let (_, scene) = rayweave_scene::parse(&imported.document().to_toml())?;
 //! assert_eq!((scene.regions.len(), scene.regions[0].name.as_str()), (1, "model"));
 //! # Ok::<(), rayweave_scene::Diagnostics>(())
@@ -20,64 +20,32 @@
 
 mod format;
 pub mod gdml;
+mod imported;
 mod kernel;
 mod mesh;
 pub mod openscad;
+mod options;
 mod report;
+mod save;
 mod write;
 
 pub use format::Format;
+pub use imported::Imported;
+pub use options::Options;
 pub use report::{Loss, LossKind, Report};
+pub use save::save;
 pub use write::{Remark, RemarkKind, WriteError, WriteOptions, Written, write};
 
-use rayweave_scene::{Diagnostics, Document, Scene, Source, Unit};
-use std::path::{Path, PathBuf};
+use rayweave_scene::{Diagnostics, Document, Scene, Source};
+use std::path::Path;
 use std::sync::Arc;
 
-/// How models of other programs are read.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Options {
-    /// Round shapes as the facets that their own program makes of them, so that results compare; otherwise they are
-    /// truly round.
-    pub facets: bool,
-    /// Files of fonts, and folders of such files, in which those that texts name are looked for first.
-    pub fonts: Vec<PathBuf>,
-    /// Meshes that are no solids, or perhaps not those that were meant, are mended as far as that is safe.
-    pub repair: bool,
-    /// The unit of lengths in formats that have none: STL, OBJ, PLY, OFF and OpenSCAD's dumps; millimetres if it is not given.
-    pub unit: Option<Unit>,
-}
-
-/// What was read.
-#[derive(Clone, Debug)]
-pub struct Imported {
-    /// What the file says, if that is more than the scene: a native file, or tables beside the scene.
-    pub stated: Option<Document>,
-    /// What it means, to be asked. Its warnings hold the report's.
-    pub scene: Scene,
-    /// What was approximated, dropped or refused; empty for native files.
-    pub report: Report,
-}
-
-impl Imported {
-    /// A scene that was made of another program's file, with what was lost on the way.
-    pub fn from_scene(mut scene: Scene, report: Report) -> Imported {
-        scene.warnings = report.warnings();
-        Imported { stated: None, scene, report }
-    }
-
-    /// What the model is, to be saved as a native model file.
-    pub fn document(&self) -> Document {
-        self.stated.clone().unwrap_or_else(|| Document::from_scene(&self.scene))
-    }
-}
-
-/// Reads a model file, with other values for some of its parameters (name, arithmetic text). Without a format it is
-/// that of the file's name, or the native one where the name tells none.
+/// Reads a model file and overrides parameters (name, arithmetic text). Without a format, the extension of the file selects
+/// it; the native format is the fallback.
 ///
 /// # Errors
 ///
-/// All problems of the file at once, if it is no file of its format or too much of it is wrong.
+/// All problems of the file at once, if it does not have the format or too much of it is wrong.
 pub fn load(
     path: impl AsRef<Path>,
     format: Option<Format>,
@@ -102,11 +70,11 @@ pub fn load(
     }
 }
 
-/// Reads a model from text. Files that it names are looked for in the current folder.
+/// Reads a model from text. File names in it are relative to the current folder.
 ///
 /// # Errors
 ///
-/// As [`load`].
+/// The errors of [`load`].
 pub fn parse(
     text: &str,
     format: Format,

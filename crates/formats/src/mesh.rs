@@ -1,17 +1,17 @@
-//! Files of meshes as models: each closed object is a region.
+//! Mesh files as models: each closed object becomes a region.
 //!
-//! What is read, and how, is told in [`rayweave_mesh::files`]. A file whose objects are each closed gives a region for each, later
-//! ones before earlier ones where they overlap; else all its triangles together are one. A mesh that is not closed is an error,
-//! one that may not be what was meant a warning, both with where and how often; [`Options::repair`] mends what can be mended
-//! safely, and tells what was done.
+//! [`rayweave_mesh_io`] documents the file formats. If every object of a file is closed, each becomes a region, and later
+//! regions have priority over earlier ones where they overlap. Otherwise all triangles together form one region. An open
+//! mesh is an error and a suspicious one a warning, both with position and count; [`Options::repair`] repairs as far as
+//! that is safe and reports the changes.
 //!
-//! **Units** are the file's where it has one (3MF, and glTF, which is in metres), else [`Options::unit`], else millimetres.
-//! glTF has y up: its points (x, y, z) become (x, -z, y), so that what is up there is up here.
+//! **Units** come from the file if it has one (3MF; glTF, which uses metres), else from [`Options::unit`], else
+//! millimetres. glTF has its y axis up: points (x, y, z) become (x, -z, y), so that z is up.
 
 use crate::{Format, Imported, LossKind, Options, Report};
 use rayweave_math::Vec3;
-use rayweave_mesh::files::{self, FileError, Loaded, MeshFormat, ReadOptions};
 use rayweave_mesh::{Diagnosis, Mesh, MeshError, Polyhedron, Repair};
+use rayweave_mesh_io::{self as mesh_io, FileError, LoadedMesh, MeshFormat, ReadOptions};
 use rayweave_model::Solid;
 use rayweave_scene::{
     Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit, memory,
@@ -20,31 +20,31 @@ use rayweave_shape::primitive::{self, Primitive};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Reads a file.
+/// Reads a mesh file.
 pub(crate) fn load(path: &Path, format: MeshFormat, options: &Options) -> Result<Imported, Diagnostics> {
     let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
     let limits = limits();
-    let loaded = files::read(path, Some(format), &limits);
+    let loaded = mesh_io::read(path, Some(format), &limits);
     Import::new(&source, format, options).scene(loaded, &limits)
 }
 
-/// Reads a text.
+/// Reads a mesh from text.
 pub(crate) fn parse(
     source: &Arc<Source>,
     format: MeshFormat,
     options: &Options,
 ) -> Result<Imported, Diagnostics> {
     let limits = limits();
-    let loaded = files::read_bytes(source.text().as_bytes(), format, &limits);
+    let loaded = mesh_io::read_bytes(source.text().as_bytes(), format, &limits);
     Import::new(source, format, options).scene(loaded, &limits)
 }
 
-/// As many triangles as fit into memory.
+/// Read limits: as many triangles as fit into memory.
 fn limits() -> ReadOptions {
-    memory::available().map_or_else(ReadOptions::default, ReadOptions::within)
+    memory::available().map_or_else(ReadOptions::default, ReadOptions::for_memory)
 }
 
-/// What is collected while a file is read.
+/// State while a file is imported.
 struct Import<'a> {
     source: &'a Arc<Source>,
     format: MeshFormat,
@@ -62,7 +62,7 @@ impl<'a> Import<'a> {
 
     fn scene(
         mut self,
-        loaded: Result<Loaded, FileError>,
+        loaded: Result<LoadedMesh, FileError>,
         limits: &ReadOptions,
     ) -> Result<Imported, Diagnostics> {
         let loaded = loaded.map_err(|error| Diagnostics::from(self.unreadable(&error, limits)))?;
@@ -91,18 +91,18 @@ impl<'a> Import<'a> {
             FileError::Io(error) => rayweave_scene::reason(error),
             error => error.to_string(),
         };
-        let is_short = limits.most < ReadOptions::default().most;
+        let is_short = limits.max_elements < ReadOptions::default().max_elements;
         if let (FileError::Mesh { error: MeshError::TooMany { .. }, .. }, true) = (error, is_short) {
             why += &format!(
-                "; a triangle takes up to {} bytes while it is read, and there is no more memory",
-                ReadOptions::BYTES_A_TRIANGLE
+                " A triangle takes up to {} bytes while it is read, and there is no more memory.",
+                ReadOptions::BYTES_PER_TRIANGLE
             );
         }
         Diagnostic::error("the mesh cannot be read").why(why).in_file(self.source)
     }
 
-    /// The unit of the file, or the one that was asked for.
-    fn unit(&self, loaded: &Loaded) -> Result<Unit, Diagnostics> {
+    /// The unit of the file, or the requested one.
+    fn unit(&self, loaded: &LoadedMesh) -> Result<Unit, Diagnostics> {
         let own = loaded.unit.as_deref().map(|name| match name {
             "inch" => Unit::Inch,
             "foot" => Unit::Foot,
@@ -114,15 +114,18 @@ impl<'a> Import<'a> {
         Ok(own.or(self.options.unit).unwrap_or_default())
     }
 
-    /// The meshes with their names: one for each object, or one in all.
-    fn objects(&mut self, mut loaded: Loaded) -> Vec<(String, Mesh)> {
+    /// The named meshes: one per object, or a single one.
+    fn objects(&mut self, mut loaded: LoadedMesh) -> Vec<(String, Mesh)> {
         if matches!(self.format, MeshFormat::Gltf | MeshFormat::Glb) {
-            // no coordinate becomes larger, so that none is refused
+            // no coordinate grows, so the mapped mesh is always accepted
             loaded.mesh = loaded.mesh.mapped(|p| Vec3::new(p.x, -p.z, p.y)).unwrap_or(loaded.mesh);
         }
-        if loaded.parts.len() > 1 {
-            let parts: Vec<(String, Mesh)> =
-                loaded.parts.iter().map(|part| (part.name.clone(), loaded.part(part))).collect();
+        if loaded.objects.len() > 1 {
+            let parts: Vec<(String, Mesh)> = loaded
+                .objects
+                .iter()
+                .map(|object| (object.name.clone(), loaded.object_mesh(object)))
+                .collect();
             let open = parts.iter().filter(|(_, mesh)| !mesh.is_closed()).count();
             if open == 0 || (self.options.repair && !loaded.mesh.is_closed()) {
                 return parts;
@@ -136,11 +139,11 @@ impl<'a> Import<'a> {
         vec![(name.unwrap_or_default().into_owned(), loaded.mesh)]
     }
 
-    /// The solid within a mesh; what is wrong with it is told.
+    /// The solid inside a mesh; problems of the mesh are reported.
     fn solid(&mut self, name: Option<&str>, mut mesh: Mesh) -> Option<Polyhedron> {
         let what = name.map_or("the mesh".to_owned(), |name| format!("the mesh of `{name}`"));
         if self.options.repair {
-            let (mended, done) = mesh.mended().unwrap_or((mesh, Repair::default()));
+            let (mended, done) = mesh.auto_repaired().unwrap_or((mesh, Repair::default()));
             mesh = mended;
             self.tell_repairs(&what, &done);
         }
@@ -169,14 +172,14 @@ impl<'a> Import<'a> {
     }
 
     fn tell_repairs(&mut self, what: &str, done: &Repair) {
-        for (count, repair) in done.told() {
+        for (count, repair) in done.summary() {
             let told = Diagnostic::warning(format!("{what} was repaired: {count} {repair}"));
             self.report.add(LossKind::Approximated, repair, told.in_file(self.source));
         }
     }
 }
 
-/// A region for each solid.
+/// A scene with one region per solid.
 fn scene(solids: Vec<(String, Polyhedron)>, unit: Unit) -> Scene {
     let mut media = vec![Medium { name: "world".to_owned(), ..Medium::default() }];
     let mut regions: Vec<SceneRegion> = Vec::new();
@@ -200,7 +203,7 @@ fn scene(solids: Vec<(String, Polyhedron)>, unit: Unit) -> Scene {
     }
 }
 
-/// The name, or `part`, with a number if it is taken.
+/// The name, or `part` if it is empty, with a number if it is taken.
 fn free_name(name: &str, regions: &[SceneRegion]) -> String {
     let name = if name.is_empty() || name == "world" { "part" } else { name };
     let numbered = (2..).map(|k| format!("{name}{k}"));

@@ -1,4 +1,4 @@
-//! What is not in a scene as its file said it.
+//! Import losses: constructs of a file that the scene does not represent exactly.
 
 use crate::{Format, Options};
 use rayweave_scene::{Diagnostic, Diagnostics, Source};
@@ -7,12 +7,12 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The sorts of losses.
+/// Kinds of losses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LossKind {
-    /// The scene holds something near to what was said.
+    /// The scene holds an approximation.
     Approximated,
-    /// Something that is no part of the geometry is gone.
+    /// Something other than geometry is missing.
     Dropped,
     /// A part of the geometry is missing.
     Refused,
@@ -28,30 +28,29 @@ impl fmt::Display for LossKind {
     }
 }
 
-/// Something of one sort that was lost, once or several times for the same reason.
+/// A loss, counted over all occurrences that have the same reason.
 #[derive(Clone, Debug)]
 pub struct Loss {
-    /// What became of it.
+    /// Kind of the loss.
     pub kind: LossKind,
-    /// What it is, in the words of the format: `minkowski()`, `twistedbox`.
+    /// The construct, in the words of the format: `minkowski()`, `twistedbox`.
     pub what: String,
-    /// Why, with the first place in the file.
+    /// Reason, with the first position in the file.
     pub first: Diagnostic,
-    /// How many there are.
+    /// Number of occurrences.
     pub count: usize,
 }
 
-/// All losses, in the order in which they were met.
+/// All losses, in order of occurrence.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     losses: Vec<Loss>,
-    /// Where each kind of each thing is, by the message too: the same thing may be lost for several reasons.
+    /// Index of each loss by kind, construct and message: the same construct may be lost for several reasons.
     known: HashMap<(LossKind, String, String), usize>,
 }
 
 impl Report {
-    /// Adds a loss. `why` is a warning with its place; of several with the same message the first in
-    /// the file is kept.
+    /// Adds a loss. `why` is a warning with its position; among equal messages the first position in the file is kept.
     pub fn add(&mut self, kind: LossKind, what: &str, why: Diagnostic) {
         let key = (kind, what.to_owned(), why.message().to_owned());
         let next = self.losses.len();
@@ -77,12 +76,12 @@ impl Report {
         self.losses.is_empty()
     }
 
-    /// How many things of a kind were lost, repetitions counted.
+    /// Number of losses of a kind, counting repetitions.
     pub fn count(&self, kind: LossKind) -> usize {
         self.iter().filter(|loss| loss.kind == kind).map(|loss| loss.count).sum()
     }
 
-    /// One warning for each loss, in the order of the file: what, why, where first, how many times.
+    /// One warning per loss, in file order: construct, reason, first position, count.
     pub fn warnings(&self) -> Diagnostics {
         let warning = |loss: &Loss| match loss.count {
             1 => loss.first.clone(),
@@ -92,7 +91,7 @@ impl Report {
     }
 }
 
-/// An error for a program of OpenSCAD, unless it is said to be something else.
+/// An error for an OpenSCAD program (`.scad`), unless a format is given explicitly.
 pub(crate) fn refuse_program(
     source: &Arc<Source>,
     path: &Path,
@@ -108,7 +107,7 @@ pub(crate) fn refuse_program(
     Err(Diagnostics::new(vec![problem.in_file(source)]))
 }
 
-/// An error for each parameter, in formats that have none.
+/// An error for each parameter override, in formats without parameters.
 pub(crate) fn refuse_overrides(
     source: &Arc<Source>,
     format: Format,
@@ -157,6 +156,6 @@ mod tests {
         assert_eq!(report.count(LossKind::Refused), 4);
         let warnings = report.warnings();
         let messages: Vec<&str> = warnings.iter().map(|warning| warning.message()).collect();
-        assert_eq!(messages, ["no a (3 times, here first)", "rough a (3 times, here first)", "no b"]);
+        assert_eq!(messages, ["no a: 3 times, here first.", "rough a: 3 times, here first.", "no b"]);
     }
 }

@@ -1,7 +1,7 @@
-//! Damaged files of every format: a clear error or a scene that compiles, soon, and never a panic.
+//! Damaged files of every format: they yield a clear error or a scene that compiles, in limited time and without a panic.
 //!
-//! The seeds are small files of each format, some of them written here from one scene; what is done to them is chosen by numbers
-//! that are the same in every run.
+//! The seeds are small files of each format, some of them written here from one scene. The mutations come from a random
+//! generator with a fixed seed.
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_formats::{Format, Options, WriteOptions, load, write};
@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// No file of these sizes may take longer, on a machine that is busy with other things.
+/// Time limit per file, generous enough for a busy machine.
 const LONGEST: Duration = Duration::from_secs(600);
 
-/// A native file with most of what the others can say.
+/// A native file that uses most features of the other formats.
 const NATIVE: &str = "
 rayweave = 1
 unit = 'mm'
@@ -59,7 +59,7 @@ const OBJ: &str =
     "o a\nv 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 4\nf 1 3 2\nf 1/1 2/1 4/1\nf 2//1 3//1 4//1\nf -4 -1 -2\n";
 const OFF: &str = "OFF\n4 4 6\n0 0 0\n4 0 0\n0 4 0\n0 0 4\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
 
-/// A file: its name, and what stands in it. Drawings are imported by a dump beside them.
+/// A seed file: name and contents. Drawings come with a dump that imports them.
 struct Seed {
     name: String,
     bytes: Vec<u8>,
@@ -102,7 +102,7 @@ fn seeds() -> Vec<Seed> {
     all
 }
 
-/// Numbers that are too large, too small, none, or ask for too much.
+/// Numbers that are too large, too small, invalid, or would exhaust memory.
 const NUMBERS: [&str; 16] = [
     "1e400",
     "-1e400",
@@ -122,7 +122,7 @@ const NUMBERS: [&str; 16] = [
     "",
 ];
 
-/// One change somewhere.
+/// A random mutation of a file.
 fn changed(bytes: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
     let at = rng.random_range(0..bytes.len().max(1));
     let mut all = bytes.to_vec();
@@ -144,7 +144,7 @@ fn changed(bytes: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
     all
 }
 
-/// A tag, a line or a word around a place.
+/// A tag, a line or a word around an offset.
 fn piece(bytes: &[u8], at: usize) -> std::ops::Range<usize> {
     let is_end = |byte: &u8| b"\n>;,".contains(byte);
     let start = bytes[..at].iter().rposition(is_end).map_or(0, |found| found + 1);
@@ -152,7 +152,7 @@ fn piece(bytes: &[u8], at: usize) -> std::ops::Range<usize> {
     start..end.min(start + 200).max(at.min(start + 200))
 }
 
-/// The number that begins next.
+/// The next number after an offset.
 fn digits(bytes: &[u8], at: usize) -> std::ops::Range<usize> {
     let is_digit = |byte: &u8| byte.is_ascii_digit() || b".-+eE".contains(byte);
     let start = bytes[at..].iter().position(u8::is_ascii_digit).map_or(at, |found| at + found);
@@ -161,7 +161,7 @@ fn digits(bytes: &[u8], at: usize) -> std::ops::Range<usize> {
     start..end
 }
 
-/// Reads a file, and asks what it holds along a ray.
+/// Reads a file, and traces a ray through the model.
 fn examine(path: &Path) {
     let start = Instant::now();
     match load(path, None, &[], &Options::default()) {
@@ -178,7 +178,7 @@ fn examine(path: &Path) {
     assert!(start.elapsed() < LONGEST, "{:?}", start.elapsed());
 }
 
-/// Says something, and not without end.
+/// Asserts that the messages are not empty and of limited length.
 fn is_clear(problems: &Diagnostics) {
     assert!(problems.iter().count() > 0);
     assert!(problems.iter().all(|problem| !problem.message().is_empty()));
@@ -208,7 +208,7 @@ fn damage(seed: &Seed, folder: &Path, count: u64) {
     }
 }
 
-/// A folder of its own.
+/// A temporary folder.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::create_dir_all(&folder).unwrap();
@@ -223,7 +223,7 @@ fn damaged_files_do_no_harm() {
     }
 }
 
-/// Many more, and of the real files that are there.
+/// More mutations, including those of real files if they are present.
 #[test]
 #[ignore = "long"]
 fn long_damaged_files_do_no_harm() {

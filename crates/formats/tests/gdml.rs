@@ -1,4 +1,4 @@
-//! GDML against Geant4's answers, closed forms and malformed files.
+//! GDML import, against results of Geant4, closed forms and malformed files.
 
 #[path = "gdml/files.rs"]
 mod files;
@@ -26,7 +26,7 @@ fn parse(text: &str) -> Result<Imported, Diagnostics> {
     rayweave_formats::parse(text, Format::Gdml, &[], &Options::default())
 }
 
-/// A file of solids and a structure, with what every file needs around them.
+/// A file with the given definitions, solids and structure, and the boilerplate of every file.
 fn model(define: &str, solids: &str, structure: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<gdml><define>{define}</define>\n<materials><material name=\"Al\" Z=\"13\">\
@@ -35,9 +35,9 @@ fn model(define: &str, solids: &str, structure: &str) -> String {
     )
 }
 
-/// The names of the regions along a ray, each with where it begins; the last is the world's outside.
+/// Names of the regions along a ray, each with its start; the last one is the outside.
 fn along(imported: &Imported, origin: [f64; 3], direction: [f64; 3]) -> Vec<(f64, String)> {
-    // each of a medium of its own, since only changes of the medium are crossings
+    // a medium per region, since only changes of the medium are crossings
     let mut regions = imported.scene.model_regions();
     regions.iter_mut().zip(1..).for_each(|(region, medium)| region.medium = medium);
     let program = Arc::new(Program::compile_regions(&regions).unwrap());
@@ -50,7 +50,7 @@ fn along(imported: &Imported, origin: [f64; 3], direction: [f64; 3]) -> Vec<(f64
     answer.crossings.iter().map(|crossing| (crossing.t, name(crossing.after))).collect()
 }
 
-/// The volume of a solid, by parallel rays along z through the middles of a grid over its bounds, `n` times `n`.
+/// Volume of a solid, by `n` times `n` rays along z through the cell centres of a grid over its bounds.
 fn volume(program: &Arc<Program>, n: usize) -> f64 {
     let bounds = program.prototypes()[0].bounds;
     let size = bounds.hi - bounds.lo;

@@ -1,16 +1,16 @@
-//! Files of meshes as models: regions, units, what is wrong and what can be mended.
+//! Mesh files as models: regions, units, defects and repair.
 
 use rayweave_formats::{Format, Imported, LossKind, Options, load, parse};
 use rayweave_math::Vec3;
 use rayweave_mesh::Mesh;
-use rayweave_mesh::files::{MeshFormat, WriteOptions, save};
+use rayweave_mesh_io::{MeshFormat, WriteOptions, save};
 use rayweave_model::{Evaluator, Program, RegionId};
 use rayweave_scene::{Diagnostics, Unit};
 use rayweave_trace::Weave;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A folder of its own, gone at the end.
+/// A temporary folder, removed when dropped.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -54,7 +54,7 @@ fn read(text: &str, options: &Options) -> Result<Imported, Diagnostics> {
     parse(text, Format::Mesh(MeshFormat::Obj), &[], options)
 }
 
-/// The region that holds a point, 0 for none.
+/// Index of the region that contains a point, 0 for none.
 fn region(imported: &Imported, point: [f64; 3]) -> u32 {
     let program = Arc::new(Program::compile_regions(&imported.scene.model_regions()).unwrap());
     let weave = Weave::new(program);
@@ -74,7 +74,7 @@ fn every_format_of_meshes_is_a_model() {
         let scene = &imported.scene;
         assert_eq!((scene.regions.len(), scene.regions[0].name.as_str()), (1, "part"), "{format:?}");
         assert!(imported.report.is_empty() && scene.warnings.is_empty());
-        // y is up in glTF
+        // glTF has its y axis up
         let is_gltf = matches!(format, MeshFormat::Gltf | MeshFormat::Glb);
         let (inside, outside) = match is_gltf {
             true => ([0.5, -2.5, 1.5], [0.5, 1.5, 2.5]),
@@ -82,7 +82,7 @@ fn every_format_of_meshes_is_a_model() {
         };
         assert_eq!((region(&imported, inside), region(&imported, outside)), (1, 0), "{format:?}");
         assert_eq!(scene.unit, if is_gltf { Unit::Metre } else { Unit::Millimetre });
-        // the document says the same
+        // the document describes the same model
         let (_, back) = rayweave_scene::parse(&imported.document().to_toml()).unwrap();
         assert_eq!(&back, scene);
     }
@@ -98,7 +98,7 @@ fn units_are_the_files_or_as_asked() {
     save(&cuboid([0.0; 3], [1.0; 3]), &path, None, WriteOptions::default()).unwrap();
     let refused = load(&path, None, &[], &inch).unwrap_err().to_string();
     assert!(
-        refused.contains("the unit cannot be set to in (files of the format 3mf say theirs)"),
+        refused.contains("the unit cannot be set to in: files of the format 3mf say theirs."),
         "{refused}"
     );
 }
@@ -124,7 +124,7 @@ fn objects_that_close_only_together_are_one_solid() {
     assert_eq!((region(&imported, [0.5; 3]), region(&imported, [1.5; 3])), (1, 0));
     let warnings = imported.scene.warnings.to_string();
     assert!(
-        warnings.contains("2 of 2 objects are not closed by themselves (all triangles together"),
+        warnings.contains("2 of 2 objects are not closed by themselves: all triangles together"),
         "{warnings}"
     );
 }
@@ -132,7 +132,7 @@ fn objects_that_close_only_together_are_one_solid() {
 #[test]
 fn what_is_open_is_an_error_with_its_place_unless_it_is_repaired() {
     let (vertices, triangles) = cuboid([0.0; 3], [1.0; 3]).into_parts();
-    // a lid is missing, one triangle is there twice, one is turned round
+    // a lid is missing, one triangle is duplicated, one is reversed
     let mut broken = triangles[2..].to_vec();
     broken.push(triangles[5]);
     broken[4].swap(0, 1);
@@ -145,17 +145,17 @@ fn what_is_open_is_an_error_with_its_place_unless_it_is_repaired() {
     assert_eq!((region(&imported, [0.5; 3]), region(&imported, [1.5; 3])), (1, 0));
     let done: Vec<(LossKind, &str)> =
         imported.report.iter().map(|loss| (loss.kind, loss.what.as_str())).collect();
-    let expected = ["repeated triangles left out", "holes with a plane rim closed", "triangles turned round"];
+    let expected = ["duplicate triangles removed", "plane holes filled", "triangles reversed"];
     assert_eq!(done, expected.map(|what| (LossKind::Approximated, what)));
     let told = imported.scene.warnings.to_string();
-    assert!(told.contains("the mesh was repaired: 1 holes with a plane rim closed"), "{told}");
+    assert!(told.contains("the mesh was repaired: 1 plane holes filled"), "{told}");
 }
 
 #[test]
 fn points_that_nearly_meet_are_joined_if_that_closes_it() {
     let mesh = cuboid([0.0; 3], [1.0; 3]);
     let (vertices, triangles) = mesh.into_parts();
-    // each triangle has corners of its own, which differ in the seventh digit
+    // each triangle has its own vertices, which differ in the seventh digit
     let apart: Vec<Vec3> = triangles
         .iter()
         .enumerate()
@@ -167,7 +167,7 @@ fn points_that_nearly_meet_are_joined_if_that_closes_it() {
     let imported = read(&text, &Options { repair: true, ..Options::default() }).unwrap();
     assert_eq!((region(&imported, [0.5; 3]), region(&imported, [1.5; 3])), (1, 0));
     let joined = imported.report.iter().next().unwrap();
-    assert_eq!(joined.what, "points joined with others near to them");
+    assert_eq!(joined.what, "vertices merged");
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn counts_that_cannot_be_are_refused_before_anything_is_taken() {
     bytes.extend([0; 16]);
     std::fs::write(&path, bytes).unwrap();
     let refused = load(&path, None, &[], &Options::default()).unwrap_err().to_string();
-    assert!(refused.contains("4294967295 triangles (at most"), "{refused}");
+    assert!(refused.contains("4294967295 triangles: the limit is"), "{refused}");
     let missing = load(folder.0.join("none.ply"), None, &[], &Options::default()).unwrap_err().to_string();
     assert!(missing.contains("none.ply") && missing.contains("there is no such file"), "{missing}");
     let set = [("R".to_owned(), "1".to_owned())];
@@ -188,18 +188,18 @@ fn counts_that_cannot_be_are_refused_before_anything_is_taken() {
 
 #[test]
 fn what_is_folded_flat_encloses_nothing() {
-    // a rim of three edges is a hole with a plane rim; to fill it makes two triangles of one
+    // a boundary of three edges is a plane hole; filling it makes two triangles of one
     let text = "v 0 0 0\nv 3 0 0\nv 0 4 0\nf 1 2 3\n";
     let mending = Options { repair: true, ..Options::default() };
     let problems = read(text, &mending).unwrap_err().to_string();
-    assert!(problems.contains("encloses nothing"), "{problems}");
+    assert!(problems.contains("encloses no volume"), "{problems}");
     // both sides of a square
     let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 1 3 2\nf 1 4 3\n";
     let problems = read(sheet, &Options::default()).unwrap_err().to_string();
-    assert!(problems.contains("encloses nothing") && !problems.contains("--repair"), "{problems}");
+    assert!(problems.contains("encloses no volume") && !problems.contains("--repair"), "{problems}");
 }
 
-/// The outward faces of a tetrahedron in a 3MF model, as an object of some attributes.
+/// The outward faces of a tetrahedron as an object of a 3MF model, with some attributes.
 fn tetrahedron(attributes: &str) -> String {
     format!(
         r#"<object {attributes}><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/>
@@ -208,7 +208,7 @@ fn tetrahedron(attributes: &str) -> String {
     )
 }
 
-/// A 3MF file of a model with a unit, objects and a build.
+/// A 3MF file with a unit, objects and a build.
 fn threemf(folder: &Folder, unit: &str, objects: &str, build: &str) -> Imported {
     let path = folder.0.join("model.3mf");
     let mut archive = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
@@ -238,7 +238,7 @@ fn units_of_3mf_are_known_or_told() {
     }
     let scene = read(" unit=\"parsec\"");
     let told = scene.warnings.to_string();
-    assert!(told.contains("the unit `parsec` is unknown (3MF has micron, "), "{told}");
+    assert!(told.contains("the unit `parsec` is unknown"), "{told}");
     assert_eq!(scene.unit, Unit::Millimetre);
 }
 
@@ -254,14 +254,14 @@ fn supports_of_3mf_are_left_out() {
         let imported = threemf(&folder, "", &objects.concat(), build);
         assert_eq!((region(&imported, [0.1; 3]), region(&imported, [5.1, 0.1, 0.1])), (1, 0), "{kind}");
         let told = imported.scene.warnings.to_string();
-        assert!(told.contains(&format!("object 2 `foot` is left out (its type is `{kind}`")), "{told}");
+        assert!(told.contains(&format!("object 2 `foot` was ignored: its type `{kind}`")), "{told}");
     }
 }
 
 #[test]
 fn mirrors_turn_triangles() {
     let folder = Folder::new("mirrors");
-    // in the build, and in components of which one is a mirror of a mirror
+    // in the build, and in components of which one is a reflection of a reflection
     let objects = tetrahedron("id=\"1\"")
         + r#"<object id="2"><components><component objectid="1"/><component objectid="1" transform="-1 0 0 0 1 0 0 0 1 -9 0 0"/>
         </components></object>"#;

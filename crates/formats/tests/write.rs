@@ -1,10 +1,10 @@
-//! Scenes written in every format and read back: the same solid, judged by rays and by closed forms.
+//! Round trips: scenes written in every format and read back give the same solid, compared by rays and closed forms.
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_formats::{Format, Imported, Options, RemarkKind, WriteOptions, Written, parse, write};
 use rayweave_math::{Affine, Bounds, Mat3, Vec3};
-use rayweave_mesh::files::{MeshFormat, ReadOptions, read_bytes};
 use rayweave_mesh::{Mesh, Polyhedron};
+use rayweave_mesh_io::{MeshFormat, ReadOptions, read_bytes};
 use rayweave_model::{Evaluator, Program, Query, RayBatch, RegionId, Solid};
 use rayweave_scene::{Document, Scene, Unit};
 use rayweave_shape::Ray;
@@ -12,7 +12,7 @@ use rayweave_shape::primitive::{self, Primitive};
 use rayweave_trace::Weave;
 use std::sync::Arc;
 
-/// A scene of solids, each a region of a medium of its own.
+/// A scene with one region per solid, each with its own medium.
 fn scene(solids: &[(&str, Solid)]) -> Scene {
     let document = Document::from_solids(solids.iter().map(|(name, solid)| (*name, solid)));
     let regions = solids.iter().map(|(name, _)| format!("[[region]]\nsolid = '{name}'\n"));
@@ -31,13 +31,13 @@ fn back(written: &Written, format: Format) -> Imported {
     imported
 }
 
-/// All regions that are not of the world as one solid.
+/// The union of all regions with a medium other than the world's.
 fn whole(scene: &Scene) -> Solid {
     let solids = scene.regions.iter().filter(|region| region.colour.alpha > 0);
     Solid::union(solids.map(|region| region.solid.clone()))
 }
 
-/// Rays through a box, from all sides.
+/// Rays through a box from all sides.
 fn rays(bounds: &Bounds, count: usize, seed: u64) -> RayBatch {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut point = || bounds.lo + bounds.size() * Vec3::new(rng.random(), rng.random(), rng.random());
@@ -49,7 +49,7 @@ fn rays(bounds: &Bounds, count: usize, seed: u64) -> RayBatch {
         .collect()
 }
 
-/// The times at which rays enter or leave a solid, ray by ray.
+/// Times at which each ray enters or leaves a solid.
 fn times(solid: &Solid, batch: &RayBatch) -> Vec<Vec<f64>> {
     let weave = Weave::new(Arc::new(Program::compile(solid).unwrap()));
     let collected = weave.collect(batch.rays(), &Query::default()).unwrap();
@@ -57,13 +57,13 @@ fn times(solid: &Solid, batch: &RayBatch) -> Vec<Vec<f64>> {
     (0..batch.len()).map(of).collect()
 }
 
-/// The greatest length on a ray that is in one of two solids only, and the mean of it over all rays.
+/// Largest and mean length, over all rays, on which exactly one of two solids is present.
 fn difference(a: &Solid, b: &Solid, count: usize) -> (f64, f64) {
-    // what comes back may have a box without an end, as quadrics that something else cuts have
+    // the solid that is read back may have an unbounded box, for example if it intersects a quadric with something else
     let bounds = Program::compile(a).unwrap().bounds();
     let batch = rays(&bounds.grown(0.05 * bounds.size().length()), count, 7);
     let lengths = times(a, &batch).into_iter().zip(times(b, &batch)).enumerate().map(|(ray, (a, b))| {
-        // where the one changes and the other does not, the parity of all changes is odd
+        // where the solids differ, the number of changes of both together is odd
         let mut all = [a, b].concat();
         all.sort_by(f64::total_cmp);
         all.chunks(2).map(|pair| pair[1] - pair[0]).sum::<f64>() * batch.rays().get(ray).direction.length()
@@ -72,7 +72,7 @@ fn difference(a: &Solid, b: &Solid, count: usize) -> (f64, f64) {
     (lengths.iter().copied().fold(0.0, f64::max), lengths.iter().sum::<f64>() / count as f64)
 }
 
-/// Maps of all sorts: none, rigid, mirrored, scaled unequally, sheared.
+/// Maps of all kinds: identity, rigid, reflection, non-uniform scale, shear.
 fn maps() -> Vec<Affine> {
     let turn =
         Affine::rotation(Vec3::new(1.0, 2.0, -0.5), 40.0).then(&Affine::translate(Vec3::new(0.3, -0.2, 0.1)));
@@ -87,7 +87,7 @@ fn maps() -> Vec<Affine> {
     ]
 }
 
-/// An example of every shape under a map, cut to a ball where it has no end.
+/// An example of every shape under a map, intersected with a ball if it is unbounded.
 fn examples(map: &Affine) -> Vec<(&'static str, Solid)> {
     let ball = Solid::from(Primitive::from(primitive::Sphere::new(3.0).unwrap()));
     let finite = |primitive: Primitive| {
@@ -126,7 +126,7 @@ fn every_shape_under_every_map_comes_back() {
     assert!(exact > 200, "{exact}");
 }
 
-/// A random tree of shapes, within a ball.
+/// A random tree of shapes within a ball.
 fn random_solid(rng: &mut ChaCha8Rng, depth: u32) -> Solid {
     if depth == 0 {
         let exact = [
@@ -208,20 +208,20 @@ fn later_regions_win_in_every_format() {
     {
         let back = back(&written(&scene, format, Some(0.01)), format);
         if format == Format::Gdml {
-            // without the world of the file, which is nothing but room
+            // without the world of the file, which the writer added
             let names: Vec<&str> = back.scene.regions.iter().map(|region| region.name.as_str()).collect();
             assert_eq!(names, ["one", "two", "three"]);
         }
         for x in [-2.5, -1.0, 0.2, 0.7, 1.3, 2.2, 2.9, 3.1] {
             let expected = region(&scene, x, 1.0);
-            // glTF is in metres
+            // glTF uses metres
             let scale = if format == Format::Mesh(MeshFormat::Gltf) { 1e-3 } else { 1.0 };
             assert_eq!(region(&back.scene, x, scale), expected, "{format} {x}");
         }
     }
 }
 
-/// The mesh of a solid, which has to be sound.
+/// The mesh of a solid, which must be sound.
 fn mesh(solid: &Solid, tolerance: f64) -> Mesh {
     let scene = scene(&[("part", solid.clone())]);
     let file = written(&scene, Format::Mesh(MeshFormat::Ply), Some(tolerance));
@@ -240,7 +240,7 @@ fn meshes_of_shapes_are_sound_and_within_the_tolerance() {
         let Some(volume) = primitive.volume().filter(|volume| volume.is_finite()) else { continue };
         let solid = Solid::from(primitive);
         let mesh = mesh(&solid, tolerance);
-        // corners lie on the surface, so that the volume is off by no more than the tolerance times the area
+        // vertices lie on the surface, so that the volume error is at most the tolerance times the area
         let error = (mesh.volume() - volume).abs();
         assert!(error <= tolerance * mesh.area(), "{name} {tolerance}: {} {volume}", mesh.volume());
         let body = Solid::from(Primitive::from(primitive::Mesh::from(Polyhedron::new(&mesh).unwrap())));
@@ -258,7 +258,7 @@ fn booleans_of_meshes_keep_edges_and_closed_forms() {
     let ball = |radius| Solid::from(Primitive::from(primitive::Sphere::new(radius).unwrap()));
     let pi = std::f64::consts::PI;
     let cases = [
-        // faces in common
+        // coincident faces
         ("bored cube", cuboid(2.0) - cylinder(0.5, 2.0), 8.0 - 0.5 * pi),
         ("endless bore", cuboid(2.0) - cylinder(0.5, f64::INFINITY), 8.0 - 0.5 * pi),
         ("plug in its bore", (cuboid(2.0) - cylinder(0.5, 2.0)) | cylinder(0.5, 2.0), 8.0),
@@ -285,7 +285,7 @@ fn what_cannot_be_written_says_why() {
     let refused = write(&endless, None, Format::OpenScad, &WriteOptions::default()).unwrap_err().to_string();
     assert_eq!(
         refused,
-        "region `rod` has no end (files of the format openscad cannot say that) can it be cut with a box?"
+        "region `rod` has no end: files of the format openscad cannot say that. Can it be cut with a box?"
     );
     let ball = scene(&[("ball", Primitive::from(primitive::Sphere::new(1.0).unwrap()).into())]);
     for tolerance in [0.0, -1.0, f64::NAN] {
@@ -297,7 +297,7 @@ fn what_cannot_be_written_says_why() {
     assert!(refused.contains("more than 20000 corners around a circle"), "{refused}");
 }
 
-/// The volume by lines along z through the cells of a grid.
+/// Volume by lines along z through the cells of a grid.
 fn volume_by_rays(solid: &Solid, bounds: &Bounds) -> f64 {
     const CELLS: usize = 150;
     let size = bounds.size();
@@ -323,7 +323,7 @@ fn booleans_of_twenty_pairs_of_meshes_agree_with_those_of_the_kernel() {
         let mut number = || rng.random_range(-0.6..0.6);
         let turn = Affine::rotation(Vec3::new(number(), number(), 1.0), 90.0 * number());
         let random = turn.then(&Affine::translate(Vec3::new(number(), number(), number())));
-        // moved along the axis or within their ends, equal shapes have faces in common
+        // equal shapes translated along the axis or within their ends have coincident faces
         let shifts =
             [Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 0.25, 0.0), Vec3::new(0.0, 0.0, 0.5), Vec3::ZERO];
         let map = if round % 2 == 0 { random } else { Affine::translate(shifts[round / 2 % 4]) };
@@ -341,7 +341,7 @@ fn booleans_of_twenty_pairs_of_meshes_agree_with_those_of_the_kernel() {
         };
         let bounds = Program::compile(&result).unwrap().bounds();
         let expected = if bounds.is_empty() { 0.0 } else { volume_by_rays(&result, &bounds) };
-        // a solid less itself
+        // a solid minus itself
         if expected < 1e-9 {
             continue;
         }
@@ -352,7 +352,7 @@ fn booleans_of_twenty_pairs_of_meshes_agree_with_those_of_the_kernel() {
     }
 }
 
-/// A box without a curved face, and a ball, in centimetres.
+/// A box without curved faces, and a ball, in centimetres.
 #[test]
 fn lengths_are_millimetres_where_a_format_says_no_unit() {
     let cuboid = Solid::from(Primitive::from(primitive::CentredBox::new(Vec3::new(2.0, 3.0, 4.0)).unwrap()));
@@ -380,6 +380,6 @@ fn lengths_are_millimetres_where_a_format_says_no_unit() {
     }
     scene.unit = Unit::Millimetre;
     let text = String::from_utf8(written(&scene, Format::OpenScad, None).bytes).unwrap();
-    // one for each shape, none for the unit
+    // one per shape, none for the unit
     assert_eq!(text.matches("multmatrix").count(), 2, "{text}");
 }

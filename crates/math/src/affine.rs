@@ -1,10 +1,10 @@
-//! Affine maps `p -> linear p + translation`, acting on column vectors.
+//! Affine maps (affine transformations) of space, `p -> linear p + translation`, acting on column vectors.
 
 use crate::{Mat3, UNIT_ROUNDOFF, Vec3, sin_cos_degrees};
 
 /// An affine map of space: `p -> linear * p + translation`.
 ///
-/// By the convention of the whole project a map is named by the frames it joins, as in `world_from_local`.
+/// Variables that hold a map are named after the frames that it joins, as in `world_from_local`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Affine {
     /// The linear part.
@@ -13,12 +13,13 @@ pub struct Affine {
     pub translation: Vec3,
 }
 
-/// Why a map cannot be used as a placement.
+/// Error: an affine map has no usable inverse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SingularError {
     /// An entry is NaN or infinite.
     NotFinite,
-    /// The linear part is singular, or so nearly that its inverse has no correct digit.
+    /// The linear part is singular, or so ill-conditioned that its inverse has too few correct digits.
     Singular,
 }
 
@@ -28,10 +29,9 @@ impl std::fmt::Display for SingularError {
             SingularError::NotFinite => {
                 write!(f, "the transform has an entry that is NaN or infinite")
             }
-            SingularError::Singular => write!(
-                f,
-                "the transform is singular (it flattens space, so that no point has one image) is a scale factor 0?"
-            ),
+            SingularError::Singular => {
+                write!(f, "the transform is singular: it has no inverse. Check for a scale factor of 0.")
+            }
         }
     }
 }
@@ -39,10 +39,10 @@ impl std::fmt::Display for SingularError {
 impl std::error::Error for SingularError {}
 
 impl Affine {
-    /// The map that changes nothing.
+    /// The identity map.
     pub const IDENTITY: Affine = Affine { linear: Mat3::IDENTITY, translation: Vec3::ZERO };
 
-    /// A pure translation.
+    /// The translation by a vector.
     pub fn translate(by: Vec3) -> Affine {
         Affine { linear: Mat3::IDENTITY, translation: by }
     }
@@ -52,14 +52,13 @@ impl Affine {
         Affine { linear: Mat3::from_diagonal(factors), translation: Vec3::ZERO }
     }
 
-    /// A linear map.
+    /// The map with this linear part and no translation.
     pub fn from_linear(linear: Mat3) -> Affine {
         Affine { linear, translation: Vec3::ZERO }
     }
 
     /// Right-handed rotation about an axis through the origin, which need not be of unit length, by an
-    /// angle in degrees (Rodrigues' formula). Quarter turns about coordinate axes are exact. An axis of
-    /// length zero gives a map of NaN.
+    /// angle in degrees (Rodrigues' formula). Quarter turns about coordinate axes are exact. A zero axis gives NaN entries.
     pub fn rotation(axis: Vec3, degrees: f64) -> Affine {
         let (sin, cos) = sin_cos_degrees(degrees);
         let u = unit(axis);
@@ -76,7 +75,7 @@ impl Affine {
     }
 
     /// Reflection in the plane through the origin with the given normal, which need not be of unit length
-    /// (Householder). A normal of length zero gives a map of NaN.
+    /// (Householder reflection). A zero normal gives NaN entries.
     pub fn mirror(normal: Vec3) -> Affine {
         let n = unit(normal);
         Affine::from_linear(Mat3::from_cols(
@@ -86,7 +85,7 @@ impl Affine {
         ))
     }
 
-    /// From the rows of a 4 x 4 matrix that acts on columns. `None` if the last row is not (0, 0, 0, 1).
+    /// Converts from the rows of a 4 x 4 matrix that acts on columns. `None` if the last row is not (0, 0, 0, 1).
     pub fn from_rows(rows: &[[f64; 4]; 4]) -> Option<Affine> {
         if rows[3] != [0.0, 0.0, 0.0, 1.0] {
             return None;
@@ -111,16 +110,19 @@ impl Affine {
         self.linear * v
     }
 
-    /// This map first, `outer` second: the map `p -> outer(self(p))`.
+    /// The composition `p -> outer(self(p))`: this map first, `outer` second.
     pub fn then(&self, outer: &Affine) -> Affine {
         Affine { linear: outer.linear * self.linear, translation: outer.point(self.translation) }
     }
 
-    /// The inverse map, or why there is none.
+    /// The inverse map.
     ///
-    /// A linear part L counts as singular if `|L| |L^-1| > 2^40` (Frobenius norms): beyond that the inverse
-    /// has fewer than 13 correct bits, too few to say where anything is. (A solid may still be scaled by
-    /// 1e-11 in one direction alone; uniform scales of any size are always well conditioned.)
+    /// A linear part L counts as singular if its condition number `|L| |L^-1|` (Frobenius norms) exceeds 2^40: the inverse then
+    /// has fewer than 13 correct bits. Scaling by 1e-11 along one axis is still accepted; uniform scales of any size are well
+    /// conditioned.
+    ///
+    /// # Errors
+    /// [`SingularError`]: an entry is not finite, or the linear part is singular.
     pub fn inverse(&self) -> Result<Affine, SingularError> {
         if !self.is_finite() {
             return Err(SingularError::NotFinite);
@@ -129,8 +131,7 @@ impl Affine {
         if size == 0.0 {
             return Err(SingularError::Singular);
         }
-        // scaled first, so that the determinant of a tiny or huge map neither under- nor overflows; by a power
-        // of two, so that a scale by one changes no digit
+        // scaling first keeps the determinant of a tiny or huge map within range; a power of two changes no digit
         let scale = libm::ldexp(1.0, (-libm::ilogb(size)).min(1000));
         let inverse = (self.linear * scale).inverse() * scale;
         if !inverse.is_finite() || size * frobenius(&inverse) > 2f64.powi(40) {
@@ -144,38 +145,40 @@ impl Affine {
         self.linear.is_finite() && self.translation.is_finite()
     }
 
-    /// The scale factor `s > 0` if the linear part is a similarity (`L^T L = s^2 I` within 64 unit
-    /// roundoffs: a rotation computed from sines and cosines and composed a few times passes, a shear or a
-    /// stretch by one part in 1e13 does not).
+    /// The scale factor `s > 0` if the linear part is a similarity: `L^T L = s^2 I` within 64 unit roundoffs.
+    ///
+    /// Rotations computed from sines and cosines and composed a few times pass; a shear or a stretch by one part in 1e13 does
+    /// not.
     pub fn similarity(&self) -> Option<f64> {
         let gram = self.linear.transpose() * self.linear;
         let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
         let off = gram - Mat3::from_diagonal(Vec3::splat(square));
         let worst = off.to_cols_array().iter().fold(0.0f64, |w, e| w.max(e.abs()));
         (square > 0.0 && worst <= 64.0 * UNIT_ROUNDOFF * square).then(|| {
-            // exact where the map itself is: a rotation keeps every radius to the bit, and with a scale by a
-            // power of two every digit of it
+            // snapping to powers of two keeps radii exact to the bit under rotations, and exact in every digit under
+            // rotations with a scale by a power of two
             let root = square.sqrt();
             let power = libm::ldexp(1.0, libm::ilogb(root * std::f64::consts::SQRT_2));
             if (root - power).abs() <= 8.0 * UNIT_ROUNDOFF * power { power } else { root }
         })
     }
 
-    /// The factor `s > 0` if the map only scales by it, the same in all directions, and translates: directions
-    /// then keep every bit.
+    /// The scale factor `s > 0` if the map is a uniform scale and a translation without rotation. Directions then keep every
+    /// bit.
     pub fn uniform_scale(&self) -> Option<f64> {
         let s = self.linear.x_axis.x;
         (s > 0.0 && self.linear == Mat3::from_diagonal(Vec3::splat(s))).then_some(s)
     }
 
-    /// An upper bound of how much the linear part can lengthen a vector (the Frobenius norm).
-    pub fn stretch(&self) -> f64 {
+    /// The Frobenius norm of the linear part: an upper bound of the factor by which it lengthens a vector.
+    pub fn linear_norm(&self) -> f64 {
         frobenius(&self.linear)
     }
 }
 
-/// The unit vector along `v`, exact where `v` lies on a coordinate axis; NaN for a zero vector. Scaled by
-/// the largest component first, so that no square over- or underflows.
+/// The unit vector along `v`, exact where `v` lies on a coordinate axis; NaN for a zero vector.
+///
+/// The vector is scaled by its largest component first, so that no square over- or underflows.
 pub fn unit(v: Vec3) -> Vec3 {
     let scaled = v / v.abs().max_element();
     scaled / scaled.length()
@@ -187,7 +190,7 @@ fn frobenius(m: &Mat3) -> f64 {
         return largest;
     }
     if largest < f64::MIN_POSITIVE {
-        // 1 / largest might overflow
+        // 1 / largest may overflow
         let up = libm::ldexp(1.0, 200);
         return frobenius(&(*m * up)) / up;
     }
@@ -220,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn inverse_undoes_and_refuses() {
+    fn inverse_undoes_the_map_and_rejects_singular_ones() {
         for size in [1e-100, 1e-8, 1.0, 1e8, 1e100] {
             let map = Affine::scale(Vec3::new(size, 2.0 * size, 3.0 * size))
                 .then(&Affine::rotation(Vec3::new(3.0, 1.0, 2.0), 12.0))
@@ -235,7 +238,7 @@ mod tests {
         // subnormal numbers, whose inverses overflow
         for tiny in [5e-324, 1e-310] {
             assert_eq!(Affine::scale(Vec3::splat(tiny)).inverse(), Err(SingularError::Singular));
-            let length = Affine::scale(Vec3::new(tiny, 0.0, 0.0)).stretch();
+            let length = Affine::scale(Vec3::new(tiny, 0.0, 0.0)).linear_norm();
             assert!((length - tiny).abs() <= 5e-324, "{length:e}");
         }
         assert_eq!(Affine::rotation(Vec3::ZERO, 10.0).inverse(), Err(SingularError::NotFinite));
@@ -257,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn similarity_knows_rotations_from_shears() {
+    fn similarity_accepts_rotations_and_rejects_shears() {
         let turn = Affine::rotation(Vec3::new(1.0, -2.0, 0.5), 12.3);
         assert_eq!(turn.similarity(), Some(1.0));
         assert_eq!(Affine::scale(Vec3::splat(-2.0)).similarity(), Some(2.0));

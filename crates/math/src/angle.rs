@@ -1,11 +1,11 @@
-//! Sines and cosines of angles in degrees, exact at the multiples of 90.
+//! Sine and cosine of angles in degrees, exact at the multiples of 90.
 
 use crate::Vec3;
 
 /// `(sin, cos)` of an angle in degrees, any finite value.
 ///
-/// The angle is reduced to [-45, 45] degrees by exact operations, so that quarter turns give exactly 0 and
-/// +-1 and a full turn more changes no bit. NaN or an infinite angle gives NaN.
+/// Exact range reduction to [-45, 45] degrees: quarter turns give exactly 0 and +-1, and adding full turns changes no bit.
+/// A NaN or infinite angle gives NaN.
 pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let turn = degrees % 360.0;
     let quarter = (turn / 90.0).round();

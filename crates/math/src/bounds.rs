@@ -1,8 +1,8 @@
-//! Axis-aligned boxes, possibly empty or unbounded.
+//! Axis-aligned bounding boxes (AABB), possibly empty or unbounded.
 
 use crate::{Affine, Vec3};
 
-/// An axis-aligned box. The empty box is (+inf, -inf); faces may be infinite.
+/// An axis-aligned bounding box. The empty box is (+inf, -inf); faces may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Smallest coordinates.
@@ -12,12 +12,12 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Nothing: the neutral element of `union`.
+    /// The empty box: the neutral element of `union`.
     pub const EMPTY: Bounds = Bounds { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
-    /// All of space: the neutral element of `intersection`.
+    /// The whole space: the neutral element of `intersection`.
     pub const ALL: Bounds = Bounds { lo: Vec3::NEG_INFINITY, hi: Vec3::INFINITY };
 
-    /// The box between two corners; `lo` must not exceed `hi` in any coordinate (else it is empty).
+    /// The box between two corners; empty if `lo` exceeds `hi` in a coordinate.
     pub fn new(lo: Vec3, hi: Vec3) -> Bounds {
         Bounds { lo, hi }.normalised()
     }
@@ -41,12 +41,12 @@ impl Bounds {
         !self.is_empty() && self.lo.is_finite() && self.hi.is_finite()
     }
 
-    /// The smallest box that holds both.
+    /// The smallest box that contains both.
     pub fn union(&self, other: &Bounds) -> Bounds {
         Bounds { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// The points in both.
+    /// The intersection of both boxes.
     pub fn intersection(&self, other: &Bounds) -> Bounds {
         Bounds { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi) }.normalised()
     }
@@ -56,7 +56,7 @@ impl Bounds {
         0.5 * self.lo + 0.5 * self.hi
     }
 
-    /// `hi - lo`; negative or infinite components where the box is empty or unbounded.
+    /// The edge lengths `hi - lo`; components are negative or infinite if the box is empty or unbounded.
     pub fn size(&self) -> Vec3 {
         self.hi - self.lo
     }
@@ -86,8 +86,8 @@ impl Bounds {
         })
     }
 
-    /// The smallest box that holds the image of this box (Arvo, "Transforming Axis-Aligned Bounding
-    /// Boxes", Graphics Gems, 1990). An infinite face stays infinite only in the directions that it reaches.
+    /// The smallest box that contains the image of this box (J. Arvo, "Transforming Axis-Aligned Bounding Boxes", Graphics
+    /// Gems, 1990). The image is infinite only along axes onto which the map projects an infinite face.
     pub fn transformed(&self, map: &Affine) -> Bounds {
         if self.is_empty() {
             return Bounds::EMPTY;
@@ -106,7 +106,7 @@ impl Bounds {
     }
 }
 
-/// A product in which a zero factor wins over an infinite one: an axis that does not reach a face.
+/// A product in which `0 * inf` is 0: the map does not project this face onto the axis.
 fn product(factor: f64, face: f64) -> f64 {
     if factor == 0.0 { 0.0 } else { factor * face }
 }
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn transformed_holds_all_corners_and_keeps_infinite_faces_apart() {
+    fn transformed_contains_all_corners_and_keeps_infinite_faces_apart() {
         let map = Affine::rotation(Vec3::new(1.0, 2.0, 3.0), 40.0)
             .then(&Affine::translate(Vec3::new(5.0, 6.0, 7.0)));
         let unit = Bounds::new(Vec3::new(-1.0, -2.0, 0.0), Vec3::new(1.0, 0.5, 3.0));

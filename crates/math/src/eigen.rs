@@ -1,4 +1,4 @@
-//! Principal axes of a symmetric 3 x 3 matrix.
+//! Eigenvalues and eigenvectors (principal axes) of a symmetric 3 x 3 matrix.
 
 use crate::{Mat3, UNIT_ROUNDOFF, Vec3, unit};
 
@@ -7,21 +7,21 @@ use crate::{Mat3, UNIT_ROUNDOFF, Vec3, unit};
 pub struct Eigen {
     /// The eigenvalues.
     pub values: Vec3,
-    /// The unit eigenvector of each.
+    /// The unit eigenvector of each eigenvalue.
     pub vectors: [Vec3; 3],
-    /// True if the matrix was diagonal: then the values are its diagonal and the vectors the coordinate
-    /// axes, exactly. Otherwise each value has an error of a few unit roundoffs times the largest.
+    /// True if the matrix was diagonal: the eigenvalues are then its diagonal and the eigenvectors the coordinate axes, exactly.
+    /// Otherwise each eigenvalue has an error of a few unit roundoffs times the largest one.
     pub exact: bool,
 }
 
-/// Cyclic Jacobi rotations (G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed., 8.5).
+/// Eigenvalues and eigenvectors by cyclic Jacobi rotations (G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed., 8.5).
 ///
-/// Only the symmetric part of the matrix counts. Entries must be finite.
+/// Uses the symmetric part of the matrix. Entries must be finite.
 pub fn symmetric_eigen(matrix: &Mat3) -> Eigen {
     let mut a = (*matrix + matrix.transpose()) * 0.5;
     let mut vectors = Mat3::IDENTITY;
     let exact = is_diagonal(&a);
-    // quadratic convergence: five sweeps suffice, the rest is for safety
+    // quadratic convergence: five sweeps suffice, more are a safety margin
     for _ in 0..16 {
         if is_diagonal(&a) {
             break;
@@ -69,7 +69,7 @@ fn jacobi_angle(app: f64, aqq: f64, apq: f64) -> (f64, f64) {
     (c, tan * c)
 }
 
-/// Some unit vector perpendicular to a unit vector; a coordinate axis if that is one.
+/// A unit vector perpendicular to a unit vector; a coordinate axis if the argument is one.
 pub fn any_perpendicular(axis: Vec3) -> Vec3 {
     let size = axis.abs();
     let least = if size.x <= size.y && size.x <= size.z {
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn turned_matrices_give_back_their_values_and_axes() {
+    fn rotated_matrices_have_the_same_eigenvalues_and_rotated_axes() {
         let turn = Affine::rotation(Vec3::new(1.0, -2.0, 0.3), 50.0).linear;
         for values in [Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 1.0, -1.0), Vec3::new(1e-9, 1.0, 0.0)] {
             let matrix = turn * Mat3::from_diagonal(values) * turn.transpose();

@@ -1,12 +1,11 @@
-//! Closed intervals with outward rounding: what a value can be at most, for sure.
+//! Interval arithmetic with outward rounding: guaranteed enclosures of real values.
 //!
-//! Source: R. E. Moore, *Interval Analysis* (1966). Each end is computed in round-to-nearest and moved out by one
-//! number, so that the exact result of an operation on any members lies in the result (inclusion). A result
-//! that would be NaN is [`Interval::ALL`].
+//! *Source*: R. E. Moore, *Interval Analysis* (1966). Each end is computed in round-to-nearest and moved outward by one `f64`, so
+//! that the result contains the exact result for all members of the operands (inclusion). A NaN end gives [`Interval::ALL`].
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// All numbers from `lo` to `hi`, both included; infinite ends are allowed, `lo <= hi`.
+/// The closed interval from `lo` to `hi`, `lo <= hi`; ends may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// The lower end.
@@ -16,30 +15,30 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Every number.
+    /// All real numbers.
     pub const ALL: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
-    /// One number.
+    /// The interval that contains one number.
     pub const fn point(x: f64) -> Interval {
         Interval { lo: x, hi: x }
     }
 
-    /// The interval between two numbers given in order; [`Interval::ALL`] if either is NaN.
+    /// The interval between two numbers in increasing order; [`Interval::ALL`] if either is NaN.
     pub fn new(lo: f64, hi: f64) -> Interval {
         if lo <= hi { Interval { lo, hi } } else { Interval::ALL }
     }
 
-    /// The interval of all numbers no farther than `radius` from `middle`.
+    /// The numbers at a distance of at most `radius` from `middle`.
     pub fn around(middle: f64, radius: f64) -> Interval {
         Interval::outward(middle - radius, middle + radius)
     }
 
-    /// The ends moved out by one number each.
+    /// The ends moved outward to the next `f64`.
     fn outward(lo: f64, hi: f64) -> Interval {
         Interval::new(lo.next_down(), hi.next_up())
     }
 
-    /// True if a number of the interval is zero.
+    /// True if the interval contains zero.
     pub fn contains_zero(self) -> bool {
         self.lo <= 0.0 && self.hi >= 0.0
     }
@@ -54,33 +53,32 @@ impl Interval {
         self.lo.abs().max(self.hi.abs())
     }
 
-    /// Numbers that are in both intervals; where there is none, those of `self`.
+    /// The intersection of both intervals, or `self` if that is empty.
     pub fn narrowed(self, other: Interval) -> Interval {
         let (lo, hi) = (self.lo.max(other.lo), self.hi.min(other.hi));
         if lo <= hi { Interval { lo, hi } } else { self }
     }
 
-    /// The square roots of the numbers of the interval that are not negative.
+    /// The square roots of the nonnegative numbers of the interval.
     pub fn sqrt(self) -> Interval {
         let root = |x: f64| x.max(0.0).sqrt();
         Interval::new(root(self.lo).next_down().max(0.0), root(self.hi).next_up())
     }
 
-    /// One over every number of an interval of positive numbers, zero among them as a limit.
+    /// The reciprocals of an interval of positive numbers; zero counts as a limit and gives infinity.
     pub fn positive_recip(self) -> Interval {
         let lo = (1.0 / self.hi).next_down().max(0.0);
         Interval::new(lo, if self.lo > 0.0 { (1.0 / self.lo).next_up() } else { f64::INFINITY })
     }
 
-    /// The product of two intervals of numbers that are not negative, infinity among them as a limit: where 0 meets infinity
-    /// the product may be anything that is not negative.
+    /// The product of two intervals of nonnegative numbers; ends may be infinite. `0 * inf` gives all nonnegative numbers.
     pub fn positive_product(self, other: Interval) -> Interval {
         let (lo, hi) = (self.lo * other.lo, self.hi * other.hi);
         let hi = if hi.is_nan() { f64::INFINITY } else { hi.next_up() };
         Interval::new(lo.next_down().max(0.0), hi)
     }
 
-    /// The square, which is nowhere negative.
+    /// The squares, none of which is negative.
     pub fn square(self) -> Interval {
         let (a, b) = (self.lo * self.lo, self.hi * self.hi);
         let least = if self.contains_zero() { 0.0 } else { a.min(b).next_down().max(0.0) };
@@ -140,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn results_hold_what_members_give() {
+    fn results_contain_the_results_of_members() {
         let (a, b) = (Interval::new(-1.5, 0.1), Interval::new(0.3, 7.0));
         for x in [a.lo, 0.0, a.hi] {
             for y in [b.lo, 2.0, b.hi] {
@@ -166,14 +164,14 @@ mod tests {
     }
 
     #[test]
-    fn narrowing_never_leaves_nothing() {
+    fn narrowing_is_never_empty() {
         let a = Interval::new(0.0, 2.0);
         assert_eq!(a.narrowed(Interval::new(1.0, 3.0)), Interval::new(1.0, 2.0));
         assert_eq!(a.narrowed(Interval::new(3.0, 4.0)), a);
     }
 
     #[test]
-    fn nonsense_is_every_number() {
+    fn undefined_results_are_all_numbers() {
         assert_eq!(Interval::new(f64::NAN, 1.0), Interval::ALL);
         assert_eq!(Interval::ALL * Interval::point(0.0), Interval::ALL);
         assert_eq!(Interval::ALL * 0.0, Interval::ALL);

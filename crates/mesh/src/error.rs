@@ -1,55 +1,60 @@
-//! Why a mesh cannot be made; messages read "problem (why) suggestion?".
+//! Errors of mesh construction.
 
 use rayweave_math::Vec3;
 
-/// Why points and triangles are no mesh, or a mesh is no solid.
+/// Error: vertices and triangles do not form a mesh, or a mesh does not bound a solid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
-    /// A coordinate is NaN, infinite or beyond [`crate::Mesh::MOST`].
-    #[error("vertex {index} is ({:?}, {:?}, {:?}) (coordinates must be finite and at most 1e60) is the unit right?", .point.x, .point.y, .point.z)]
+    /// A coordinate is NaN, infinite or beyond [`crate::Mesh::MAX_COORDINATE`].
+    #[error(
+        "vertex {index} is ({:?}, {:?}, {:?}): coordinates must be finite and at most 1e60 in magnitude. Check the unit.",
+        .point.x, .point.y, .point.z
+    )]
     Coordinate {
-        /// The vertex, from 0.
+        /// The index of the vertex, from 0.
         index: usize,
-        /// What it is.
+        /// Its coordinates.
         point: Vec3,
     },
-    /// A triangle names a vertex that there is not.
+    /// A triangle has a vertex index out of range.
     #[error(
-        "triangle {triangle} names vertex {vertex} (there are {count}, counted from 0) are indices counted from 1?"
+        "triangle {triangle} refers to vertex {vertex}: the mesh has {count} vertices, numbered from 0. \
+         Check whether the indices start at 1."
     )]
     Index {
-        /// The triangle, from 0.
+        /// The index of the triangle, from 0.
         triangle: usize,
-        /// The vertex named.
+        /// The vertex index.
         vertex: u64,
         /// The number of vertices.
         count: usize,
     },
-    /// More vertices or triangles than can be held.
-    #[error("{count} {what} (at most {limit} are held) can the mesh be made coarser?")]
+    /// The number of vertices or triangles exceeds the limit.
+    #[error("the mesh has {count} {what}: the limit is {limit}. Use a coarser mesh.")]
     TooMany {
         /// "vertices" or "triangles".
         what: &'static str,
-        /// How many there are.
+        /// The number.
         count: u64,
-        /// How many there may be.
+        /// The limit.
         limit: u64,
     },
-    /// No triangle with three different corners.
-    #[error("the mesh has no triangle (a solid needs four at least) is the file complete?")]
+    /// No triangle has three different corners.
+    #[error("the mesh has no triangles: a solid needs at least four. Check that the file is complete.")]
     Empty,
-    /// Closed, but all of it is folded flat.
-    #[error("the mesh encloses nothing (its volume is 0 but for rounding) is it a surface?")]
+    /// The mesh is closed, but its volume is 0 within rounding.
+    #[error("the mesh encloses no volume: all of its shells are flat. Give a surface some thickness.")]
     Flat,
-    /// Edges with an odd number of triangles: nothing is inside.
+    /// Some edges have an odd number of triangles, so that inside and outside are not defined.
     #[error(
-        "the mesh is not closed: {edges} edges belong to an odd number of triangles, the first at ({:?}, {:?}, {:?}) \
-         (inside and outside are not told apart) diagnose and repair it?", .at.x, .at.y, .at.z
+        "the mesh is not closed: {edges} edges belong to an odd number of triangles, the first at ({:?}, {:?}, {:?}). \
+         Repair it.", .at.x, .at.y, .at.z
     )]
     Open {
-        /// How many such edges there are.
+        /// The number of such edges.
         edges: usize,
-        /// The middle of one of them.
+        /// The midpoint of the first one.
         at: Vec3,
     },
 }

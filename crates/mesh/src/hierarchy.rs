@@ -54,7 +54,7 @@ pub(crate) struct Hierarchy {
     nodes: Vec<Node>,
     middle: Vec3,
     half: f64,
-    reach: f64,
+    magnitude: f64,
 }
 
 /// A box in f32 with what it holds, while building.
@@ -125,13 +125,13 @@ impl Hierarchy {
         let item = |k| Item::new(k, &crate::triangle::bounds(mesh.corners(k)), middle, half);
         let mut items: Vec<Item> = (0..mesh.triangles().len()).map(item).collect();
         let nodes = build(&mut items);
-        let reach = middle.length() + 2.0 * half;
-        (Hierarchy { nodes, middle, half, reach }, items.iter().map(|item| item.triangle).collect())
+        let magnitude = middle.length() + 2.0 * half;
+        (Hierarchy { nodes, middle, half, magnitude }, items.iter().map(|item| item.triangle).collect())
     }
 
     /// Distance of the farthest point from the origin, at most.
-    pub fn reach(&self) -> f64 {
-        self.reach
+    pub fn magnitude(&self) -> f64 {
+        self.magnitude
     }
 
     /// Bytes held.
@@ -154,7 +154,7 @@ impl Hierarchy {
 
     /// By how much a line may miss what it meets, for its own rounding.
     fn slack(&self, line: &Line) -> f64 {
-        64.0 * UNIT_ROUNDOFF * (line.origin.length() + self.reach)
+        64.0 * UNIT_ROUNDOFF * (line.origin.length() + self.magnitude)
     }
 
     /// Calls `visit` with ranges of triangles, in the hierarchy's order, that hold all which the line comes near to.
@@ -203,7 +203,7 @@ impl Hierarchy {
     /// whose boxes are nearer to the point than what it last returned have been visited.
     pub fn around(&self, point: Vec3, mut within: f64, mut visit: impl FnMut(Range<usize>, f64) -> f64) {
         let p = ((point - self.middle) / self.half).to_array();
-        let margin = MARGIN + 64.0 * UNIT_ROUNDOFF * (point.length() + self.reach) / self.half;
+        let margin = MARGIN + 64.0 * UNIT_ROUNDOFF * (point.length() + self.magnitude) / self.half;
         let scale = self.half * self.half;
         let mut stack = [(0.0, Child(0)); STACK];
         let mut waiting = usize::from(!self.nodes.is_empty());

@@ -1,33 +1,32 @@
-//! Closed triangle meshes.
+//! Triangle meshes: diagnosis, repair, and the solid within a closed mesh with watertight ray intersection.
 //!
-//! - [`Mesh`]: points and triangles as they were given, each index in range and each number finite.
-//! - [`Mesh::diagnose`]: what is wrong with it, where and how often; [`Mesh::repaired`]: what can safely be mended.
-//! - [`Polyhedron`]: the solid within a closed mesh: crossings along lines, points inside, the nearest triangle.
-//! - [`files`]: STL, OBJ, PLY, OFF, 3MF and glTF, read and written.
+//! - [`Mesh`]: vertices and triangles as they were given, with indices in range and finite coordinates.
+//! - [`Mesh::diagnose`]: defects with their number and location; [`Mesh::repaired`]: safe repairs.
+//! - [`Polyhedron`]: the solid within a closed mesh: crossings along lines, point containment, nearest triangle.
 //!
-//! # What is inside
+//! The crate `rayweave-mesh-io` reads and writes mesh files (STL, OBJ, PLY, OFF, 3MF, glTF).
 //!
-//! A point is inside if a line from it to infinity crosses the mesh an odd number of times. So the direction in which a
-//! triangle turns says nothing about what is solid: shells within shells are hollows, and where two shells overlap there
-//! is none of either. [`Mesh::diagnose`] tells where that may not be what was meant.
-
-pub mod files;
+//! # Inside and outside
+//!
+//! A point is inside if a ray from it to infinity crosses the mesh an odd number of times (even-odd rule). The orientation of
+//! triangles does not matter: a shell within a shell is a cavity, and the overlap of two shells is outside.
+//! [`Mesh::diagnose`] reports where this is probably not intended.
 
 mod diagnosis;
 mod error;
 mod hierarchy;
 mod line;
 mod mesh;
-mod polygon;
 mod polyhedron;
 mod repair;
 mod topology;
 mod triangle;
+mod triangulate;
 
 pub use diagnosis::{Component, Diagnosis, Findings, Hole, Intersection};
 pub use error::MeshError;
-pub use line::{Aside, Crossing, Line};
-pub use mesh::Mesh;
-pub use polygon::triangles as polygon_triangles;
+pub use line::{Crossing, Line, Perturbation};
+pub use mesh::{Mesh, VertexWelder};
 pub use polyhedron::{Nearest, Polyhedron};
 pub use repair::{Repair, RepairOptions};
+pub use triangulate::triangulate_polygon;

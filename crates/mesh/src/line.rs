@@ -1,37 +1,39 @@
-//! A line, and on which side of it points and edges are.
+//! Watertight line-triangle intersection with symbolic perturbation.
 //!
 //! *Source*: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics Techniques
-//! 2 (2013): space is sheared until the line is the axis of its largest component, so that each vertex becomes a point of
-//! the plane, computed from that vertex and the line alone, and the line the origin.
+//! 2 (2013): a shear maps the line to the coordinate axis of its largest component. Projection along this axis maps the line to
+//! the origin and each vertex to a point of the plane, which depends on the vertex and the line alone.
 //!
-//! *Guarantee*: a triangle is crossed if its image holds the origin. The sign of a turn is exact for the computed images
-//! and, where it is 0, that of the origin moved by (e, e^2), e > 0 infinitesimal: one point, in general position, for all
-//! triangles. So every closed mesh is crossed an even number of times, through edges and vertices too. An image is off by
-//! `4 u (|o| + |v|)` at most, the rounding of points of the line.
+//! *Guarantee*: a line crosses a triangle if the projected triangle contains the origin. Orientation signs are exact for
+//! the computed projections; where an orientation is 0, the sign is that for the origin moved by (e, e^2), e > 0 infinitesimal
+//! (H. Edelsbrunner, E. P. Mücke, "Simulation of simplicity", 1990), the same point for all triangles. A line therefore
+//! crosses every closed mesh an even number of times, also through edges and vertices. The error of a projection is at most
+//! `4 u (|o| + |v|)`, the rounding error of points of the line.
 
 use rayweave_math::roots::difference_of_products;
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 
-/// `r(t) = origin + t direction`, the whole line.
+/// The infinite line `r(t) = origin + t direction`.
 ///
 /// Components of the origin are at most 1e100 in absolute value, the largest of the direction is between 1e-70 and 1e70.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// The point at t = 0.
     pub origin: Vec3,
-    /// The displacement per unit of t.
+    /// The displacement per unit of t, of any length.
     pub direction: Vec3,
 }
 
-/// Where a line that lies in a face is moved in thought: along the first of these directions that leaves the face.
-pub type Aside = [Vec3; 4];
+/// Directions of symbolic perturbation: a line that lies in a face counts as moved along the first of these directions that is not
+/// tangent to the face.
+pub type Perturbation = [Vec3; 4];
 
-/// A change of side.
+/// A crossing of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// When, in units of the direction.
+    /// The time, in units of the direction.
     pub t: f64,
-    /// Through which triangle, by the mesh's own numbers.
+    /// The index of the triangle in the mesh.
     pub triangle: u32,
 }
 
@@ -46,18 +48,20 @@ impl Line {
         (point - self.origin).dot(self.direction) / self.direction.length_squared()
     }
 
-    /// The distance within which points of the line at time `t` cannot be told from a face as far away as `reach`.
-    pub fn delta(&self, t: f64, reach: f64) -> f64 {
-        64.0 * UNIT_ROUNDOFF * (self.origin.length() + t.abs() * self.direction.length() + reach)
+    /// The tolerance at time `t`: within this distance, rounding makes points of the line and of a face indistinguishable.
+    /// `magnitude` bounds the distance of the face from the origin.
+    pub fn delta(&self, t: f64, magnitude: f64) -> f64 {
+        64.0 * UNIT_ROUNDOFF * (self.origin.length() + t.abs() * self.direction.length() + magnitude)
     }
 }
 
-/// A point of the plane across a line.
+/// The projection of a point along a line.
 pub(crate) type Image = [f64; 2];
 
-const LEAST_IMAGE: f64 = 1e-130;
+/// Coordinates of projections below this are set to 0: products of two would underflow.
+const MIN_IMAGE: f64 = 1e-130;
 
-/// The shear that makes a line an axis.
+/// The shear that maps a line to a coordinate axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shear {
     origin: Vec3,
@@ -74,19 +78,19 @@ impl Shear {
         Shear { origin: line.origin, axes, slope }
     }
 
-    /// A point, seen along the line, which is the origin.
+    /// The projection of a point along the line, with the line at the origin.
     pub fn image(&self, point: Vec3) -> Image {
         let q = (point - self.origin).to_array();
         let [x, y, z] = self.axes.map(|axis| q[axis]);
-        // below LEAST_IMAGE a product of two might vanish
-        [x - self.slope[0] * z, y - self.slope[1] * z].map(|x| if x.abs() < LEAST_IMAGE { 0.0 } else { x })
+        [x - self.slope[0] * z, y - self.slope[1] * z].map(|x| if x.abs() < MIN_IMAGE { 0.0 } else { x })
     }
 }
 
-/// How the origin, moved by (e, e^2), sees the way from `p` to `q` turn: 1 left, -1 right; 0 only if they are equal.
-pub(crate) fn turn(p: Image, q: Image) -> i8 {
+/// The orientation of `p`, `q` and the origin moved by (e, e^2): 1 counter-clockwise, -1 clockwise, 0 only if `p` and `q` are
+/// equal.
+pub(crate) fn orientation(p: Image, q: Image) -> i8 {
     let (a, b) = (p[0] * q[1], p[1] * q[0]);
-    // two products and a difference, each off by u at most
+    // floating-point filter: two products and a difference, each with an error of at most u
     if (a - b).abs() > 4.0 * UNIT_ROUNDOFF * (a.abs() + b.abs()) {
         return if a > b { 1 } else { -1 };
     }
@@ -100,18 +104,18 @@ fn sign(x: f64) -> Option<i8> {
     sign_of_difference(x, 0.0)
 }
 
-/// The sign of `a - b`, which a comparison knows without rounding.
+/// The sign of `a - b`, by comparison, which does not round.
 fn sign_of_difference(a: f64, b: f64) -> Option<i8> {
     if a == b { None } else { Some(if a > b { 1 } else { -1 }) }
 }
 
-/// True if the image of a triangle holds the origin, moved by (e, e^2).
-pub(crate) fn holds_origin([a, b, c]: [Image; 3]) -> bool {
-    let first = turn(a, b);
-    first != 0 && first == turn(b, c) && first == turn(c, a)
+/// True if a projected triangle contains the origin moved by (e, e^2).
+pub(crate) fn contains_origin([a, b, c]: [Image; 3]) -> bool {
+    let first = orientation(a, b);
+    first != 0 && first == orientation(b, c) && first == orientation(c, a)
 }
 
-/// True if the three corners and the origin may lie on one line, within `delta`: if the triangle may lie along the line.
+/// True if the projected corners and the origin may be collinear within `delta`: the plane of the triangle may contain the line.
 pub(crate) fn is_edge_on([a, b, c]: [Image; 3], delta: f64) -> bool {
     let size = |p: Image| p[0].abs() + p[1].abs();
     let is_near = |p: Image, q: Image| {
@@ -127,7 +131,7 @@ mod tests {
     use dashu::rational::RBig;
     use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 
-    /// The same turn about the point (e, e^2) for a rational e smaller than any difference of the inputs.
+    /// The orientation about the point (e, e^2) for a rational e smaller than any difference of the inputs.
     fn oracle(p: Image, q: Image) -> i8 {
         let exact = |x: f64| RBig::try_from(x).unwrap();
         let e = RBig::from_parts(1.into(), dashu::integer::UBig::ONE << 600);
@@ -137,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_are_those_about_one_point_beside_the_origin() {
+    fn orientations_are_those_about_one_point_beside_the_origin() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let (mut left, mut right, mut none) = (0, 0, 0);
         for _ in 0..20_000 {
@@ -149,9 +153,9 @@ mod tests {
                 if y == 0.0 { [x, y] } else { [x, f64::from_bits((y.to_bits() as i64 + ulps) as u64)] }
             };
             let (p, q) = (image(), image());
-            let found = turn(p, q);
+            let found = orientation(p, q);
             assert_eq!(found, oracle(p, q), "{p:?} {q:?}");
-            assert_eq!(found, -turn(q, p));
+            assert_eq!(found, -orientation(q, p));
             match found {
                 1 => left += 1,
                 -1 => right += 1,

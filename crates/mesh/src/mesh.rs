@@ -1,20 +1,20 @@
-//! Points and triangles.
+//! Indexed triangle mesh: vertices and triangles, with volume, centroid, area and vertex welding.
 
-use crate::MeshError;
+use crate::{MeshError, triangle};
 use rayweave_math::{Bounds, Vec3};
 use rustc_hash::FxHashMap;
 
-/// Points and triangles, in the order in which they were given.
+/// An indexed triangle mesh, in the given order.
 ///
-/// Every index is in range and every coordinate finite; nothing else is promised: a mesh may have holes, and points may
-/// occur twice ([`Mesh::welded`]).
+/// Every index is in range and every coordinate is finite. There are no further guarantees: a mesh may have holes, and vertices
+/// may coincide ([`Mesh::welded`]).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
 }
 
-/// The sums behind volume and centre.
+/// Volume integrals of 1 and of the position.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moments {
     volume: f64,
@@ -22,20 +22,20 @@ struct Moments {
 }
 
 impl Mesh {
-    /// The greatest coordinate in absolute value: products of three of them are far from the end of the range of `f64`.
-    pub const MOST: f64 = 1e60;
-    /// Coordinates below this are taken as 0: products of two of them keep all their digits.
-    pub const LEAST: f64 = 1e-100;
-    /// The most triangles of a mesh, and the most vertices: what the hierarchy can number.
-    pub const MOST_TRIANGLES: usize = 1 << 28;
+    /// The maximal magnitude of a coordinate. Products of three stay well within the range of `f64`.
+    pub const MAX_COORDINATE: f64 = 1e60;
+    /// Coordinates of smaller magnitude are set to 0. Products of two larger ones do not underflow.
+    pub const MIN_COORDINATE: f64 = 1e-100;
+    /// The maximal number of triangles, and of vertices: the limit of the indices in the bounding volume hierarchy.
+    pub const MAX_TRIANGLES: usize = 1 << 28;
 
-    /// A mesh of points and of triangles, each of which names three of the points.
+    /// A mesh of vertices and of triangles, given as triples of vertex indices.
     ///
     /// # Errors
-    /// [`MeshError::TooMany`], [`MeshError::Coordinate`], [`MeshError::Index`]: the first that is met.
+    /// The first of [`MeshError::TooMany`], [`MeshError::Coordinate`] and [`MeshError::Index`] that applies.
     pub fn new(mut vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
         for (what, count) in [("vertices", vertices.len()), ("triangles", triangles.len())] {
-            check_count(what, count as u64)?;
+            Mesh::check_count(what, count as u64)?;
         }
         for (index, point) in vertices.iter_mut().enumerate() {
             *point = checked(index, *point)?;
@@ -49,12 +49,21 @@ impl Mesh {
         Ok(Mesh { vertices, triangles })
     }
 
-    /// The points.
+    /// Checks a number of vertices or triangles against [`Mesh::MAX_TRIANGLES`]. Readers call it before they allocate. `what` is "vertices" or "triangles", for the message.
+    ///
+    /// # Errors
+    /// [`MeshError::TooMany`].
+    pub fn check_count(what: &'static str, count: u64) -> Result<(), MeshError> {
+        let limit = Mesh::MAX_TRIANGLES as u64;
+        if count > limit { Err(MeshError::TooMany { what, count, limit }) } else { Ok(()) }
+    }
+
+    /// The vertices.
     pub fn vertices(&self) -> &[Vec3] {
         &self.vertices
     }
 
-    /// The triangles, as indices of their corners.
+    /// The triangles, as triples of vertex indices.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
@@ -64,25 +73,30 @@ impl Mesh {
         self.triangles[triangle].map(|vertex| self.vertices[vertex as usize])
     }
 
-    /// The smallest box that holds all corners of triangles; empty if there are none.
+    /// The unit normal of a triangle by the right-hand rule; `None` if the triangle is degenerate.
+    pub fn normal(&self, triangle: usize) -> Option<Vec3> {
+        Some(triangle::normal(self.corners(triangle))).filter(|normal| normal.is_finite())
+    }
+
+    /// The bounding box of all triangles; empty if there are none.
     pub fn bounds(&self) -> Bounds {
         let corners = self.triangles.iter().flatten().map(|&vertex| self.vertices[vertex as usize]);
         corners.fold(Bounds::EMPTY, |bounds, point| bounds.union(&Bounds { lo: point, hi: point }))
     }
 
-    /// The volume within a closed mesh whose triangles turn counter-clockwise seen from outside; negative if they turn the
-    /// other way. In cubes of the unit of length, by the divergence theorem about the middle of the bounds.
+    /// The signed volume within a closed mesh: positive if the triangles are counter-clockwise seen from outside. In cubes of the
+    /// unit of length, by the divergence theorem about the centre of the bounding box.
     pub fn volume(&self) -> f64 {
         self.moments(0..self.triangles.len()).volume
     }
 
-    /// The centre of the volume ([`Mesh::volume`]); `None` if that is 0.
+    /// The centroid of the volume ([`Mesh::volume`]); `None` if the volume is 0.
     pub fn centroid(&self) -> Option<Vec3> {
         let Moments { volume, weighted } = self.moments(0..self.triangles.len());
         (volume != 0.0).then(|| self.middle() + weighted / volume)
     }
 
-    /// The area of all triangles, in squares of the unit of length.
+    /// The total area of all triangles, in squares of the unit of length.
     pub fn area(&self) -> f64 {
         let area = |triangle| {
             let [a, b, c] = self.corners(triangle);
@@ -91,12 +105,12 @@ impl Mesh {
         (0..self.triangles.len()).map(area).sum()
     }
 
-    /// The volume by some of the triangles.
+    /// The contribution of some of the triangles to the volume.
     pub(crate) fn volume_of(&self, triangles: impl IntoIterator<Item = usize>) -> f64 {
         self.moments(triangles).volume
     }
 
-    /// Sums over tetrahedra between triangles and the middle of the bounds.
+    /// Sums over the tetrahedra between triangles and the centre of the bounding box.
     fn moments(&self, triangles: impl IntoIterator<Item = usize>) -> Moments {
         let middle = self.middle();
         let mut sums = Moments::default();
@@ -114,16 +128,15 @@ impl Mesh {
         if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() }
     }
 
-    /// The mesh with equal points taken as one, in the order of their first use; triangles keep their numbers, unused
-    /// points are dropped.
+    /// The mesh with equal vertices merged, in order of first use. Triangles keep their indices, unused vertices are dropped.
     pub fn welded(&self) -> Mesh {
-        let mut welder = Welder::default();
+        let mut welder = VertexWelder::default();
         let weld = |corners: &[u32; 3]| corners.map(|vertex| welder.index(self.vertices[vertex as usize]));
         let triangles = self.triangles.iter().map(weld).collect();
-        Mesh { triangles, vertices: welder.vertices }
+        Mesh { triangles, vertices: welder.into_vertices() }
     }
 
-    /// Some of the triangles, with the points that they use, in the order of their first use.
+    /// The submesh of some of the triangles, with the vertices that they use, in order of first use.
     pub fn portion(&self, triangles: impl IntoIterator<Item = usize>) -> Mesh {
         let (mut numbers, mut vertices) = (FxHashMap::default(), Vec::new());
         let mut number = |vertex: u32| {
@@ -136,61 +149,60 @@ impl Mesh {
         Mesh { vertices, triangles }
     }
 
-    /// Triangles turned round, those of which `turn` says so.
-    pub(crate) fn turned(mut self, turn: impl Fn(usize) -> bool) -> Mesh {
+    /// The mesh with the orientation of selected triangles reversed.
+    pub(crate) fn reversed(mut self, selected: impl Fn(usize) -> bool) -> Mesh {
         for (triangle, corners) in self.triangles.iter_mut().enumerate() {
-            if turn(triangle) {
+            if selected(triangle) {
                 corners.swap(1, 2);
             }
         }
         self
     }
 
-    /// The mesh with every point moved, say by a map.
+    /// The mesh with a function applied to every vertex.
     ///
     /// # Errors
-    /// [`MeshError::Coordinate`] if a point is no longer in range.
+    /// [`MeshError::Coordinate`] if a coordinate leaves the range.
     pub fn mapped(&self, map: impl Fn(Vec3) -> Vec3) -> Result<Mesh, MeshError> {
         Mesh::new(self.vertices.iter().map(|&point| map(point)).collect(), self.triangles.clone())
     }
 
-    /// Points and triangles.
+    /// The vertices and triangles.
     pub fn into_parts(self) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         (self.vertices, self.triangles)
     }
 }
 
-/// Refuses more than can be numbered, before anything is allocated.
-pub(crate) fn check_count(what: &'static str, count: u64) -> Result<(), MeshError> {
-    let limit = Mesh::MOST_TRIANGLES as u64;
-    if count > limit { Err(MeshError::TooMany { what, count, limit }) } else { Ok(()) }
-}
-
-/// A point whose coordinates can be computed with.
+/// A point with coordinates in range; tiny ones become 0.
 fn checked(index: usize, point: Vec3) -> Result<Vec3, MeshError> {
-    // NaN is in no range
-    if !point.to_array().iter().all(|x| (-Mesh::MOST..=Mesh::MOST).contains(x)) {
+    // false for NaN
+    if !point.to_array().iter().all(|x| (-Mesh::MAX_COORDINATE..=Mesh::MAX_COORDINATE).contains(x)) {
         return Err(MeshError::Coordinate { index, point });
     }
-    // also makes one zero of the two
-    Ok(Vec3::from_array(point.to_array().map(|x| if x.abs() < Mesh::LEAST { 0.0 } else { x })))
+    // also turns -0 into 0
+    Ok(Vec3::from_array(point.to_array().map(|x| if x.abs() < Mesh::MIN_COORDINATE { 0.0 } else { x })))
 }
 
-/// Numbers points in the order in which they are met, equal ones alike.
+/// Table that gives equal points one index, numbered in order of first use (vertex deduplication).
 #[derive(Debug, Default)]
-pub(crate) struct Welder {
+pub struct VertexWelder {
     numbers: FxHashMap<[u64; 3], u32>,
-    pub vertices: Vec<Vec3>,
+    vertices: Vec<Vec3>,
 }
 
-impl Welder {
-    /// The number of a point.
+impl VertexWelder {
+    /// The index of a point; a point that is not in the table is added.
     pub fn index(&mut self, point: Vec3) -> u32 {
-        // adding 0 makes one zero of the two
+        // adding 0 turns -0 into 0
         let key = point.to_array().map(|x| (x + 0.0).to_bits());
         *self.numbers.entry(key).or_insert_with(|| {
             self.vertices.push(point);
             (self.vertices.len() - 1) as u32
         })
+    }
+
+    /// The distinct points, by index.
+    pub fn into_vertices(self) -> Vec<Vec3> {
+        self.vertices
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::shells::Shells;
 use crate::hierarchy::Hierarchy;
-use crate::line::{Aside, Crossing, Line, Shear, holds_origin, is_edge_on};
+use crate::line::{Crossing, Line, Perturbation, Shear, contains_origin, is_edge_on};
 use crate::topology::{EdgeUse, SignedSets, by_edge, edge_uses};
 use crate::triangle::{self, Triangle};
 use crate::{Diagnosis, Mesh, MeshError};
@@ -121,7 +121,7 @@ impl Polyhedron {
             outward[shell] = self.turns_outward(triangle).map(|outward| outward ^ turned);
         }
         let of = |&number: &u32| {
-            let outward = outward[shells.of[number as usize] as usize].unwrap_or(true);
+            let outward = outward[shells.component_of[number as usize] as usize].unwrap_or(true);
             outward ^ shells.is_flipped[number as usize]
         };
         self.numbers.iter().map(of).collect()
@@ -167,29 +167,29 @@ impl Polyhedron {
     }
 
     /// A bound of the distance of its points from the origin.
-    pub fn reach(&self) -> f64 {
-        self.hierarchy.reach()
+    pub fn magnitude(&self) -> f64 {
+        self.hierarchy.magnitude()
     }
 
     /// Where a line goes in and out, at all times, in order of time: an even number of crossings.
     ///
     /// The time of a crossing is that of the plane of its face, kept between the corners of the triangle. A line that lies
     /// in faces, within [`Line::delta`] over its way through the ball around the mesh, is answered as if it were moved by a
-    /// few such distances along the first of the directions `aside` that leaves the face: to one side of all of it. Through edges
-    /// and vertices a line goes on one side, the same for all triangles (`holds_origin`).
+    /// few such distances along the first of the directions `perturbation` that leaves the face: to one side of all of it. Through edges
+    /// and vertices a line goes on one side, the same for all triangles (`contains_origin`).
     ///
     /// `found` is emptied first.
-    pub fn crossings(&self, line: &Line, aside: &Aside, found: &mut Vec<Crossing>) {
+    pub fn crossings(&self, line: &Line, perturbation: &Perturbation, found: &mut Vec<Crossing>) {
         found.clear();
         let Some(chord) = self.hierarchy.chord(line) else {
             return;
         };
         let far = chord.0.abs().max(chord.1.abs());
-        let delta = line.delta(if far.is_finite() { far } else { 0.0 }, self.reach());
+        let delta = line.delta(if far.is_finite() { far } else { 0.0 }, self.magnitude());
         let shift = self.gather(
             &Query { shear: Shear::new(line), line: *line, timed: *line, delta },
             chord,
-            aside,
+            perturbation,
             found,
         );
         if shift != Vec3::ZERO {
@@ -198,7 +198,7 @@ impl Polyhedron {
             self.gather(
                 &Query { shear: Shear::new(&moved), line: moved, timed: *line, delta: -1.0 },
                 chord,
-                aside,
+                perturbation,
                 found,
             );
         }
@@ -206,18 +206,24 @@ impl Polyhedron {
     }
 
     /// Adds the crossings of a line, in no order, and tells how far it has to be moved so that it lies in no face.
-    fn gather(&self, query: &Query, chord: (f64, f64), aside: &Aside, found: &mut Vec<Crossing>) -> Vec3 {
+    fn gather(
+        &self,
+        query: &Query,
+        chord: (f64, f64),
+        perturbation: &Perturbation,
+        found: &mut Vec<Crossing>,
+    ) -> Vec3 {
         let mut shift = Vec3::ZERO;
         self.hierarchy.along(&query.line, |range| {
             for place in range {
                 let corners = self.corners(place);
                 let images = corners.map(|corner| query.shear.image(corner));
-                if holds_origin(images) {
+                if contains_origin(images) {
                     let t = self.time(place, &query.timed);
                     found.push(Crossing { t, triangle: self.numbers[place] });
                 }
                 if query.delta >= 0.0 && is_edge_on(images, query.delta) {
-                    shift = longer(shift, self.way_out(place, query, chord, aside));
+                    shift = longer(shift, self.way_out(place, query, chord, perturbation));
                 }
             }
         });
@@ -225,7 +231,7 @@ impl Polyhedron {
     }
 
     /// How far a line has to be moved that lies in the plane of a triangle; 0 if it does not.
-    fn way_out(&self, place: usize, query: &Query, chord: (f64, f64), aside: &Aside) -> Vec3 {
+    fn way_out(&self, place: usize, query: &Query, chord: (f64, f64), perturbation: &Perturbation) -> Vec3 {
         let [corner, ..] = self.corners(self.faces[place] as usize);
         let normal = self.face_normal(place);
         let lies = |t: f64| normal.dot(query.line.at(t) - corner).abs() <= query.delta;
@@ -233,7 +239,7 @@ impl Polyhedron {
             return Vec3::ZERO;
         }
         let leaves = |way: &Vec3| normal.dot(*way).abs() > 1e-3 * way.length();
-        let way = aside.iter().copied().find(leaves).unwrap_or(normal);
+        let way = perturbation.iter().copied().find(leaves).unwrap_or(normal);
         (4.0 * query.delta / normal.dot(way).abs()) * way
     }
 
@@ -247,17 +253,17 @@ impl Polyhedron {
         if t >= first { t.min(last) } else { first }
     }
 
-    /// True if a point is inside: by the crossings of a line through it. On the boundary, as if moved `aside`.
-    pub fn contains(&self, point: Vec3, aside: &Aside) -> bool {
-        self.contains_with(point, aside, &mut Vec::new())
+    /// True if a point is inside: by the crossings of a line through it. On the boundary, as if moved along `perturbation`.
+    pub fn contains(&self, point: Vec3, perturbation: &Perturbation) -> bool {
+        self.contains_with(point, perturbation, &mut Vec::new())
     }
 
     /// The same with room for crossings, for callers that ask often.
-    pub fn contains_with(&self, point: Vec3, aside: &Aside, found: &mut Vec<Crossing>) -> bool {
+    pub fn contains_with(&self, point: Vec3, perturbation: &Perturbation, found: &mut Vec<Crossing>) -> bool {
         if !self.bounds.contains(point) {
             return false;
         }
-        self.crossings(&Line { origin: point, direction: aside[0] }, aside, found);
+        self.crossings(&Line { origin: point, direction: perturbation[0] }, perturbation, found);
         found.iter().filter(|crossing| crossing.t > 0.0).count() % 2 == 1
     }
 

@@ -1,65 +1,80 @@
-//! What can safely be mended, and is only mended when asked for.
+//! Mesh repair: vertex welding, removal of degenerate and duplicate triangles, hole filling, consistent orientation.
 
 use crate::diagnosis::{holes, shells};
-use crate::polygon::{area_vector, ears};
 use crate::topology::{edge_uses, is_collapsed};
+use crate::triangulate::{area_vector, clip_ears};
 use crate::{Mesh, MeshError};
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// What may be done.
+/// Options of a repair.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RepairOptions {
-    /// Points at most this far apart become one, in the unit of length; 0 joins equal points only.
+    /// The distance within which vertices are merged, in the unit of length; 0 merges equal vertices only.
     pub weld: f64,
-    /// Whether holes are closed whose rim lies in one plane, within `weld` and rounding, and does not cross itself.
+    /// Whether to fill plane holes: those whose boundary loop lies in one plane, within `weld` and rounding, and does not
+    /// intersect itself.
     pub fill: bool,
 }
 
+impl RepairOptions {
+    /// The options with this distance for merging vertices.
+    pub fn with_weld(self, weld: f64) -> RepairOptions {
+        RepairOptions { weld, ..self }
+    }
+
+    /// The options with filling of plane holes on or off.
+    pub fn with_fill(self, fill: bool) -> RepairOptions {
+        RepairOptions { fill, ..self }
+    }
+}
+
+/// Merging of equal vertices, and filling of plane holes.
 impl Default for RepairOptions {
     fn default() -> RepairOptions {
         RepairOptions { weld: 0.0, fill: true }
     }
 }
 
-/// What was done.
+/// The numbers of changes of a repair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Repair {
-    /// Points that became one with another.
+    /// Vertices merged into another one.
     pub welded: usize,
-    /// Triangles without three different corners, left out.
+    /// Triangles removed because they lack three different corners.
     pub collapsed: usize,
-    /// Triangles with the corners of another, left out.
+    /// Triangles removed because another one has the same corners.
     pub duplicates: usize,
-    /// Holes that were closed.
+    /// Holes filled.
     pub filled: usize,
-    /// Triangles that were turned round.
-    pub turned: usize,
+    /// Triangles whose orientation was reversed.
+    pub reversed: usize,
 }
 
 impl Repair {
-    /// What was done, in words, with how often; only what was done at all.
-    pub fn told(&self) -> impl Iterator<Item = (usize, &'static str)> {
+    /// The changes with their numbers, as texts; kinds of changes that did not occur are left out.
+    pub fn summary(&self) -> impl Iterator<Item = (usize, &'static str)> {
         let all = [
-            (self.welded, "points joined with others near to them"),
-            (self.collapsed, "triangles without three corners left out"),
-            (self.duplicates, "repeated triangles left out"),
-            (self.filled, "holes with a plane rim closed"),
-            (self.turned, "triangles turned round"),
+            (self.welded, "vertices merged"),
+            (self.collapsed, "triangles without three corners removed"),
+            (self.duplicates, "duplicate triangles removed"),
+            (self.filled, "plane holes filled"),
+            (self.reversed, "triangles reversed"),
         ];
         all.into_iter().filter(|(count, _)| *count > 0)
     }
 }
 
-/// The distance, as a part of the size of a mesh, within which points are joined if nothing less closes it.
-const NEAR: f64 = 1e-6;
+/// The distance for merging vertices, relative to the size of the mesh, if a smaller change does not close it.
+const RELATIVE_WELD: f64 = 1e-6;
 
 impl Mesh {
-    /// The mesh after the least of what is safe that closes it around something: nothing joined or filled, points nearer than a
-    /// millionth of its size joined, plane holes filled, both. Filling comes late, because a triangle that hangs together with
-    /// nothing is a hole, too. `None` if nothing is left of it.
-    pub fn mended(&self) -> Option<(Mesh, Repair)> {
-        let near = NEAR * self.bounds().size().length();
+    /// The least repair that closes the mesh around a volume: without merging and filling, with vertices within a millionth of
+    /// the mesh's size merged, with plane holes filled, with both. Filling comes late, because every isolated triangle is
+    /// a plane hole. If none closes the mesh, the last; `None` if no triangles are left.
+    pub fn auto_repaired(&self) -> Option<(Mesh, Repair)> {
+        let near = RELATIVE_WELD * self.bounds().size().length();
         let mut best = None;
         for (weld, fill) in [(0.0, false), (near, false), (0.0, true), (near, true)] {
             best = self.repaired(&RepairOptions { weld, fill }).ok().or(best);
@@ -70,23 +85,23 @@ impl Mesh {
         best
     }
 
-    /// The mesh after what can safely be mended: near points joined, triangles without three corners and repeated ones left
-    /// out, plane holes closed, each shell turned as its place asks. What is left is for [`Mesh::diagnose`] to tell.
+    /// Repairs what is safe to repair: merges close vertices, removes degenerate and duplicate triangles, fills plane holes, and
+    /// orients each shell by its nesting depth. [`Mesh::diagnose`] reports the remaining defects.
     ///
     /// # Errors
-    /// [`MeshError`] if what is left is no mesh.
+    /// [`MeshError`] if the merged vertices do not form a mesh.
     pub fn repaired(&self, options: &RepairOptions) -> Result<(Mesh, Repair), MeshError> {
         let mut done = Repair::default();
         let mesh = self.welded();
-        let (points, count) = (mesh.vertices().len(), mesh.triangles().len());
-        let mesh = near_points_joined(&mesh, options.weld)?;
-        done.welded = points - mesh.vertices().len();
+        let (vertices, count) = (mesh.vertices().len(), mesh.triangles().len());
+        let mesh = merge_close_vertices(&mesh, options.weld)?;
+        done.welded = vertices - mesh.vertices().len();
         let mesh =
             mesh.with_triangles(mesh.triangles().iter().copied().filter(|&t| !is_collapsed(t)).collect());
         done.collapsed = count - mesh.triangles().len();
         let mesh = without_duplicates(mesh, &mut done);
         let mesh = if options.fill { filled(mesh, options.weld, &mut done) } else { mesh };
-        Ok((turned(mesh, &mut done), done))
+        Ok((oriented(mesh, &mut done), done))
     }
 
     fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Mesh {
@@ -94,8 +109,8 @@ impl Mesh {
     }
 }
 
-/// Points within a distance become the first of them, cell by cell of a grid.
-fn near_points_joined(mesh: &Mesh, distance: f64) -> Result<Mesh, MeshError> {
+/// Merges each vertex with the first one within a distance, found by a hash grid.
+fn merge_close_vertices(mesh: &Mesh, distance: f64) -> Result<Mesh, MeshError> {
     if !(distance > 0.0 && distance.is_finite()) {
         return Ok(mesh.clone());
     }
@@ -104,7 +119,7 @@ fn near_points_joined(mesh: &Mesh, distance: f64) -> Result<Mesh, MeshError> {
     let mut kept: Vec<Vec3> = Vec::new();
     let mut number = Vec::with_capacity(mesh.vertices().len());
     for &point in mesh.vertices() {
-        let near = neighbours(cell(point)).find_map(|key| {
+        let near = cell_block(cell(point)).find_map(|key| {
             let here = cells.get(&key)?.iter();
             here.copied().find(|&other| (kept[other as usize] - point).length() <= distance)
         });
@@ -119,8 +134,8 @@ fn near_points_joined(mesh: &Mesh, distance: f64) -> Result<Mesh, MeshError> {
     Mesh::new(kept, triangles)
 }
 
-/// The keys of a cell and the 26 around it.
-fn neighbours(cell: [f64; 3]) -> impl Iterator<Item = [u64; 3]> {
+/// The keys of a cell and its 26 neighbours.
+fn cell_block(cell: [f64; 3]) -> impl Iterator<Item = [u64; 3]> {
     (0..27).map(move |k| {
         let step = [k % 3, k / 3 % 3, k / 9].map(|step| f64::from(step) - 1.0);
         [0, 1, 2].map(|axis| (cell[axis] + step[axis] + 0.0).to_bits())
@@ -140,38 +155,40 @@ fn without_duplicates(mesh: Mesh, done: &mut Repair) -> Mesh {
 }
 
 fn filled(mesh: Mesh, tolerance: f64, done: &mut Repair) -> Mesh {
-    let rims = holes::holes(&mesh, &edge_uses(&mesh));
-    let lids: Vec<Vec<[u32; 3]>> = rims.iter().filter_map(|rim| lid(&mesh, rim, tolerance)).collect();
-    done.filled = lids.len();
-    if lids.is_empty() {
+    let loops = holes::boundary_loops(&mesh, &edge_uses(&mesh));
+    let caps: Vec<Vec<[u32; 3]>> =
+        loops.iter().filter_map(|corners| cap(&mesh, corners, tolerance)).collect();
+    done.filled = caps.len();
+    if caps.is_empty() {
         return mesh;
     }
-    mesh.with_triangles(mesh.triangles().iter().copied().chain(lids.into_iter().flatten()).collect())
+    mesh.with_triangles(mesh.triangles().iter().copied().chain(caps.into_iter().flatten()).collect())
 }
 
-/// The longest rim that is closed: cutting off ears takes the square of it at least.
-const LONGEST_RIM: usize = 1000;
+/// The maximal length of a boundary loop that is filled: ear clipping takes at least quadratic time.
+const MAX_LOOP_LENGTH: usize = 1000;
 
-/// Triangles that close a rim, if it lies in one plane and does not cross itself.
-fn lid(mesh: &Mesh, rim: &[u32], tolerance: f64) -> Option<Vec<[u32; 3]>> {
+/// Triangles that fill a boundary loop, if it lies in one plane and does not intersect itself.
+fn cap(mesh: &Mesh, corners: &[u32], tolerance: f64) -> Option<Vec<[u32; 3]>> {
     let point = |vertex: u32| mesh.vertices()[vertex as usize];
-    let normal = area_vector(mesh.vertices(), rim).normalize_or_zero();
-    let reach = rim.iter().map(|&vertex| point(vertex).length()).fold(0.0, f64::max);
-    let near = tolerance + 64.0 * UNIT_ROUNDOFF * reach;
-    let is_in_plane = |&v: &u32| normal.dot(point(v) - point(rim[0])).abs() <= near;
-    let is_plane = rim.len() <= LONGEST_RIM && normal != Vec3::ZERO && rim.iter().all(is_in_plane);
-    if is_plane { ears(mesh.vertices(), rim, normal) } else { None }
+    let normal = area_vector(mesh.vertices(), corners).normalize_or_zero();
+    let magnitude = corners.iter().map(|&vertex| point(vertex).length()).fold(0.0, f64::max);
+    let near = tolerance + 64.0 * UNIT_ROUNDOFF * magnitude;
+    let is_in_plane = |&v: &u32| normal.dot(point(v) - point(corners[0])).abs() <= near;
+    let is_plane =
+        corners.len() <= MAX_LOOP_LENGTH && normal != Vec3::ZERO && corners.iter().all(is_in_plane);
+    if is_plane { clip_ears(mesh.vertices(), corners, normal) } else { None }
 }
 
-/// Turns the triangles of each shell alike, and shells that are inside out.
-fn turned(mesh: Mesh, done: &mut Repair) -> Mesh {
+/// Makes the orientation of each shell consistent and outward, by its nesting depth.
+fn oriented(mesh: Mesh, done: &mut Repair) -> Mesh {
     let uses = edge_uses(&mesh);
     let shells = shells::Shells::new(&mesh, &uses);
     let components = shells.components(&mesh, &uses);
-    let turn = |triangle: usize| {
-        let shell = &components[shells.of[triangle] as usize];
+    let is_reversed = |triangle: usize| {
+        let shell = &components[shells.component_of[triangle] as usize];
         shell.is_orientable && shells.is_flipped[triangle] != shell.is_inside_out()
     };
-    done.turned = (0..mesh.triangles().len()).filter(|&triangle| turn(triangle)).count();
-    mesh.turned(turn)
+    done.reversed = (0..mesh.triangles().len()).filter(|&triangle| is_reversed(triangle)).count();
+    mesh.reversed(is_reversed)
 }

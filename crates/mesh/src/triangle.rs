@@ -1,4 +1,4 @@
-//! One triangle: its plane, its closest point, and whether it meets another.
+//! Triangle geometry: normal, closest point, exact orientation predicates and triangle-triangle intersection.
 
 use rayweave_math::{Bounds, Vec3};
 use robust::{Coord, Coord3D, orient2d, orient3d};
@@ -14,21 +14,21 @@ pub(crate) fn middle([a, b, c]: Triangle) -> Vec3 {
     (a + b + c) / 3.0
 }
 
-/// The vector across a triangle, which turns counter-clockwise seen from its tip; twice as long as the triangle is large.
+/// The normal by the right-hand rule, with twice the area as length.
 pub(crate) fn cross([a, b, c]: Triangle) -> Vec3 {
     (b - a).cross(c - a)
 }
 
-/// The unit normal; NaN if the corners lie on a line.
+/// The unit normal; NaN if the triangle is degenerate.
 pub(crate) fn normal(triangle: Triangle) -> Vec3 {
     let cross = cross(triangle);
-    // squares of areas may be beyond the range
+    // squares of areas may overflow
     let cross = cross / cross.abs().max_element();
     cross / cross.length()
 }
 
-/// The point of a triangle that is closest to `p`, to within a few roundings of the sizes at hand however thin the triangle
-/// is: where the point lies along the longest edge and where across are found one after the other, so that neither spoils the other.
+/// The point of a triangle closest to `p`, within a few roundings of the lengths involved for triangles of any aspect ratio:
+/// the coordinate along the longest edge and the one across it are computed separately, so that their errors do not mix.
 pub(crate) fn closest_point(triangle: Triangle, p: Vec3) -> Vec3 {
     let [a, b, c] = from_longest_edge(triangle);
     let (edge, to_c) = (b - a, c - a);
@@ -36,12 +36,12 @@ pub(crate) fn closest_point(triangle: Triangle, p: Vec3) -> Vec3 {
     let along = |v: Vec3| v.dot(edge) * per_length;
     let foot = along(to_c);
     let across = to_c - foot * edge;
-    // what rounding left along the edge would tilt a short height
+    // a second projection removes the rounding along the edge, which would tilt a short height
     let across = across - along(across) * edge;
     let s = along(p - a);
     let height = (p - a - s * edge).dot(across) / across.length_squared();
     let (at_a, at_b) = (1.0 - s - height * (1.0 - foot), s - height * foot);
-    // none of these holds for a triangle without height or edges
+    // all false (NaN) for a degenerate triangle
     if height >= 0.0 && at_a >= 0.0 && at_b >= 0.0 {
         return a + s * edge + height * across;
     }
@@ -52,7 +52,7 @@ pub(crate) fn closest_point(triangle: Triangle, p: Vec3) -> Vec3 {
     on_edges.into_iter().fold(on_edges[0], nearer)
 }
 
-/// The corners in the same turn, with the longest edge first.
+/// The corners in the same cyclic order, with the longest edge first.
 fn from_longest_edge([a, b, c]: Triangle) -> Triangle {
     let [ab, bc, ca] = [b - a, c - b, a - c].map(|edge| edge.length_squared());
     match () {
@@ -72,10 +72,10 @@ fn closest_on_edge([a, b]: [Vec3; 2], p: Vec3) -> Vec3 {
     }
 }
 
-/// The side of the plane through a triangle on which a point is, exactly: -1, 0, 1.
+/// The side of a triangle's plane on which a point lies, exactly: 1 on the side of the normal, -1 behind, 0 in the plane.
 pub(crate) fn side_of(triangle: Triangle, p: Vec3) -> i8 {
     let [a, b, c] = triangle.map(coord3);
-    // turns of corners and sides of points are mirrored there
+    // `robust` has the opposite sign convention
     sign(-orient3d(a, b, c, coord3(p)))
 }
 
@@ -87,13 +87,13 @@ fn sign(x: f64) -> i8 {
     i8::from(x > 0.0) - i8::from(x < 0.0)
 }
 
-/// True if the corners lie on one line, exactly.
+/// True if the corners are collinear, exactly.
 pub(crate) fn is_flat(triangle: Triangle) -> bool {
-    (0..3).all(|axis| turn_across(triangle, axis) == 0)
+    (0..3).all(|axis| orientation_along(triangle, axis) == 0)
 }
 
-/// The turn of three points seen along an axis.
-fn turn_across(triangle: Triangle, axis: usize) -> i8 {
+/// The orientation of three points projected along a coordinate axis, exactly.
+fn orientation_along(triangle: Triangle, axis: usize) -> i8 {
     let [a, b, c] = triangle.map(|p| Coord { x: p[(axis + 1) % 3], y: p[(axis + 2) % 3] });
     sign(orient2d(a, b, c))
 }
@@ -121,34 +121,35 @@ pub(crate) fn meeting(a: Triangle, b: Triangle, shared: usize) -> Meeting {
     }
 }
 
-/// True if an edge of `a` that ends in no common corner goes through the inside of `b`.
+/// True if an edge of `a` without common corners crosses the interior of `b`.
 fn pierces(a: Triangle, b: Triangle, shared: usize) -> bool {
     let edges = (0..3).map(|k| (k, (k + 1) % 3)).filter(|&(p, q)| p >= shared && q >= shared);
-    edges.into_iter().any(|(p, q)| goes_through(a[p], a[q], b))
+    edges.into_iter().any(|(p, q)| crosses_interior(a[p], a[q], b))
 }
 
-fn goes_through(p: Vec3, q: Vec3, triangle: Triangle) -> bool {
+/// True if the segment from `p` to `q` crosses the interior of a triangle.
+fn crosses_interior(p: Vec3, q: Vec3, triangle: Triangle) -> bool {
     let (from, to) = (side_of(triangle, p), side_of(triangle, q));
     if from * to >= 0 {
         return false;
     }
     let [a, b, c] = triangle;
-    let turn = side_of([p, q, a], b);
-    turn != 0 && turn == side_of([p, q, b], c) && turn == side_of([p, q, c], a)
+    let side = side_of([p, q, a], b);
+    side != 0 && side == side_of([p, q, b], c) && side == side_of([p, q, c], a)
 }
 
-/// True if two triangles of one plane have an area in common: no edge of one separates them.
+/// True if two coplanar triangles have overlapping interiors: no edge separates them.
 fn overlap_in_plane(a: Triangle, b: Triangle) -> bool {
-    let Some(axis) = (0..3).find(|&axis| turn_across(a, axis) != 0) else {
+    let Some(axis) = (0..3).find(|&axis| orientation_along(a, axis) != 0) else {
         return false;
     };
-    turn_across(b, axis) != 0 && !separates(a, b, axis) && !separates(b, a, axis)
+    orientation_along(b, axis) != 0 && !separates(a, b, axis) && !separates(b, a, axis)
 }
 
-/// True if all of `b` is on the outer side of an edge of `a`, or on it.
+/// True if an edge of `a` separates `b` from `a`: all of `b` is on its outer side or on it.
 fn separates(a: Triangle, b: Triangle, axis: usize) -> bool {
-    let inner = turn_across(a, axis);
-    (0..3).any(|k| b.iter().all(|&p| inner * turn_across([a[k], a[(k + 1) % 3], p], axis) <= 0))
+    let inner = orientation_along(a, axis);
+    (0..3).any(|k| b.iter().all(|&p| inner * orientation_along([a[k], a[(k + 1) % 3], p], axis) <= 0))
 }
 
 #[cfg(test)]
@@ -157,7 +158,7 @@ mod tests {
     use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
     use rayweave_math::{Affine, UNIT_ROUNDOFF};
 
-    /// A triangle on the xy plane with edges of length 1 and less and this height, turned and moved.
+    /// A triangle with a longest edge of length 1 and this height, rotated and translated.
     fn placed(height: f64, map: &Affine) -> Triangle {
         [Vec3::ZERO, Vec3::X, Vec3::new(0.3, height, 0.0)].map(|corner| map.point(corner))
     }
@@ -168,7 +169,7 @@ mod tests {
         Affine::rotation(axis, rng.random_range(0.0..360.0)).then(&Affine::translate(by))
     }
 
-    /// Points of a triangle, and points above and beside it, have the distances that they were given, however thin it is.
+    /// Constructed points on, above and beside a triangle have the expected distances, however thin it is.
     #[test]
     fn distances_from_needles_are_exact_to_rounding() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -181,7 +182,7 @@ mod tests {
                 weights = weights.map(|weight| weight / sum);
                 let flat = weights[1] * Vec3::X + weights[2] * Vec3::new(0.3, height, 0.0);
                 let above = rng.random_range(0.0..0.5);
-                // the turned corners are rounded, by which the plane of a needle may turn: so above only where it cannot
+                // rounding of the rotated corners may tilt the plane of a needle: test points above thick triangles only
                 let above = if height > 0.1 { above } else { 0.0 };
                 let beside = rng.random_range(0.0..0.5);
                 let cases = [
@@ -199,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_without_area_have_closest_points() {
+    fn degenerate_triangles_have_closest_points() {
         let on_a_line = [Vec3::ZERO, Vec3::X, 0.5 * Vec3::X];
         assert_eq!(closest_point(on_a_line, Vec3::new(0.25, 1.0, 0.0)), 0.25 * Vec3::X);
         assert_eq!(closest_point(on_a_line, Vec3::new(3.0, 1.0, 0.0)), Vec3::X);

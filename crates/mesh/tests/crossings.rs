@@ -1,4 +1,4 @@
-//! Where lines go in and out: against rational arithmetic, planes and winding numbers.
+//! Crossings of lines with solids, against rational arithmetic, planes and winding numbers.
 
 mod shapes;
 
@@ -34,7 +34,7 @@ fn det(a: &Exact, b: &Exact, c: &Exact) -> RBig {
     &a[0] * minor(1, 2) + &a[1] * minor(2, 0) + &a[2] * minor(0, 1)
 }
 
-/// Numbers of the triangles that a line goes through, and when, in rational arithmetic; the line meets no edge.
+/// The triangles that a line crosses, with times, in rational arithmetic. The line must not meet an edge.
 fn crossed_exactly(mesh: &Mesh, line: &Line) -> Vec<(u32, f64)> {
     let (o, d) = (exact(line.origin), exact(line.direction));
     let mut found = Vec::new();
@@ -64,9 +64,9 @@ fn lines_in_general_position_agree_with_rationals() {
             assert_eq!(found.len(), truth.len(), "{line:?}");
             for (found, truth) in found.iter().zip(&truth) {
                 assert_eq!(found.triangle, truth.0);
-                let reach = line.origin.length() + 3.0;
+                let magnitude = line.origin.length() + 3.0;
                 let distance = (found.t - truth.1).abs() * line.direction.length();
-                assert!(distance < 1e-13 * reach, "{distance}");
+                assert!(distance < 1e-13 * magnitude, "{distance}");
             }
             many += usize::from(found.len() > 2);
         }
@@ -74,7 +74,7 @@ fn lines_in_general_position_agree_with_rationals() {
     assert!(many >= 5, "{many}");
 }
 
-/// A line aimed so that it goes through corners and along edges, often in round numbers.
+/// A line through corners or along edges, often with small integer components.
 fn hostile_line(mesh: &Mesh, rng: &mut ChaCha8Rng) -> Line {
     let mut corner = || {
         let [a, b, c] = mesh.corners(rng.random_range(0..mesh.triangles().len()));
@@ -93,8 +93,8 @@ fn hostile_line(mesh: &Mesh, rng: &mut ChaCha8Rng) -> Line {
     Line { origin: to - back * direction, direction }
 }
 
-/// Lines through corners and edges and in faces: always an even number of crossings, and between them the side that solid
-/// angles tell, wherever a point is clear of the mesh. Returns how many points were compared.
+/// Checks lines through corners and edges and in faces: the number of crossings is even, and between them containment agrees with
+/// the winding number (solid angles) at points away from the mesh. Returns the number of compared points.
 fn check_hostile_lines(mesh: &Mesh, rays: usize, compare: usize, seed: u64) -> usize {
     let solid = Polyhedron::new(mesh).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -109,7 +109,7 @@ fn check_hostile_lines(mesh: &Mesh, rays: usize, compare: usize, seed: u64) -> u
         }
         for (index, pair) in found.windows(2).enumerate() {
             let point = line.at(0.5 * (pair[0].t + pair[1].t));
-            let delta = line.delta(pair[1].t, solid.reach());
+            let delta = line.delta(pair[1].t, solid.magnitude());
             if solid.nearest(point, (16.0 * delta).max(1e-7 * size)).is_none() {
                 let inside = winding(mesh, point).abs() > 0.5;
                 assert_eq!(index % 2 == 0, inside, "{line:?} at {point:?}");
@@ -121,7 +121,7 @@ fn check_hostile_lines(mesh: &Mesh, rays: usize, compare: usize, seed: u64) -> u
 }
 
 #[test]
-fn lines_through_corners_and_edges_are_answered_right() {
+fn lines_through_corners_and_edges_agree_with_winding_numbers() {
     let far = 1e6 * Vec3::new(1.0, -1.0, 1.0);
     let turn = Affine::rotation(Vec3::new(1.0, 2.0, 3.0), 33.0);
     let mut compared = 0;
@@ -149,7 +149,7 @@ fn long_lines_through_corners_and_edges_have_even_crossings() {
     }
 }
 
-/// A ball of triangles is convex: the line is inside where it is inside of all planes.
+/// A triangulated ball is convex: a line is inside where it is inside all planes.
 #[test]
 fn chords_of_a_convex_mesh_are_those_of_its_planes() {
     let mesh = ball(3, |_| 1.0);
@@ -179,7 +179,7 @@ fn chords_of_a_convex_mesh_are_those_of_its_planes() {
     assert!(hits > 50 && misses > 50, "{hits} {misses}");
 }
 
-/// A line in a face is on the side of it to which the fixed direction leads, whole or nearly in the face, turned or not.
+/// A line in a face, exactly or nearly, counts as moved along the perturbation direction, in any orientation of the face.
 #[test]
 fn a_line_in_a_face_is_on_one_side_of_it() {
     let cube = cuboid(Vec3::ZERO, Vec3::ONE);
@@ -202,7 +202,7 @@ fn a_line_in_a_face_is_on_one_side_of_it() {
     }
 }
 
-/// Along a face that two solids share, just one of them is met, however both are cut into triangles.
+/// A line in the common face of two solids crosses exactly one of them, for any triangulations.
 #[test]
 fn a_line_in_a_common_face_is_in_one_of_two_solids() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -223,23 +223,23 @@ fn two_boxes_with_a_common_face_are_one() {
     let pair = both(&cuboid(Vec3::ZERO, Vec3::ONE), &cuboid(Vec3::X, Vec3::new(2.0, 1.0, 1.0)));
     let solid = Polyhedron::new(&pair).unwrap();
     let found = times(&solid, Vec3::new(-1.0, 0.3, 0.4), Vec3::X);
-    // the two crossings of the common face are at the same time, to the bit
+    // both crossings of the common face have the same time, to the bit
     assert_eq!(found, [1.0, 2.0, 2.0, 3.0]);
     assert!(solid.contains(Vec3::new(1.0 + 1e-9, 0.5, 0.5), &ASIDE));
     assert!(!solid.contains(Vec3::new(1.0, 1.5, 0.5), &ASIDE));
 }
 
 #[test]
-fn shells_within_shells_are_hollows() {
+fn shells_within_shells_are_cavities() {
     let nested = both(&ball(2, |_| 1.0), &ball(2, |_| 0.5));
     let solid = Polyhedron::new(&nested).unwrap();
     let inside = [0.0, 0.3, 0.7, 0.9, 1.1].map(|x| solid.contains(Vec3::new(x, 0.01, 0.02), &ASIDE));
     assert_eq!(inside, [false, false, true, true, false]);
 }
 
-/// Containment along the fixed direction against solid angles.
+/// Containment against winding numbers (solid angles).
 #[test]
-fn points_are_inside_as_solid_angles_say() {
+fn containment_agrees_with_winding_numbers() {
     let mesh = potato(2);
     let solid = Polyhedron::new(&mesh).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -253,10 +253,9 @@ fn points_are_inside_as_solid_angles_say() {
     assert!((100..400).contains(&inside), "{inside}");
 }
 
-/// By projection onto all triangles in another way: Lagrange's conditions on a grid of weights would be slow, so the distance to
-/// a box, whose closed form is known.
+/// The distance from a box, which has a closed form.
 #[test]
-fn the_nearest_point_of_a_box_is_known() {
+fn the_nearest_point_of_a_box_agrees_with_the_closed_form() {
     let solid = Polyhedron::new(&cuboid(-Vec3::ONE, Vec3::ONE)).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     for _ in 0..500 {
@@ -283,7 +282,7 @@ fn faces_are_those_in_one_plane_and_no_others() {
 }
 
 #[test]
-fn what_is_not_closed_is_no_solid() {
+fn open_meshes_are_rejected() {
     let mesh = cuboid(Vec3::ZERO, Vec3::ONE);
     let open = Mesh::new(mesh.vertices().to_vec(), mesh.triangles()[1..].to_vec()).unwrap();
     assert!(matches!(Polyhedron::new(&open), Err(MeshError::Open { edges: 3, .. })));

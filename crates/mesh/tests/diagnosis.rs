@@ -1,4 +1,4 @@
-//! Faults that were planted, found where they are, and mended where that is safe.
+//! Diagnosis and repair of meshes with known defects.
 
 mod shapes;
 
@@ -45,7 +45,7 @@ fn volume_area_and_centre_have_closed_forms() {
 }
 
 #[test]
-fn holes_are_found_with_their_rims_and_plane_ones_are_filled() {
+fn holes_are_found_and_plane_ones_are_filled() {
     let open = with_triangles(&cube(), |triangles| {
         triangles.drain(..2);
     });
@@ -58,13 +58,13 @@ fn holes_are_found_with_their_rims_and_plane_ones_are_filled() {
     assert_eq!(done, Repair { filled: 1, ..Repair::default() });
     assert!(closed.diagnose().is_sound());
     assert_eq!(closed.volume(), 1.0);
-    let (as_it_was, done) = open.repaired(&RepairOptions { fill: false, ..Default::default() }).unwrap();
-    assert_eq!((as_it_was, done), (open.welded(), Repair::default()));
+    let (unchanged, done) = open.repaired(&RepairOptions::default().with_fill(false)).unwrap();
+    assert_eq!((unchanged, done), (open.welded(), Repair::default()));
 }
 
-/// A hole around a corner is not plane, and stays open.
+/// The hole around a removed vertex is not plane and stays open.
 #[test]
-fn holes_that_are_not_plane_stay() {
+fn non_planar_holes_stay_open() {
     let bent = with_triangles(&potato(2), |triangles| {
         triangles.retain(|corners| !corners.contains(&0));
     });
@@ -74,8 +74,8 @@ fn holes_that_are_not_plane_stay() {
 }
 
 #[test]
-fn a_star_shaped_hole_is_filled_ear_by_ear() {
-    // a prism over a star, without its lid
+fn a_star_shaped_hole_is_filled_by_ear_clipping() {
+    // a prism over a star, without its top
     let count = 10;
     let at = |k: u32, z: f64| {
         let (radius, angle) = (
@@ -101,7 +101,7 @@ fn a_star_shaped_hole_is_filled_ear_by_ear() {
 }
 
 #[test]
-fn triangles_and_shells_that_turn_wrongly_are_found_and_turned() {
+fn wrong_orientations_are_found_and_reversed() {
     let flipped = with_triangles(&potato(2), |triangles| {
         for k in [3, 40, 41] {
             triangles[k].swap(0, 1);
@@ -110,9 +110,9 @@ fn triangles_and_shells_that_turn_wrongly_are_found_and_turned() {
     let found = flipped.diagnose();
     assert_eq!(found.flipped.first, [3, 40, 41]);
     assert!(found.is_closed() && !found.is_sound());
-    let (mended, done) = repaired(&flipped);
-    assert_eq!(done.turned, 3);
-    assert!(mended.diagnose().is_sound());
+    let (fixed, done) = repaired(&flipped);
+    assert_eq!(done.reversed, 3);
+    assert!(fixed.diagnose().is_sound());
 
     let inside_out = with_triangles(&cube(), |triangles| triangles.iter_mut().for_each(|t| t.swap(0, 1)));
     let found = inside_out.diagnose();
@@ -121,21 +121,21 @@ fn triangles_and_shells_that_turn_wrongly_are_found_and_turned() {
 }
 
 #[test]
-fn shells_within_shells_turn_by_turns() {
+fn nested_shells_have_alternating_orientations() {
     let sizes = [4.0, 3.0, 2.0];
     let boxes = sizes.map(|size| cuboid(Vec3::splat(-size), Vec3::splat(size)));
     let nested = both(&both(&boxes[2], &boxes[0]), &boxes[1]);
     let found = nested.diagnose();
     assert_eq!(found.components.iter().map(|shell| shell.depth).collect::<Vec<_>>(), [2, 0, 1]);
     assert!(!found.is_sound());
-    let (mended, done) = repaired(&nested);
-    assert_eq!(done.turned, 12);
-    assert!(mended.diagnose().is_sound());
-    assert_eq!(mended.volume(), 512.0 - 216.0 + 64.0);
+    let (fixed, done) = repaired(&nested);
+    assert_eq!(done.reversed, 12);
+    assert!(fixed.diagnose().is_sound());
+    assert_eq!(fixed.volume(), 512.0 - 216.0 + 64.0);
 }
 
 #[test]
-fn degenerate_and_repeated_triangles_are_found_and_left_out() {
+fn degenerate_and_duplicate_triangles_are_found_and_removed() {
     let mut vertices = cube().vertices().to_vec();
     vertices.push(Vec3::new(0.5, 0.0, 0.0));
     let mut triangles = cube().triangles().to_vec();
@@ -144,31 +144,31 @@ fn degenerate_and_repeated_triangles_are_found_and_left_out() {
     let found = broken.diagnose();
     assert_eq!(found.degenerate.first, [12, 14]);
     assert_eq!(found.duplicates.first, [[5, 13]]);
-    let (mended, done) = repaired(&broken);
+    let (fixed, done) = repaired(&broken);
     assert_eq!((done.collapsed, done.duplicates), (1, 1));
-    // three points of a line are an open edge, which nobody can mend safely
-    assert!(!mended.diagnose().is_closed());
+    // the remaining sliver of three collinear points has open edges, which cannot be repaired safely
+    assert!(!fixed.diagnose().is_closed());
 }
 
 #[test]
-fn near_points_become_one() {
+fn close_vertices_are_merged() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mesh = potato(2);
-    // each triangle with corners of its own, all a little off
+    // a triangle soup with perturbed corners
     let soup = (0..mesh.triangles().len()).flat_map(|k| mesh.corners(k));
     let shaken: Vec<Vec3> = soup.map(|p| p + 1e-9 * vector(&mut rng)).collect();
     let count = shaken.len() as u32;
     let torn = Mesh::new(shaken, (0..count / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect()).unwrap();
     assert_eq!(torn.diagnose().open_edges, 3 * mesh.triangles().len());
-    let (mended, done) = torn.repaired(&RepairOptions { weld: 1e-8, fill: true }).unwrap();
+    let (fixed, done) = torn.repaired(&RepairOptions::default().with_weld(1e-8)).unwrap();
     assert_eq!(done.welded, count as usize - mesh.vertices().len());
-    assert!(mended.diagnose().is_sound());
-    assert!((mended.volume() - mesh.volume()).abs() < 1e-7);
+    assert!(fixed.diagnose().is_sound());
+    assert!((fixed.volume() - mesh.volume()).abs() < 1e-7);
 }
 
-/// Two boxes, one pushed into the other: every pair of triangles that meet in more than an edge is reported, by exact arithmetic.
+/// Two interpenetrating boxes: exact predicates report every pair of triangles that share more than an edge.
 #[test]
-fn what_goes_through_itself_is_found() {
+fn self_intersections_are_found() {
     let turn = Affine::rotation(Vec3::new(1.0, 2.0, 0.5), 25.0);
     let tilted = cube().mapped(|p| turn.point(p) + Vec3::new(0.4, 0.3, 0.6)).unwrap();
     let found = both(&cube(), &tilted).diagnose();
@@ -176,22 +176,22 @@ fn what_goes_through_itself_is_found() {
     let first = found.crossings.first[0];
     assert!(first.triangles[0] < 12 && first.triangles[1] >= 12 && cube().bounds().contains(first.at));
 
-    // pushed along an axis, side faces lie in each other and no edge goes through the inside of a triangle
+    // shifted along an axis: side faces overlap, and no edge crosses the interior of a triangle
     let along = cube().mapped(|p| p + Vec3::new(0.5, 0.0, 0.0)).unwrap();
     let found = both(&cube(), &along).diagnose();
     assert!(found.overlaps.count >= 8 && !found.is_sound(), "{found}");
 
-    // side by side they share a face, and beside each other nothing
+    // adjacent boxes share a face, separate boxes nothing
     let beside = cube().mapped(|p| p + Vec3::new(1.0, 0.0, 0.0)).unwrap();
     let found = both(&cube(), &beside).diagnose();
-    assert_eq!((found.crossings.count, found.crowded_edges.count), (0, 4 + found.duplicates.count / 2));
+    assert_eq!((found.crossings.count, found.non_manifold_edges.count), (0, 4 + found.duplicates.count / 2));
     let apart = cube().mapped(|p| p + Vec3::new(1.5, 0.0, 0.0)).unwrap();
     assert!(both(&cube(), &apart).diagnose().is_sound());
 }
 
-/// Number of crossing pairs against all pairs, by sampling one triangle finely.
+/// Intersecting pairs against a brute-force test of all pairs.
 #[test]
-fn crossing_pairs_are_those_that_all_pairs_give() {
+fn intersecting_pairs_agree_with_brute_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     for _ in 0..5 {
         let shift = 0.7 * vector(&mut rng);
@@ -200,7 +200,7 @@ fn crossing_pairs_are_those_that_all_pairs_give() {
         let found = pair.diagnose().crossings;
         let truth = (0..80).flat_map(|a| (80..160).map(move |b| (a, b)));
         let truth: Vec<[u32; 2]> = truth
-            .filter(|&(a, b)| meet(pair.corners(a as usize), pair.corners(b as usize)))
+            .filter(|&(a, b)| intersect(pair.corners(a as usize), pair.corners(b as usize)))
             .map(|(a, b)| [a, b])
             .collect();
         assert_eq!(found.first.iter().map(|x| x.triangles).collect::<Vec<_>>(), truth);
@@ -208,8 +208,8 @@ fn crossing_pairs_are_those_that_all_pairs_give() {
     }
 }
 
-/// True if an edge of one triangle goes through the other (T. Möller, B. Trumbore, 1997), for triangles in general position.
-fn meet(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
+/// True if an edge of one triangle crosses the other (T. Möller, B. Trumbore, 1997), for triangles in general position.
+fn intersect(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     let hits = |p: Vec3, q: Vec3, [a, b, c]: [Vec3; 3]| {
         let (d, e, f) = (q - p, b - a, c - a);
         let h = d.cross(f);
@@ -222,7 +222,7 @@ fn meet(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
 }
 
 #[test]
-fn pinched_points_and_crowded_edges_are_found() {
+fn non_manifold_vertices_and_edges_are_found() {
     // two tetrahedra that share a corner, and two boxes that share an edge
     let tip = Vec3::ZERO;
     let corners = [Vec3::X, Vec3::Y, Vec3::Z];
@@ -230,17 +230,17 @@ fn pinched_points_and_crowded_edges_are_found() {
     let sides = |a: u32, b: u32, c: u32| [[0, b, a], [0, c, b], [0, a, c], [a, b, c]];
     let triangles = sides(1, 2, 3).into_iter().chain(sides(4, 6, 5)).collect();
     let found = Mesh::new(vertices, triangles).unwrap().diagnose();
-    assert_eq!(found.pinched_vertices.first, [tip]);
+    assert_eq!(found.non_manifold_vertices.first, [tip]);
     assert!(found.is_closed() && found.components.len() == 2);
     let found = both(&cube(), &cuboid(Vec3::new(1.0, 1.0, 0.0), Vec3::new(2.0, 2.0, 1.0))).diagnose();
-    assert_eq!(found.crowded_edges.first, [Vec3::new(1.0, 1.0, 0.5)]);
+    assert_eq!(found.non_manifold_edges.first, [Vec3::new(1.0, 1.0, 0.5)]);
     assert_eq!(found.components.len(), 2);
     assert!(found.components.iter().all(|shell| shell.is_closed && shell.volume > 0.0));
 }
 
-/// A Klein bottle made of a grid whose seam is glued the other way round.
+/// A Klein bottle: a grid with one seam joined in reverse.
 #[test]
-fn one_sided_shells_are_told() {
+fn non_orientable_shells_are_reported() {
     let (rows, columns) = (8u32, 6u32);
     let number = |i: u32, j: u32| {
         let j = if i == rows { (columns - j % columns) % columns } else { j % columns };
@@ -260,18 +260,18 @@ fn one_sided_shells_are_told() {
 }
 
 #[test]
-fn bad_numbers_and_indices_are_refused_with_their_place() {
+fn invalid_coordinates_and_indices_are_rejected_with_their_location() {
     let bad = |point: Vec3| Mesh::new(vec![Vec3::ZERO, point], vec![]).unwrap_err().to_string();
     assert!(
         bad(Vec3::new(0.0, f64::NAN, 0.0))
-            .starts_with("vertex 1 is (0.0, NaN, 0.0) (coordinates must be finite")
+            .starts_with("vertex 1 is (0.0, NaN, 0.0): coordinates must be finite")
     );
     assert!(bad(Vec3::new(0.0, 0.0, 1e61)).contains("1e61"));
     let error = Mesh::new(vec![Vec3::ZERO; 3], vec![[0, 1, 2], [0, 3, 1]]).unwrap_err();
     assert_eq!(error, MeshError::Index { triangle: 1, vertex: 3, count: 3 });
 }
 
-/// Anything may be looked at: soups of random triangles among few points.
+/// Random triangles between few points.
 #[test]
 fn random_soups_are_diagnosed_and_repaired() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -290,9 +290,9 @@ fn random_soups_are_diagnosed_and_repaired() {
             Err(MeshError::Open { edges, .. }) => assert_eq!(edges, found.open_edges),
             Err(error) => assert_eq!((error, found.open_edges), (MeshError::Empty, 0)),
         }
-        let (mended, done) = mesh.repaired(&RepairOptions { weld: 0.5, fill: true }).unwrap();
-        assert!(mended.diagnose().duplicates.is_empty() || done.filled > 0);
-        let again = mended.repaired(&RepairOptions::default()).unwrap().1;
+        let (fixed, done) = mesh.repaired(&RepairOptions::default().with_weld(0.5)).unwrap();
+        assert!(fixed.diagnose().duplicates.is_empty() || done.filled > 0);
+        let again = fixed.repaired(&RepairOptions::default()).unwrap().1;
         assert_eq!((again.welded, again.collapsed), (0, 0));
     }
 }

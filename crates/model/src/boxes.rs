@@ -55,7 +55,7 @@ impl<F: Fn(PrototypeId) -> Extent> Boxes<'_, F> {
         self.leaves.leaf(leaf).instance().map_or(1.0, |(run, k)| {
             let (up, down) = (run.world_from_local(k), run.place(k).local_from_world);
             // a Frobenius norm is up to sqrt(3) times the greatest stretch: never too small
-            up.stretch() * down.stretch() * (self.inner)(run.prototype).condition
+            up.linear_norm() * down.linear_norm() * (self.inner)(run.prototype).condition
         })
     }
 
@@ -73,13 +73,14 @@ impl<F: Fn(PrototypeId) -> Extent> Boxes<'_, F> {
             Some((run, k)) => {
                 let (map, path, inner) =
                     (run.world_from_local(k), run.place(k).path, (self.inner)(run.prototype));
-                let own = map.stretch() * inner.margin + MARGIN * self.condition(leaf) * path;
+                let own = map.linear_norm() * inner.margin + MARGIN * self.condition(leaf) * path;
                 (inner.bounds.transformed(&map), inner.sure.transformed(&map), own, path)
             }
             None => {
-                let reach = view.facets().iter().map(|facet| self.surfaces[facet.surface().index()].reach);
+                let magnitude =
+                    view.facets().iter().map(|facet| self.surfaces[facet.surface().index()].magnitude);
                 let bounds = view.shape_bounds();
-                (bounds, bounds, 0.0, reach.fold(0.0, f64::max))
+                (bounds, bounds, 0.0, magnitude.fold(0.0, f64::max))
             }
         };
         let margin = own + MARGIN * (far(bounds.lo) + far(bounds.hi) + way + chord);

@@ -1,10 +1,13 @@
 //! The trait between the two sides of the house: rays and questions in, crossings out.
 
 use crate::{
-    BadRay, FirstHits, HitRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays, RegionId, SurfaceId,
+    BadRay, CrossingColumns, FirstHits, HitRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays,
+    RegionId, SurfaceId, columns::ColumnSink,
 };
+use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
 use rayweave_shape::{Ray, RayError};
+use std::ops::Range;
 
 /// The part of a ray that is asked about: strictly between `t_min` and `t_max`, which may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,13 +18,20 @@ pub struct Window {
 
 /// Why a window cannot be asked about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WindowError {
     /// A bound is NaN.
-    #[error("the window has a bound that is NaN (nothing lies before or after it)")]
+    #[error("the window has a bound that is NaN: nothing lies before or after it.")]
     NotANumber,
     /// The window holds no time.
-    #[error("the window is empty or reversed (t_min must be less than t_max) are its ends swapped?")]
+    #[error("the window is empty or reversed: t_min must be less than t_max. Are its ends swapped?")]
     Empty,
+}
+
+impl Classified for WindowError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Value
+    }
 }
 
 impl Window {
@@ -93,6 +103,11 @@ impl<'a> StartLists<'a> {
     pub fn of(&self, i: usize) -> &'a [Start] {
         &self.entries[self.first[i] as usize..self.first[i + 1] as usize]
     }
+
+    /// The lists of a range of the rays.
+    pub fn slice(&self, range: Range<usize>) -> StartLists<'a> {
+        StartLists { first: &self.first[range.start..=range.end], entries: self.entries }
+    }
 }
 
 /// What is asked of every ray of a batch.
@@ -104,6 +119,13 @@ pub struct Query<'a> {
     pub limit: Limit,
     /// Surfaces that the rays start on; such rays are asked about times t >= 0 only.
     pub starts: Option<StartLists<'a>>,
+}
+
+impl<'a> Query<'a> {
+    /// The same query about a range of the rays of its batch.
+    pub fn slice(&self, range: Range<usize>) -> Query<'a> {
+        Query { starts: self.starts.map(|starts| starts.slice(range)), ..*self }
+    }
 }
 
 impl Query<'_> {
@@ -263,6 +285,19 @@ pub trait Evaluator: Sync {
 
     /// The region that each point is in; 0 is the world. On a boundary: the side of a ray that lies in it.
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]);
+
+    /// Appends the crossings of every ray of a batch to columns: [`Evaluator::crossings`] without a call per ray. The rows are
+    /// the same, to the bit, whatever the size of the batches; with columns that have grown already nothing is allocated.
+    fn columns(
+        &self,
+        rays: Rays<'_>,
+        query: &Query<'_>,
+        scratch: &mut Self::Scratch,
+        columns: &mut CrossingColumns,
+    ) {
+        let mut sink = ColumnSink { program: self.program(), columns };
+        self.crossings(rays, query, scratch, &mut sink);
+    }
 
     /// The hit array of a batch; the greatest number of entries that a ray has. If that is more than there are rows,
     /// the entries for which there is no row are left out: ask again with more rows.

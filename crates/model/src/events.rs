@@ -4,7 +4,7 @@ use crate::{Face, LeafFacet, Place, PlacementId, Program, Prototype, PrototypeId
 use rayweave_math::Vec3;
 use rayweave_math::roots::Crossings;
 use rayweave_shape::Ray;
-use rayweave_shape::surface::{Aside, Chord, SurfaceCrossings};
+use rayweave_shape::surface::{Chord, Perturbation, SurfaceCrossings};
 
 /// A flip of one leaf of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub struct GroupRay<'a> {
     /// The chord that says whether it lies in a surface.
     pub chord: Chord,
     /// What the way from the world's frame into this one adds to the reach of every surface: see [`carried`].
-    pub reach: f64,
+    pub magnitude: f64,
     /// The placement of the group.
     pub placement: PlacementId,
     /// Surfaces that the ray starts on.
@@ -46,11 +46,11 @@ pub struct GroupRay<'a> {
 /// A ray in the frame of a placed solid, with what is to be added there to the reach of every surface.
 ///
 /// The ray has the same times, but was rounded on the way: by the position of its origin and by the lengths
-/// of the translations, which may be large in the frame outside and cancel in the frame inside. `reach` is
+/// of the translations, which may be large in the frame outside and cancel in the frame inside. `magnitude` is
 /// what earlier steps have added in the frame outside.
-pub fn carried(place: &Place, ray: &Ray, reach: f64) -> (Ray, f64) {
+pub fn carried(place: &Place, ray: &Ray, magnitude: f64) -> (Ray, f64) {
     let down = &place.local_from_world;
-    (ray.transformed(down), down.stretch() * (ray.origin.length() + place.path + reach))
+    (ray.transformed(down), down.linear_norm() * (ray.origin.length() + place.path + magnitude))
 }
 
 /// A point as a group sees it.
@@ -59,22 +59,26 @@ pub struct GroupPoint {
     /// The point in the frame of the group.
     pub point: Vec3,
     /// Decides the side of a point on a surface.
-    pub aside: Aside,
+    pub perturbation: Perturbation,
     /// What the way from the world's frame into this one adds to the rounding of the point: see [`carried`].
-    pub reach: f64,
+    pub magnitude: f64,
 }
 
 impl GroupPoint {
     /// A point of the world.
     pub fn world(point: Vec3) -> GroupPoint {
-        GroupPoint { point, aside: Aside::WORLD, reach: 0.0 }
+        GroupPoint { point, perturbation: Perturbation::WORLD, magnitude: 0.0 }
     }
 
     /// The same point as a solid placed in the group sees it.
     pub fn placed(&self, place: &Place) -> GroupPoint {
         let down = &place.local_from_world;
-        let reach = down.stretch() * (self.point.length() + place.path + self.reach);
-        GroupPoint { point: down.point(self.point), aside: self.aside.transformed(down), reach }
+        let magnitude = down.linear_norm() * (self.point.length() + place.path + self.magnitude);
+        GroupPoint {
+            point: down.point(self.point),
+            perturbation: self.perturbation.transformed(down),
+            magnitude,
+        }
     }
 }
 
@@ -82,26 +86,28 @@ impl<'a> GroupRay<'a> {
     /// A ray of the world as the model itself sees it.
     pub fn world(program: &Program, ray: Ray, starts: &'a [Start]) -> GroupRay<'a> {
         let chord = chord(&program.prototype(PrototypeId(0)).ball, &ray);
-        GroupRay { ray, chord, reach: 0.0, placement: PlacementId(0), starts }
+        GroupRay { ray, chord, magnitude: 0.0, placement: PlacementId(0), starts }
     }
 
     /// The same ray as a solid placed in the group sees it; `placement` is counted from that of the group.
     pub fn placed(&self, place: &Place, inner: &Prototype, placement: u32) -> GroupRay<'a> {
-        let (ray, reach) = carried(place, &self.ray, self.reach);
+        let (ray, magnitude) = carried(place, &self.ray, self.magnitude);
         let mut chord = chord(&inner.ball, &ray);
-        chord.aside = self.chord.aside.transformed(&place.local_from_world);
+        chord.perturbation = self.chord.perturbation.transformed(&place.local_from_world);
         let placement = PlacementId(self.placement.0 + placement);
-        GroupRay { ray, chord, reach, placement, starts: self.starts }
+        GroupRay { ray, chord, magnitude, placement, starts: self.starts }
     }
 
     /// Where the ray crosses a facet, as "inside the facet" before and after; `None` if more often than four times.
     fn crossings(&self, program: &Program, facet: LeafFacet) -> Option<SurfaceCrossings> {
         let entry = program.surface(facet.surface());
         let crossings = match self.start(facet) {
-            Some(start) => entry.surface.few_crossings_from(&self.ray, start.inside, &self.chord.aside),
-            None => match self.chord.lies_in(&entry.surface, entry.reach + self.reach, &self.ray) {
+            Some(start) => {
+                entry.surface.few_crossings_from(&self.ray, start.inside, &self.chord.perturbation)
+            }
+            None => match self.chord.lies_in(&entry.surface, entry.magnitude + self.magnitude, &self.ray) {
                 Some(inside) => Some(SurfaceCrossings::constant(inside)),
-                None => entry.surface.few_crossings_in(&self.ray, &self.chord.aside),
+                None => entry.surface.few_crossings_in(&self.ray, &self.chord.perturbation),
             },
         };
         if facet.inside() { crossings } else { crossings.map(Crossings::negated) }
@@ -116,12 +122,12 @@ impl<'a> GroupRay<'a> {
         let entry = program.surface(facet.surface());
         let inside = match self.start(facet) {
             Some(start) => {
-                entry.surface.all_crossings_from(&self.ray, start.inside, &self.chord.aside, flip);
+                entry.surface.all_crossings_from(&self.ray, start.inside, &self.chord.perturbation, flip);
                 start.inside
             }
-            None => match self.chord.lies_in(&entry.surface, entry.reach + self.reach, &self.ray) {
+            None => match self.chord.lies_in(&entry.surface, entry.magnitude + self.magnitude, &self.ray) {
                 Some(inside) => inside,
-                None => entry.surface.all_crossings_in(&self.ray, &self.chord.aside, flip),
+                None => entry.surface.all_crossings_in(&self.ray, &self.chord.perturbation, flip),
             },
         };
         inside == facet.inside()
@@ -212,11 +218,11 @@ impl LeafEvents {
 }
 
 /// True if a point is inside a conjunction of facets. On a surface, f = 0, the side is that of a ray that
-/// lies in it: where moving aside leads.
+/// lies in it: where the perturbation leads.
 pub fn facets_contain(program: &Program, facets: &[LeafFacet], point: &GroupPoint) -> bool {
     facets.iter().all(|facet| {
         let (value, gradient) = program.surface(facet.surface()).surface.value_and_gradient(point.point);
-        let negative = if value == 0.0 { point.aside.leads_inside(gradient) } else { value < 0.0 };
+        let negative = if value == 0.0 { point.perturbation.leads_inside(gradient) } else { value < 0.0 };
         negative == facet.inside()
     })
 }

@@ -32,9 +32,9 @@ pub struct Edge(u32);
 
 impl Edge {
     /// Never inside.
-    pub const VACUUM: Edge = Edge::new(NodeId(0), false);
+    pub const EMPTY: Edge = Edge::new(NodeId(0), false);
     /// Always inside.
-    pub const PLENUM: Edge = Edge::new(NodeId(1), false);
+    pub const UNIVERSE: Edge = Edge::new(NodeId(1), false);
 
     /// The node, or its complement.
     pub const fn new(node: NodeId, complemented: bool) -> Edge {
@@ -51,11 +51,11 @@ impl Edge {
         self.0 & 1 == 1
     }
 
-    /// The complement. The complement of vacuum is plenum, so that each constant has one form.
+    /// The complement. The complement of empty is universe, so that each constant has one form.
     pub fn complement(self) -> Edge {
         match self {
-            Edge::VACUUM => Edge::PLENUM,
-            Edge::PLENUM => Edge::VACUUM,
+            Edge::EMPTY => Edge::UNIVERSE,
+            Edge::UNIVERSE => Edge::EMPTY,
             Edge(bits) => Edge(bits ^ 1),
         }
     }
@@ -65,9 +65,9 @@ impl Edge {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Gate<'e> {
     /// Never inside; node 0.
-    Vacuum,
+    Empty,
     /// Always inside; node 1.
-    Plenum,
+    Universe,
     /// A leaf, by its number in the group; node number + 2.
     Leaf(LeafId),
     /// A boolean function of other nodes.
@@ -77,7 +77,7 @@ pub enum Gate<'e> {
 /// The boolean expression of one group over its leaves, as its formula was prepared
 /// ([`simplify`](crate::simplify)): equal nodes are stored once, and operands stand before the nodes that use them.
 ///
-/// Node 0 is vacuum, node 1 plenum, node k + 2 leaf k of the group, whether it is used or not; the others are joins. A
+/// Node 0 is empty, node 1 universe, node k + 2 leaf k of the group, whether it is used or not; the others are joins. A
 /// leaf costs nothing but the four bytes of each use of it.
 #[derive(Clone, Debug)]
 pub struct Expression {
@@ -109,7 +109,7 @@ impl Expression {
             |number: &[NodeId], edge: Edge| Edge::new(number[edge.node().index()], edge.is_complemented());
         for (node, term, operands) in formula.nodes() {
             number.push(match term {
-                Term::Vacuum | Term::Plenum => node,
+                Term::Empty | Term::Universe => node,
                 Term::Leaf(leaf) => NodeId(FIRST_LEAF + leaf.0),
                 Term::Join(op) => {
                     expression.operands.extend(operands.iter().map(|&edge| renumbered(&number, edge)));
@@ -161,8 +161,8 @@ impl Expression {
     /// If there is no such node.
     pub fn node(&self, id: NodeId) -> Gate<'_> {
         match (id.0, id.0.checked_sub(FIRST_LEAF)) {
-            (0, _) => Gate::Vacuum,
-            (_, None) => Gate::Plenum,
+            (0, _) => Gate::Empty,
+            (_, None) => Gate::Universe,
             (_, Some(leaf)) if leaf < self.leaf_count => Gate::Leaf(LeafId(leaf)),
             (_, Some(k)) => {
                 let (rule, operands) = self.join_at((k - self.leaf_count) as usize);
@@ -211,8 +211,8 @@ impl Expression {
     pub fn text(&self, edge: Edge) -> String {
         let writing = |node: NodeId| {
             let (rule, operands) = match self.node(node) {
-                Gate::Vacuum => return Writing::Text("vacuum".into()),
-                Gate::Plenum => return Writing::Text("plenum".into()),
+                Gate::Empty => return Writing::Text("empty".into()),
+                Gate::Universe => return Writing::Text("universe".into()),
                 Gate::Leaf(leaf) => return Writing::Text(leaf.0.to_string()),
                 Gate::Join(..) => self.join_at(node.index() - (FIRST_LEAF + self.leaf_count) as usize),
             };

@@ -31,7 +31,7 @@ id! {
     SurfaceId
 }
 id! {
-    /// A node of the boolean expression: 0 is vacuum, 1 is plenum, operands come before what uses them.
+    /// A node of the boolean expression: 0 is empty, 1 is universe, operands come before what uses them.
     NodeId
 }
 id! {

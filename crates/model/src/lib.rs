@@ -5,18 +5,20 @@
 //! - [`Evaluator`]: the trait between the two sides, with its rays, queries and answers.
 //!
 //! The rules about what is true along a ray that every evaluator shares (when crossings are welded, to
-//! which face they belong, what their normal is) are here too, each once: [`weld`] and [`dress`].
+//! which face they belong, what their normal is) are here too, each once: [`weld`] and [`attributes`].
 
-pub mod dress;
+pub mod attributes;
 pub mod drive;
 pub mod gate;
+pub mod plain;
 pub mod simplify;
 pub mod weld;
 
+mod approximate;
 mod boxes;
 mod chord;
+mod columns;
 mod compile;
-mod dense;
 mod error;
 mod evaluator;
 mod events;
@@ -34,8 +36,9 @@ mod solid;
 mod sweep;
 mod tables;
 
+pub use approximate::{ApproximateColumns, ApproximateEvaluator};
 pub use chord::{Ball, chord};
-pub use dense::{FirstHits, HitRows};
+pub use columns::{CrossingColumns, FirstHits, HitRows};
 pub use error::{CompileError, CompileProblem};
 pub use evaluator::{
     Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, Sink, Start, StartLists, State, Window,

@@ -200,8 +200,8 @@ impl<'p, 'a> Lowering<'p, 'a> {
     fn visit(&mut self, visit: Visit<'a>) -> Result<(), CompileError> {
         let Visit { solid, complemented, .. } = visit;
         match solid.node() {
-            Node::Vacuum => self.operand(Edge::VACUUM, complemented),
-            Node::Plenum => self.operand(Edge::PLENUM, complemented),
+            Node::Empty => self.operand(Edge::EMPTY, complemented),
+            Node::Universe => self.operand(Edge::UNIVERSE, complemented),
             Node::Primitive(primitive) => self.shape(visit, primitive)?,
             Node::Complement(inner) => self.pass(inner, Visit { complemented: !complemented, ..visit }),
             Node::Transformed(map, inner) => {
@@ -299,7 +299,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         let Visit { solid, context, complemented, .. } = visit;
         match maps[..] {
             // no group of its own: one that nothing places would have no place in the program
-            [] => self.operand(Edge::VACUUM, complemented),
+            [] => self.operand(Edge::EMPTY, complemented),
             [ref map] => {
                 let context = self.moved(&visit, map)?;
                 self.pass(inner, Visit { context, ..visit });

@@ -61,8 +61,8 @@ fn expand<'a>(
     tasks: &mut Vec<Task<'a>>,
 ) -> fmt::Result {
     match solid.node() {
-        Node::Vacuum => f.write_str("vacuum"),
-        Node::Plenum => f.write_str("plenum"),
+        Node::Empty => f.write_str("empty"),
+        Node::Universe => f.write_str("universe"),
         Node::Primitive(primitive) => f.write_str(&primitive_text(primitive)),
         Node::Named(name, _) => f.write_str(name),
         Node::Complement(inner) => {

@@ -57,7 +57,7 @@ pub struct SurfaceEntry {
     /// The surface, in canonical form.
     pub surface: Surface,
     /// The size and position of the surface plus the lengths of all translations composed on the way.
-    pub reach: f64,
+    pub magnitude: f64,
 }
 
 /// A region of the model, or the solid that was compiled.

@@ -1,5 +1,6 @@
 //! Rays on their way in.
 
+use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
 use rayweave_shape::{Ray, RayError};
 use std::ops::Range;
@@ -14,6 +15,12 @@ pub struct BadRay {
     pub problem: RayError,
 }
 
+impl Classified for BadRay {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Value
+    }
+}
+
 /// Rays as a structure of arrays: component k of ray i is `origins[k][i]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Rays<'a> {
@@ -21,6 +28,14 @@ pub struct Rays<'a> {
     pub origins: [&'a [f64]; 3],
     /// The components of the directions.
     pub directions: [&'a [f64]; 3],
+}
+
+impl<'a> Rays<'a> {
+    /// A range of the rays.
+    pub fn slice(&self, range: Range<usize>) -> Rays<'a> {
+        let part = |columns: [&'a [f64]; 3]| columns.map(|column| &column[range.clone()]);
+        Rays { origins: part(self.origins), directions: part(self.directions) }
+    }
 }
 
 impl Rays<'_> {

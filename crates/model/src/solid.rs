@@ -24,9 +24,9 @@ struct Inner {
 #[derive(Clone)]
 pub enum Node {
     /// Nothing.
-    Vacuum,
+    Empty,
     /// All of space.
-    Plenum,
+    Universe,
     /// A shape.
     Primitive(Primitive),
     /// Everything outside a solid.
@@ -62,7 +62,7 @@ impl Node {
     /// The solids that this node is made from, in order.
     pub fn operands(&self) -> &[Solid] {
         match self {
-            Node::Vacuum | Node::Plenum | Node::Primitive(_) => &[],
+            Node::Empty | Node::Universe | Node::Primitive(_) => &[],
             Node::Complement(a) | Node::Transformed(_, a) | Node::Named(_, a) | Node::Placed(a, _) => {
                 std::slice::from_ref(a)
             }
@@ -83,21 +83,21 @@ impl Solid {
     }
 
     /// Nothing: the neutral element of union.
-    pub fn vacuum() -> Solid {
-        Solid::new(Node::Vacuum)
+    pub fn empty() -> Solid {
+        Solid::new(Node::Empty)
     }
 
     /// All of space: the neutral element of intersection.
-    pub fn plenum() -> Solid {
-        Solid::new(Node::Plenum)
+    pub fn universe() -> Solid {
+        Solid::new(Node::Universe)
     }
 
-    /// Inside any of the solids; the union of none is [`Solid::vacuum`].
+    /// Inside any of the solids; the union of none is [`Solid::empty`].
     pub fn union(solids: impl IntoIterator<Item = Solid>) -> Solid {
         Solid::new(Node::Union(solids.into_iter().collect()))
     }
 
-    /// Inside all of the solids; the intersection of none is [`Solid::plenum`].
+    /// Inside all of the solids; the intersection of none is [`Solid::universe`].
     pub fn intersection(solids: impl IntoIterator<Item = Solid>) -> Solid {
         Solid::new(Node::Intersection(solids.into_iter().collect()))
     }
@@ -193,8 +193,8 @@ impl Drop for Inner {
 
 /// Moves the operands out of a node that is about to be dropped.
 fn take_operands(node: &mut Node, waiting: &mut Vec<Solid>) {
-    match std::mem::replace(node, Node::Vacuum) {
-        Node::Vacuum | Node::Plenum | Node::Primitive(_) => {}
+    match std::mem::replace(node, Node::Empty) {
+        Node::Empty | Node::Universe | Node::Primitive(_) => {}
         Node::Complement(a) | Node::Transformed(_, a) | Node::Named(_, a) | Node::Placed(a, _) => {
             waiting.push(a)
         }

@@ -21,7 +21,7 @@ use std::num::NonZeroUsize;
 pub(crate) struct Tables {
     pub leaves: LeafTable,
     pub surfaces: Vec<SurfaceEntry>,
-    /// The numbers of the planes among the surfaces of the chunk at hand, by the bits of plane and reach: large models have
+    /// The numbers of the planes among the surfaces of the chunk at hand, by the bits of plane and magnitude: large models have
     /// millions of faces in a few of them.
     planes: HashMap<[u64; 5], SurfaceId>,
 }
@@ -97,8 +97,8 @@ impl Tables {
         self.leaves.push_shape(label, lowered.complement);
         for facet in &lowered.facets {
             let surface = facet.surface.transformed(place);
-            let reach = surface.reach() + place.path;
-            let is_in_reach = reach <= Ray::MOST;
+            let magnitude = surface.magnitude() + place.path;
+            let is_in_reach = magnitude <= Ray::MOST;
             if !is_in_reach || !surface.is_finite() {
                 return Err(CompileProblem::NotFinite);
             }
@@ -107,7 +107,7 @@ impl Tables {
                 // two boxes of something very thin may miss each other by a rounding
                 bounds = if both.is_empty() { bounds } else { both };
             }
-            let id = self.surface(SurfaceEntry { surface, reach });
+            let id = self.surface(SurfaceEntry { surface, magnitude });
             self.leaves.facets.push(LeafFacet::new(id, facet.inside));
         }
         self.leaves.push_bounds(bounds);
@@ -119,7 +119,7 @@ impl Tables {
         let fresh = SurfaceId::from(self.surfaces.len());
         if let Surface::Plane(plane) = &entry.surface {
             let [x, y, z] = plane.normal.to_array();
-            let key = [x, y, z, plane.offset, entry.reach].map(f64::to_bits);
+            let key = [x, y, z, plane.offset, entry.magnitude].map(f64::to_bits);
             let known = *self.planes.entry(key).or_insert(fresh);
             if known != fresh {
                 return known;
@@ -162,7 +162,7 @@ impl Tables {
 
     /// Faces that coincide get one surface, the same bits for all of them.
     pub fn share(&mut self, group: &Group<'_>, labels: &Labels) -> Result<(), CompileError> {
-        let candidates: Vec<_> = self.surfaces.iter().map(|s| (&s.surface, s.reach)).collect();
+        let candidates: Vec<_> = self.surfaces.iter().map(|s| (&s.surface, s.magnitude)).collect();
         let shared = share(&candidates).map_err(|wide| {
             let name = |surface: usize| {
                 let mut facets = self.leaves.facets.iter();
@@ -186,7 +186,7 @@ impl Tables {
             }
             let entry = &mut kept[number[representative] as usize];
             // the class shares one tolerance, wide enough for each of its members
-            entry.reach = entry.reach.max(self.surfaces[k].reach);
+            entry.magnitude = entry.magnitude.max(self.surfaces[k].magnitude);
             *facet = LeafFacet::new(SurfaceId(number[representative]), facet.inside() ^ shared.flipped[k]);
         }
         self.surfaces = kept;

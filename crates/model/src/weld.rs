@@ -6,7 +6,7 @@
 
 use crate::{Crossing, Event, Face, PlacementId, Program, RegionId, State, carried};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::{clears, hugs};
+use rayweave_shape::surface::{coincides_along, separated_along};
 use std::ops::Range;
 
 /// The leaf states of a group while it is swept; both directions, since a flip undoes itself.
@@ -22,26 +22,26 @@ pub trait Flips {
 /// What runs through a model: a ray, or whatever else can tell where it keeps to a surface.
 pub trait Trajectory {
     /// True if the piece between two times lies within `delta` of the surface of a face all along.
-    fn hugs(&self, program: &Program, face: Face, a: f64, b: f64) -> bool;
+    fn coincides_along(&self, program: &Program, face: Face, a: f64, b: f64) -> bool;
 
-    /// True only if no piece from `a` to a time in `ends` hugs the surface of a face: who can tell lets evaluators stop
+    /// True only if no piece from `a` to a time in `ends` coincides_along the surface of a face: who can tell lets evaluators stop
     /// early.
-    fn clears(&self, _program: &Program, _face: Face, _a: f64, _ends: (f64, f64)) -> bool {
+    fn separated_along(&self, _program: &Program, _face: Face, _a: f64, _ends: (f64, f64)) -> bool {
         false
     }
 }
 
 impl Trajectory for Ray {
-    fn hugs(&self, program: &Program, face: Face, a: f64, b: f64) -> bool {
+    fn coincides_along(&self, program: &Program, face: Face, a: f64, b: f64) -> bool {
         let entry = program.surface(face.surface);
-        let (ray, reach) = local_ray(program, self, face.placement);
-        hugs(&entry.surface, entry.reach + reach, &ray, a, b)
+        let (ray, magnitude) = local_ray(program, self, face.placement);
+        coincides_along(&entry.surface, entry.magnitude + magnitude, &ray, a, b)
     }
 
-    fn clears(&self, program: &Program, face: Face, a: f64, ends: (f64, f64)) -> bool {
+    fn separated_along(&self, program: &Program, face: Face, a: f64, ends: (f64, f64)) -> bool {
         let entry = program.surface(face.surface);
-        let (ray, reach) = local_ray(program, self, face.placement);
-        clears(&entry.surface, entry.reach + reach, &ray, a, ends)
+        let (ray, magnitude) = local_ray(program, self, face.placement);
+        separated_along(&entry.surface, entry.magnitude + magnitude, &ray, a, ends)
     }
 }
 
@@ -171,16 +171,16 @@ impl<'a, T: Trajectory> Weld<'a, T> {
     /// True if there is a crossing that no change at a time in `ends` can be welded to, so that [`Weld::finish`] gives
     /// what is reported whatever comes then. All changes before have been taken.
     pub fn is_settled(&self, ends: (f64, f64)) -> bool {
-        let clears = |(a, face): (f64, Face)| self.path.clears(self.program, face, a, ends);
+        let separated_along = |(a, face): (f64, Face)| self.path.separated_along(self.program, face, a, ends);
         self.pending.is_some_and(|run| {
-            clears((run.t, run.face)) && (run.tail == (run.t, run.face) || clears(run.tail))
+            separated_along((run.t, run.face)) && (run.tail == (run.t, run.face) || separated_along(run.tail))
         })
     }
 
     /// True if the piece between two changes lies in both their surfaces.
     fn welded(&self, (a, first): (f64, Face), (b, second): (f64, Face)) -> bool {
-        let hugs = |face: Face| self.path.hugs(self.program, face, a, b);
-        hugs(second) && (first == second || hugs(first))
+        let coincides_along = |face: Face| self.path.coincides_along(self.program, face, a, b);
+        coincides_along(second) && (first == second || coincides_along(first))
     }
 
     /// The crossing that a complete run amounts to: none if the medium is the same before and after.
@@ -306,5 +306,5 @@ fn region_state<F: Flips>(region: RegionId) -> impl Fn(&mut F) -> u32 {
 /// A ray of the world in the frame of a placement, by the same steps by which evaluators carried it there, and
 /// what they add to the reach of surfaces.
 pub fn local_ray(program: &Program, ray: &Ray, placement: PlacementId) -> (Ray, f64) {
-    program.descend(placement).fold((*ray, 0.0), |(ray, reach), place| carried(&place, &ray, reach))
+    program.descend(placement).fold((*ray, 0.0), |(ray, magnitude), place| carried(&place, &ray, magnitude))
 }

@@ -41,14 +41,14 @@ fn chains_are_flat_and_complements_at_the_leaves() {
 #[test]
 fn constants_vanish() {
     let [a, b] = balls();
-    check(&(&a | Solid::vacuum()), "0");
-    check(&(&a & Solid::vacuum()), "vacuum");
-    check(&(&a | Solid::plenum()), "plenum");
-    check(&(&a - &a), "vacuum");
-    check(&(&a | !&a), "plenum");
+    check(&(&a | Solid::empty()), "0");
+    check(&(&a & Solid::empty()), "empty");
+    check(&(&a | Solid::universe()), "universe");
+    check(&(&a - &a), "empty");
+    check(&(&a | !&a), "universe");
     check(&(&a ^ &a ^ &b), "1");
-    check(&Solid::union([]), "vacuum");
-    check(&Solid::intersection([]), "plenum");
+    check(&Solid::union([]), "empty");
+    check(&Solid::intersection([]), "universe");
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn what_bounds_show_not_to_matter_is_not_asked() {
     // neighbours touch, and touching is not apart
     check(&(&a - &b - &c - &d), "all{0, ~1}");
     check(&(&a & &b), "all{0, 1}");
-    check(&(&a & &c), "vacuum");
+    check(&(&a & &c), "empty");
     check(&((&a & &c) | &b), "2");
     check(&(!&a | (&c & &d)), "~0");
     check(&((&a | &b | &c) & &d), "all{2, 3}");
@@ -111,8 +111,7 @@ fn errors_say_where() {
     assert!(matches!(error.problem, CompileProblem::Transform(_)), "{error:?}");
     assert_eq!(
         error.to_string(),
-        "the transform is singular (it flattens space, so that no point has one image) is a scale factor 0?, \
-         in part/flat/transform"
+        "part/flat/transform: the transform is singular: it has no inverse. Check for a scale factor of 0."
     );
     let nan = a.translate([f64::NAN, 0.0, 0.0]);
     assert!(Program::compile(&nan).unwrap_err().to_string().contains("NaN"));
@@ -175,7 +174,8 @@ fn faces_are_named_wherever_copies_stand() {
     let [a, b] = balls();
     let row = a.named("dot").place([0.0, 9.0].map(|x| Affine::translate(Vec3::new(x, 5.0, 0.0))).to_vec());
     let tile = shape("box", &[("size", 1.0)]).named("tile");
-    let solid = Solid::union([row.clone(), tile, row.apply(Affine::translate(Vec3::Z)), Solid::plenum(), b]);
+    let solid =
+        Solid::union([row.clone(), tile, row.apply(Affine::translate(Vec3::Z)), Solid::universe(), b]);
     let program = Program::compile(&solid).unwrap();
     let names: Vec<String> = program.face_names().collect();
     let tiles = ["x-", "x+", "y-", "y+", "z-", "z+"].map(|face| format!("tile.{face}"));
@@ -254,5 +254,5 @@ fn models_out_of_reach_are_refused() {
     }
     assert_eq!(problem(&ball.translate([0.0, 1e99, 0.0])), None);
     let text = CompileProblem::NotFinite.to_string();
-    assert!(text.contains("beyond 1e100") && text.ends_with("is a scale far too large or small?"), "{text}");
+    assert!(text.contains("beyond 1e100") && text.ends_with("Is a scale far too large or small?"), "{text}");
 }

@@ -1,4 +1,4 @@
-//! Light on its way in.
+//! Input light: beams of rays with wavelength, power and polarisation, and the trait of light sources.
 
 use crate::error::OpticsError;
 use crate::interface::Stokes;
@@ -8,29 +8,29 @@ use rayweave_model::{RayBatch, Rays};
 use rayweave_shape::Ray;
 use std::ops::Range;
 
-/// Rays of light as columns.
+/// Input rays of light as columns.
 #[derive(Clone, Debug, Default)]
 pub struct Beam {
     rays: RayBatch,
     wavelength_nm: Vec<f64>,
     power: Vec<f64>,
     source: Vec<u32>,
-    /// Nothing beyond the last ray that has any.
+    /// Empty beyond the last polarised ray.
     stokes: Vec<Option<Stokes>>,
 }
 
-/// One ray of light.
+/// One input ray of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Where it starts and where it goes; the direction need not be of unit length.
+    /// The origin and direction; the direction need not be of unit length.
     pub ray: Ray,
-    /// Its vacuum wavelength in nanometres.
+    /// The vacuum wavelength in nanometres.
     pub wavelength_nm: f64,
-    /// Its power, in any unit.
+    /// The power, in any unit.
     pub power: f64,
-    /// The number of the source that it comes from.
+    /// The number of the source.
     pub source: u32,
-    /// Its polarisation; none is unpolarised. Its power is not looked at.
+    /// The polarisation, `None` for unpolarised light. Its power is ignored.
     pub stokes: Option<Stokes>,
 }
 
@@ -52,17 +52,17 @@ impl Beam {
         self.rays.rays()
     }
 
-    /// Their vacuum wavelengths in nanometres.
+    /// The vacuum wavelengths in nanometres.
     pub fn wavelengths_nm(&self) -> &[f64] {
         &self.wavelength_nm
     }
 
-    /// Their powers.
+    /// The powers.
     pub fn powers(&self) -> &[f64] {
         &self.power
     }
 
-    /// The numbers of their sources.
+    /// The numbers of the sources.
     pub fn sources(&self) -> &[u32] {
         &self.source
     }
@@ -72,12 +72,12 @@ impl Beam {
         self.power.len()
     }
 
-    /// True if there is none.
+    /// True if there are no rays.
     pub fn is_empty(&self) -> bool {
         self.power.is_empty()
     }
 
-    /// Forgets all rays and keeps the memory.
+    /// Removes all rays and keeps the memory.
     pub fn clear(&mut self) {
         self.rays.clear();
         self.wavelength_nm.clear();
@@ -97,24 +97,24 @@ impl Beam {
         }
     }
 
-    /// Whether all rays can be traced through a system.
+    /// Checks that all rays can be traced through a system.
     ///
     /// # Errors
-    /// [`OpticsError`] for the first ray, power or wavelength that cannot.
+    /// [`OpticsError`] for the first invalid ray or power, or wavelength outside the range of a medium.
     pub fn check(&self, system: &System) -> Result<(), OpticsError> {
         self.rays().check()?;
         let bad = |column, ray, value, range| OpticsError::BadLight { column, ray, value, range };
         let first = |column: &[f64], is_good: fn(f64) -> bool| {
-            // without a branch for each ray, unless there is one that is wrong
+            // no branch for each ray, unless one is invalid
             let all = column.iter().fold(true, |all, &value| all & is_good(value));
             if all { None } else { column.iter().position(|&value| !is_good(value)) }
         };
         if let Some(ray) = first(&self.power, |power| (power >= 0.0) & power.is_finite()) {
-            return Err(bad("power", ray, self.power[ray], "it has to be at least 0 and finite"));
+            return Err(bad("power", ray, self.power[ray], "at least 0 and finite"));
         }
         if let Some(ray) = first(&self.wavelength_nm, |length| (length > 0.0) & length.is_finite()) {
             let value = self.wavelength_nm[ray];
-            return Err(bad("wavelength_nm", ray, value, "it has to be greater than 0 and finite"));
+            return Err(bad("wavelength_nm", ray, value, "greater than 0 and finite"));
         }
         let least = self.wavelength_nm.iter().copied().fold(f64::INFINITY, f64::min);
         let most = self.wavelength_nm.iter().copied().fold(0.0, f64::max);
@@ -139,12 +139,12 @@ impl FromIterator<Light> for Beam {
     }
 }
 
-/// Where light comes from, any piece of it at a time, so that a run of any length takes bounded memory.
+/// A source of light that emits any range of its rays, so that a run of any length takes bounded memory.
 pub trait Emitter: Sync {
     /// The number of rays.
     fn count(&self) -> usize;
 
-    /// Appends the rays of a range, always the same for the same numbers.
+    /// Appends the rays of a range. The same numbers give the same rays.
     fn emit(&self, range: Range<usize>, beam: &mut Beam);
 }
 

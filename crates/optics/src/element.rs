@@ -1,4 +1,4 @@
-//! What an optical system is made of: solids of a material with faces of some finish, and sheets.
+//! Elements of an optical system: solids of a material with surface finishes, and sheets.
 
 use crate::component::{ComponentError, Sheet};
 use crate::interface::Film;
@@ -7,21 +7,22 @@ use num_complex::Complex64;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 
-/// What a solid is made of.
+/// The material of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
-    /// Light goes through.
+    /// Light is transmitted.
     Transparent(Medium),
-    /// Light ends at the surface, but for what the finish sends back.
+    /// Light is absorbed at the surface, except for the part that the finish reflects.
     Opaque,
-    /// A metal: light is reflected by Fresnel's formulas for the complex index, the rest is absorbed at the surface.
+    /// A metal: light is reflected by the Fresnel equations for the complex refractive index, the
+    /// rest is absorbed at the surface.
     Metal(Medium),
 }
 
-/// What a face does to light, whatever the media on its two sides.
+/// The finish of a face: its effect on light, with the media on both sides.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Finish {
-    /// Polished: what the two media make of it.
+    /// Polished: reflection and refraction by the Fresnel equations of the two media.
     Polished,
     /// Reflects a fraction of the power and absorbs the rest.
     Mirror {
@@ -30,73 +31,78 @@ pub enum Finish {
     },
     /// Absorbs all light.
     Absorber,
-    /// Thin films between the two media, the outermost, farthest from the solid, first.
+    /// A coating: thin films between the two media, the outermost, farthest from the solid, first.
     Coated(Vec<Film>),
-    /// Reflects a fraction of the power and transmits the rest, without a change of polarisation.
+    /// A beam splitter: reflects a fraction of the power and transmits the rest, without a change
+    /// of polarisation.
     Splitter {
         /// The fraction, from 0 to 1.
         reflectance: f64,
     },
-    /// Scatters a fraction of the power back by Lambert's cosine law, unpolarised, and absorbs the rest.
+    /// A diffuse reflector: scatters a fraction of the power back by Lambert's cosine law,
+    /// unpolarised, and absorbs the rest.
     Diffuse {
         /// The fraction, from 0 to 1.
         reflectance: f64,
     },
-    /// A rough face: polished facets whose slopes have a Gaussian distribution (Beckmann & Spizzichino, *The Scattering of
-    /// Electromagnetic Waves from Rough Surfaces*, 1963; Cook & Torrance, ACM Trans. Graph. 1, 7, 1982).
+    /// A rough face: polished microfacets whose slopes have a Gaussian distribution (Beckmann &
+    /// Spizzichino, *The Scattering of Electromagnetic Waves from Rough Surfaces*, 1963; Cook &
+    /// Torrance, ACM Trans. Graph. 1, 7, 1982).
     Rough {
         /// The standard deviation of the slope along each axis.
         slope: f64,
     },
 }
 
-/// What a sheet does to light that crosses it.
+/// The action of a sheet on light that crosses it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// Ends it: a stop, a baffle, a screen.
+    /// Absorbs all light: a stop, a baffle, a screen.
     Absorb,
-    /// Records it and lets it pass: a detector without substance.
+    /// Records the light and transmits it unchanged: a detector without thickness.
     Record,
     /// Reflects a fraction of the power and absorbs the rest.
     Mirror {
         /// The fraction, from 0 to 1.
         reflectance: f64,
     },
-    /// Reflects a fraction of the power and transmits the rest.
+    /// A beam splitter: reflects a fraction of the power and transmits the rest.
     Splitter {
         /// The fraction, from 0 to 1.
         reflectance: f64,
     },
-    /// An ideal thin lens: light through the point at the distance y from its centre is bent by y / f in slope.
+    /// An ideal thin lens: light through the point at the distance y from its centre is bent by y /
+    /// f in slope.
     ThinLens {
         /// The focal length; negative for a diverging lens.
         focal_length: f64,
     },
-    /// A plane grating that sends all light into one order.
+    /// A plane diffraction grating that sends all light into one order.
     Grating {
-        /// Across the grooves, in the plane of the sheet, in its frame; as long as the number of lines per unit of length.
+        /// The vector across the grooves, in the plane of the sheet, in its frame; its length is
+        /// the number of lines per unit of length.
         lines: Vec3,
         /// The order.
         order: i32,
         /// True if it reflects.
         reflects: bool,
     },
-    /// Lets the light pass that swings along an axis, absorbs what swings across it.
+    /// A linear polariser: transmits light polarised along an axis, absorbs light polarised across it.
     Polariser {
         /// The axis of transmission, in the frame of the sheet.
         axis: Vec3,
     },
-    /// A wave plate: light across the fast axis falls behind that along it.
+    /// A retarder (wave plate): light polarised across the fast axis lags behind light along it.
     Retarder {
         /// The fast axis, in the frame of the sheet.
         axis: Vec3,
-        /// By which part of a wave, in degrees: 90 for a quarter wave.
+        /// The retardance in degrees: 90 for a quarter wave.
         retardance_degrees: f64,
     },
 }
 
 impl Action {
-    /// True if what it does depends on the side from which the light comes.
+    /// True if the action depends on the side from which the light comes.
     pub(crate) fn has_sides(&self) -> bool {
         match self {
             Action::Mirror { .. } | Action::Splitter { .. } | Action::Grating { .. } => true,
@@ -105,8 +111,9 @@ impl Action {
         }
     }
 
-    /// The amplitudes along the axis and across it of a polarising sheet, and the axis.
-    pub(crate) fn polarises(&self) -> Option<(Vec3, [Complex64; 2])> {
+    /// The axis of a polarising sheet and its diagonal Jones matrix: the amplitudes along the axis
+    /// and across it.
+    pub(crate) fn jones(&self) -> Option<(Vec3, [Complex64; 2])> {
         match self {
             Action::Polariser { axis } => Some((*axis, [Complex64::ONE, Complex64::ZERO])),
             Action::Retarder { axis, retardance_degrees } => {
@@ -119,32 +126,32 @@ impl Action {
     }
 }
 
-/// A named part of an optical system.
+/// A named element of an optical system.
 #[derive(Clone, Debug)]
 pub struct Element {
     pub(crate) name: String,
     pub(crate) body: Body,
 }
 
-/// What a part is.
+/// The body of an element.
 #[derive(Clone, Debug)]
 pub enum Body {
     /// A solid.
     Solid {
         /// Its shape.
         solid: Solid,
-        /// What it is made of.
+        /// Its material.
         material: Material,
-        /// The finish of all faces that have none of their own.
+        /// The finish of all faces without their own.
         finish: Finish,
-        /// The finishes of single faces by their names, the last one of a name counts.
+        /// The finishes of single faces by their names; the last one of a name counts.
         faces: Vec<(String, Finish)>,
     },
     /// A sheet.
     Sheet {
         /// Its shape.
         sheet: Sheet,
-        /// What it does.
+        /// Its action.
         action: Action,
     },
 }
@@ -176,7 +183,7 @@ impl Element {
         Element { name: name.to_owned(), body: Body::Sheet { sheet, action } }
     }
 
-    /// The same with another finish on all faces that have none of their own; sheets have no finish and stay.
+    /// Sets the finish of all faces without their own; no effect on sheets, which have no finish.
     pub fn finish(mut self, new: Finish) -> Element {
         if let Body::Solid { finish, .. } = &mut self.body {
             *finish = new;
@@ -184,7 +191,7 @@ impl Element {
         self
     }
 
-    /// The same with a finish of its own on all faces whose name, or a part of it between dots, is `face`; sheets stay.
+    /// Sets the finish of all faces whose name, or a part of it between dots, is `face`; no effect on sheets.
     pub fn face(mut self, face: &str, finish: Finish) -> Element {
         if let Body::Solid { faces, .. } = &mut self.body {
             faces.push((face.to_owned(), finish));
@@ -192,10 +199,10 @@ impl Element {
         self
     }
 
-    /// The same moved by a map.
+    /// The element moved by an affine map.
     ///
     /// # Errors
-    /// A map that is singular or not finite.
+    /// [`ComponentError`] for a map that is singular or not finite.
     pub fn apply(mut self, world_from_local: &Affine) -> Result<Element, ComponentError> {
         match &mut self.body {
             Body::Solid { solid, .. } => *solid = solid.apply(*world_from_local),
@@ -204,13 +211,13 @@ impl Element {
         Ok(self)
     }
 
-    /// The same under another name.
+    /// The element with another name.
     pub fn named(mut self, name: &str) -> Element {
         self.name = name.to_owned();
         self
     }
 
-    /// Its solid and what that is made of; `None` for sheets.
+    /// The solid and its material; `None` for sheets.
     pub fn solid(&self) -> Option<(&Solid, &Material)> {
         match &self.body {
             Body::Solid { solid, material, .. } => Some((solid, material)),
@@ -218,7 +225,7 @@ impl Element {
         }
     }
 
-    /// The sheet that it is; `None` for solids.
+    /// The sheet; `None` for solids.
     pub fn as_sheet(&self) -> Option<&Sheet> {
         match &self.body {
             Body::Sheet { sheet, .. } => Some(sheet),
@@ -226,17 +233,17 @@ impl Element {
         }
     }
 
-    /// Whether it is a sheet that does not treat all polarisations alike.
+    /// Whether it is a polarising sheet: a polariser or a retarder.
     pub fn polarises(&self) -> bool {
-        matches!(&self.body, Body::Sheet { action, .. } if action.polarises().is_some())
+        matches!(&self.body, Body::Sheet { action, .. } if action.jones().is_some())
     }
 
-    /// What it is called.
+    /// The name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What it is.
+    /// The body: a solid or a sheet.
     pub fn body(&self) -> &Body {
         &self.body
     }

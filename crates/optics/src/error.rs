@@ -1,51 +1,49 @@
-//! What can be wrong with an optical system and with the light that is sent into it.
+//! Errors of optical systems and of input light.
 
 use num_complex::Complex64;
+use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::{BadRay, CompileError};
 
-/// An optical system, or light, that cannot be traced.
+/// Error of an optical system, or of light that cannot be traced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpticsError {
-    /// An index of refraction that no medium has.
-    #[error("medium `{medium}` has the index {index} (n is greater than 0, k at least 0, both finite)")]
+    /// An impossible refractive index.
+    #[error("medium `{medium}` has the index {index}: n must be greater than 0, k at least 0, both finite.")]
     BadIndex {
         /// The medium.
         medium: String,
         /// Its index.
         index: Complex64,
     },
-    /// A gradient that no medium has.
-    #[error("the gradient of the index cannot be used: {problem}")]
-    BadGradient {
-        /// What is wrong.
-        problem: String,
-    },
+    /// An invalid gradient.
+    #[error("{0}")]
+    BadGradient(Message),
     /// A number of a finish or an action out of its range.
-    #[error("{what} of `{element}` is {value} (it has to be {range})")]
+    #[error("{what} of `{element}` is {value}: it must be {range}.")]
     BadNumber {
         /// The element.
         element: String,
-        /// What the number is.
+        /// The name of the number.
         what: &'static str,
         /// The number.
         value: f64,
-        /// Which numbers are possible.
+        /// The range.
         range: &'static str,
     },
-    /// A finish for faces that the element does not have.
-    #[error("element `{element}` has no face `{face}` (its faces are {faces})")]
+    /// A finish of an unknown face.
+    #[error("element `{element}` has no face `{face}`: its faces are {faces}.")]
     NoFace {
         /// The element.
         element: String,
-        /// The face asked for.
+        /// The unknown face.
         face: String,
-        /// The faces that there are.
+        /// The faces of the element.
         faces: String,
     },
-    /// Two elements of one name.
+    /// Two elements with the same name.
     #[error(
-        "two elements are called `{name}` (surfaces are told apart by these names) give one of them another"
+        "two elements are called `{name}`: element names must be unique, since results refer to them. Rename one of them."
     )]
     SameName {
         /// The name.
@@ -56,14 +54,14 @@ pub enum OpticsError {
     Geometry {
         /// The element.
         element: String,
-        /// What is wrong.
+        /// The problem.
         problem: CompileError,
     },
     /// A ray that cannot be traced.
     #[error(transparent)]
     Ray(#[from] BadRay),
     /// Columns of light of different lengths.
-    #[error("the column `{column}` has {found} entries ({expected} rays have to be described)")]
+    #[error("column `{column}` has {found} entries: there are {expected} rays.")]
     Length {
         /// The column.
         column: &'static str,
@@ -72,8 +70,8 @@ pub enum OpticsError {
         /// The number of rays.
         expected: usize,
     },
-    /// A power or a wavelength that light cannot have.
-    #[error("{column}[{ray}] is {value} ({range})")]
+    /// An invalid power or wavelength.
+    #[error("{column}[{ray}] is {value}: it must be {range}.")]
     BadLight {
         /// The column.
         column: &'static str,
@@ -81,12 +79,12 @@ pub enum OpticsError {
         ray: usize,
         /// The number.
         value: f64,
-        /// Which numbers are possible.
+        /// The range.
         range: &'static str,
     },
-    /// Light of a wavelength at which the index of a medium is not known.
+    /// A wavelength outside the range of a medium.
     #[error(
-        "ray {ray} has a wavelength of {wavelength_nm} nm (the index of `{medium}` is known from {} nm to {} nm)",
+        "ray {ray} has a wavelength of {wavelength_nm} nm: the index of `{medium}` is known from {} nm to {} nm.",
         range_nm[0], range_nm[1]
     )]
     Wavelength {
@@ -96,10 +94,19 @@ pub enum OpticsError {
         wavelength_nm: f64,
         /// The medium.
         medium: String,
-        /// Where its index is known.
+        /// The range of its index.
         range_nm: [f64; 2],
     },
     /// The run was cancelled.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl Classified for OpticsError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            OpticsError::Cancelled => ErrorKind::Cancelled,
+            _ => ErrorKind::Optics,
+        }
+    }
 }

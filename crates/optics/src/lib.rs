@@ -1,15 +1,18 @@
-//! Optics: what light does in the solids of a model.
+//! Optics: non-sequential ray tracing of light in the solids of a model.
 //!
-//! An [`Assembly`] of [`Element`]s, solids of a [`Material`] and sheets, is compiled into a [`System`]; a [`Tracer`] sends
-//! light through it, a [`Beam`] or any other [`Emitter`], and answers with the [`Segments`] of all rays and a [`Balance`] of
-//! power. Light is refracted and reflected where media meet, whatever the shapes that bound them: cemented, immersed and
-//! nested parts need no gaps. [`interface`] holds the physics of one such event, [`glass`] the indices of refraction,
-//! [`component`] lenses, mirrors and prisms, [`source`] what shines, [`file`](mod@file) reads the `[optics]`
-//! tables of model files, [`gradient`] are media whose index changes from place to place.
+//! An [`Assembly`] of [`Element`]s (solids of a [`Material`], and sheets) compiles to a [`System`].
+//! A [`Tracer`] traces light, a [`Beam`] or any other [`Emitter`], through the system and returns
+//! the [`Segments`] of all rays and the power [`Balance`]. Light is refracted and reflected at the
+//! interfaces between media, whatever the shapes that bound them: cemented, immersed and nested
+//! elements need no gaps.
 //!
-//! [`prescription`] makes solids of lenses as designers write them, surface by surface, [`paraxial`] tells their focal lengths,
-//! pupils and aberration sums, and [`analysis`] makes spots, wavefronts and aberrations of real rays, in these and any other
-//! systems. [`design`] tells what errors of making do to them, and looks for better ones.
+//! - [`interface`]: the physics of one event (Snell's law, Fresnel equations, thin films, gratings,
+//!   Stokes parameters)
+//! - [`glass`]: refractive indices and absorption; [`gradient`]: gradient-index media
+//! - [`component`]: lenses, mirrors, prisms, concentrators and sheets
+//! - [`source`]: light sources with spectrum and power
+//! - [`file`](mod@file): the `[optics]` tables of model files; [`table`]: tables of results
+//! - [`detector`]: binning of the light that arrives at sheets
 //!
 //! ```
 //! use rayweave_model::Solid;
@@ -29,31 +32,26 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod abreast;
-pub mod analysis;
 mod beam;
+mod bundle;
 pub mod component;
-pub mod design;
+pub mod detector;
 mod element;
 mod error;
 pub mod file;
-mod foresee;
-mod generation;
 pub mod glass;
 pub mod gradient;
-mod indices;
-mod interact;
 pub mod interface;
 mod medium;
-mod near;
-pub mod paraxial;
 mod paths;
 mod phase;
-pub mod prescription;
+mod scatter;
 mod segments;
 mod settings;
 pub mod source;
+mod start_surfaces;
 mod system;
+pub mod table;
 mod trace;
 
 pub use beam::{Beam, Emitter, Light};
@@ -67,12 +65,7 @@ pub use settings::{Branches, Keep, Settings};
 pub use system::{Assembly, System};
 pub use trace::{Trace, Tracer};
 
-/// The code of the guide runs with the tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/guides/lens-design.md")]
-mod guide {}
-
-/// The code of the guide to gradients.
+/// The code of the guide to gradients, compiled and run with the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/guides/gradient-index.md")]
 mod guide_to_gradients {}

@@ -1,4 +1,5 @@
-//! What light travels through.
+//! Optical media: complex refractive index by wavelength (dispersion), gradient index and
+//! absorption (Beer-Lambert law).
 
 use crate::error::OpticsError;
 use crate::glass::{Glass, GlassError, glass};
@@ -8,10 +9,10 @@ use rayweave_math::Vec3;
 use std::fmt;
 use std::sync::Arc;
 
-/// A law of dispersion: the complex index of refraction by wavelength.
+/// A dispersion law: the complex refractive index by wavelength.
 pub trait Index: Send + Sync + fmt::Debug {
-    /// The index n + i k at a vacuum wavelength in nanometres, for all wavelengths of [`Index::range_nm`]; `k >= 0` is the
-    /// extinction coefficient.
+    /// The index n + i k at a vacuum wavelength in nanometres, for all wavelengths of
+    /// [`Index::range_nm`]; `k >= 0` is the extinction coefficient.
     fn at(&self, wavelength_nm: f64) -> Complex64;
 
     /// The shortest and the longest wavelength for which the law holds, in nanometres.
@@ -20,7 +21,7 @@ pub trait Index: Send + Sync + fmt::Debug {
     }
 }
 
-/// A medium: a name, a law of dispersion, and a gradient if the index changes from place to place.
+/// A medium: a name, a dispersion law, and a gradient if the index varies in space.
 #[derive(Clone, Debug)]
 pub struct Medium {
     name: Arc<str>,
@@ -35,7 +36,7 @@ enum Law {
     Dispersive(Arc<dyn Index>),
 }
 
-/// Equal if named and made alike: a shared law of dispersion is the same only as itself.
+/// Equal for equal names and definitions; a shared dispersion law equals only itself.
 impl PartialEq for Medium {
     fn eq(&self, other: &Medium) -> bool {
         let same_law = match (&self.index, &other.index) {
@@ -66,7 +67,7 @@ impl Medium {
             .ok_or_else(|| OpticsError::BadIndex { medium: name.to_owned(), index })
     }
 
-    /// A medium with a law of dispersion.
+    /// A medium with a dispersion law.
     pub fn dispersive(name: &str, index: Arc<dyn Index>) -> Medium {
         Medium::of(name, Law::Dispersive(index))
     }
@@ -75,18 +76,18 @@ impl Medium {
         Medium { name: name.into(), index, gradient: None }
     }
 
-    /// The same with an index that changes from place to place: that of this medium, multiplied by a gradient. Absorption
-    /// stays what it was, the same everywhere.
+    /// The medium with a gradient index: its index is multiplied by a factor that varies in space.
+    /// The absorption remains uniform.
     pub fn graded(self, gradient: Gradient) -> Medium {
         Medium { gradient: Some(Arc::new(gradient)), ..self }
     }
 
-    /// How the index changes from place to place, if it does.
+    /// The gradient of the index, if it varies in space.
     pub fn gradient(&self) -> Option<&Gradient> {
         self.gradient.as_deref()
     }
 
-    /// A material of the built-in catalogue ([`crate::glass::glass()`]), with the absorption that its data tell of.
+    /// A material of the built-in catalogue ([`crate::glass::glass()`]), with the absorption in its data.
     ///
     /// # Errors
     /// [`GlassError`] for an unknown name, with a suggestion.
@@ -94,12 +95,12 @@ impl Medium {
         Ok(Medium::from(glass(name)?))
     }
 
-    /// What it is called.
+    /// The name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The material, if it is made of one.
+    /// The material of the catalogue, if it is one.
     pub fn as_glass(&self) -> Option<&Glass> {
         match &self.index {
             Law::Glass(glass) => Some(glass),
@@ -115,9 +116,10 @@ impl Medium {
         }
     }
 
-    /// The complex index at a vacuum wavelength in nanometres, with an extinction of 0 where that is not known; of no meaning outside of [`Medium::range_nm`].
+    /// The complex refractive index at a vacuum wavelength in nanometres, with an extinction of 0
+    /// where that is unknown; without meaning outside [`Medium::range_nm`].
     ///
-    /// Of a medium with a gradient it is what the gradient multiplies.
+    /// For a gradient this is the index that its factor multiplies.
     pub fn index(&self, wavelength_nm: f64) -> Complex64 {
         match &self.index {
             Law::Constant(index) => *index,
@@ -126,7 +128,7 @@ impl Medium {
         }
     }
 
-    /// The complex index at a point; its real part is NaN where a gradient gives none.
+    /// The complex refractive index at a point; its real part is NaN where a gradient has none.
     pub fn index_at(&self, wavelength_nm: f64, point: Vec3) -> Complex64 {
         let index = self.index(wavelength_nm);
         match &self.gradient {
@@ -138,7 +140,7 @@ impl Medium {
         }
     }
 
-    /// The wavelengths for which it is known, in nanometres.
+    /// The range of wavelengths for which the index is known, in nanometres.
     pub fn range_nm(&self) -> [f64; 2] {
         match &self.index {
             Law::Constant(_) => [0.0, f64::INFINITY],
@@ -147,14 +149,15 @@ impl Medium {
         }
     }
 
-    /// The coefficient of absorption per nanometre, `4 pi k / wavelength` (Born & Wolf, *Principles of Optics*, 7th edition,
-    /// section 14.1, equation 18): power falls as `exp(-coefficient * length)` (Beer-Lambert).
+    /// The absorption coefficient per nanometre, `4 pi k / wavelength` (Born & Wolf, *Principles of
+    /// Optics*, 7th edition, section 14.1, equation 18): power falls as
+    /// `exp(-coefficient * length)` (Beer-Lambert).
     pub fn absorption_per_nm(&self, wavelength_nm: f64) -> f64 {
         absorption_per_nm(self.index(wavelength_nm), wavelength_nm)
     }
 }
 
-/// [`Medium::absorption_per_nm`] where the index is known already.
+/// [`Medium::absorption_per_nm`] from the index.
 pub(crate) fn absorption_per_nm(index: Complex64, wavelength_nm: f64) -> f64 {
     4.0 * std::f64::consts::PI * index.im / wavelength_nm
 }
@@ -165,7 +168,7 @@ impl From<Glass> for Medium {
     }
 }
 
-/// The index of a glass; where its extinction is not known it is transparent.
+/// The index of a glass; transparent where its extinction is unknown.
 fn index_of(glass: &Glass, wavelength_nm: f64) -> Complex64 {
     let n = glass.index(wavelength_nm).unwrap_or(f64::NAN);
     Complex64::new(n, glass.extinction(wavelength_nm).unwrap_or(0.0))

@@ -1,100 +1,100 @@
-//! The ways that light takes: which elements it meets, one after the other, and where it is thrown back.
+//! Ray paths (ghost analysis): the sequences of elements that light hits, with its reflections.
 
 use crate::segments::{Event, Segments};
 use rayweave_math::Vec3;
 use std::collections::HashMap;
 
-/// The ways of many rays, gathered chunk by chunk. In a lens, ghosts are the ways with two reflections.
+/// The ray paths of a run, gathered chunk by chunk. In a lens, ghosts are the paths with two reflections.
 #[derive(Clone, Debug, Default)]
 pub struct Paths {
-    steps: Vec<Step>,
-    known: HashMap<Step, u32>,
+    steps: Vec<PathStep>,
+    known: HashMap<PathStep, u32>,
     rays: Vec<u64>,
     power: Vec<f64>,
-    /// Light on ways that are not told apart any more.
+    /// The number of rays and the power on paths beyond the limit.
     others: (u64, f64),
 }
 
-/// A segment on a way: the steps before, and what is met at its end.
+/// A segment of a path: the steps before it, and the element at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Step {
+struct PathStep {
     before: u32,
-    /// Whether the light was thrown back where the segment begins.
-    is_back: bool,
+    /// Whether the segment begins with a reflection.
+    is_reflected: bool,
     element: i32,
 }
 
 /// No step before.
 const FIRST: u32 = u32::MAX;
-/// A way that is not told from others.
+/// A path beyond the limit.
 const OTHER: u32 = u32::MAX - 1;
-/// So many steps are told apart.
-const MOST: usize = 1 << 20;
+/// The greatest number of distinct steps.
+const MAX_STEPS: usize = 1 << 20;
 
-/// A way that light took.
+/// A ray path: the sequence of elements that light hits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// The elements that were met, -1 for none (light that escaped, or was not followed any more), and whether the light was
-    /// thrown back there.
+    /// The numbers of the elements, -1 for none (light that escaped or was dropped), and whether
+    /// the light was reflected there.
     pub steps: Vec<(i32, bool)>,
     /// The number of rays that end on it.
     pub rays: u64,
-    /// Their power where their last segments begin.
+    /// The power of these rays at the start of their last segments.
     pub power: f64,
 }
 
 impl Path {
-    /// How often the light was thrown back.
+    /// The number of reflections.
     pub fn reflections(&self) -> usize {
         self.steps.iter().filter(|step| step.1).count()
     }
 
-    /// The names of the elements in order, reflections marked by a `*`, nothing by a `-`.
+    /// The names of the elements in order; a `*` marks reflections, a `-` stands for no element.
     pub fn text(&self, elements: &[String]) -> String {
         let name = |element: i32| {
             usize::try_from(element).ok().and_then(|k| elements.get(k)).map_or("-", String::as_str)
         };
-        let step = |&(element, is_back): &(i32, bool)| {
-            format!("{}{}", name(element), if is_back { "*" } else { "" })
+        let step = |&(element, is_reflected): &(i32, bool)| {
+            format!("{}{}", name(element), if is_reflected { "*" } else { "" })
         };
         self.steps.iter().map(step).collect::<Vec<String>>().join(" ")
     }
 }
 
 impl Paths {
-    /// Adds the segments of some rays, all of each: the parents of each row stand before it. Segments that are left out
-    /// ([`crate::Keep::Ends`], escaped ones) are missed.
+    /// Adds all segments of some rays; the parent of each row comes before it. Segments left out of the table
+    /// ([`crate::Keep::Ends`], escaped light) are missing from the paths.
     pub fn add(&mut self, segments: &Segments) {
-        let mut steps: Vec<Step> = Vec::with_capacity(segments.len());
+        let mut steps: Vec<PathStep> = Vec::with_capacity(segments.len());
         let mut goes_on = vec![false; segments.len()];
         for row in 0..segments.len() {
             let parent = usize::try_from(segments.parent[row]).ok().filter(|&parent| parent < row);
             let element = segments.element[row];
             let step = match parent {
-                None => Step { before: FIRST, is_back: false, element },
-                // a piece of a curve goes on with what the piece before began
+                None => PathStep { before: FIRST, is_reflected: false, element },
+                // a piece of a curve continues the step of the piece before it
                 Some(parent) if segments.event[parent] == Event::Curved as u8 => {
-                    Step { element, ..steps[parent] }
+                    PathStep { element, ..steps[parent] }
                 }
                 Some(parent) => {
-                    let is_back = is_back(segments, parent, row);
-                    Step { before: self.number(steps[parent]), is_back, element }
+                    let is_reflected = is_reflected(segments, parent, row);
+                    PathStep { before: self.number(steps[parent]), is_reflected, element }
                 }
             };
             parent.into_iter().for_each(|parent| goes_on[parent] = true);
             steps.push(step);
         }
         for row in (0..segments.len()).filter(|&row| !goes_on[row]) {
-            let way = self.number(steps[row]);
-            self.end(way, segments.intensity[row]);
+            let path = self.number(steps[row]);
+            self.end(path, segments.intensity[row]);
         }
     }
 
-    fn number(&mut self, step: Step) -> u32 {
+    fn number(&mut self, step: PathStep) -> u32 {
         if let Some(&known) = self.known.get(&step) {
             return known;
         }
-        if step.before == OTHER || self.steps.len() == MOST {
+        if step.before == OTHER || self.steps.len() == MAX_STEPS {
             return OTHER;
         }
         let number = self.steps.len() as u32;
@@ -105,44 +105,46 @@ impl Paths {
         number
     }
 
-    fn end(&mut self, way: u32, power: f64) {
-        if way == OTHER {
+    fn end(&mut self, path: u32, power: f64) {
+        if path == OTHER {
             self.others = (self.others.0 + 1, self.others.1 + power);
             return;
         }
-        self.rays[way as usize] += 1;
-        self.power[way as usize] += power;
+        self.rays[path as usize] += 1;
+        self.power[path as usize] += power;
     }
 
-    /// The ways, that with the most power first.
+    /// The paths in the order of falling power.
     pub fn list(&self) -> Vec<Path> {
-        let ended = (0..self.steps.len()).filter(|&way| self.rays[way] > 0);
-        let mut found: Vec<Path> = ended.map(|way| self.path(way)).collect();
+        let ended = (0..self.steps.len()).filter(|&path| self.rays[path] > 0);
+        let mut found: Vec<Path> = ended.map(|path| self.path(path)).collect();
         found.sort_by(|a, b| b.power.total_cmp(&a.power));
         found
     }
 
-    /// The number of rays and the power on ways that are not in the list, after a million steps on different ways.
+    /// The number of rays and the power on paths that are not in the list: those found after a
+    /// million distinct steps.
     pub fn others(&self) -> (u64, f64) {
         self.others
     }
 
-    fn path(&self, way: usize) -> Path {
-        let (mut steps, mut at, mut is_back) = (Vec::new(), way as u32, false);
+    fn path(&self, path: usize) -> Path {
+        let (mut steps, mut at, mut is_reflected) = (Vec::new(), path as u32, false);
         while at != FIRST {
             let step = self.steps[at as usize];
-            // a step says whether it begins with a reflection: at the element that the one before ends at
-            steps.push((step.element, is_back));
-            (at, is_back) = (step.before, step.is_back);
+            // a step that begins with a reflection is reflected at the element of the step before it
+            steps.push((step.element, is_reflected));
+            (at, is_reflected) = (step.before, step.is_reflected);
         }
         steps.reverse();
-        Path { steps, rays: self.rays[way], power: self.power[way] }
+        Path { steps, rays: self.rays[path], power: self.power[path] }
     }
 }
 
-/// Whether a segment begins with a reflection. Of the two rays after a split it is the one that stays in its medium and turns;
-/// within a gradient, where the index changes on the way, that cannot be told.
-fn is_back(segments: &Segments, parent: usize, row: usize) -> bool {
+/// Whether a segment begins with a reflection. Of the two rays after a split that is the one that
+/// stays in its medium and changes direction; within a gradient, where the index varies, it is not
+/// detected.
+fn is_reflected(segments: &Segments, parent: usize, row: usize) -> bool {
     let direction = |row: usize| {
         let [x, y, z] = segments.direction.each_ref();
         Vec3::new(x[row], y[row], z[row])

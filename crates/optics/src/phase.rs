@@ -1,36 +1,42 @@
-//! Phases along rays: of the optical path, and the jumps where light is reflected or goes from one medium to another.
+//! Phases along rays: the phase of the optical path, and the phase jumps at reflection and
+//! transmission (Fresnel equations, thin films).
 
 use crate::element::{Action, Finish};
-use crate::interface::{Film, response};
+use crate::interface::{Film, transfer_matrix};
 use crate::segments::{Event, Segment, Segments};
 use crate::system::Substance;
-use crate::trace::{Tracer, against};
+use crate::trace::{Tracer, oriented_against};
 use num_complex::Complex64;
-use rayweave_model::{Collected, Crossing, Evaluator, Query, Window, dress};
+use rayweave_model::{Collected, Crossing, Evaluator, Query, Window, attributes};
 use rayweave_shape::Ray;
 
-/// The phase of each row of a table of segments where its [path](Segment::path) ends, in degrees from 0 to 360.
+/// The phase of each row of a table of segments where its [path](Segment::path) ends, in degrees
+/// from 0 to 360.
 ///
-/// It grows along the ray as the optical path does, 360 degrees a wavelength, and jumps by the argument of the amplitude of
-/// reflection or transmission: of Fresnel's formulas, or of a stack of films with all reflections in it
-/// ([`response`]), for light that swings across the plane of incidence (s) and for light in that plane (p). Of
-/// beams that meet again amplitudes add: `sum sqrt(intensity) exp(i phase)`.
+/// The phase grows along the ray with the optical path, by 360 degrees per wavelength, and jumps by
+/// the argument of the amplitude of reflection or transmission: of the Fresnel equations, or of a
+/// stack of thin films with all its multiple reflections ([`transfer_matrix`]), for light polarised
+/// across the plane of incidence (s) and in it (p). The amplitudes of interfering beams add:
+/// `sum sqrt(intensity) exp(i phase)`.
 ///
-/// - Waves go as `exp(i (k.r - w t))`. With `p = k x s` for every beam p keeps its sign where light is thrown back from a denser medium
-///   at normal incidence, and s is reversed, by 180 degrees (Born & Wolf, *Principles of Optics*, 7th edition, section 1.5.2).
-/// - The sums of s and of p are those of light that stays s or p: where all planes of incidence are one, or at normal
-///   incidence. Where the plane turns from face to face, take the jump of each event alone.
-/// - Ideal mirrors and beam splitters are perfect conductors: 180 degrees for s, 0 for p. Polarisers, wave plates, thin lenses and gratings
-///   add nothing to the path's. Where light is scattered (rough and diffuse faces) it has no phase: NaN.
+/// - Waves go as `exp(i (k.r - w t))`. With `p = k x s` for every beam, p keeps its sign at
+///   reflection by a denser medium at normal incidence, and s is reversed, by 180 degrees (Born &
+///   Wolf, *Principles of Optics*, 7th edition, section 1.5.2).
+/// - The sums of s and of p hold for light that stays s or p: with one common plane of incidence,
+///   or at normal incidence. Where the plane turns from face to face, use the jump of each event
+///   alone.
+/// - Ideal mirrors and beam splitters are perfect conductors: 180 degrees for s, 0 for p.
+///   Polarisers, retarders, thin lenses and gratings add nothing to the phase of the path.
+///   Scattered light (rough and diffuse faces) has no phase: NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Phases {
-    /// Of light across the plane of incidence.
+    /// The phase of s light, polarised across the plane of incidence.
     pub s: Vec<f64>,
-    /// Of light in the plane of incidence.
+    /// The phase of p light, polarised in the plane of incidence.
     pub p: Vec<f64>,
 }
 
-/// Jumps of s and p, in degrees.
+/// Phase jumps of s and p, in degrees.
 type Jump = [f64; 2];
 
 const NONE: Jump = [0.0; 2];
@@ -39,7 +45,7 @@ const CONDUCTOR: Jump = [180.0, 0.0];
 
 impl<E: Evaluator> Tracer<'_, E> {
     /// The phases of the segments of a trace of this system, whose parents are rows before them, as in every
-    /// [`Trace`](crate::Trace). Each event is looked at again, on one thread.
+    /// [`Trace`](crate::Trace). Each event is computed again, on one thread.
     pub fn phases(&self, segments: &Segments) -> Phases {
         let mut jumps: Vec<Jump> = Vec::with_capacity(segments.len());
         for row in segments.iter() {
@@ -58,27 +64,27 @@ impl<E: Evaluator> Tracer<'_, E> {
         Phases { s: whole(0), p: whole(1) }
     }
 
-    /// From the end of a segment to the beginning of one that follows it.
+    /// The phase jump from the end of a segment to the start of one that follows it.
     fn jump(&self, before: &Segment, after: &Segment) -> Jump {
         match before.event {
             Event::Transmitted | Event::Reflected | Event::TotallyReflected | Event::Split => {}
             Event::Scattered => return UNKNOWN,
             _ => return NONE,
         }
-        if let Some(sheet) = (before.surface as usize).checked_sub(self.system.sheets_from()) {
-            if matches!(self.system.plates[sheet].action, Action::Grating { .. }) {
+        if let Some(sheet) = (before.surface as usize).checked_sub(self.system.first_sheet_surface()) {
+            if matches!(self.system.sheets[sheet].action, Action::Grating { .. }) {
                 return NONE;
             }
-            let goes_on = before.direction.dot(after.direction) > 1.0 - 1e-12;
-            return if goes_on { NONE } else { CONDUCTOR };
+            let is_straight = before.direction.dot(after.direction) > 1.0 - 1e-12;
+            return if is_straight { NONE } else { CONDUCTOR };
         }
         self.crossing(before).map_or(UNKNOWN, |(ray, crossing)| self.at_face(before, after, &ray, &crossing))
     }
 
-    /// The crossing at the end of a segment, with the ray that makes it.
+    /// The crossing at the end of a segment, and its ray.
     fn crossing(&self, row: &Segment) -> Option<(Ray, Crossing)> {
         let length = (row.end - row.start).length();
-        // of a curve the tangent at its end
+        // the ray of a curve is the tangent at its end
         let ray = Ray::new(row.end - length * row.direction, row.direction);
         let query = Query { window: Window::new(0.5 * length, 2.0 * length).ok()?, ..Query::nearest() };
         let found: Collected = self.solids.one(ray, &query).ok()?;
@@ -88,7 +94,7 @@ impl<E: Evaluator> Tracer<'_, E> {
     }
 
     fn at_face(&self, before: &Segment, after: &Segment, ray: &Ray, crossing: &Crossing) -> Jump {
-        let normal = against(dress::normal(&self.system.program, ray, crossing), ray.direction);
+        let normal = oriented_against(attributes::normal(&self.system.program, ray, crossing), ray.direction);
         let is_reflected = after.direction.dot(normal) > 0.0;
         let face = self.system.face_at(crossing);
         let films: Vec<Film> = match face.finish {
@@ -103,7 +109,7 @@ impl<E: Evaluator> Tracer<'_, E> {
         let [front, behind] =
             [crossing.before, crossing.after].map(|region| index(self.system.substance(region)));
         let cosine = ray.direction.dot(normal).abs().min(1.0);
-        let found = response(front.re, &films, behind, cosine, before.wavelength_nm);
+        let found = transfer_matrix(front.re, &films, behind, cosine, before.wavelength_nm);
         (if is_reflected { found.reflected } else { found.transmitted }).map(degrees)
     }
 }

@@ -1,32 +1,32 @@
-//! The trace as columns: one row for each piece of a ray between two events.
+//! The traced light as a table: one row for each ray segment between two events, and the power balance.
 
 use rayweave_math::Vec3;
 use rayweave_shape::lanes::LANES;
 use std::ops::Range;
 
-/// What happens to light at the end of a segment.
+/// The event at the end of a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Event {
-    /// It leaves for ever; the end point is NaN.
+    /// The light leaves the system; the end point is NaN.
     Escaped = 0,
-    /// It goes on into another medium, or straight on through a sheet that splits it.
+    /// Transmission into another medium, or straight through a splitting sheet.
     Transmitted = 1,
-    /// It is thrown back.
+    /// Reflection.
     Reflected = 2,
-    /// It is thrown back since no light can go on.
+    /// Total internal reflection.
     TotallyReflected = 3,
-    /// It goes on as two rays.
+    /// Division into a reflected and a transmitted ray.
     Split = 4,
-    /// It ends.
+    /// Absorption.
     Absorbed = 5,
-    /// It crosses a sheet and goes on in the same direction.
+    /// Passage through a sheet in the same direction.
     Passed = 6,
-    /// It goes on in a random direction.
+    /// Diffuse or rough scattering into a random direction.
     Scattered = 7,
-    /// It is bent by a thin lens or a grating.
+    /// Deflection by a thin lens or a grating.
     Bent = 8,
-    /// It goes on along a curve in a medium with a gradient, whose pieces are rows of their own.
+    /// Continuation along a curve in a medium with a gradient index, whose pieces are separate rows.
     Curved = 9,
 }
 
@@ -45,7 +45,7 @@ impl Event {
         Event::Curved,
     ];
 
-    /// Its name in tables.
+    /// The name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Event::Escaped => "escaped",
@@ -62,42 +62,43 @@ impl Event {
     }
 }
 
-/// A piece of a ray of light between two events.
+/// A segment of a ray of light between two events.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// The number of the ray that the source sent out.
+    /// The number of the ray of the source.
     pub id: i64,
-    /// The row of the segment before; -1 for the first one.
+    /// The row of the previous segment; -1 for the first one.
     pub parent: i64,
-    /// How many events there were before.
+    /// The number of events before it.
     pub generation: u32,
     /// The number of the source.
     pub source: u32,
     /// The vacuum wavelength in nanometres.
     pub wavelength_nm: f64,
-    /// The power at its beginning.
+    /// The power at its start.
     pub intensity: f64,
-    /// The index of the medium; of one with a gradient that at its end.
+    /// The refractive index of the medium; in a gradient the index at its end.
     pub index: f64,
-    /// Where it begins.
+    /// The start point.
     pub start: Vec3,
-    /// Where it ends; NaN if it does not.
+    /// The end point; NaN for escaped light.
     pub end: Vec3,
-    /// Its direction, of unit length; in a medium with a gradient that at its end.
+    /// The direction, of unit length; in a gradient the direction at its end.
     pub direction: Vec3,
-    /// The optical path (the integral of the index over the length) from the source to its end, or to its start if it has no end.
+    /// The optical path length (the integral of the index over the length) from the source to its
+    /// end, or to its start for escaped light.
     pub path: f64,
-    /// The number of the element that it meets; -1 for none.
+    /// The number of the element at its end; -1 for none.
     pub element: i32,
-    /// The number of the surface that it meets; -1 for none.
+    /// The number of the surface at its end; -1 for none.
     pub surface: i32,
-    /// What happens there.
+    /// The event at its end.
     pub event: Event,
 }
 
-/// A segment of each of eight rays to which the same happens.
+/// A segment of each ray of a bundle, with the same event at their ends.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct EightRows<'a> {
+pub(crate) struct BundleRows<'a> {
     pub id: [i64; LANES],
     pub parent: [i64; LANES],
     pub generation: [u32; LANES],
@@ -140,12 +141,12 @@ impl Segments {
         self.id.len()
     }
 
-    /// True if there is none.
+    /// True if there are no rows.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
     }
 
-    /// Makes room for so many more rows.
+    /// Reserves memory for a number of additional rows.
     pub fn reserve(&mut self, rows: usize) {
         self.id.reserve(rows);
         self.parent.reserve(rows);
@@ -163,9 +164,9 @@ impl Segments {
         self.event.reserve(rows);
     }
 
-    /// Appends a row for each of eight rays.
+    /// Appends a row for each ray of a bundle.
     #[inline(always)]
-    pub(crate) fn extend(&mut self, rows: &EightRows<'_>) {
+    pub(crate) fn extend_bundle(&mut self, rows: &BundleRows<'_>) {
         self.id.extend_from_slice(&rows.id);
         self.parent.extend_from_slice(&rows.parent);
         self.generation.extend_from_slice(&rows.generation);
@@ -184,7 +185,7 @@ impl Segments {
         self.event.extend_from_slice(&[rows.event as u8; LANES]);
     }
 
-    /// Appends some of other rows, with their parents as they are.
+    /// Appends a range of other rows, with parents unchanged.
     pub(crate) fn append_range(&mut self, other: &Segments, rows: Range<usize>) {
         self.id.extend_from_slice(&other.id[rows.clone()]);
         self.parent.extend_from_slice(&other.parent[rows.clone()]);
@@ -204,7 +205,7 @@ impl Segments {
         self.event.extend_from_slice(&other.event[rows]);
     }
 
-    /// Forgets all rows and keeps the memory.
+    /// Removes all rows and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.id.clear();
         self.parent.clear();
@@ -222,7 +223,7 @@ impl Segments {
         self.event.clear();
     }
 
-    /// Takes the last row away.
+    /// Removes the last row.
     pub(crate) fn pop(&mut self) {
         self.id.pop();
         self.parent.pop();
@@ -260,7 +261,7 @@ impl Segments {
         self.event.push(row.event as u8);
     }
 
-    /// Appends other rows; their parents, which count from 0, are moved to where the rows come to stand.
+    /// Appends other rows and offsets their parents, which count from 0, to the new row numbers.
     pub fn append(&mut self, other: &Segments) {
         let before = self.len();
         self.append_range(other, 0..other.len());
@@ -296,23 +297,28 @@ impl Segments {
     }
 }
 
-/// Where the power went.
+/// The power balance of a run: emitted, absorbed, escaped and dropped power.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Balance {
-    /// What the sources sent out.
+    /// The power of the sources.
     pub emitted: f64,
-    /// What ended at the surfaces of each element.
+    /// The power absorbed at the surfaces of each element.
     pub absorbed: Vec<f64>,
-    /// What was absorbed on the way through media.
+    /// The power absorbed in media.
     pub absorbed_in_media: f64,
-    /// What left for ever.
+    /// The power of escaped light.
     pub escaped: f64,
-    /// What was not followed any more: too faint, or at the limit of generations.
+    /// The power of dropped rays: below the threshold, or at the limit of generations.
     pub dropped: f64,
 }
 
 impl Balance {
-    /// What is unaccounted for: 0 but for rounding.
+    /// An empty balance of a system with a number of elements.
+    pub(crate) fn of_elements(count: usize) -> Balance {
+        Balance { absorbed: vec![0.0; count], ..Balance::default() }
+    }
+
+    /// The unaccounted power: 0 except for rounding.
     pub fn error(&self) -> f64 {
         let ends = self.absorbed.iter().sum::<f64>() + self.absorbed_in_media + self.escaped + self.dropped;
         self.emitted - ends

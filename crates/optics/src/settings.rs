@@ -1,51 +1,51 @@
-//! How light is followed.
+//! Settings of a light trace: branches, polarisation, limits, rows, seed and threads.
 
 use rayweave_model::drive::Cancel;
 use std::num::NonZeroUsize;
 
-/// Which way light goes where part of it is reflected and part transmitted.
+/// The branches that are traced where light is partly reflected and partly transmitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Branches {
-    /// Through, without losses; back only where total reflection leaves no other way. Metals and coatings of mirrors keep
-    /// their reflectance, and splitters split.
+    /// Lossless transmission, or total internal reflection. Metals and mirrors keep their
+    /// reflectance, and beam splitters split.
     #[default]
     Ideal,
-    /// Both ways, each with its part of the power.
+    /// Both branches, each with its part of the power.
     Both,
     /// One of them at random, with all the power.
     Random,
 }
 
-/// Which segments are rows of the table.
+/// The segments that are rows of the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Keep {
     /// All of them.
     #[default]
     All,
-    /// Those after which nothing goes on: where light ends, whatever its way. They have no parents.
+    /// The last segment of each ray. These rows have no parents.
     Ends,
 }
 
-/// How light is followed.
+/// Settings of a light trace.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Which way it goes where part of it is reflected.
+    /// The branches at partial reflection.
     pub branches: Branches,
-    /// Whether polarisation is followed; otherwise light is unpolarised at every interface.
+    /// Whether polarisation is traced; otherwise light is unpolarised at every interface.
     pub polarised: bool,
-    /// After so many events a ray is not followed any more.
+    /// The number of events after which a ray is dropped.
     pub generation_limit: u32,
-    /// Below this power a ray is not followed any more.
+    /// The power below which a ray is dropped.
     pub threshold: f64,
-    /// Which segments are rows of the table.
+    /// The segments that are rows of the table.
     pub keep: Keep,
-    /// Whether segments that meet nothing are rows of the table.
+    /// Whether segments of escaped light are rows of the table.
     pub keep_escaped: bool,
     /// The seed of all random choices.
     pub seed: u64,
-    /// The number of threads; as many as there are cores if not given. Results do not depend on it.
+    /// The number of threads; by default that of the cores. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
-    /// Stops the run when asked to.
+    /// Cancels the run from another thread.
     pub cancel: Cancel,
 }
 
@@ -66,7 +66,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// True if polished faces do nothing but refract.
+    /// True if the only event at polished faces is lossless refraction or total internal reflection.
     pub(crate) fn is_simple(&self) -> bool {
         self.branches == Branches::Ideal && !self.polarised
     }

@@ -385,29 +385,29 @@ wedge = { angle = 20, rays = 2 }
 baem = { circle = 20, rays = 5 }
 wavelength_nm = { band = [700, 400] }
 ";
-    let expected = format!("9:12 unknown branches `boht` (it may be ideal, both, random) did you mean `both`?
-10:1 unknown key `polarized` in `optics` (the keys are branches, polarised, generation_limit, threshold, seed, medium, face, sheet, source) did you mean `polarised`?
-11:13 `threshold` is -1 (it must be finite and at least 0)
-13:9 no glass is named \"N-BK77\" (the catalogue has {} of them) did you mean N-BK7?
-14:1 unknown medium `water` (it may be world, glass)
-16:1 unknown face `lens.frnt` (it may be lens.lens) did you mean `lens.lens`?
-17:1 unknown region `lesn` (it may be lens) did you mean `lens`?
-18:26 `mirror` is 1.5 (it must be from 0 to 1)
-19:20 `coated` is a list of 2 values (it must be a list of 3 numbers)
-21:8 two elements are called `lens` (in results they are told apart by their names) give one of them another
-22:10 aperture: diameter is -40 (diameter must be finite and greater than 0) did you mean 40?
-23:10 unknown action `absorbed` (it may be absorb, record, mirror, splitter, thin_lens, grating, polariser, retarder) did you mean `absorb`?
-24:1 `optics.sheet` has no `name` (it is needed)
-24:1 stop: the opening is 20 x 20 and the stop 10 x 10 (it would have no rim) are the two exchanged?
-27:24 `thin_lens` is 0 (it must be finite and not 0)
-28:14 the transform is singular (it flattens space, so that no point has one image) is a scale factor 0?
-30:8 `beam` has no `rays` (it is needed)
-30:23 unknown key `ray` in `beam` (the keys are rays, circle, rectangle, ellipse, waist, random, sampling) did you mean `rays`?
-31:18 unknown parameter `lambda` (it does not stand in [parameters])
-32:9 `power` is 0 (it must be finite and greater than 0)
-35:1 `wedge` is one too many (`optics.source` has one of beam, line, circle, cone, wedge, lamp, point, disc, rays)
-37:1 unknown key `baem` in `optics.source` (the keys are beam, line, circle, cone, wedge, lamp, point, disc, rays, wavelength_nm, power, stokes, seed, transform) did you mean `beam`?
-38:17 spectrum: 400 nm after 700 nm (wavelengths must increase) are they exchanged?
+    let expected = format!("9:12 unknown branches `boht`: it may be ideal, both, random. Did you mean `both`?
+10:1 unknown key `polarized` in `optics`: the keys are branches, polarised, generation_limit, threshold, seed, medium, face, sheet, source. Did you mean `polarised`?
+11:13 `threshold` is -1: it must be finite and at least 0.
+13:9 no glass is named \"N-BK77\": the catalogue has {} glasses. Did you mean N-BK7?
+14:1 unknown medium `water`: it may be world, glass.
+16:1 unknown face `lens.frnt`: it may be lens.lens. Did you mean `lens.lens`?
+17:1 unknown region `lesn`: it may be lens. Did you mean `lens`?
+18:26 `mirror` is 1.5: it must be from 0 to 1.
+19:20 `coated` is a list of 2 values: it must be a list of 3 numbers.
+21:8 two elements are called `lens`: element names must be unique, since results refer to them. Rename one of them.
+22:10 diameter of the aperture is -40: it must be finite and greater than 0. Did you mean 40?
+23:10 unknown action `absorbed`: it may be absorb, record, mirror, splitter, thin_lens, grating, polariser, retarder. Did you mean `absorb`?
+24:1 `optics.sheet` has no `name`: it is needed.
+24:1 opening of the stop is 20 x 20 and its outline 10 x 10: the stop would have no rim. Are the two exchanged?
+27:24 `thin_lens` is 0: it must be finite and not 0.
+28:14 the transform is singular: it has no inverse. Check for a scale factor of 0.
+30:8 `beam` has no `rays`: it is needed.
+30:23 unknown key `ray` in `beam`: the keys are rays, circle, rectangle, ellipse, waist, random, sampling. Did you mean `rays`?
+31:18 unknown parameter `lambda`: it does not stand in [parameters].
+32:9 `power` is 0: it must be finite and greater than 0.
+35:1 `wedge` is one too many: `optics.source` has one of beam, line, circle, cone, wedge, lamp, point, disc, rays.
+37:1 unknown key `baem` in `optics.source`: the keys are beam, line, circle, cone, wedge, lamp, point, disc, rays, wavelength_nm, power, stokes, seed, transform. Did you mean `beam`?
+38:17 wavelength 400 nm of the spectrum follows 700 nm: wavelengths must increase. Are they exchanged?
 ", rayweave_optics::glass::glasses().len());
     assert_eq!(problems(text), expected);
 }
@@ -416,10 +416,10 @@ wavelength_nm = { band = [700, 400] }
 #[test]
 fn outlines_and_values_that_are_missing() {
     let sheet = |rest: &str| problems(&format!("{BENCH}[[optics.sheet]]\nname = 'a'\n{rest}\n"));
-    let no_outline = "`optics.sheet` has no `circle` or `rectangle` or `ellipse` (it is needed)";
+    let no_outline = "`optics.sheet` has no `circle` or `rectangle` or `ellipse`: it is needed.";
     assert!(sheet("action = 'absorb'").contains(no_outline));
     assert!(sheet("action = 'absorb'\nopening = { circle = 1 }").contains(no_outline));
-    // a slip is told once
+    // a slip is reported once
     let slip = sheet("action = 'absorb'\ncircel = 3");
     assert!(slip.contains("circle`?") && slip.lines().count() == 1, "{slip}");
     let disc = problems("[optics]\n[[optics.source]]\ndisc = { angle = 10, rays = 5 }\n");
@@ -432,7 +432,7 @@ fn outlines_and_values_that_are_missing() {
 fn problems_are_underlined() {
     let text = "[optics]\n[[optics.source]]\nline = { length = 2, rays = 0 }\n";
     let expected = "\
-error: `rays` is 0 (it must be a whole number from 1 to 9007199254740992)
+error: `rays` is 0: it must be a whole number from 1 to 9007199254740992.
  --> <text>:4:29
   |
 4 | line = { length = 2, rays = 0 }
@@ -441,7 +441,7 @@ error: `rays` is 0 (it must be a whole number from 1 to 9007199254740992)
 }
 
 #[test]
-fn light_that_no_medium_knows() {
+fn light_outside_the_range_of_a_medium() {
     let text = "[solid.lens]
 sphere = { radius = 5 }
 [optics.medium]
@@ -450,7 +450,7 @@ lens = 'N-BK7'
 line = { length = 2, rays = 2 }
 wavelength_nm = [[486.1, 1], [6563, 1]]
 ";
-    let expected = "8:17 the source shines at 486.1 nm to 6563 nm (the index of `N-BK7` is known from 300 nm to 2500 nm)\n";
+    let expected = "8:17 the source emits at 486.1 nm to 6563 nm: the index of `N-BK7` is known from 300 nm to 2500 nm.\n";
     assert_eq!(problems(text), expected);
 }
 
@@ -459,12 +459,12 @@ fn media_without_an_index() {
     let text = "[solid.lens]\nsphere = { radius = 5 }\n[[region]]\nsolid = 'lens'\nmedium = 'glass'\n[medium.glass]\n[optics]\n";
     assert_eq!(
         problems(text),
-        "6:10 the medium `glass` has no index (it stands neither in [optics.medium] nor, with an `index`, in [medium]) \
-         which glass is it?\n"
+        "6:10 the medium `glass` has no index: it is neither in [optics.medium] nor, with an `index`, in \
+         [medium].\n"
     );
     assert_eq!(
         problems("[solid.lens]\nsphere = { radius = 5 }\n"),
-        "0:0 the model has no [optics] table (it says what shines, and on what)\n"
+        "0:0 the model has no [optics] table: it defines sources and materials.\n"
     );
 }
 
@@ -503,8 +503,8 @@ transform = [{{ rotate_x = -90 }}, {{ translate = [0, -20, 0] }}]
     }
     for (medium, said) in [
         ("{ n = 1.6, gradient = { selfok = 0.1 } }", "selfok"),
-        ("{ n = 1.6, gradient = { luneburg = 0 } }", "the radius is 0"),
-        ("{ n = 1.6, gradient = { axial = [] } }", "has no axial coefficients"),
+        ("{ n = 1.6, gradient = { luneburg = 0 } }", "radius of the gradient is 0"),
+        ("{ n = 1.6, gradient = { axial = [] } }", "gradient has no axial coefficients"),
         ("{ gradient = { selfoc = 0.1 } }", "n"),
         ("{ glass = 'N-BK77', gradient = { selfoc = 0.1 } }", "N-BK77"),
     ] {
@@ -530,9 +530,9 @@ fn ways_of_sampling() {
     assert_eq!(["fibonacci", "random", "grid", "hexapolar"].map(count), [100, 100, 100, 127]);
     let twice =
         "[optics]\n[[optics.source]]\npoint = { angle = 2, rays = 5, random = true, sampling = 'grid' }";
-    assert_eq!(problems(twice), "4:41 `random` is one too many (`sampling` says it)\n");
+    assert_eq!(problems(twice), "4:41 `random` is one too many: `sampling` has precedence.\n");
     let unknown = "[optics]\n[[optics.source]]\npoint = { angle = 2, rays = 5, sampling = 'gird' }";
-    assert!(problems(unknown).contains("did you mean `grid`?"), "{}", problems(unknown));
+    assert!(problems(unknown).contains("Did you mean `grid`?"), "{}", problems(unknown));
 }
 
 /// Malus: light that swings along x goes through a polariser at an angle by the square of its cosine.
@@ -567,7 +567,7 @@ fn polarised_sources() {
     close(through("[1, 0, 1, 0]", -45.0), 0.0);
     let bad = "[optics]\n[[optics.source]]\nline = { length = 2, rays = 5 }\nstokes = [1, 1, 1, 0]";
     assert!(
-        problems(bad).starts_with("5:10 stokes is [1.0, 1.0, 1.0, 0.0] (i, q, u, v are finite"),
+        problems(bad).starts_with("5:10 stokes is [1.0, 1.0, 1.0, 0.0]: i, q, u, v must be finite"),
         "{}",
         problems(bad)
     );
@@ -591,10 +591,10 @@ fn curved_sheets() {
     let bad = |keys: &str| {
         problems(&format!("[optics]\n[[optics.sheet]]\nname = 'a'\ncircle = 30\naction = 'absorb'\n{keys}"))
     };
-    assert_eq!(bad("conic = -1"), "7:9 a conic constant without a `radius` (the sheet is plane)\n");
+    assert_eq!(bad("conic = -1"), "7:9 a conic constant without a `radius`: the sheet is plane.\n");
     assert_eq!(
         bad("radius = 40\nopening = { circle = 2 }"),
-        "8:11 a curved sheet has no opening (stops are plane)\n"
+        "8:11 a curved sheet has no opening: only plane stops are supported.\n"
     );
     assert!(bad("radius = 10").starts_with("3:1 sheet: "), "{}", bad("radius = 10"));
 }
@@ -653,34 +653,38 @@ fn rays_from_files() {
 
 #[test]
 fn problems_of_files_of_rays() {
-    let told = |source: &str, csv: &[u8]| {
+    let problems = |source: &str, csv: &[u8]| {
         let text = format!(
             "[solid.a]\nsphere = {{ radius = 1 }}\n[optics.medium]\na = 'N-BK7'\n[[optics.source]]\n{source}"
         );
         read_in_folder("problems", &text, &[("rays.csv", csv)]).map(|_| ()).unwrap_err().to_string()
     };
     let rays = "rays = { file = 'rays.csv' }";
-    let missing = told("rays = { file = 'none.csv' }", b"");
+    let missing = problems("rays = { file = 'none.csv' }", b"");
     assert!(missing.contains("none.csv") && missing.contains("7 |"), "{missing}");
-    assert!(told(rays, b"").contains("the file is empty"));
-    assert!(told(rays, b"ox,oy,oz,dx,dy,dz\n").contains("the file has no rays (nothing shines)"));
-    let bad = told(
+    assert!(problems(rays, b"").contains("the file is empty"));
+    assert!(
+        problems(rays, b"ox,oy,oz,dx,dy,dz\n").contains("the file has no rays: a source needs at least one.")
+    );
+    let bad = problems(
         rays,
         b"ox,oy,oz,dx,dy,dz,power\n0,0,0,0,0,1,nan\n0,0,nan,0,0,1,1\n0,0,0,0,0,1,-2\n0,0,0,0,0,1\n",
     );
     for problem in [
         "power is NaN",
         "oz is NaN",
-        "power is -2 (it is finite and at least 0)",
-        "6 fields (a ray has seven)",
+        "power is -2: it must be finite and nonnegative",
+        "6 fields: a ray has seven",
     ] {
         assert!(bad.contains(problem), "{bad}");
     }
-    let own =
-        told(&format!("{rays}\nwavelength_nm = 500"), b"ox,oy,oz,dx,dy,dz,wavelength_nm\n0,0,0,0,0,1,500\n");
-    assert!(own.contains("the rays have wavelengths of their own"), "{own}");
-    let beyond = told(rays, b"ox,oy,oz,dx,dy,dz,wavelength_nm\n0,0,0,0,0,1,500\n0,0,0,0,0,1,5000\n");
-    assert!(beyond.contains("the source shines at 500 nm to 5000 nm"), "{beyond}");
-    let slip = told(rays, b"ox,oy,oz,dx,dy,dz,powr\n0,0,0,0,0,1,500\n");
-    assert!(slip.contains("did you mean power?"), "{slip}");
+    let own = problems(
+        &format!("{rays}\nwavelength_nm = 500"),
+        b"ox,oy,oz,dx,dy,dz,wavelength_nm\n0,0,0,0,0,1,500\n",
+    );
+    assert!(own.contains("the rays have their own wavelengths"), "{own}");
+    let beyond = problems(rays, b"ox,oy,oz,dx,dy,dz,wavelength_nm\n0,0,0,0,0,1,500\n0,0,0,0,0,1,5000\n");
+    assert!(beyond.contains("the source emits at 500 nm to 5000 nm"), "{beyond}");
+    let slip = problems(rays, b"ox,oy,oz,dx,dy,dz,powr\n0,0,0,0,0,1,500\n");
+    assert!(slip.contains("Did you mean power?"), "{slip}");
 }

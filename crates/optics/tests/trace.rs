@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::Solid;
 use rayweave_optics::component::Sheet;
-use rayweave_optics::interface::{Film, Stokes, response};
+use rayweave_optics::interface::{Film, Stokes, fresnel};
 use rayweave_optics::{
     Action, Assembly, Beam, Branches, Element, Event, Finish, Keep, Light, Material, Medium, OpticsError,
     Segment, Settings, System, Trace, Tracer,
@@ -33,7 +33,7 @@ fn is_same(a: &Trace, b: &Trace) -> bool {
 }
 
 #[test]
-fn a_plate_shifts_light_aside() {
+fn a_plate_shifts_light_perturbation() {
     // Born & Wolf, section 4.9.5: d = thickness sin(i - r) / cos(r)
     let plate = Element::transparent("plate", block(40.0, 40.0, 10.0), &glass(1.5));
     let system = Assembly::new().add(plate).compile().unwrap();
@@ -47,8 +47,8 @@ fn a_plate_shifts_light_aside() {
     let inside = (sine / 1.5).asin();
     let expected = 10.0 * (40.0_f64.to_radians() - inside).sin() / inside.cos();
     let last = rows[2];
-    let aside = (last.start - light.ray.origin).cross(last.direction).length();
-    near(aside, expected, 1e-13);
+    let perturbation = (last.start - light.ray.origin).cross(last.direction).length();
+    near(perturbation, expected, 1e-13);
     near((last.direction - light.ray.direction).length(), 0.0, 1e-15);
     near(rows[1].path, rows[0].start.distance(rows[0].end) + 1.5 * 10.0 / inside.cos(), 1e-12);
     assert_eq!(rows.iter().map(|row| row.index).collect::<Vec<_>>(), [1.0, 1.5, 1.0]);
@@ -191,8 +191,8 @@ fn light_finds_its_way_back() {
         let back = Light::new(out.start + 30.0 * out.direction, -out.direction, D_NM);
         let home = one(&system, back, &Settings::default()).last().copied().unwrap();
         near((home.direction + light.ray.direction.normalize()).length(), 0.0, 1e-13);
-        let aside = (light.ray.origin - home.start).cross(home.direction).length();
-        near(aside, 0.0, 1e-12);
+        let perturbation = (light.ray.origin - home.start).cross(home.direction).length();
+        near(perturbation, 0.0, 1e-12);
     }
 }
 
@@ -240,7 +240,7 @@ fn random_choices_agree_with_both_ways_in_the_mean() {
     let d = Vec3::new(0.8, 0.0, 0.6);
     let beam: Beam = (0..count).map(|_| Light::new(-20.0 * d, d, D_NM)).collect();
     // incoherent: T = (1 - R) / (1 + R) for each polarisation (Born & Wolf, section 7.6.1 without interference)
-    let found = response(1.0, &[], Complex64::from(1.8), 0.6, D_NM).reflected;
+    let found = fresnel(1.0, Complex64::from(1.8), 0.6).reflected;
     let through = |r: Complex64| (1.0 - r.norm_sqr()) / (1.0 + r.norm_sqr());
     let expected = 0.5 * (through(found[0]) + through(found[1]));
     let forward = |trace: &Trace| -> f64 {
@@ -533,7 +533,7 @@ fn results_do_not_depend_on_threads() {
 }
 
 #[test]
-fn rays_abreast_get_the_bits_of_rays_alone() {
+fn rays_in_bundles_get_the_bits_of_rays_alone() {
     let lens = ball(50.0).translate(Vec3::Z * 46.0) & ball(60.0).translate(Vec3::Z * -56.0) & rod(15.0, 20.0);
     let turned = lens.rotate(Vec3::new(0.3, -0.5, 0.8), 11.0).translate(Vec3::new(0.3, -0.7, 1.1));
     let system = Assembly::new().add(Element::transparent("lens", turned, &glass(1.5168))).compile().unwrap();
@@ -542,8 +542,8 @@ fn rays_abreast_get_the_bits_of_rays_alone() {
     for (id, light) in lights.into_iter().enumerate() {
         let alone = one(&system, light, &Settings::default());
         let own = together.segments.iter().filter(|row| row.id == id as i64);
-        let told = |row: Segment| format!("{:?}", Segment { id: 0, parent: 0, ..row });
-        assert_eq!(alone.into_iter().map(told).collect::<Vec<_>>(), own.map(told).collect::<Vec<_>>());
+        let text = |row: Segment| format!("{:?}", Segment { id: 0, parent: 0, ..row });
+        assert_eq!(alone.into_iter().map(text).collect::<Vec<_>>(), own.map(text).collect::<Vec<_>>());
     }
 }
 
@@ -582,23 +582,23 @@ fn what_is_wrong_is_named() {
     let lens = || Element::transparent("lens", ball(1.0), &glass(1.5));
     assert_eq!(
         message(Assembly::new().add(lens()).add(lens()).compile()),
-        "two elements are called `lens` (surfaces are told apart by these names) give one of them another"
+        "two elements are called `lens`: element names must be unique, since results refer to them. Rename one of them."
     );
     assert_eq!(
         message(Assembly::new().add(lens().face("frnt", Finish::Absorber)).compile()),
-        "element `lens` has no face `frnt` (its faces are lens.side)"
+        "element `lens` has no face `frnt`: its faces are lens.side."
     );
     let half = lens().finish(Finish::Mirror { reflectance: 1.5 });
     assert_eq!(
         message(Assembly::new().add(half).compile()),
-        "the reflectance of `lens` is 1.5 (it has to be from 0 to 1)"
+        "reflectance of `lens` is 1.5: it must be from 0 to 1."
     );
     let crown = Element::transparent("crown", ball(1.0), &Medium::glass("N-BK7").unwrap());
     let ultraviolet = Beam::from_iter([Light { wavelength_nm: 250.0, ..along_z(0.0, 0.0) }]);
     let system = Assembly::new().add(crown).compile().unwrap();
     assert_eq!(
         Tracer::new(&system, Packets::new).trace(&ultraviolet, &Settings::default()).unwrap_err().to_string(),
-        "ray 0 has a wavelength of 250 nm (the index of `N-BK7` is known from 300 nm to 2500 nm)"
+        "ray 0 has a wavelength of 250 nm: the index of `N-BK7` is known from 300 nm to 2500 nm."
     );
     let system = Assembly::new().add(lens()).compile().unwrap();
     let tracer = Tracer::new(&system, Packets::new);
@@ -609,11 +609,11 @@ fn what_is_wrong_is_named() {
     let good = along_z(0.0, 0.0);
     assert_eq!(
         problem(Light { power: f64::NAN, ..good }),
-        "power[2500] is NaN (it has to be at least 0 and finite)"
+        "power[2500] is NaN: it must be at least 0 and finite."
     );
     assert_eq!(
         problem(Light { wavelength_nm: 0.0, ..good }),
-        "wavelength_nm[2500] is 0 (it has to be greater than 0 and finite)"
+        "wavelength_nm[2500] is 0: it must be greater than 0 and finite."
     );
     assert!(problem(Light::new(Vec3::ZERO, Vec3::ZERO, D_NM)).starts_with("ray 2500: the direction is zero"));
 }

@@ -45,7 +45,7 @@
 //! // the first after t = 0, with its outward normal and the name of its face
 //! let nearest = weave.one(ray, &Query::nearest())?;
 //! let first = &nearest.of(0)[0];
-//! assert_eq!(rayweave::model::dress::normal(&program, &ray, first), Vec3::NEG_X);
+//! assert_eq!(rayweave::model::attributes::normal(&program, &ray, first), Vec3::NEG_X);
 //! let face = program.face_number(first.face.leaf, first.face.facet);
 //! assert_eq!(program.face_name(face as u32), "sphere.side");
 //!
@@ -112,47 +112,51 @@
 //! assert_eq!(crossings.collect::<Vec<_>>(), expected);
 //!
 //! let error = rayweave::Error::from(scene::parse("rayweave = 1\n[solid.a]\nspere = {}").unwrap_err());
-//! assert!(error.is_model_file() && error.to_string().contains("did you mean `sphere`?"));
+//! assert!(error.is_model_file() && error.to_string().contains("Did you mean `sphere`?"));
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
-//! Models of other programs are read by [`formats::load`], which tells what was lost on the way; [`convert`] writes them.
+//! Models of other programs are read by [`formats::load`], which reports what was lost; [`formats::save`] writes them.
 //!
 //! # Pictures
 //!
 //! [`render`](mod@render) draws what an evaluator sees; [`picture`] arranges camera, colours and lights from a scene.
 //!
 //! ```
-//! use rayweave::picture::{Picture, PictureKind, Wishes, arrange};
+//! use rayweave::picture::{Picture, PictureKind, PictureOptions, arrange};
 //! use rayweave::render::{Run, Size, View};
 //! use rayweave::{Compiled, Weave, scene};
 //!
 //! let (_, scene) = scene::parse("rayweave = 1\n[solid.ring]\ntorus = { major = 3, minor = 1 }")?;
 //! let compiled = Compiled::new(&scene)?;
-//! let wishes = Wishes { size: Some(Size::new(64, 48)?), view: Some(View::Top), ..Wishes::default() };
-//! let (camera, settings) = arrange(&scene, &compiled, &wishes)?;
+//! let options =
+//!     PictureOptions { size: Some(Size::new(64, 48)?), view: Some(View::Top), ..PictureOptions::default() };
+//! let (camera, settings) = arrange(&scene, &compiled, &options)?;
 //! let weave = Weave::new(compiled.program.clone());
 //! let picture = Picture::draw(PictureKind::Colour, &weave, &camera, &settings, &mut Run::default())?;
 //! assert!(picture.to_png().starts_with(b"\x89PNG"));
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
-//! [`timeline`] draws what happens along one ray.
+//! [`draw::ray_timeline`] draws the time line of one ray.
 //!
 //! # Files of rays
 //!
-//! [`files::trace_rays`] streams rays from CSV or NPY into a table of hits, on all cores and in constant memory.
+//! [`hits::trace_rays`] streams rays from CSV or NPY into a table of hits, on all cores and in constant memory.
 //!
 //! # Traces of a tool
 //!
-//! [`measure`] tells volume, mass, centre, inertia and surface area of regions, with confidence intervals.
-//! [`thickness`] gives path lengths through media, and radiographs; [`section`](mod@section) cuts by planes.
-//! [`diff`](mod@diff) tells whether two models are the same solid; [`check`](mod@check) looks for what was not meant.
 //! [`infill`] fills a region of the plane ([`polygon`]), or the layers of a solid, with parallel traces.
+//!
+//! # Questions about models
+//!
+//! [`measure`](mod@measure) computes volume, mass, centre, inertia and surface area of regions, with confidence intervals;
+//! [`thickness`] path lengths through media, and radiographs; [`section`](mod@section) cross-sections by planes.
+//! [`diff`](mod@diff) compares two models; [`check`](mod@check) searches a model for mistakes.
 //!
 //! # Drawings of optical systems
 //!
-//! [`layout`] cuts a system open and draws light in it ([`section`](mod@section) is the cut alone); [`detector`] draws what arrives.
+//! [`layout`] draws a section of a system with light in it; [`detector`] bins and draws the light that arrives at sheets.
 //!
 //! # The algebra alone
 //!
@@ -168,55 +172,111 @@
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
+//! # Features
+//!
+//! The default features are all that the command needs. With `default-features = false` the crate holds solids, programs,
+//! evaluators and root-rays, with at most twelve external crates; `analysis`, `draw`, `formats`, `lens`, `optics`, `render`,
+//! `scene`, `space`, `table` and `parquet` add the rest.
+//!
 //! # Errors
 //!
-//! Every error of this crate is an [`Error`], which says problem, reason and suggestion; [`Error::kind`] tells the sorts
-//! apart.
+//! All errors convert into [`Error`], whose text names problem, reason and suggestion; [`Error::kind`] classifies them.
 
-mod compiled;
 mod error;
-mod evaluator;
-mod explain;
-mod legend;
-mod plan;
-mod timeline;
 
-pub mod check;
-pub mod convert;
-pub mod detector;
-pub mod diff;
-pub mod files;
-pub mod infill;
-pub mod layout;
-pub mod measure;
-pub mod picture;
-pub mod section;
 pub mod shapes;
-pub mod thickness;
 
+/// Vectors, affine maps and boxes.
+pub mod math {
+    pub use rayweave_math::{
+        Affine, Bounds, Interval, Mat3, SingularError, Transform, UNIT_ROUNDOFF, Vec3, sin_cos_degrees,
+        unit_vector_degrees,
+    };
+}
+
+/// Solids, programs, and the queries that evaluators answer. What evaluators are made of is in [`rayweave_model`].
+pub mod model {
+    pub use rayweave_model::{
+        ApproximateColumns, ApproximateEvaluator, BadRay, Collected, CompileError, CompileProblem, Crossing,
+        CrossingColumns, Evaluator, Face, FirstHits, HitRows, Leaf, LeafFacet, LeafId, LeafKind, Limit,
+        Medium, Node, Place, PlacementId, Program, Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays,
+        Region, RegionId, RegionInfo, Sink, Solid, SurfaceEntry, SurfaceId, Window, WindowError, attributes,
+        drive, plain, simplify,
+    };
+}
+
+/// Rays, and shapes with their manual pages. The kernels of surfaces are in [`rayweave_shape`].
+pub mod shape {
+    pub use rayweave_shape::{Ray, RayError, primitive};
+}
+
+#[cfg(feature = "analysis")]
+/// Cross-sections of models, with drawings as SVG and DXF.
+pub mod section {
+    pub use rayweave_analysis::section::{
+        By, CrossSection, Cut, Edge, Look, Section, SectionError, SectionPart, SectionPlane, SectionSettings,
+        Sweep, cross_sections, section, section_with,
+    };
+    #[cfg(feature = "draw")]
+    pub use rayweave_draw::section::{section_dxf, section_svg};
+}
+
+#[cfg(feature = "analysis")]
+/// The traces that fill a region of the plane, or the layers of a solid, with tables and drawings.
+pub mod infill {
+    pub use rayweave_analysis::infill::{
+        ContourProblems, Fillable, Filling, InfillError, InfillTable, LayerTraces, Layers, Raster, Run,
+        Slices, Summary, Trace, infill, read_region, write_infill,
+    };
+    #[cfg(feature = "draw")]
+    pub use rayweave_draw::InfillPicture;
+}
+
+#[cfg(feature = "optics")]
+/// Light at detectors: spot diagrams and irradiance, computed by [`optics::detector`] and drawn by [`draw::detector`].
+pub mod detector {
+    #[cfg(feature = "draw")]
+    pub use rayweave_draw::detector::{irradiance_svg, spot_svg};
+    pub use rayweave_optics::detector::{
+        Detector, Detectors, IrradianceBins, IrradianceMap, SpotDiagram, SpotPoint,
+    };
+}
+
+#[cfg(feature = "analysis")]
+pub use rayweave_analysis::{AnalysisError, check, diff, hits, measure, thickness};
+#[cfg(feature = "draw")]
+pub use rayweave_draw::{self as draw, DrawError, layout, picture};
+#[cfg(feature = "formats")]
 pub use rayweave_formats as formats;
-pub use rayweave_math as math;
+#[cfg(feature = "lens")]
+pub use rayweave_lens as lens;
 pub use rayweave_mesh as mesh;
-pub use rayweave_model as model;
+#[cfg(feature = "scene")]
+pub use rayweave_mesh_io as mesh_io;
+#[cfg(feature = "optics")]
 pub use rayweave_optics as optics;
+#[cfg(feature = "space")]
+pub use rayweave_polygon as polygon;
+#[cfg(feature = "render")]
 pub use rayweave_render as render;
 pub use rayweave_rootray as rootray;
+#[cfg(feature = "scene")]
 pub use rayweave_scene as scene;
-pub use rayweave_shape as shape;
+#[cfg(feature = "space")]
 pub use rayweave_space as space;
-pub use rayweave_space::polygon;
+#[cfg(feature = "table")]
 pub use rayweave_table as table;
 pub use rayweave_trace as trace;
 
-pub use compiled::Compiled;
-pub use error::{Error, ErrorKind};
-pub use evaluator::{AnyEvaluator, AnyScratch};
-pub use explain::explain;
+pub use error::Error;
+pub use rayweave_error::{Classified, ErrorKind, Message};
 pub use rayweave_math::{Affine, Bounds, Vec3};
 pub use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Window};
+#[cfg(feature = "scene")]
+pub use rayweave_scene::Compiled;
 pub use rayweave_shape::Ray;
-pub use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
-pub use timeline::timeline;
+pub use rayweave_trace::single_hit::explain;
+pub use rayweave_trace::{AnyEvaluator, AnyScratch, Packets, Reference, SingleHit, Spans, Weave};
 
 /// The Rust in the README, compiled and run with the documentation tests.
 #[cfg(doctest)]

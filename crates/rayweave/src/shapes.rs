@@ -154,21 +154,21 @@ pub fn freeform(
 }
 
 /// Nothing: the neutral element of union.
-pub fn vacuum() -> Solid {
-    Solid::vacuum()
+pub fn empty() -> Solid {
+    Solid::empty()
 }
 
 /// All of space: the neutral element of intersection.
-pub fn plenum() -> Solid {
-    Solid::plenum()
+pub fn universe() -> Solid {
+    Solid::universe()
 }
 
-/// Inside any of the solids; the union of none is [`vacuum`].
+/// Inside any of the solids; the union of none is [`empty`].
 pub fn union(solids: impl IntoIterator<Item = Solid>) -> Solid {
     Solid::union(solids)
 }
 
-/// Inside all of the solids; the intersection of none is [`plenum`].
+/// Inside all of the solids; the intersection of none is [`universe`].
 pub fn intersection(solids: impl IntoIterator<Item = Solid>) -> Solid {
     Solid::intersection(solids)
 }

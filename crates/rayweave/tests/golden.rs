@@ -4,7 +4,7 @@
 //! of other views, styles and kinds. `cargo xtask golden --accept` writes all of them anew: look at the differences
 //! before they are committed.
 
-use rayweave::picture::{Picture, PictureKind, Wishes, arrange};
+use rayweave::picture::{Picture, PictureKind, PictureOptions, arrange};
 use rayweave::render::{Image, Run, Size, Style, View, png};
 use rayweave::scene::load;
 use rayweave::{Compiled, Weave};
@@ -40,11 +40,11 @@ fn models() -> Vec<String> {
 }
 
 /// The PNG file of a model's picture.
-fn draw(model: &str, kind: PictureKind, wishes: &Wishes) -> Vec<u8> {
+fn draw(model: &str, kind: PictureKind, options: &PictureOptions) -> Vec<u8> {
     let path = root().join("models").join(model).with_extension("toml");
     let (_, scene) = load(&path, &[]).unwrap();
     let compiled = Compiled::named(&scene, None).unwrap();
-    let (camera, settings) = arrange(&scene, &compiled, wishes).unwrap();
+    let (camera, settings) = arrange(&scene, &compiled, options).unwrap();
     let weave = Weave::new(compiled.program.clone());
     Picture::draw(kind, &weave, &camera, &settings, &mut Run::default()).unwrap().to_png()
 }
@@ -60,7 +60,7 @@ fn compare(golden: &Path, drawn: &[u8]) -> Option<String> {
         return None;
     }
     let problem = match fs::read(golden) {
-        Err(error) => format!("cannot be read ({error})"),
+        Err(error) => format!("cannot be read: {error}."),
         Ok(accepted) => difference(&accepted, drawn)?,
     };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden");
@@ -105,16 +105,16 @@ fn models_look_like_their_pictures() {
     assert!(names.len() >= 10, "{names:?}");
     check(names.iter().map(|name| {
         let golden = root().join("models").join(name).with_extension("png");
-        (golden, draw(name, PictureKind::Colour, &Wishes::default()))
+        (golden, draw(name, PictureKind::Colour, &PictureOptions::default()))
     }));
 }
 
 #[test]
 fn views_styles_and_kinds() {
-    let small = Wishes { size: Size::new(240, 180).ok(), ..Wishes::default() };
-    let view = |view| Wishes { view: Some(view), ..small };
-    let style = |style| Wishes { style: Some(style), ..small };
-    let shadows = Wishes { shadows: Some(true), ..small };
+    let small = PictureOptions { size: Size::new(240, 180).ok(), ..PictureOptions::default() };
+    let view = |view| PictureOptions { view: Some(view), ..small };
+    let style = |style| PictureOptions { style: Some(style), ..small };
+    let shadows = PictureOptions { shadows: Some(true), ..small };
     let colour = PictureKind::Colour;
     let cases = [
         ("bracket", "front", colour, view(View::Front)),
@@ -123,14 +123,14 @@ fn views_styles_and_kinds() {
         ("bracket", "iso", colour, view(View::Iso)),
         ("gear", "bottom", colour, view(View::Bottom)),
         ("classic", "shadows", colour, shadows),
-        ("annulus", "headlight", colour, Wishes { style: Some(Style::Headlight), ..shadows }),
-        ("gallery", "flat", colour, Wishes { samples: Some(1), ..style(Style::Flat) }),
-        ("die", "without-edges", colour, Wishes { edges: Some(false), ..small }),
+        ("annulus", "headlight", colour, PictureOptions { style: Some(Style::Headlight), ..shadows }),
+        ("gallery", "flat", colour, PictureOptions { samples: Some(1), ..style(Style::Flat) }),
+        ("die", "without-edges", colour, PictureOptions { edges: Some(false), ..small }),
         ("tiles", "id", PictureKind::Id, view(View::Back)),
     ];
-    check(cases.into_iter().map(|(model, what, kind, wishes)| {
+    check(cases.into_iter().map(|(model, what, kind, options)| {
         let golden = root().join("tests/golden").join(format!("{model}-{what}.png"));
-        (golden, draw(model, kind, &wishes))
+        (golden, draw(model, kind, &options))
     }));
 }
 

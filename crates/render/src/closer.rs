@@ -3,10 +3,11 @@
 use crate::Size;
 use crate::colour::{Premultiplied, over};
 use crate::contrast::{Contrast, Step};
+use crate::extent::centre;
 use crate::pen::Pen;
 use crate::sample::Sample;
 use crate::shade::Shader;
-use crate::survey::{Survey, centre};
+use crate::survey::Survey;
 
 /// Samples of the pixels that are drawn anew, beside those of the others.
 pub(crate) struct Closer<'a> {

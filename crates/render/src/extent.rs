@@ -1,6 +1,5 @@
 //! Where in a picture a model can be seen at all.
 
-use crate::survey::centre;
 use crate::{Camera, Size};
 use rayweave_math::Bounds;
 use std::ops::Range;
@@ -42,6 +41,11 @@ impl Tile {
             places.extend(part.columns.clone().map(|x| centre(x, part.row)));
         }
     }
+}
+
+/// The centre of a pixel.
+pub(crate) fn centre(x: usize, y: usize) -> [f64; 2] {
+    [x as f64 + 0.5, y as f64 + 0.5]
 }
 
 /// A pixel must be at least this part of all coordinates, else rounding might move the corners by a part of a pixel.

@@ -50,7 +50,7 @@ impl<'a, E: Evaluator> Gaze<'a, E> {
         })
     }
 
-    /// See [`crate::sample::Eye::look`].
+    /// See [`crate::eye::Eye::look`].
     pub fn look(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
         sweep::rays(self.level, self.camera, self.size, places, &mut self.sight);
         self.sight.ask(self.evaluator, Query::nearest().window, true, &mut self.scratch);

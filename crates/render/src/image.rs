@@ -1,6 +1,7 @@
 //! Rectangles of pixels.
 
 use crate::RenderError;
+use crate::limits::LARGEST_SIDE;
 
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +12,7 @@ pub struct Size {
 
 impl Size {
     /// The most pixels on a side.
-    pub const LARGEST: u32 = 32_768;
+    pub const LARGEST: u32 = LARGEST_SIDE;
 
     /// A size.
     ///

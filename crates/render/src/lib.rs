@@ -1,16 +1,16 @@
-//! Pictures of compiled models, and time lines of single rays.
+//! Pictures of compiled models, as pixels.
 //!
-//! [`render`] draws a model as people see it: shaded ([`Style`]), with dark lines where something begins or ends ([`Lines`]),
-//! anti-aliased, lit and shadowed if asked. [`depth`], [`normals`] and [`ids`] give what the picture is made from as plain
-//! numbers, [`geometry`] all three at once. [`png`] turns all of them into files in memory. [`Timeline`] draws what happens along one ray, with the elements
-//! of [`svg`].
+//! [`render`] draws a shaded ([`Style`]) and anti-aliased picture of a model, with outlines and creases ([`Lines`]), lights and
+//! shadows. [`depth`], [`normals`] and [`ids`] compute images of plain numbers, [`geometry`] all three at once. [`png`] encodes
+//! images as PNG files in memory.
 //!
 //! Pixels are counted from the upper left corner; z is up in every [`View`]. The same model, camera and settings give the
 //! same bits for any number of threads.
 //!
-//! Invariants of absence: this crate knows no files of models and names no evaluator: it takes one by its trait.
+//! Invariants of absence: this crate reads no model files and names no evaluator; functions are generic over [`Evaluator`].
+//!
+//! [`Evaluator`]: rayweave_model::Evaluator
 
-pub mod axis;
 mod camera;
 mod closer;
 mod colour;
@@ -18,9 +18,11 @@ mod columns;
 mod contrast;
 mod error;
 mod extent;
+mod eye;
 mod gaze;
 mod image;
 mod light;
+mod limits;
 mod occlusion;
 mod pen;
 mod planes;
@@ -33,9 +35,7 @@ mod settings;
 mod shade;
 mod shadow;
 mod survey;
-pub mod svg;
 mod sweep;
-mod timeline;
 mod view;
 mod wavelength;
 
@@ -49,6 +49,5 @@ pub use render::render;
 pub use run::Run;
 pub use section::{SECTION, section};
 pub use settings::{Background, Lines, Settings, Style};
-pub use timeline::{Timeline, TimelineError};
 pub use view::View;
 pub use wavelength::wavelength_colour;

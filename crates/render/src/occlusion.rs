@@ -6,14 +6,14 @@ use crate::{Light, LightKind};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{Evaluator, PlacementId, Program, Window};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::{delta, hugs};
+use rayweave_shape::surface::{coincides_along, delta};
 
 /// Casts rays from lights to surfaces.
 ///
 /// A ray runs from the light, t = 0, to the surface, t = 1, and asks what it meets first. That is the surface itself, or
 /// nothing where rounding puts it beyond t = 1, unless something is between. No start lists are needed, and the rays of a
 /// light have one origin, so that neighbours meet the same things. What a ray meets is the surface itself if it is within
-/// [`delta`] of the end, or if it belongs to the same surface and the ray keeps to that from there to the end ([`hugs`]): a ray
+/// [`delta`] of the end, or if it belongs to the same surface and the ray keeps to that from there to the end ([`coincides_along`]): a ray
 /// that grazes a surface meets it a little early, by more than `delta`.
 #[derive(Default)]
 pub(crate) struct Occlusion {
@@ -23,7 +23,7 @@ pub(crate) struct Occlusion {
 }
 
 impl Occlusion {
-    /// Clears the bits of the lights that something hides, or that are behind the surface; the normals of what is seen, at
+    /// Separated the bits of the lights that something hides, or that are behind the surface; the normals of what is seen, at
     /// these points, are on the side of the eye.
     pub fn cast<E: Evaluator>(
         &mut self,
@@ -92,7 +92,7 @@ impl Occlusion {
         }
         let (local, reach) = local_ray(program, &ray, PlacementId(placement));
         let entry = program.surface(surface);
-        !hugs(&entry.surface, entry.reach + reach, &local, t, 1.0)
+        !coincides_along(&entry.surface, entry.magnitude + reach, &local, t, 1.0)
     }
 }
 

@@ -5,12 +5,13 @@ use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
 /// Why something is not a picture that can be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReadError {
     /// The file is damaged or no PNG file.
     #[error("this is no PNG file that can be read ({0})")]
     Decoding(#[from] png::DecodingError),
     /// The picture is of a kind that is never written here.
-    #[error("the picture has {0} (only 8-bit RGBA pictures are read) convert it?")]
+    #[error("the picture has {0}: only 8-bit RGBA pictures are read. Convert it.")]
     Kind(String),
     /// The picture is too large.
     #[error(transparent)]

@@ -4,12 +4,13 @@
 use crate::closer::{Closer, Ink};
 use crate::colour::{Premultiplied, over, pixel, premultiply};
 use crate::contrast::Contrast;
-use crate::extent::{Extent, Tile};
+use crate::extent::{Extent, Tile, centre};
+use crate::eye::Eye;
 use crate::image::Image;
 use crate::pen::Pen;
-use crate::sample::{Eye, Sample};
+use crate::sample::Sample;
 use crate::shade::Shader;
-use crate::survey::{Survey, centre};
+use crate::survey::Survey;
 use crate::{Background, Camera, Plane, RenderError, Rgba, Run, Settings, Size};
 use rayweave_model::Evaluator;
 

@@ -1,5 +1,6 @@
 //! How a picture is drawn.
 
+use crate::limits::MOST_SAMPLES;
 use crate::{Light, RenderError, Rgba, Size};
 
 /// How surfaces are shaded.
@@ -78,7 +79,7 @@ pub struct Settings {
 
 impl Settings {
     /// The most samples along each side of a pixel.
-    pub const MOST_SAMPLES: u32 = 16;
+    pub const MOST_SAMPLES: u32 = MOST_SAMPLES;
 
     /// The most lights.
     pub const MOST_LIGHTS: usize = 32;

@@ -3,7 +3,7 @@
 use crate::sample::{Layer, seen};
 use crate::shade::Shader;
 use rayweave_math::Vec3;
-use rayweave_model::dress;
+use rayweave_model::attributes;
 use rayweave_model::{Evaluator, Limit, Query, RayAnswer, RayBatch, Rays, Start, StartLists, Window};
 use rayweave_shape::Ray;
 
@@ -21,7 +21,7 @@ pub(crate) struct Shadows {
 }
 
 impl Shadows {
-    /// Clears the bits of the lights that something opaque hides, or that are behind the surface.
+    /// Separated the bits of the lights that something opaque hides, or that are behind the surface.
     pub fn cast<E: Evaluator>(
         &mut self,
         evaluator: &E,
@@ -54,7 +54,7 @@ impl Shadows {
     }
 
     fn push<E: Evaluator>(&mut self, evaluator: &E, layer: &Layer, index: usize, sight: &Ray, shadow: Ray) {
-        let gradient: Vec3 = dress::world_gradient(evaluator.program(), sight, layer.face, layer.t);
+        let gradient: Vec3 = attributes::world_gradient(evaluator.program(), sight, layer.face, layer.t);
         self.rays.push(shadow);
         self.starts.push(Start {
             surface: layer.face.surface,

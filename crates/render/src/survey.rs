@@ -42,8 +42,3 @@ impl Survey {
         start.saturating_sub(1)..end
     }
 }
-
-/// The centre of a pixel.
-pub(crate) fn centre(x: usize, y: usize) -> [f64; 2] {
-    [x as f64 + 0.5, y as f64 + 0.5]
-}

@@ -98,7 +98,7 @@ impl fmt::Display for View {
 
 /// No view has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no view is called '{0}' (the views are front, back, left, right, top, bottom, iso)")]
+#[error("no view is called '{0}': the views are front, back, left, right, top, bottom, iso.")]
 pub struct UnknownView(String);
 
 impl FromStr for View {
@@ -165,9 +165,9 @@ fn frame_perspective(
     // the nearest position from which each corner is seen, and one from which all of them are
     let nearest = bounds.corners().map(|corner| {
         let offset = corner - bounds.centre();
-        let aside = offset.dot(camera.up()).abs();
-        let aside = aside.max(offset.dot(camera.right()).abs() / aspect);
-        aside / slope - offset.dot(forward)
+        let perturbation = offset.dot(camera.up()).abs();
+        let perturbation = perturbation.max(offset.dot(camera.right()).abs() / aspect);
+        perturbation / slope - offset.dot(forward)
     });
     let least = 1e-3 * half_extents(&camera, bounds).max_element();
     let back = nearest.into_iter().fold(least, f64::max);

@@ -130,8 +130,8 @@ fn fitted_cameras_see_all_corners_with_the_margin() {
 fn models_without_bounds_are_seen_as_far_as_they_are_finite() {
     let shape_of = |name, arguments: &[(&str, f64)]| shape(name, arguments);
     let solids = [
-        Solid::vacuum(),
-        Solid::plenum(),
+        Solid::empty(),
+        Solid::universe(),
         !sphere(3.0),
         shape_of("cylinder", &[("radius", 2.0)]),
         sphere(1.0) | shape_of("cylinder", &[("radius", 0.1)]),

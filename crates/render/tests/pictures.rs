@@ -294,7 +294,7 @@ fn lines_show_through_translucent_regions() {
 
 #[test]
 fn backgrounds() {
-    let weave = weave(&Solid::vacuum());
+    let weave = weave(&Solid::empty());
     let (top, bottom) = (Rgba::opaque(255, 255, 255), Rgba::opaque(0, 0, 255));
     let settings = Settings { background: Background::Gradient { top, bottom }, ..Settings::new(size(3, 4)) };
     let image = draw(&weave, &front(1.0), &settings);

@@ -120,7 +120,7 @@ fn views_show_their_sides() {
 #[test]
 fn nothing_and_everything() {
     let camera = Camera::perspective([0.0, -5.0, 0.0], [0.0; 3], UP, 40.0).unwrap();
-    for solid in [Solid::vacuum(), Solid::plenum(), sphere(1.0) - sphere(2.0)] {
+    for solid in [Solid::empty(), Solid::universe(), sphere(1.0) - sphere(2.0)] {
         let weave = weave(&solid);
         let t = depth(&weave, &camera, size(5, 4), &mut run(1)).unwrap();
         assert!(t.values().iter().all(|t| *t == f64::INFINITY));

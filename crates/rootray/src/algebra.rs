@@ -2,13 +2,13 @@
 
 use crate::{CountRule, Root, RootRay, Side};
 
-/// One operand as the sweep sees it; a complement borrows the roots of its operand.
+/// One operand of the sweep; a complement borrows the roots of its operand.
 struct Operand<'a, S> {
     start: Side,
     roots: &'a [Root<S>],
 }
 
-/// A root of one operand, waiting for its turn in the sweep.
+/// A root with the operand that it belongs to, in the order of the sweep.
 struct Flip<'a, S> {
     root: &'a Root<S>,
     operand: usize,
@@ -34,7 +34,8 @@ impl Counter {
         self.rule.is_inside(self.count)
     }
 
-    /// Flips all operands of one time together; the flip that the crossing is attributed to, if this is a crossing.
+    /// Flips all operands with roots at one time. Returns the flip to which the crossing is attributed, or `None` if the state
+    /// does not change.
     fn cross<'f, 'a, S>(&mut self, tied: &'f [Flip<'a, S>]) -> Option<&'f Flip<'a, S>> {
         let before = self.count;
         for flip in tied {
@@ -66,7 +67,7 @@ fn toggled(count: usize, inside: bool) -> usize {
     if inside { count - 1 } else { count + 1 }
 }
 
-/// O(n log n) for n roots in all; O(n log k) when k operands hold them, because sorted stretches are merged whole.
+/// Sweeps over the roots of all operands: O(n log n) for n roots, O(n log k) for k operands, because the sort merges sorted runs.
 fn sweep<S: Clone>(rule: CountRule, operands: &[Operand<'_, S>]) -> RootRay<S> {
     let mut counter = Counter::new(rule, operands);
     let start = Side::from_inside(counter.is_inside());
@@ -78,13 +79,13 @@ fn sweep<S: Clone>(rule: CountRule, operands: &[Operand<'_, S>]) -> RootRay<S> {
     RootRay::from_ordered(start, roots)
 }
 
-/// All roots by time, those of equal times by operand.
+/// All roots, sorted by time, then by operand.
 fn merged<'a, S>(operands: &[Operand<'a, S>]) -> Vec<Flip<'a, S>> {
     let mut flips = Vec::with_capacity(operands.iter().map(|operand| operand.roots.len()).sum());
     for (index, operand) in operands.iter().enumerate() {
         flips.extend(operand.roots.iter().map(|root| Flip { root, operand: index }));
     }
-    // stable: operands of equal times stay in order, and the sort makes use of the operands' sorted stretches
+    // stable: operands of equal times stay in order, and the sort exploits the operands' sorted runs
     flips.sort_by(|a, b| a.root.t.total_cmp(&b.root.t));
     flips
 }
@@ -93,9 +94,9 @@ fn operands<'a, S: 'a>(rays: impl IntoIterator<Item = &'a RootRay<S>>) -> Vec<Op
     rays.into_iter().map(|ray| Operand { start: ray.start(), roots: ray.roots() }).collect()
 }
 
-/// Boolean operations. Where several operands cross at the same time, the crossing carries the root of the lowest operand
-/// whose flip alone changes the state before, or whose flip undone changes the state after; if there is none, of the lowest
-/// that crosses there.
+/// Boolean operations. If several operands cross at the same time, the crossing is attributed to the first operand whose flip
+/// alone changes the state before, or whose flip undone changes the state after. If there is no such operand, it is attributed
+/// to the first operand that crosses there.
 impl<S: Clone> RootRay<S> {
     /// Inside where `self` is outside.
     #[must_use]
@@ -129,7 +130,7 @@ impl<S: Clone> RootRay<S> {
         Self::symmetric_difference_all([self, other])
     }
 
-    /// Inside where at least one of `rays` is inside; of none, vacuum. O(n log n) for n roots in all.
+    /// Inside where at least one of `rays` is inside; the union of none is empty. O(n log n) for n roots.
     pub fn union_all<'a>(rays: impl IntoIterator<Item = &'a Self>) -> Self
     where
         S: 'a,
@@ -137,7 +138,7 @@ impl<S: Clone> RootRay<S> {
         Self::at_least(1, rays)
     }
 
-    /// Inside where all of `rays` are inside; of none, plenum. O(n log n) for n roots in all.
+    /// Inside where all of `rays` are inside; the intersection of none is the universe. O(n log n) for n roots.
     pub fn intersection_all<'a>(rays: impl IntoIterator<Item = &'a Self>) -> Self
     where
         S: 'a,
@@ -146,7 +147,7 @@ impl<S: Clone> RootRay<S> {
         sweep(CountRule::AtLeast(operands.len()), &operands)
     }
 
-    /// Inside where an odd number of `rays` is inside; of none, vacuum. O(n log n) for n roots in all.
+    /// Inside where an odd number of `rays` is inside; of none, empty. O(n log n) for n roots.
     pub fn symmetric_difference_all<'a>(rays: impl IntoIterator<Item = &'a Self>) -> Self
     where
         S: 'a,

@@ -1,9 +1,9 @@
-//! Boolean functions of many operands that ask only how many of them are inside.
+//! Symmetric boolean functions: k-of-n and parity of the number of operands that are inside.
 
 /// A boolean function that depends only on how many of its operands are inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CountRule {
-    /// At least so many operands are inside: 1 is union, all of them is intersection.
+    /// At least k operands are inside (k-of-n): 1 is the union, n the intersection.
     AtLeast(usize),
     /// An odd number of operands is inside: symmetric difference.
     Odd,

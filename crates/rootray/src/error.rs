@@ -1,18 +1,20 @@
-//! What can be wrong with the numbers that root-rays are made of.
+//! Errors of root-rays: times that are NaN, infinite or not increasing, and empty windows.
 
-/// Why a root-ray could not be made or asked.
+use rayweave_error::{Classified, ErrorKind};
+
+/// Invalid input of a root-ray.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RootRayError {
     /// A root's time is NaN.
-    #[error("root {index} is NaN (root times must be finite numbers)")]
+    #[error("root {index} is NaN: root times must be finite numbers.")]
     Nan {
         /// Position in the list of roots, from 0.
         index: usize,
     },
     /// A root's time is infinite.
     #[error(
-        "root {index} is {t} (root times must be finite); give the side at -inf as the start side instead?"
+        "root {index} is {t}: root times must be finite. Give the side at -inf as the start side instead."
     )]
     Infinite {
         /// Position in the list of roots, from 0.
@@ -22,7 +24,7 @@ pub enum RootRayError {
     },
     /// A root's time is not greater than the one before it.
     #[error(
-        "root {index} is {t}, not greater than {previous} before it (root times must be strictly increasing)"
+        "root {index} is {t}, not greater than {previous} before it: root times must be strictly increasing."
     )]
     NotIncreasing {
         /// Position in the list of roots, from 0, of the later entry.
@@ -32,11 +34,11 @@ pub enum RootRayError {
         /// The offending time.
         t: f64,
     },
-    /// A time asked about is NaN.
-    #[error("the time asked about is NaN (any number or an infinity is allowed)")]
+    /// A query time is NaN.
+    #[error("the query time is NaN: any number or an infinity is allowed.")]
     NanTime,
     /// An end of a window is NaN.
-    #[error("the window ({t_min}, {t_max}) has a NaN end (use -inf or inf for an open end)")]
+    #[error("the window ({t_min}, {t_max}) has a NaN end: use -inf or inf for an open end.")]
     NanWindow {
         /// Start of the window.
         t_min: f64,
@@ -44,7 +46,7 @@ pub enum RootRayError {
         t_max: f64,
     },
     /// A window that is empty or reversed.
-    #[error("the window ({t_min}, {t_max}) is empty (t_min must be less than t_max)")]
+    #[error("the window ({t_min}, {t_max}) is empty: t_min must be less than t_max.")]
     EmptyWindow {
         /// Start of the window.
         t_min: f64,
@@ -52,11 +54,17 @@ pub enum RootRayError {
         t_max: f64,
     },
     /// A sign that is neither +1 (outside) nor -1 (inside).
-    #[error("the sign {sign} is neither +1 (starts outside) nor -1 (starts inside)")]
+    #[error("the sign is {sign}: it must be +1 (starts outside) or -1 (starts inside).")]
     Sign {
         /// The sign found.
         sign: i64,
     },
+}
+
+impl Classified for RootRayError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Value
+    }
 }
 
 /// One finding of [`validate_times`](crate::validate_times). Indices count from 0 and name the later entry of a pair.

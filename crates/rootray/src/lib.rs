@@ -1,7 +1,9 @@
-//! The boolean algebra of solids along one ray: root-rays and hit arrays. There is no geometry in here, only times.
+//! Boolean algebra of solids along one ray ("Roth's ray algebra"): root-rays and hit arrays.
 //!
-//! A [`RootRay`] says on which side of a solid a trajectory starts and at which times it changes sides. Boolean operations on
-//! solids become boolean operations on root-rays, whatever the space, the dimension and the curve:
+//! The crate handles only crossing times, no geometry.
+//!
+//! A [`RootRay`] stores the side of a solid on which a trajectory starts and the times at which it changes sides. Boolean
+//! operations on solids become boolean operations on root-rays, in any space, dimension and along any curve:
 //!
 //! ```
 //! use rayweave_rootray::{RootRay, Side};
@@ -17,12 +19,11 @@
 //! # Ok::<(), rayweave_rootray::RootRayError>(())
 //! ```
 //!
-//! The algebra is exact: equal times flip together and nothing is compared with a tolerance, so every law of boolean algebra
-//! holds bit for bit. Pieces too thin to mean anything are dropped once, at the end, by [`RootRay::weld`].
-//! [`hit_array`] does the same for many rays at once, in arrays of one column per ray. [`seed`] holds the functions of the
-//! module that root-rays come from.
+//! The algebra is exact: equal times flip together and no comparison uses a tolerance, so every law of boolean algebra holds
+//! bit for bit. [`RootRay::weld`] drops pieces thinner than rounding errors once, at the end. [`hit_array`] does the same for
+//! many rays at once, in arrays of one column per ray. [`seed`] has the functions of the publication that introduced root-rays.
 //!
-//! Invariants of absence: this crate knows no vectors, no surfaces, no files; no threads but those that cut large hit arrays.
+//! The crate has no vectors, surfaces or files. Only operations on large hit arrays use threads.
 
 mod algebra;
 mod count_rule;

@@ -1,4 +1,4 @@
-//! The least separation of two root times that arithmetic can tell from none.
+//! The least separation of two root times that rounding errors cannot produce.
 
 /// The least separation of two distinct finite root times: symmetric, and monotonic in `|t1|` and in `|t2|`.
 ///
@@ -12,8 +12,8 @@
 /// sum of their two bounds may stand for the same crossing. k = 13 is rounded up to a power of two, so that the products
 /// are exact. (Higham, "Accuracy and Stability of Numerical Algorithms", 2nd edition, SIAM 2002, sections 2.2 and 3.1.)
 ///
-/// What this cannot know is the size of the origin and of the solid: times from a chain with cancellation, as when a ray starts
-/// 1e8 away, are less sure than this. It serves root-rays that carry no surfaces.
+/// The bound does not include the magnitudes of the ray's origin and of the solid. Times that result from cancellation, for
+/// example of a ray that starts 1e8 away, have larger errors. Use it for root-rays without surfaces.
 pub fn min_sep(t1: f64, t2: f64) -> f64 {
     const CHAIN: f64 = 16.0;
     const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;

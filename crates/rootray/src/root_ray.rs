@@ -1,4 +1,4 @@
-//! The root-ray: which parts of one trajectory are inside one solid.
+//! Root-ray: the intervals of one trajectory that lie inside one solid, as a start side and sorted crossing times.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::{Problem, RootRayError, Side, validate_times};
 pub struct Root<S = ()> {
     /// The parameter of the trajectory at the crossing: finite.
     pub t: f64,
-    /// The surface crossed, in whatever form the caller names surfaces; `()` where nobody asks.
+    /// The surface crossed, in the caller's own type; `()` if it is not needed.
     pub surface: S,
 }
 
@@ -27,7 +27,7 @@ impl<S> Root<S> {
 ///
 /// The boolean operations are *exact*: the state is a function on the open intervals between distinct times, all roots
 /// with the same time flip together, and a time is a crossing if the states on its two sides differ. So the laws of boolean
-/// algebra hold bit for bit. No times are compared with a tolerance: that is left to one final [`weld`](Self::weld).
+/// algebra hold bit for bit. No operation compares times with a tolerance; only the final [`weld`](Self::weld) does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RootRay<S = ()> {
     start: Side,
@@ -65,19 +65,19 @@ impl<S> RootRay<S> {
         Ok(Self { start, roots: flips })
     }
 
-    /// A root-ray whose roots are known to be in order.
+    /// A root-ray of roots that are already in order.
     pub(crate) fn from_ordered(start: Side, roots: Vec<Root<S>>) -> Self {
         debug_assert!(roots.windows(2).all(|pair| pair[0].t < pair[1].t));
         Self { start, roots }
     }
 
-    /// The trajectory that is outside for ever: neutral for union, absorbing for intersection.
-    pub const fn vacuum() -> Self {
+    /// The trajectory that is always outside: neutral for union, absorbing for intersection ("empty" in the publication).
+    pub const fn empty() -> Self {
         Self { start: Side::Outside, roots: Vec::new() }
     }
 
-    /// The trajectory that is inside for ever: neutral for intersection, absorbing for union.
-    pub const fn plenum() -> Self {
+    /// The trajectory that is always inside: neutral for intersection, absorbing for union ("universe" in the publication).
+    pub const fn universe() -> Self {
         Self { start: Side::Inside, roots: Vec::new() }
     }
 
@@ -141,8 +141,8 @@ impl<S> RootRay<S> {
         RootRay { start: self.start, roots }
     }
 
-    /// All that is doubtful about the roots. As a root-ray cannot be made of anything but finite increasing times, only
-    /// neighbours closer than [`min_sep`](crate::min_sep) can come up; see [`validate_times`] for plain lists.
+    /// Questionable roots: neighbours closer than [`min_sep`](crate::min_sep). A root-ray holds finite increasing times only;
+    /// for plain lists use [`validate_times`].
     pub fn validate(&self) -> Vec<Problem> {
         validate_times(self.times())
     }
@@ -160,7 +160,7 @@ impl RootRay<()> {
 
 impl<S> Default for RootRay<S> {
     fn default() -> Self {
-        Self::vacuum()
+        Self::empty()
     }
 }
 
@@ -202,7 +202,7 @@ fn finite(index: usize, t: f64) -> Result<f64, RootRayError> {
     Ok(t + 0.0)
 }
 
-/// Which members of a group of equal times stay: the first if their number is odd, else none.
+/// Keep flags of a group of equal times: the first stays if their number is odd, else none.
 fn keep_first_of_odd<T>(group: &[T]) -> impl Iterator<Item = bool> + use<T> {
     let len = group.len();
     (0..len).map(move |k| k == 0 && len % 2 == 1)

@@ -1,9 +1,9 @@
 //! The functions of J. Stolfi's module *rootray* ("Tools for ray-tracing csg models in arbitrary spaces and rays", 2021),
 //! under the names given there.
 //!
-//! That module assumes that two crossing times that are very close come from rounding, and drops them. So the functions here
-//! that combine or cut root-rays [`weld`](crate::RootRay::weld) their result with [`min_sep`], while the
-//! methods of [`RootRay`] are exact. The module writes a root-ray as a pair `(s, T)`, where `s` is +1 in the
+//! The publication assumes that two crossing times that are very close result from rounding, and drops them. The functions of
+//! this module therefore [`weld`](crate::RootRay::weld) their results with [`min_sep`], while the methods of [`RootRay`] are
+//! exact. The module writes a root-ray as a pair `(s, T)`, where `s` is +1 in the
 //! exterior and -1 in the interior: see [`from_pair`] and [`to_pair`].
 //!
 //! ```
@@ -40,12 +40,12 @@ pub fn to_pair<S>(f: &RootRay<S>) -> (i64, Vec<f64>) {
 
 /// The root-ray that is always outside: neutral for [`union`], absorbing for [`intersection`].
 pub const fn vacuum() -> RootRay {
-    RootRay::vacuum()
+    RootRay::empty()
 }
 
 /// The root-ray that is always inside: neutral for [`intersection`], absorbing for [`union`].
 pub const fn plenum() -> RootRay {
-    RootRay::plenum()
+    RootRay::universe()
 }
 
 /// The root-ray of the complement: the same times, the other start side. Exact.
@@ -75,7 +75,7 @@ pub fn symmetric_difference(f1: &RootRay, f2: &RootRay) -> RootRay {
 
 /// The part of `f` with `tmin < t < tmax`, welded: see [`RootRay::clip`].
 ///
-/// It is what unions or intersections with two root-rays of a single root each, at `tmin` and at `tmax`, would give.
+/// Equal to the intersection with root-rays of a single root each, at `tmin` and at `tmax`.
 ///
 /// # Errors
 /// As [`RootRay::clip`].
@@ -83,8 +83,8 @@ pub fn clip_time(f: &RootRay, tmin: f64, tmax: f64) -> Result<RootRay, RootRayEr
     Ok(f.clip(tmin, tmax)?.weld(min_sep))
 }
 
-/// All doubtful roots of `f`: neighbours closer than [`min_sep`]. A plain list of times, which may hold anything, is
-/// examined by [`validate_times`](crate::validate_times).
+/// Questionable roots of `f`: neighbours closer than [`min_sep`]. [`validate_times`](crate::validate_times) checks plain lists
+/// of times.
 pub fn validate(f: &RootRay) -> Vec<Problem> {
     f.validate()
 }

@@ -1,4 +1,4 @@
-//! How many solids a trajectory is inside of, as a function of time.
+//! Surface count: the number of solids that contain a trajectory, as a step function of time.
 
 use crate::RootRay;
 

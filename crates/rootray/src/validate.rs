@@ -1,4 +1,4 @@
-//! Everything that is wrong with a list of root times.
+//! Validation of lists of root times.
 
 use crate::{Problem, min_sep};
 
@@ -18,7 +18,7 @@ pub fn validate_times(times: impl IntoIterator<Item = f64>) -> Vec<Problem> {
     problems
 }
 
-/// What is wrong with one time alone.
+/// The problem of a single time.
 fn value_problem(index: usize, t: f64) -> Option<Problem> {
     if t.is_nan() {
         Some(Problem::Nan { index })
@@ -29,7 +29,7 @@ fn value_problem(index: usize, t: f64) -> Option<Problem> {
     }
 }
 
-/// What is wrong with two neighbours, neither of them NaN.
+/// The problem of two neighbours, neither of them NaN.
 fn pair_problem(index: usize, previous: f64, t: f64) -> Option<Problem> {
     if t <= previous {
         return Some(Problem::NotIncreasing { index, previous, t });

@@ -1,4 +1,4 @@
-//! Runs of neighbours that belong together, and the one weld at the end of a computation.
+//! Coincidence welding: maximal runs of neighbours, and the weld of root-rays at the end of a computation.
 
 use std::iter::Peekable;
 use std::ops::Range;
@@ -6,9 +6,9 @@ use std::ops::Range;
 use crate::RootRay;
 
 /// The maximal runs of welded neighbours, as ranges of indices that cover `items` in order; an item that is welded to neither
-/// neighbour is a run of its own. `welded(a, b)` is asked once for every two neighbours, `a` before `b`.
+/// neighbour is a run of its own. `welded(a, b)` is called once for each pair of neighbours, `a` before `b`.
 ///
-/// What a run means is the caller's: for crossings, compare the state before its first and after its last member, and report
+/// The caller interprets a run. For crossings, compare the state before its first member with that after its last: report
 /// nothing if they are equal, else one crossing at the time of the last member.
 pub fn weld_runs<T>(
     items: &[T],
@@ -29,8 +29,8 @@ pub(crate) fn run_length<T>(items: &[T], welded: &mut impl FnMut(&T, &T) -> bool
     items.len().min(joints + 1)
 }
 
-/// The streaming form of [`weld_runs`]: puts the next maximal run into `run`, which is emptied before, and says whether there
-/// was one. Looks one item ahead of the run and no farther, and allocates only to make `run` grow.
+/// Streaming form of [`weld_runs`]: replaces the contents of `run` by the next maximal run and returns whether there is one.
+/// Looks at most one item ahead of the run, and allocates only if `run` has to grow.
 pub fn next_run<I: Iterator>(
     items: &mut Peekable<I>,
     run: &mut Vec<I::Item>,

@@ -5,8 +5,8 @@ use crate::{RootRay, RootRayError};
 impl<S: Clone> RootRay<S> {
     /// The crossings with `t_min < t < t_max`, and the side just after `t_min` as the start side. Either end may be infinite.
     ///
-    /// A root at `t_min` is dropped and flips the start, one at `t_max` is dropped: what lies beyond an end of the window is
-    /// forgotten, as if the trajectory came from and went to infinity on the side where it enters and leaves the window.
+    /// A root at `t_min` is dropped and flips the start; a root at `t_max` is dropped. The result continues to infinity on the
+    /// sides on which the trajectory enters and leaves the window.
     ///
     /// # Errors
     /// `NanWindow` if an end is NaN, `EmptyWindow` unless `t_min < t_max`.

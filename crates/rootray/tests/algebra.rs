@@ -47,13 +47,13 @@ fn n_ary_operations_agree_with_midpoints_and_folds() {
 
         let union = RootRay::union_all(&rays);
         assert_eq!(union, oracle(&rays, |s| count(s) > 0));
-        assert_eq!(union, fold(RootRay::vacuum(), RootRay::union));
+        assert_eq!(union, fold(RootRay::empty(), RootRay::union));
         let intersection = RootRay::intersection_all(&rays);
         assert_eq!(intersection, oracle(&rays, |s| count(s) == n));
-        assert_eq!(intersection, fold(RootRay::plenum(), RootRay::intersection));
+        assert_eq!(intersection, fold(RootRay::universe(), RootRay::intersection));
         let odd = RootRay::symmetric_difference_all(&rays);
         assert_eq!(odd, oracle(&rays, |s| count(s) % 2 == 1));
-        assert_eq!(odd, fold(RootRay::vacuum(), RootRay::symmetric_difference));
+        assert_eq!(odd, fold(RootRay::empty(), RootRay::symmetric_difference));
         let threshold = rng.random_range(0..=n + 1);
         assert_eq!(RootRay::at_least(threshold, &rays), oracle(&rays, |s| count(s) >= threshold));
     }
@@ -62,15 +62,15 @@ fn n_ary_operations_agree_with_midpoints_and_folds() {
 #[test]
 fn operations_on_nothing() {
     let none: [RootRay; 0] = [];
-    assert_eq!(RootRay::union_all(&none), RootRay::vacuum());
-    assert_eq!(RootRay::intersection_all(&none), RootRay::plenum());
-    assert_eq!(RootRay::symmetric_difference_all(&none), RootRay::vacuum());
+    assert_eq!(RootRay::union_all(&none), RootRay::empty());
+    assert_eq!(RootRay::intersection_all(&none), RootRay::universe());
+    assert_eq!(RootRay::symmetric_difference_all(&none), RootRay::empty());
 }
 
 #[test]
 fn laws_of_two_hold_bit_for_bit() {
     let mut rng = rng(3);
-    let (vacuum, plenum) = (RootRay::vacuum(), RootRay::plenum());
+    let (empty, universe) = (RootRay::empty(), RootRay::universe());
     for _ in 0..ROUNDS {
         let [a, b] = [tied_ray(&mut rng), tied_ray(&mut rng)];
         assert_eq!(!(&a | &b), !&a & !&b, "De Morgan");
@@ -83,10 +83,10 @@ fn laws_of_two_hold_bit_for_bit() {
         assert_eq!(&a - &b, &a & &!&b);
         assert_eq!(&a ^ &b, (&a - &b) | (&b - &a));
         assert_eq!((&a | &a, &a & &a), (a.clone(), a.clone()), "idempotence");
-        assert_eq!((&a ^ &a, &a - &a), (vacuum.clone(), vacuum.clone()));
-        assert_eq!((&a | &!&a, &a & &!&a), (plenum.clone(), vacuum.clone()), "complement");
-        assert_eq!((&a | &vacuum, &a & &plenum, &a ^ &vacuum), (a.clone(), a.clone(), a.clone()));
-        assert_eq!((&a | &plenum, &a & &vacuum, &a ^ &plenum), (plenum.clone(), vacuum.clone(), !&a));
+        assert_eq!((&a ^ &a, &a - &a), (empty.clone(), empty.clone()));
+        assert_eq!((&a | &!&a, &a & &!&a), (universe.clone(), empty.clone()), "complement");
+        assert_eq!((&a | &empty, &a & &universe, &a ^ &empty), (a.clone(), a.clone(), a.clone()));
+        assert_eq!((&a | &universe, &a & &empty, &a ^ &universe), (universe.clone(), empty.clone(), !&a));
         assert_eq!(!!&a, a);
     }
 }
@@ -212,7 +212,7 @@ fn a_hundred_thousand_operands_take_n_log_n() {
     let pairs = RootRay::at_least(2, &rays);
     assert_eq!(pairs.spans().count(), n as usize - 1);
     assert!(pairs.spans().enumerate().all(|(k, (a, b))| a == k as f64 + 1.0 && b == a + 0.5));
-    assert_eq!(RootRay::intersection_all(&rays), RootRay::vacuum());
+    assert_eq!(RootRay::intersection_all(&rays), RootRay::empty());
     assert_eq!(RootRay::symmetric_difference_all(&rays).roots().len(), 2 * n as usize);
 
     let comb =

@@ -69,7 +69,7 @@ fn many_operands_count_up_and_down() {
     let arrays: Vec<HitArrayBuf> = (1..=1000)
         .map(|k| {
             array(&[
-                RootRay::vacuum(),
+                RootRay::empty(),
                 RootRay::from_times(Side::Outside, [-f64::from(k), f64::from(k)]).unwrap(),
             ])
         })

@@ -282,7 +282,7 @@ fn bad_arrays_are_refused_with_the_first_bad_place() {
     let text = expected("array1").to_string();
     assert_eq!(
         text,
-        "array1 row 1, column 1 is 4, less than 5 in the row before (columns must be sorted); sort along axis 0?"
+        "array1 row 1, column 1 is 4, less than 5 in the row before: columns must be sorted. Sort along axis 0."
     );
 }
 

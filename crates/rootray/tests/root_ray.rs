@@ -36,7 +36,7 @@ fn bad_roots_are_refused_with_their_place() {
     let twice = RootRayError::NotIncreasing { index: 1, previous: 0.0, t: 0.0 };
     assert_eq!(made(&[-0.0, 0.0]), Err(twice));
     let message = backwards.to_string();
-    assert_eq!(message, "root 2 is 1, not greater than 2 before it (root times must be strictly increasing)");
+    assert_eq!(message, "root 2 is 1, not greater than 2 before it: root times must be strictly increasing.");
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn spans_reach_to_infinity() {
 fn short_forms_and_parts() {
     let ray = RootRay::new(Side::Outside, vec![Root::new(0.5, 7), Root::new(1e300, 8)]).unwrap();
     assert_eq!(ray.to_string(), format!("outside [0.5, {}]", 1e300));
-    assert_eq!(RootRay::<u8>::default(), RootRay::vacuum());
+    assert_eq!(RootRay::<u8>::default(), RootRay::empty());
     let named = ray.map_surfaces(|surface| surface * 2);
     assert_eq!(named.into_parts(), (Side::Outside, vec![Root::new(0.5, 14), Root::new(1e300, 16)]));
 }
@@ -138,7 +138,7 @@ fn a_run_becomes_nothing_or_its_last_member() {
     assert_eq!(weld(&[]), "outside []");
     let zero = ray(Side::Inside, &[0.0, 5e-324]);
     assert_eq!(zero.weld(|_, _| 0.0), zero);
-    assert_eq!(zero.weld(min_sep), RootRay::plenum());
+    assert_eq!(zero.weld(min_sep), RootRay::universe());
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub struct Function {
     pub name: &'static str,
     /// The least and the greatest number of arguments.
     pub arity: (usize, usize),
-    /// What it gives.
+    /// Value of the function.
     pub summary: &'static str,
     apply: fn(&[f64]) -> f64,
 }
@@ -261,8 +261,12 @@ mod tests {
     fn check_fault(text: &str, span: (usize, usize), message: &str) {
         let faults = value(text).unwrap_err();
         let fault = &faults[0];
-        let suggestion = fault.suggestion.as_deref().map(|s| format!(" {s}")).unwrap_or_default();
-        assert_eq!(format!("{} ({}){suggestion}", fault.problem, fault.reason), message, "{text}");
+        let suggestion = fault
+            .suggestion
+            .as_deref()
+            .map(|s| format!(" {}{}", s[..1].to_uppercase(), &s[1..]))
+            .unwrap_or_default();
+        assert_eq!(format!("{}: {}.{suggestion}", fault.problem, fault.reason), message, "{text}");
         assert_eq!(fault.span, Span::new(span.0, span.1), "{text}");
     }
 
@@ -305,43 +309,43 @@ mod tests {
 
     #[test]
     fn faults() {
-        check_fault("1 / (2 - 2)", (2, 3), "division by zero (the divisor of 1 / 0 is zero)");
-        check_fault("sqrt(0 - 4)", (0, 11), "the result is not a number (sqrt(-4) has no value)");
-        check_fault("inf - inf", (4, 5), "the result is not a number (inf - inf has no value)");
+        check_fault("1 / (2 - 2)", (2, 3), "division by zero: the divisor of 1 / 0 is zero.");
+        check_fault("sqrt(0 - 4)", (0, 11), "the result is not a number: sqrt(-4) has no value.");
+        check_fault("inf - inf", (4, 5), "the result is not a number: inf - inf has no value.");
         check_fault(
             "1e300 * 1e300",
             (6, 7),
-            "the result is infinite (1e300 * 1e300 is beyond the range of a 64-bit float)",
+            "the result is infinite: 1e300 * 1e300 is beyond the range of a 64-bit float.",
         );
         check_fault(
             "0 ^ -1",
             (2, 3),
-            "the result is infinite (0 ^ -1 is beyond the range of a 64-bit float)",
+            "the result is infinite: 0 ^ -1 is beyond the range of a 64-bit float.",
         );
-        check_fault("", (0, 0), "the text is empty (a number or a parameter is missing)");
-        check_fault("1 +", (3, 3), "the text ends too early (a number or a parameter is missing)");
-        check_fault("1 + * 2", (4, 5), "unexpected `*` (a number or a parameter is missing before it)");
-        check_fault("2e", (1, 2), "an operator is missing before this (the operators are + - * / ^)");
-        check_fault("2 R", (2, 3), "an operator is missing before this (the operators are + - * / ^)");
-        check_fault("2(3)", (1, 2), "an operator is missing before this (the operators are + - * / ^)");
-        check_fault("(1", (0, 1), "unmatched `(` (there is no `)` after it)");
+        check_fault("", (0, 0), "the text is empty: a number or a parameter is missing.");
+        check_fault("1 +", (3, 3), "the text ends too early: a number or a parameter is missing.");
+        check_fault("1 + * 2", (4, 5), "unexpected `*`: a number or a parameter is missing before it.");
+        check_fault("2e", (1, 2), "an operator is missing before this: the operators are + - * / ^.");
+        check_fault("2 R", (2, 3), "an operator is missing before this: the operators are + - * / ^.");
+        check_fault("2(3)", (1, 2), "an operator is missing before this: the operators are + - * / ^.");
+        check_fault("(1", (0, 1), "unmatched `(`: there is no `)` after it.");
         check_fault("1)", (1, 2), "unmatched `)` (there is no `(` before it)");
-        check_fault("()", (1, 2), "unexpected `)` (a number or a parameter is missing before it)");
-        check_fault("1, 2", (1, 2), "unexpected `,` (it separates the arguments of a function)");
-        check_fault("min(1,)", (6, 7), "unexpected `)` (a number or a parameter is missing before it)");
-        check_fault("min()", (0, 5), "`min` has 0 arguments (it takes 1 argument or more)");
-        check_fault("hypot(1)", (0, 8), "`hypot` has 1 arguments (it takes 2 arguments)");
-        check_fault("1 | 2", (2, 3), "unexpected operator `|` (the operators are + - * / ^)");
-        check_fault("1.2.3", (0, 5), "`1.2.3` is not a number (it has more than one decimal point)");
-        check_fault("1e999", (0, 5), "`1e999` is not a number (it is too large for a 64-bit float)");
+        check_fault("()", (1, 2), "unexpected `)`: a number or a parameter is missing before it.");
+        check_fault("1, 2", (1, 2), "unexpected `,`: it separates the arguments of a function.");
+        check_fault("min(1,)", (6, 7), "unexpected `)`: a number or a parameter is missing before it.");
+        check_fault("min()", (0, 5), "`min` has 0 arguments: it takes 1 argument or more.");
+        check_fault("hypot(1)", (0, 8), "`hypot` has 1 arguments: it takes 2 arguments.");
+        check_fault("1 | 2", (2, 3), "unexpected operator `|`: the operators are + - * / ^.");
+        check_fault("1.2.3", (0, 5), "`1.2.3` is not a number: it has more than one decimal point.");
+        check_fault("1e999", (0, 5), "`1e999` is not a number: it is too large for a 64-bit float.");
         check_fault(
             "2 \u{d7} 3",
             (2, 4),
-            "unexpected character `\u{d7}` (it has no meaning here) did you mean `*`?",
+            "unexpected character `\u{d7}`: it has no meaning here. Did you mean `*`?",
         );
         let functions: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
         let message = format!(
-            "unknown function `sqr` (the functions are {}) did you mean `sqrt`?",
+            "unknown function `sqr`: the functions are {}. Did you mean `sqrt`?",
             functions.join(", ")
         );
         check_fault("1 + sqr(4)", (4, 7), &message);

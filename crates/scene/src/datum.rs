@@ -27,7 +27,7 @@ pub enum Datum {
 pub type Table = Vec<(Spanned<String>, Spanned<Datum>)>;
 
 impl Datum {
-    /// What it is, for messages.
+    /// Kind of the value, for messages.
     pub(crate) fn description(&self) -> String {
         match self {
             Datum::Number(value) => format!("the number {}", written(*value)),
@@ -87,7 +87,7 @@ fn real(text: &str, span: Span, source: &Arc<Source>, problems: &mut Vec<Diagnos
     if value.is_infinite() && !text.contains("inf") {
         let problem =
             Diagnostic::error(format!("{text} is too large")).why("the largest number is about 1.8e308");
-        let suggestion = Some("did you mean `inf`?".to_owned());
+        let suggestion = Some("Did you mean `inf`?".to_owned());
         problems.push(problem.suggest(suggestion).at(source, span));
     }
     value
@@ -170,7 +170,7 @@ mod tests {
     fn numbers_beyond_the_range_are_reported() {
         assert_eq!(
             read("a = 1e999").1[0].message(),
-            "1e999 is too large (the largest number is about 1.8e308) did you mean `inf`?"
+            "1e999 is too large: the largest number is about 1.8e308. Did you mean `inf`?"
         );
         assert_eq!(read("a = 99999999999999999999").0[0].1.value, Datum::Number(1e20));
     }

@@ -30,7 +30,7 @@ impl Document {
         }
     }
 
-    /// A document that means the scene; parameters are gone, their values are in their places.
+    /// A document equal to the scene; values replace parameters.
     pub fn from_scene(scene: &Scene) -> Document {
         let mut roots: Vec<(String, &Solid)> =
             scene.solids.iter().map(|(name, solid)| (name.clone(), solid)).collect();
@@ -133,7 +133,7 @@ fn vector(v: Vec3) -> Vector {
 
 /// Which node of the solids becomes which entry.
 struct Decomposer<'s> {
-    /// How many times each node is referred to.
+    /// Number of references to each node.
     references: HashMap<usize, usize>,
     names: HashMap<usize, String>,
     taken: HashSet<String>,
@@ -234,7 +234,7 @@ impl<'s> Decomposer<'s> {
         match solid.node() {
             Node::Named(..) => true,
             _ if self.names.contains_key(&address(solid)) => true,
-            Node::Vacuum | Node::Plenum => false,
+            Node::Empty | Node::Universe => false,
             _ => self.references[&address(solid)] > 1,
         }
     }
@@ -293,8 +293,8 @@ impl<'s> Decomposer<'s> {
             let is_root = address(solid) == address(root);
             let operation = operation(solid.node()).filter(|_| is_root || !self.stands_alone(solid));
             let term = match (solid.node(), operation) {
-                (Node::Vacuum, _) => Term::Vacuum,
-                (Node::Plenum, _) => Term::Plenum,
+                (Node::Empty, _) => Term::Empty,
+                (Node::Universe, _) => Term::Universe,
                 (_, None) => Term::Name(self.name(solid)),
                 (_, Some(term)) if operands_done => term,
                 (node, Some(_)) => {
@@ -317,8 +317,8 @@ fn operation(node: &Node) -> Option<Term> {
         Node::SymmetricDifference(all) => Term::Operation(Operator::SymmetricDifference, all.len()),
         Node::Difference(..) => Term::Operation(Operator::Difference, 2),
         Node::Complement(_) => Term::Operation(Operator::Complement, 1),
-        Node::Vacuum
-        | Node::Plenum
+        Node::Empty
+        | Node::Universe
         | Node::Primitive(_)
         | Node::Transformed(..)
         | Node::Named(..)

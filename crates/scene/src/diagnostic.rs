@@ -1,12 +1,13 @@
-//! What is wrong with a file, said in a way that helps to mend it.
+//! Diagnostics of files: problem, reason, suggestion, and the place in the source.
 
 use crate::source::{Source, Span};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use rayweave_error::{Classified, ErrorKind};
 use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-/// How bad it is.
+/// Severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// The file cannot be used.
@@ -39,16 +40,22 @@ impl Diagnostic {
         Diagnostic { severity, message, place: None, notes: Vec::new() }
     }
 
-    /// Adds the reason, which the message shows in parentheses.
+    /// Adds the reason: `problem: reason.`
     pub fn why(mut self, reason: impl fmt::Display) -> Diagnostic {
-        self.message += &format!(" ({reason})");
+        let reason = reason.to_string();
+        let full_stop = if reason.ends_with(['.', '?']) { "" } else { "." };
+        self.message += &format!(": {reason}{full_stop}");
         self
     }
 
     /// Adds a suggestion, if there is one: a question or a sentence.
     pub fn suggest(mut self, suggestion: Option<String>) -> Diagnostic {
         if let Some(suggestion) = suggestion {
-            self.message += &format!(" {suggestion}");
+            let full_stop = if suggestion.ends_with(['.', '?']) { "" } else { "." };
+            let mut letters = suggestion.chars();
+            let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+            let first = first.map(String::from).unwrap_or_default();
+            self.message += &format!(" {first}{}{full_stop}", letters.as_str());
         }
         self
     }
@@ -71,12 +78,12 @@ impl Diagnostic {
         self
     }
 
-    /// How bad it is.
+    /// Severity.
     pub fn severity(&self) -> Severity {
         self.severity
     }
 
-    /// What is wrong, as one line: problem (why) suggestion?
+    /// The message as one line: `problem: reason. Suggestion.`
     pub fn message(&self) -> &str {
         &self.message
     }
@@ -148,6 +155,12 @@ pub struct Diagnostics {
     list: Vec<Diagnostic>,
 }
 
+impl Classified for Diagnostics {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::ModelFile
+    }
+}
+
 impl Diagnostics {
     /// Sorted by place; problems of the file as a whole come first.
     pub fn new(mut list: Vec<Diagnostic>) -> Diagnostics {
@@ -160,7 +173,7 @@ impl Diagnostics {
         self.list.iter()
     }
 
-    /// How many there are, warnings included.
+    /// Number of diagnostics, including warnings.
     pub fn len(&self) -> usize {
         self.list.len()
     }

@@ -1,4 +1,4 @@
-//! What a model file says, before anything is computed.
+//! Contents of a model file with source spans, before any evaluation.
 
 use crate::colour::Colour;
 use crate::datum::{Datum, Table, key, to_toml};
@@ -30,7 +30,7 @@ pub struct Document {
     pub camera: Option<Spanned<CameraEntry>>,
     /// Lights.
     pub lights: Vec<LightEntry>,
-    /// How the picture is drawn.
+    /// Options of pictures.
     pub render: Option<RenderEntry>,
     /// Tables that belong to others.
     pub foreign: Vec<Foreign>,
@@ -85,13 +85,13 @@ pub struct SolidEntry {
     pub name: Spanned<String>,
     /// The name that its faces are called by, if that is another one; empty for none.
     pub label: Option<Spanned<String>>,
-    /// What it is.
+    /// Definition.
     pub body: Body,
     /// The maps that are applied to it, in order.
     pub transform: Vec<Spanned<Step>>,
 }
 
-/// What a solid is.
+/// Definition of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Body {
     /// A shape: its keyword and its arguments.
@@ -130,18 +130,18 @@ pub enum Step {
 pub struct Place {
     /// Which solid.
     pub solid: Spanned<String>,
-    /// Where.
+    /// Position.
     pub layout: Layout,
 }
 
-/// Where the copies of a solid are.
+/// Positions of the copies of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layout {
     /// In rows, columns and layers.
     Grid(Box<Grid>),
     /// Copy k is moved along x by `radius`, then turned about the z axis by `start + 360 k / count` degrees.
     Ring {
-        /// How many.
+        /// Number of copies.
         count: Spanned<Number>,
         /// The distance from the axis.
         radius: Spanned<Number>,
@@ -159,11 +159,11 @@ pub enum Layout {
 /// Copies in rows, columns and layers: copy (i, j, k) is moved by `origin + (i, j, k) * step`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// How many along x, y and z.
+    /// Numbers of copies along x, y and z.
     pub count: Vector,
     /// The distances from one to the next.
     pub step: Vector,
-    /// Where the first is; the origin, if it is not given.
+    /// Position of the first copy; the origin by default.
     pub origin: Option<Vector>,
 }
 
@@ -176,7 +176,7 @@ pub struct RegionEntry {
     pub medium: Option<Spanned<String>>,
     /// Its colour in pictures.
     pub colour: Option<Spanned<Colour>>,
-    /// What the region is called; like its solid, if it is not given.
+    /// Name of the region; by default that of its solid.
     pub name: Option<Spanned<String>>,
 }
 
@@ -189,16 +189,16 @@ pub struct MediumEntry {
     pub index: Option<Spanned<Number>>,
     /// The colour of regions made of it.
     pub colour: Option<Spanned<Colour>>,
-    /// Whatever else is said of it.
+    /// Other keys.
     pub others: Table,
 }
 
 /// From where the picture is taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraEntry {
-    /// How space becomes a picture.
+    /// Projection.
     pub projection: ProjectionEntry,
-    /// Where the camera is.
+    /// Position of the camera.
     pub position: Vector,
     /// The point in the middle of the picture; the origin, if it is not given.
     pub target: Option<Vector>,
@@ -208,7 +208,7 @@ pub struct CameraEntry {
     pub size: Option<[Spanned<Number>; 2]>,
 }
 
-/// How space becomes a picture.
+/// Projection of space onto the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProjectionEntry {
     /// As the eye sees it: the vertical field of view in degrees, 35 if it is not given.
@@ -220,15 +220,15 @@ pub enum ProjectionEntry {
 /// A light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightEntry {
-    /// Where it comes from.
+    /// Position or direction.
     pub kind: LightKind<Vector>,
-    /// How strong it is; 1, if it is not given.
+    /// Intensity; 1 by default.
     pub intensity: Option<Spanned<Number>>,
     /// Its colour; white, if it is not given.
     pub colour: Option<Spanned<Colour>>,
 }
 
-/// Where light comes from.
+/// Position or direction of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind<V> {
     /// Parallel light that travels along this vector.
@@ -237,22 +237,22 @@ pub enum LightKind<V> {
     Position(V),
 }
 
-/// How the picture is drawn; what is not given is left to whoever draws it.
+/// Options of pictures; the renderer supplies missing ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderEntry {
     /// The colour where there is nothing.
     pub background: Option<Spanned<Colour>>,
-    /// How surfaces are shaded.
+    /// Shading style.
     pub shading: Option<Spanned<Shading>>,
     /// Whether edges are drawn.
     pub edges: Option<Spanned<bool>>,
     /// Whether there are shadows.
     pub shadows: Option<Spanned<bool>>,
-    /// How many rays make a pixel, along x and along y.
+    /// Samples per pixel along x and along y.
     pub samples: Option<Spanned<Number>>,
 }
 
-/// How surfaces are shaded.
+/// Shading style of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shading {
     /// From cool to warm colours (Gooch et al., SIGGRAPH 1998).
@@ -277,7 +277,7 @@ impl Shading {
 pub struct Foreign {
     /// Its name.
     pub name: Spanned<String>,
-    /// What it holds, with the places.
+    /// Contents with their spans.
     pub value: Spanned<Datum>,
     /// The text that says so: its headers with everything up to the next table of another name.
     pub text: String,

@@ -3,7 +3,7 @@
 //! Operators with Python's precedence, from weak to strong: `|` union, `^` symmetric difference, `&`
 //! intersection, `-` difference, `~` complement. A row of equal `|`, `^` or `&` is one operation with many
 //! operands; parentheses are kept, so that reading what was printed gives the same tree. `union(a, b, ..)`,
-//! `intersection(..)` and `symmetric_difference(..)` take any number of operands. `vacuum` is nothing, `plenum`
+//! `intersection(..)` and `symmetric_difference(..)` take any number of operands. `empty` is nothing, `universe`
 //! all of space. Names that are not made of letters, digits and `_` stand in quotation marks: `'front lens'`.
 
 use crate::fault::Fault;
@@ -77,7 +77,7 @@ const FUNCTIONS: [Operator; 3] = [Operator::Union, Operator::Intersection, Opera
 
 /// A name that has a meaning of its own in expressions, so that no solid may have it.
 pub(crate) fn is_reserved(name: &str) -> bool {
-    matches!(name, "vacuum" | "plenum")
+    matches!(name, "empty" | "universe")
 }
 
 /// One item of an expression in postfix order.
@@ -86,15 +86,15 @@ pub enum Term {
     /// A solid by its name.
     Name(String),
     /// Nothing.
-    Vacuum,
+    Empty,
     /// All of space.
-    Plenum,
-    /// An operation on the last so many results.
+    Universe,
+    /// An operation on the last `n` results.
     Operation(Operator, usize),
 }
 
 impl Term {
-    /// How many results it takes.
+    /// Number of results that the operation consumes.
     pub fn arity(&self) -> usize {
         match self {
             Term::Operation(_, count) => *count,
@@ -176,8 +176,8 @@ impl std::fmt::Display for Expression {
             match piece {
                 Piece::Text(text) => f.write_str(text)?,
                 Piece::Term(index, power) => match &self.terms[index] {
-                    Term::Vacuum => f.write_str("vacuum")?,
-                    Term::Plenum => f.write_str("plenum")?,
+                    Term::Empty => f.write_str("empty")?,
+                    Term::Universe => f.write_str("universe")?,
                     Term::Name(name) => write_name(f, name)?,
                     Term::Operation(operator, _) => {
                         push_pieces(&mut waiting, *operator, &operands[index], power)
@@ -189,7 +189,7 @@ impl std::fmt::Display for Expression {
     }
 }
 
-/// What is still to be printed.
+/// Terms that remain to be printed.
 enum Piece {
     Text(&'static str),
     /// A term in a place where operators must bind more strongly than this.
@@ -242,12 +242,12 @@ fn term(kind: ItemKind, text: &str, span: Span) -> Result<Term, Fault> {
         ItemKind::Number(_) => {
             let problem = format!("`{}` is not the name of a solid", &text[span.range()]);
             let reason = "names that begin with a digit or hold a `-` stand in quotation marks";
-            let suggestion = Some("did you mean 'name-1'?".to_owned());
+            let suggestion = Some("Did you mean 'name-1'?".to_owned());
             return Err(Fault::new(span, problem, reason).suggest(suggestion));
         }
         // in quotation marks they would be names
-        ItemKind::Name(_) if &text[span.range()] == "vacuum" => Term::Vacuum,
-        ItemKind::Name(_) if &text[span.range()] == "plenum" => Term::Plenum,
+        ItemKind::Name(_) if &text[span.range()] == "empty" => Term::Empty,
+        ItemKind::Name(_) if &text[span.range()] == "universe" => Term::Universe,
         ItemKind::Name(name) => Term::Name(name.into_owned()),
         ItemKind::Prefix(_) => Term::Operation(Operator::Complement, 1),
         ItemKind::Infix("|", count) => Term::Operation(Operator::Union, count),
@@ -280,8 +280,8 @@ mod tests {
             let arguments = stack.split_off(stack.len() - term.arity());
             stack.push(match term {
                 Term::Name(name) => name.clone(),
-                Term::Vacuum => "0".to_owned(),
-                Term::Plenum => "1".to_owned(),
+                Term::Empty => "0".to_owned(),
+                Term::Universe => "1".to_owned(),
                 Term::Operation(operator, _) => format!("{operator:?}[{}]", arguments.join(" ")),
             });
         }
@@ -303,8 +303,9 @@ mod tests {
 
     fn check_fault(text: &str, span: (usize, usize), message: &str) {
         let fault = Expression::parse(text).unwrap_err().remove(0);
-        let suggestion = fault.suggestion.map(|s| format!(" {s}")).unwrap_or_default();
-        assert_eq!(format!("{} ({}){suggestion}", fault.problem, fault.reason), message, "{text}");
+        let suggestion =
+            fault.suggestion.map(|s| format!(" {}{}", s[..1].to_uppercase(), &s[1..])).unwrap_or_default();
+        assert_eq!(format!("{}: {}.{suggestion}", fault.problem, fault.reason), message, "{text}");
         assert_eq!(fault.span, Span::new(span.0, span.1), "{text}");
     }
 
@@ -341,7 +342,7 @@ mod tests {
         check("union()", "or[]");
         check("intersection( )", "and[]");
         check("symmetric_difference(a, b) | c", "or[xor[a b] c]");
-        check("vacuum | plenum", "or[0 1]");
+        check("empty | universe", "or[0 1]");
         check("union(a | b, c - d)", "or[or[a b] minus[c d]]");
         check("~union(a)", "not[or[a]]");
         check("union", "union");
@@ -350,7 +351,7 @@ mod tests {
     #[test]
     fn quoted_names() {
         check("'front lens' & 'it''s'", "and[front lens it's]");
-        check("'vacuum'", "vacuum");
+        check("'empty'", "empty");
         check("'hole-1' | h\u{f6}he2", "or[hole-1 h\u{f6}he2]");
     }
 
@@ -368,25 +369,23 @@ mod tests {
 
     #[test]
     fn faults() {
-        check_fault("a &", (3, 3), "the text ends too early (the name of a solid is missing)");
-        check_fault("a b", (2, 3), "an operator is missing before this (the operators are | & - ^ ~)");
-        check_fault("a & | b", (4, 5), "unexpected `|` (the name of a solid is missing before it)");
-        check_fault("a + b", (2, 3), "unexpected operator `+` (the operators are | & - ^ ~)");
-        check_fault("a ~ b", (2, 3), "unexpected operator `~` (the operators are | & - ^ ~)");
-        check_fault("!a", (0, 1), "unexpected character `!` (it has no meaning here) did you mean `~`?");
-        check_fault("(a | b", (0, 1), "unmatched `(` (there is no `)` after it)");
-        check_fault("'a", (0, 2), "the quoted name does not end (there is no second `'`)");
+        check_fault("a &", (3, 3), "the text ends too early: the name of a solid is missing.");
+        check_fault("a b", (2, 3), "an operator is missing before this: the operators are | & - ^ ~.");
+        check_fault("a & | b", (4, 5), "unexpected `|`: the name of a solid is missing before it.");
+        check_fault("a + b", (2, 3), "unexpected operator `+`: the operators are | & - ^ ~.");
+        check_fault("a ~ b", (2, 3), "unexpected operator `~`: the operators are | & - ^ ~.");
+        check_fault("!a", (0, 1), "unexpected character `!`: it has no meaning here. Did you mean `~`?");
+        check_fault("(a | b", (0, 1), "unmatched `(`: there is no `)` after it.");
+        check_fault("'a", (0, 2), "the quoted name does not end: there is no second `'`.");
         check_fault(
             "unoin(a)",
             (0, 5),
-            "unknown function `unoin` (the functions of solids are union, intersection, symmetric_difference) \
-             did you mean `union`?",
+            "unknown function `unoin`: the functions of solids are union, intersection, symmetric_difference. Did you mean `union`?",
         );
         check_fault(
             "hole-1",
             (5, 6),
-            "`1` is not the name of a solid (names that begin with a digit or hold a `-` stand in quotation marks) \
-             did you mean 'name-1'?",
+            "`1` is not the name of a solid: names that begin with a digit or hold a `-` stand in quotation marks. Did you mean 'name-1'?",
         );
     }
 

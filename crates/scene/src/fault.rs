@@ -4,7 +4,7 @@ use crate::diagnostic::Diagnostic;
 use crate::source::{Source, Span};
 use std::sync::Arc;
 
-/// What is wrong at a place of a piece of text.
+/// An error at a position in a piece of text.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Fault {
     pub span: Span,
@@ -32,7 +32,7 @@ impl Fault {
     }
 }
 
-/// Where a part of a string value stands in the file: exact if the file has the string as it is, the whole
+/// Span of a part of a string value in the file: exact if the file has the string as it is, the whole
 /// value if it is written with escapes.
 pub(crate) fn place_in(source: &Source, text: &str, value: Span, part: Span) -> Span {
     match source.slice(value).find(text) {

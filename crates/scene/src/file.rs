@@ -26,7 +26,7 @@ pub fn load(
     understand(Arc::new(Source::read(path.as_ref())?), overrides)
 }
 
-/// Reads a model from text. Files that it names are looked for in the current folder.
+/// Reads a model from text. Relative file names refer to the current folder.
 ///
 /// # Errors
 ///

@@ -20,13 +20,13 @@
 //! let problems = reader.finish(height).unwrap_err();
 //! let problem = problems.iter().next().ok_or("no problem")?;
 //! assert_eq!(problem.line_column(), Some((6, 1)));
-//! let message = "unknown key `color` in `lamp` (the keys are height, colour) did you mean `colour`?";
+//! let message = "unknown key `color` in `lamp`: the keys are height, colour. Did you mean `colour`?";
 //! assert_eq!(problem.message(), message);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 use crate::arithmetic::Arithmetic;
-use crate::datum::{Datum, Table};
+use crate::datum::Datum;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::document::Document;
 use crate::formats::native::{Problems, transform};
@@ -39,60 +39,11 @@ use rayweave_math::Affine;
 use std::collections::HashSet;
 use std::fmt::Display;
 
-/// A table that is being taken apart, so that what nobody asked for is noticed.
-#[derive(Clone, Debug)]
-pub struct Keys {
-    /// The table's name, for messages.
-    name: String,
-    /// Where the table stands.
-    pub(crate) span: Span,
-    /// What has not been taken.
-    pub(crate) rest: Table,
-    asked: Vec<&'static str>,
-}
-
-impl Keys {
-    pub(crate) fn new(name: &str, span: Span, rest: Table) -> Keys {
-        Keys { name: name.to_owned(), span, rest, asked: Vec::new() }
-    }
-
-    /// Where the table stands.
-    pub fn span(&self) -> Span {
-        self.span
-    }
-
-    /// Takes a value out.
-    pub fn take(&mut self, key: &'static str) -> Option<Spanned<Datum>> {
-        self.take_entry(key).map(|(_, datum)| datum)
-    }
-
-    /// Takes a value out, with its key.
-    pub fn take_entry(&mut self, key: &'static str) -> Option<(Spanned<String>, Spanned<Datum>)> {
-        self.asked.push(key);
-        let at = self.rest.iter().position(|(name, _)| name.value == key)?;
-        Some(self.rest.remove(at))
-    }
-
-    /// That a value is missing.
-    pub(crate) fn missing(&self, what: &str) -> Diagnostic {
-        Diagnostic::error(format!("`{}` has no `{what}`", self.name)).why("it is needed")
-    }
-
-    /// Everything that nobody asked for.
-    pub(crate) fn unknown(self) -> Vec<(Diagnostic, Span)> {
-        let reason = format!("the keys are {}", self.asked.join(", "));
-        let problem = |key: Spanned<String>| {
-            let problem = Diagnostic::error(format!("unknown key `{}` in `{}`", key.value, self.name));
-            let suggestion = did_you_mean(&key.value, self.asked.iter().copied());
-            (problem.why(&reason).suggest(suggestion), key.span)
-        };
-        self.rest.into_iter().map(|(key, _)| problem(key)).collect()
-    }
-}
+pub use crate::keys::Keys;
 
 /// Reads tables of a document and collects the problems.
 ///
-/// What it cannot read is `None`, and then the problem has been reported; [`Reader::finish`] gives all of them.
+/// Methods return `None` for values that they cannot read and report the problem; [`Reader::finish`] returns all problems.
 pub struct Reader<'d> {
     document: &'d Document,
     numbers: Numbers,
@@ -101,7 +52,7 @@ pub struct Reader<'d> {
 }
 
 impl<'d> Reader<'d> {
-    /// For the tables of a document; the scene tells the values of its parameters.
+    /// Creates a reader of the tables of a document; the scene supplies the values of its parameters.
     pub fn new(document: &'d Document, scene: &Scene) -> Reader<'d> {
         let problems = Problems { source: document.source.clone(), list: Vec::new() };
         Reader { document, numbers: Numbers::known(&scene.parameters), problems, unreadable: HashSet::new() }
@@ -120,12 +71,12 @@ impl<'d> Reader<'d> {
         self.report(problem.why(reason).suggest(suggestion), name.span);
     }
 
-    /// Reports a value that is not what is wanted, as in "a list of 2 numbers".
+    /// Reports a value of the wrong kind, as in "a list of 2 numbers".
     pub fn wrong_type(&mut self, what: &str, datum: &Spanned<Datum>, wanted: &str) {
         self.problems.wrong_type(what, datum, wanted);
     }
 
-    /// What was made, or its error as a problem at a place.
+    /// Returns the value, or reports its error at a span.
     pub fn accept<T, E: Display>(&mut self, made: Result<T, E>, span: Span) -> Option<T> {
         made.map_err(|error| self.report(Diagnostic::error(error.to_string()), span)).ok()
     }
@@ -175,7 +126,7 @@ impl<'d> Reader<'d> {
             self.report(problem.why(reason), second.span);
             return None;
         }
-        // a slip in the key is told when the rest is refused
+        // the remaining keys are reported later, with suggestions for misspellings
         let is_slip = |(key, _): &(Spanned<String>, Spanned<Datum>)| {
             did_you_mean(&key.value, list.iter().copied()).is_some()
         };
@@ -259,7 +210,7 @@ impl<'d> Reader<'d> {
         Arithmetic::parse(text).is_ok_and(|arithmetic| arithmetic.names().all(|(name, _)| is_known(name)))
     }
 
-    /// What was read, unless there were problems.
+    /// Returns the value, unless there were problems.
     ///
     /// # Errors
     ///

@@ -27,20 +27,23 @@
 //! let problems = rayweave_scene::parse(&text.replace("ball &", "bal &")).unwrap_err();
 //! let problem = problems.iter().next().unwrap();
 //! assert_eq!(problem.line_column(), Some((8, 9)));
-//! assert_eq!(problem.message(), "unknown solid `bal` (there is no [solid.bal]) did you mean `ball`?");
+//! assert_eq!(problem.message(), "unknown solid `bal`: there is no [solid.bal]. Did you mean `ball`?");
 //! ```
 
 pub mod arithmetic;
 mod colour;
+mod compiled;
 mod datum;
 mod decompose;
 mod diagnostic;
 mod document;
+mod error;
 mod expression;
 mod fault;
 mod file;
 pub mod foreign;
 mod formats;
+mod keys;
 pub mod memory;
 mod number;
 mod resolve;
@@ -52,9 +55,11 @@ mod syntax;
 mod unit;
 
 pub use colour::Colour;
+pub use compiled::Compiled;
 pub use datum::{Datum, Table};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::*;
+pub use error::SceneError;
 pub use expression::{Expression, Operator, Term};
 pub use file::{load, parse, parse_with};
 pub use formats::povray::{PovRay, PovRayError};
@@ -63,5 +68,4 @@ pub use resolve::reason;
 pub use scene::{Camera, Light, Medium, Projection, RenderSettings, Scene, SceneRegion};
 pub use schema::schema;
 pub use source::{Source, Span, Spanned};
-pub use suggestion::nearest;
 pub use unit::Unit;

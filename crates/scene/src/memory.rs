@@ -1,4 +1,4 @@
-//! How much memory there is, so that what cannot fit is refused before it is read.
+//! Available memory: files that cannot fit are rejected before they are read.
 
 use std::fs::read_to_string;
 
@@ -18,7 +18,7 @@ fn free() -> Option<u64> {
     kilobytes(&read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
 }
 
-/// What `ulimit -v` leaves.
+/// The limit of `ulimit -v`.
 fn address_space() -> Option<u64> {
     let limits = read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
@@ -27,7 +27,7 @@ fn address_space() -> Option<u64> {
     Some(limit.saturating_sub(used))
 }
 
-/// What version 2 or 1 of control groups leaves.
+/// The limit of control groups, version 2 or 1.
 fn control_group() -> Option<u64> {
     let groups = read_to_string("/proc/self/cgroup").ok()?;
     let left = |line: &str| {

@@ -1,4 +1,4 @@
-//! What a model file means: solids, regions, media, camera, lights, with all numbers known.
+//! Evaluated model: solids, regions, media, camera and lights, with all numbers resolved.
 
 use crate::colour::Colour;
 use crate::diagnostic::Diagnostics;
@@ -24,9 +24,9 @@ pub struct Scene {
     pub camera: Option<Camera>,
     /// Lights.
     pub lights: Vec<Light>,
-    /// How the picture is drawn.
+    /// Options of pictures.
     pub render: RenderSettings,
-    /// What may not have been meant.
+    /// Warnings.
     pub warnings: Diagnostics,
 }
 
@@ -78,7 +78,7 @@ impl Scene {
 /// A solid made of a medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneRegion {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// The space that it takes, except where a later region takes it.
     pub solid: Solid,
@@ -88,25 +88,25 @@ pub struct SceneRegion {
     pub colour: Colour,
 }
 
-/// What a region is made of.
+/// Material of a region.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Medium {
     /// Its name.
     pub name: String,
-    /// Its refractive index, if it is known.
+    /// Refractive index, if given.
     pub index: Option<f64>,
     /// The colour of regions made of it.
     pub colour: Option<Colour>,
-    /// The other numbers that are said of it.
+    /// Other numeric properties.
     pub numbers: Vec<(String, f64)>,
 }
 
 /// From where a picture is taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// How space becomes a picture.
+    /// Projection.
     pub projection: Projection,
-    /// Where the camera is.
+    /// Position of the camera.
     pub position: Vec3,
     /// The point in the middle of the picture; not the position.
     pub target: Vec3,
@@ -116,7 +116,7 @@ pub struct Camera {
     pub size: Option<(u32, u32)>,
 }
 
-/// How space becomes a picture.
+/// Projection of space onto the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// As the eye sees it.
@@ -134,25 +134,25 @@ pub enum Projection {
 /// A light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    /// Where it comes from; directions are not zero, and need not be of unit length.
+    /// Position or direction; directions are not zero and need not be of unit length.
     pub kind: LightKind<Vec3>,
-    /// How strong it is, >= 0.
+    /// Intensity, >= 0.
     pub intensity: f64,
     /// Its colour.
     pub colour: Colour,
 }
 
-/// How a picture is drawn; what is `None` is left to whoever draws it.
+/// Options of pictures; the renderer supplies those that are `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderSettings {
     /// The colour where there is nothing.
     pub background: Option<Colour>,
-    /// How surfaces are shaded.
+    /// Shading style.
     pub shading: Option<Shading>,
     /// Whether edges are drawn.
     pub edges: Option<bool>,
     /// Whether there are shadows.
     pub shadows: Option<bool>,
-    /// How many rays make a pixel, along x and along y: 1 to 16.
+    /// Samples per pixel along x and along y: 1 to 16.
     pub samples: Option<u32>,
 }

@@ -45,7 +45,7 @@ impl From<Range<usize>> for Span {
 pub struct Spanned<T> {
     /// The value.
     pub value: T,
-    /// Where it stands; empty for what never stood in a file.
+    /// Span in the file; empty for objects that are not from a file.
     pub span: Span,
 }
 

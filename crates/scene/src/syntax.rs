@@ -8,7 +8,7 @@ use crate::fault::Fault;
 use crate::source::Span;
 use std::borrow::Cow;
 
-/// How operators of equal power in a row are read.
+/// Associativity of operators of equal precedence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Associativity {
     /// a - b - c is (a - b) - c.
@@ -25,7 +25,7 @@ pub(crate) struct Grammar {
     pub infix: fn(&str) -> Option<(u8, Associativity)>,
     /// Binding power of a prefix operator.
     pub prefix: fn(&str) -> Option<u8>,
-    /// What an operand may be.
+    /// Kinds of operands.
     pub operand: &'static str,
     /// The operators, for messages.
     pub operators: &'static str,
@@ -38,7 +38,7 @@ pub(crate) struct Item<'a> {
     pub span: Span,
 }
 
-/// What an item does to the stack of values.
+/// Effect of an item on the stack of values.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ItemKind<'a> {
     /// Puts a number onto it.
@@ -185,13 +185,13 @@ fn unknown_character(character: char, at: usize) -> Fault {
     let span = Span::new(at, at + character.len_utf8());
     let problem = format!("unexpected character `{}`", character.escape_debug());
     let suggestion = match character {
-        '\u{222a}' => Some("did you mean `|`?"),
-        '\u{2229}' => Some("did you mean `&`?"),
-        '\u{2212}' | '\u{2013}' | '\\' => Some("did you mean `-`?"),
-        '\u{d7}' | '\u{b7}' => Some("did you mean `*`?"),
-        '!' => Some("did you mean `~`?"),
-        '[' | '{' => Some("did you mean `(`?"),
-        ']' | '}' => Some("did you mean `)`?"),
+        '\u{222a}' => Some("Did you mean `|`?"),
+        '\u{2229}' => Some("Did you mean `&`?"),
+        '\u{2212}' | '\u{2013}' | '\\' => Some("Did you mean `-`?"),
+        '\u{d7}' | '\u{b7}' => Some("Did you mean `*`?"),
+        '!' => Some("Did you mean `~`?"),
+        '[' | '{' => Some("Did you mean `(`?"),
+        ']' | '}' => Some("Did you mean `)`?"),
         _ => None,
     };
     Fault::new(span, problem, "it has no meaning here").suggest(suggestion.map(str::to_owned))
@@ -208,7 +208,7 @@ fn bad_number(text: &str, span: Span) -> Fault {
     Fault::new(span, format!("`{text}` is not a number"), reason)
 }
 
-/// What waits for its last operand.
+/// Operators that wait for their last operand.
 enum Waiting<'a> {
     Prefix(&'a str, u8, Span),
     Infix(&'a str, u8, Associativity, usize, Span),

@@ -1,4 +1,4 @@
-//! What is said of files that are wrong.
+//! Diagnostics of invalid files.
 
 use rayweave_scene::{Diagnostics, Severity, load, parse, parse_with};
 use std::path::PathBuf;
@@ -34,13 +34,13 @@ fn check(text: &str, expected: &str) {
 fn rendered_with_the_line_underlined() {
     let text = "[solid.front]\nsphere = { radius = -5 }\n[solid.lens]\nexpr = 'frnt & front'\n";
     let expected = "\
-error: sphere: radius is -5 (radius must be finite and greater than 0) did you mean 5?
+error: sphere: radius is -5: radius must be finite and greater than 0. Did you mean 5?
  --> <text>:3:21
   |
 3 | sphere = { radius = -5 }
   |                     ^^
 
-error: unknown solid `frnt` (there is no [solid.frnt]) did you mean `front`?
+error: unknown solid `frnt`: there is no [solid.frnt]. Did you mean `front`?
  --> <text>:5:9
   |
 5 | expr = 'frnt & front'
@@ -54,7 +54,7 @@ error: unknown solid `frnt` (there is no [solid.frnt]) did you mean `front`?
 fn rendered_with_another_place() {
     let text = "[solid.a]\nsphere = { radius = 1 }\n[[region]]\nsolid = 'a'\n[[region]]\nsolid = 'a'\n";
     let expected = "\
-error: there are two regions called `a` (answers call regions by their names) give one of them another `name`
+error: there are two regions called `a`: answers call regions by their names. Give one of them another `name`.
  --> <text>:7:9
   |
 7 | solid = 'a'
@@ -74,13 +74,10 @@ error: there are two regions called `a` (answers call regions by their names) gi
 fn syntax() {
     check(
         "a = \nb == 2\n[c\n",
-        "2:5 string values must be quoted, expected literal string (the text is not TOML here)\n\
-        3:4 extra `=`, expected nothing (the text is not TOML here)\n\
-        3:6 unexpected key or value, expected newline, `#` (the text is not TOML here)\n\
-        4:3 unclosed table, expected `]` (the text is not TOML here)",
+        "2:5 string values must be quoted, expected literal string: the text is not TOML here.\n3:4 extra `=`, expected nothing: the text is not TOML here.\n3:6 unexpected key or value, expected newline, `#`: the text is not TOML here.\n4:3 unclosed table, expected `]`: the text is not TOML here.",
     );
-    check("[solid.a]\nsphere = { radius = 1 }\n[solid.a]\n", "4:8 duplicate key (the text is not TOML here)");
-    check("[parameters]\nR = 1\nR = 2\n", "4:1 duplicate key (the text is not TOML here)");
+    check("[solid.a]\nsphere = { radius = 1 }\n[solid.a]\n", "4:8 duplicate key: the text is not TOML here.");
+    check("[parameters]\nR = 1\nR = 2\n", "4:1 duplicate key: the text is not TOML here.");
     // an error of syntax does not hide what is wrong elsewhere
     let both = listed(&problems("unti = 'mm'\nx = [1\n"));
     assert!(both.starts_with("2:1 unknown key `unti`"), "{both}");
@@ -92,25 +89,23 @@ fn syntax() {
 
 #[test]
 fn the_top_level() {
-    check("unit = 'mn'", "2:8 unknown unit `mn` (it may be nm, um, mm, cm, m, km, in, ft)");
-    check("unit = 3", "2:8 `unit` is the number 3 (it must be a text)");
+    check("unit = 'mn'", "2:8 unknown unit `mn`: it may be nm, um, mm, cm, m, km, in, ft.");
+    check("unit = 3", "2:8 `unit` is the number 3: it must be a text.");
     check(
         "solis = 3",
-        "2:1 unknown key `solis` (outside tables there are only rayweave and unit) did you mean `solid`?",
+        "2:1 unknown key `solis`: outside tables there are only rayweave and unit. Did you mean `solid`?",
     );
     check(
         "[solids.a]\n",
-        "2:2 warning: the table `solids` is not used (tables of other names are kept for those who know them) \
-         did you mean `solid`?",
+        "2:2 warning: the table `solids` is not used: tables of other names are kept for those who know them. Did you mean `solid`?",
     );
     check("[optics]\nanything = 1\n", "");
-    check("[solid]\nsphere = 3", "3:10 `solid.sphere` is the number 3 (it must be a table)");
-    check("solid = 3", "2:9 `solid` is the number 3 (it must be tables with names, as [solid.name])");
-    check("[region]\n", "2:1 `region` is a table (it must be a list of tables, as [[region]])");
+    check("[solid]\nsphere = 3", "3:10 `solid.sphere` is the number 3: it must be a table.");
+    check("solid = 3", "2:9 `solid` is the number 3: it must be tables with names, as [solid.name].");
+    check("[region]\n", "2:1 `region` is a table: it must be a list of tables, as [[region]].");
     check(
         "k = 1e999",
-        "2:1 unknown key `k` (outside tables there are only rayweave and unit)\n\
-        2:5 1e999 is too large (the largest number is about 1.8e308) did you mean `inf`?",
+        "2:1 unknown key `k`: outside tables there are only rayweave and unit.\n2:5 1e999 is too large: the largest number is about 1.8e308. Did you mean `inf`?",
     );
 }
 
@@ -120,12 +115,12 @@ fn versions() {
         Ok((_, scene)) => listed(&scene.warnings),
         Err(problems) => listed(&problems),
     };
-    assert_eq!(message("rayweave = 2"), "1:12 unknown version 2 (this program reads version 1)");
-    assert_eq!(message("rayweave = 'x'"), "1:12 `rayweave` is a text (this program reads version 1)");
+    assert_eq!(message("rayweave = 2"), "1:12 unknown version 2: this program reads version 1.");
+    assert_eq!(message("rayweave = 'x'"), "1:12 `rayweave` is a text: this program reads version 1.");
     assert_eq!(
         message(""),
-        "0:0 warning: the file does not say which version of the format it is written in (formats change) \
-         begin with `rayweave = 1`"
+        "0:0 warning: the file does not say which version of the format it is written in: formats change. \
+         Begin with `rayweave = 1`."
     );
 }
 
@@ -133,39 +128,39 @@ fn versions() {
 fn parameters() {
     check(
         "[parameters]\na = 'b + 1'\nb = '2 * c'\nc = 'a'\n[solid.s]\nsphere = { radius = 'a' }",
-        "5:6 the parameter `a` depends on itself (a -> b -> c -> a)",
+        "5:6 the parameter `a` depends on itself: a -> b -> c -> a.",
     );
     check(
         "[parameters]\na = 'a'\n[solid.s]\nsphere = { radius = 'a' }",
-        "3:6 the parameter `a` depends on itself (a -> a)",
+        "3:6 the parameter `a` depends on itself: a -> a.",
     );
     check(
         "[parameters]\nradius = 1\n[solid.s]\nsphere = { radius = '2 * raduis' }",
-        "5:26 unknown parameter `raduis` (it does not stand in [parameters]) did you mean `radius`?",
+        "5:26 unknown parameter `raduis`: it does not stand in [parameters]. Did you mean `radius`?",
     );
     check(
         "[parameters]\nx = 1\n",
-        "3:1 warning: the parameter `x` is not used (nothing in the file refers to it)",
+        "3:1 warning: the parameter `x` is not used: nothing in the file refers to it.",
     );
     check("[parameters]\nx = 1\n[optics]\ny = 'x'\n", "");
     check(
         "[parameters]\npi = 3\n",
-        "3:1 no parameter can be called `pi` (it is a constant in arithmetic text)",
+        "3:1 no parameter can be called `pi`: it is a constant in arithmetic text.",
     );
-    check("[parameters]\nx = nan\n", "3:5 `x` is nan (it must be a number)");
-    check("[parameters]\nx = true\n", "3:5 `x` is `true` (it must be a number or arithmetic text)");
+    check("[parameters]\nx = nan\n", "3:5 `x` is nan: it must be a number.");
+    check("[parameters]\nx = true\n", "3:5 `x` is `true`: it must be a number or arithmetic text.");
     check(
         "[parameters]\nx = '1 / (1 - 1)'\ny = 'x + 1'\n[solid.s]\nsphere = { radius = 'y' }\n",
-        "3:8 division by zero (the divisor of 1 / 0 is zero)",
+        "3:8 division by zero: the divisor of 1 / 0 is zero.",
     );
     check(
         "[parameters]\nx = '''\n1 +\n 2 2'''\n",
-        "5:4 an operator is missing before this (the operators are + - * / ^)",
+        "5:4 an operator is missing before this: the operators are + - * / ^.",
     );
     // where the text is written with escapes, the whole of it is meant
     check(
         "[parameters]\nx = \"1 \\u002b\"\n",
-        "3:5 the text ends too early (a number or a parameter is missing)",
+        "3:5 the text ends too early: a number or a parameter is missing.",
     );
 }
 
@@ -174,8 +169,8 @@ fn long_cycles_are_shortened() {
     let chain: String = (0..1000).map(|k| format!("p{k} = 'p{}'\n", (k + 1) % 1000)).collect();
     check(
         &format!("[parameters]\n{chain}"),
-        "1002:9 the parameter `p0` depends on itself \
-         (p0 -> p1 -> p2 -> p3 -> p4 -> p5 -> p6 -> p7 -> p8 -> .. -> p999 -> p0)",
+        "1002:9 the parameter `p0` depends on itself: \
+         p0 -> p1 -> p2 -> p3 -> p4 -> p5 -> p6 -> p7 -> p8 -> .. -> p999 -> p0.",
     );
 }
 
@@ -185,42 +180,40 @@ fn shapes() {
     check(
         "[solid.s]\nsphre = { radius = 1 }",
         &format!(
-            "3:1 unknown shape `sphre` (the shapes are {}; others are `expr` and `place`) did you mean `sphere`?",
+            "3:1 unknown shape `sphre`: the shapes are {}; others are `expr` and `place`. Did you mean `sphere`?",
             shapes.join(", ")
         ),
     );
-    check("[solid.s]\n", "2:1 the solid has no shape (it needs a shape, `expr` or `place`)");
+    check("[solid.s]\n", "2:1 the solid has no shape: it needs a shape, `expr` or `place`.");
     check(
         "[solid.s]\nsphere = 5",
-        "3:10 `sphere` is the number 5 (it must be a table of its parameters, as { radius = .. })",
+        "3:10 `sphere` is the number 5: it must be a table of its parameters, as { radius = .. }.",
     );
     check(
-        "[solid.s]\nsphere = { radius = 1 }\nexpr = 'vacuum'",
-        "3:1 the solid is a `expr` and a `sphere` (a solid is one thing; `expr` joins several)",
+        "[solid.s]\nsphere = { radius = 1 }\nexpr = 'empty'",
+        "3:1 the solid is a `expr` and a `sphere`: a solid is one thing; `expr` joins several.",
     );
     check(
         "[solid.s]\nbox = { size = [1, '1 - 1', 3] }",
-        "3:20 box: size[1] is 0 (size must be finite and greater than 0)",
+        "3:20 box: size[1] is 0: size must be finite and greater than 0.",
     );
     check(
         "[solid.s]\nconvex = { planes = [[1, 0, 0, 1], [0, 0, 0, 1]] }",
-        "3:36 convex: planes[1] is a normal of length zero (it must say which way the plane faces) \
-         did you mean [0, 0, 1]?",
+        "3:36 convex: planes[1] is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?",
     );
     check(
         "[solid.s]\nsphere = { radius = true }",
-        "3:21 `radius` is `true` (it must be a number or arithmetic text)",
+        "3:21 `radius` is `true`: it must be a number or arithmetic text.",
     );
     check(
         "[solid.s]\nsphere = { radius = 1 }\ntransfrom = []",
-        "4:1 unknown key `transfrom` in `solid.s` (the keys are name, transform, expr, place, SHAPES) \
-         did you mean `transform`?"
+        "4:1 unknown key `transfrom` in `solid.s`: the keys are name, transform, expr, place, SHAPES. Did you mean `transform`?"
             .replace("SHAPES", &shapes.join(", "))
             .as_str(),
     );
     check(
-        "[solid.vacuum]\nsphere = { radius = 1 }",
-        "2:8 no solid can be called `vacuum` (the name has a meaning of its own in expressions)",
+        "[solid.empty]\nsphere = { radius = 1 }",
+        "2:8 no solid can be called `empty`: the name has a meaning of its own in expressions.",
     );
 }
 
@@ -228,17 +221,17 @@ fn shapes() {
 fn expressions() {
     check(
         "[solid.a]\nexpr = 'b | c'\n[solid.b]\nexpr = '~c'\n[solid.c]\nexpr = 'b - a'\n",
-        "7:9 the solid `b` is made from itself (b -> c -> b)\n\
-         7:13 the solid `a` is made from itself (a -> b -> c -> a)",
+        "7:9 the solid `b` is made from itself: b -> c -> b.\n\
+         7:13 the solid `a` is made from itself: a -> b -> c -> a.",
     );
-    check("[solid.a]\nexpr = 'a'\n", "3:9 the solid `a` is made from itself (a -> a)");
-    check("[solid.a]\nexpr = 'x | y & (z'\n", "3:17 unmatched `(` (there is no `)` after it)");
+    check("[solid.a]\nexpr = 'a'\n", "3:9 the solid `a` is made from itself: a -> a.");
+    check("[solid.a]\nexpr = 'x | y & (z'\n", "3:17 unmatched `(`: there is no `)` after it.");
     check(
         "[solid.a]\nexpr = 'x | y'\n",
-        "3:9 unknown solid `x` (there is no [solid.x])\n3:13 unknown solid `y` (there is no [solid.y])",
+        "3:9 unknown solid `x`: there is no [solid.x].\n3:13 unknown solid `y`: there is no [solid.y].",
     );
-    check("[solid.a]\nexpr = 3\n", "3:8 `expr` is the number 3 (it must be a text)");
-    check("[solid.a]\nexpr = ''\n", "3:8 the text is empty (the name of a solid is missing)");
+    check("[solid.a]\nexpr = 3\n", "3:8 `expr` is the number 3: it must be a text.");
+    check("[solid.a]\nexpr = ''\n", "3:8 the text is empty: the name of a solid is missing.");
 }
 
 #[test]
@@ -246,40 +239,37 @@ fn transforms() {
     let solid = |transform: &str| format!("[solid.s]\nsphere = {{ radius = 1 }}\ntransform = {transform}");
     check(
         &solid("[{ rotate_x = 90 }, { scale = [1, 0, 1] }]"),
-        "4:33 the transform is singular (it flattens space, so that no point has one image) is a scale factor 0?",
+        "4:33 the transform is singular: it has no inverse. Check for a scale factor of 0.",
     );
     check(
         &solid("[{ scale = [1e-8, 1, 1] }, { scale = [1e-8, 1, 1] }]"),
-        "4:14 the transform is singular (it flattens space, so that no point has one image) is a scale factor 0?",
+        "4:14 the transform is singular: it has no inverse. Check for a scale factor of 0.",
     );
     check(
         &solid("[{ mirror = [0, 0, 0] }]"),
-        "4:26 the normal is a vector of length zero (it has no direction)",
+        "4:26 the normal is a vector of length zero: it has no direction.",
     );
     check(
         &solid("[{ rotate = { axis = [0, 0, 1], angle = 90 } }]"),
-        "4:25 `rotate` has no `degrees` (it is needed)\n\
-         4:45 unknown key `angle` in `rotate` (the keys are axis, degrees)",
+        "4:25 `rotate` has no `degrees`: it is needed.\n4:45 unknown key `angle` in `rotate`: the keys are axis, degrees.",
     );
     check(
         &solid("[{ translate = [1, 2] }, { rotate_x = 1, scale = 2 }]"),
-        "4:28 `translate` is a list of 2 values (it must be a list of 3 numbers)\n\
-         4:38 the step has 2 maps (each step is one map, because their order counts)",
+        "4:28 `translate` is a list of 2 values: it must be a list of 3 numbers.\n4:38 the step has 2 maps: each step is one map, because their order counts.",
     );
-    check(&solid("[{}]"), "4:14 the step has 0 maps (each step is one map, because their order counts)");
+    check(&solid("[{}]"), "4:14 the step has 0 maps: each step is one map, because their order counts.");
     check(
         &solid("[{ translat = [1, 2, 3] }]"),
-        "4:16 unknown key `translat` in `transform` (the keys are translate, rotate_x, rotate_y, rotate_z, rotate, \
-         scale, mirror, matrix) did you mean `translate`?",
+        "4:16 unknown key `translat` in `transform`: the keys are translate, rotate_x, rotate_y, rotate_z, rotate, scale, mirror, matrix. Did you mean `translate`?",
     );
     check(
         &solid("[{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 2]] }]"),
-        "4:14 the matrix is not affine (its last row must be [0, 0, 0, 1])",
+        "4:14 the matrix is not affine: its last row must be [0, 0, 0, 1].",
     );
-    check(&solid("[{ translate = [inf, 0, 0] }]"), "4:29 the number is inf (it must be finite)");
+    check(&solid("[{ translate = [inf, 0, 0] }]"), "4:29 the number is inf: it must be finite.");
     check(
         &solid("3"),
-        "4:13 `transform` is the number 3 (it must be a list of steps, as [{ rotate_x = 90 }])",
+        "4:13 `transform` is the number 3: it must be a list of steps, as [{ rotate_x = 90 }].",
     );
 }
 
@@ -287,29 +277,28 @@ fn transforms() {
 fn placements() {
     let place =
         |layout: &str| format!("[solid.s]\nsphere = {{ radius = 1 }}\n[solid.p]\nplace = {{ {layout} }}");
-    check(&place("solid = 'x', at = []"), "5:19 unknown solid `x` (there is no [solid.x])");
+    check(&place("solid = 'x', at = []"), "5:19 unknown solid `x`: there is no [solid.x].");
     check(
         &place("solid = 's'"),
-        "5:9 `place` says 0 times where (it needs one of grid, ring, at, matrices, file)",
+        "5:9 `place` says 0 times where: it needs one of grid, ring, at, matrices, file.",
     );
     check(
         &place("solid = 's', grid = [2, 2.5, 0], step = [1, 1, 1]"),
-        "5:35 the number is 2.5 (it must be a whole number from 1 to 4194304)\n\
-         5:40 the number is 0 (it must be a whole number from 1 to 4194304)",
+        "5:35 the number is 2.5: it must be a whole number from 1 to 4194304.\n5:40 the number is 0: it must be a whole number from 1 to 4194304.",
     );
     check(
         &place("solid = 's', grid = [4000, 4000, 4000], step = [1, 1, 1]"),
-        "5:32 the grid has 64000000000 copies (the most is 4194304)",
+        "5:32 the grid has 64000000000 copies: the most is 4194304.",
     );
-    check(&place("solid = 's', ring = 3"), "5:9 `place` has no `radius` (it is needed)");
-    check(&place("solid = 'p', at = [[0, 0, 0]]"), "5:19 the solid `p` is made from itself (p -> p)");
+    check(&place("solid = 's', ring = 3"), "5:9 `place` has no `radius`: it is needed.");
+    check(&place("solid = 'p', at = [[0, 0, 0]]"), "5:19 the solid `p` is made from itself: p -> p.");
     check(
         &place("solid = 's', file = 'none.npy'"),
-        "5:31 the placements in `none.npy` cannot be used (there is no such file)",
+        "5:31 the placements in `none.npy` cannot be used: there is no such file.",
     );
     check(
         &place("solid = 's', at = [[0, 0]]"),
-        "5:30 `at` is a list of 2 values (it must be a list of 3 numbers)",
+        "5:30 `at` is a list of 2 values: it must be a list of 3 numbers.",
     );
 }
 
@@ -318,58 +307,49 @@ fn regions_and_media() {
     let model = |text: &str| format!("[solid.lens]\nsphere = {{ radius = 1 }}\n{text}");
     check(
         &model("[[region]]\nsolid = 'lnes'\nmedium = 'galss'\ncolour = 'blue'\n[medium.glass]\nindex = 0\n"),
-        "5:9 unknown solid `lnes` (there is no [solid.lnes]) did you mean `lens`?\n\
-         6:10 unknown medium `galss` (there is no [medium.galss]) did you mean `glass`?\n\
-         7:10 `blue` is not a colour (colours are #rgb, #rrggbb or #rrggbbaa in hexadecimal digits) \
-         did you mean `#88aaff`?\n\
-         9:9 the number is 0 (it must be finite and greater than 0)",
+        "5:9 unknown solid `lnes`: there is no [solid.lnes]. Did you mean `lens`?\n6:10 unknown medium `galss`: there is no [medium.galss]. Did you mean `glass`?\n7:10 `blue` is not a colour: colours are #rgb, #rrggbb or #rrggbbaa in hexadecimal digits. Did you mean `#88aaff`?\n9:9 the number is 0: it must be finite and greater than 0.",
     );
     check(
         &model("[[region]]\ncolor = '#fff'\n"),
-        "4:1 `region` has no `solid` (it is needed)\n\
-         5:1 unknown key `color` in `region` (the keys are solid, medium, colour, name) did you mean `colour`?",
+        "4:1 `region` has no `solid`: it is needed.\n5:1 unknown key `color` in `region`: the keys are solid, medium, colour, name. Did you mean `colour`?",
     );
     check(
         &model("[medium.glass]\nindx = 1.5\nabbe = 64\n"),
-        "5:1 warning: `indx` is not used (other keys of media are kept for those who know them) did you mean `index`?",
+        "5:1 warning: `indx` is not used: other keys of media are kept for those who know them. Did you mean `index`?",
     );
 }
 
 #[test]
 fn cameras_lights_and_drawing() {
-    check("[camera]\nfov = 30\n", "2:1 `camera` has no `position` (it is needed)");
-    check("[camera]\nposition = [0, 0, 0]\n", "2:1 the camera looks nowhere (its position is its target)");
+    check("[camera]\nfov = 30\n", "2:1 `camera` has no `position`: it is needed.");
+    check("[camera]\nposition = [0, 0, 0]\n", "2:1 the camera looks nowhere: its position is its target.");
     check(
         "[camera]\nposition = [0, 0, 5]\nup = [0, 0, 2]\n",
-        "2:1 the camera looks along `up` (then nothing says which way is up in the picture)",
+        "2:1 the camera looks along `up`: then nothing says which way is up in the picture.",
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nfov = 180\n",
-        "4:7 the number is 180 (it must be an angle in degrees greater than 0 and less than 180)",
+        "4:7 the number is 180: it must be an angle in degrees greater than 0 and less than 180.",
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nfov = 30\nprojection = 'orthographic'\n",
-        "2:1 `camera` has no `height` (it is needed)\n\
-         4:1 `fov` has no meaning here (`fov` is for perspective cameras and `height` for orthographic ones)",
+        "2:1 `camera` has no `height`: it is needed.\n4:1 `fov` has no meaning here: `fov` is for perspective cameras and `height` for orthographic ones.",
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nsize = [0, 1e9]\n",
-        "4:9 the number is 0 (it must be a whole number from 1 to 32768)\n\
-         4:12 the number is 1000000000 (it must be a whole number from 1 to 32768)",
+        "4:9 the number is 0: it must be a whole number from 1 to 32768.\n4:12 the number is 1000000000: it must be a whole number from 1 to 32768.",
     );
     check(
         "[[light]]\nintensity = 1\n",
-        "2:1 the light has no `direction` and no `position` (it is parallel or comes from a point)",
+        "2:1 the light has no `direction` and no `position`: it is parallel or comes from a point.",
     );
     check(
         "[[light]]\ndirection = [0, 0, 0]\n",
-        "3:14 the direction is a vector of length zero (it has no direction)",
+        "3:14 the direction is a vector of length zero: it has no direction.",
     );
     check(
         "[render]\nshading = 'gouch'\nsamples = 1.5\nedges = 1\n",
-        "3:11 unknown shading `gouch` (it may be gooch, headlight) did you mean `gooch`?\n\
-         4:11 the number is 1.5 (it must be a whole number from 1 to 16)\n\
-         5:9 `edges` is the number 1 (it must be true or false)",
+        "3:11 unknown shading `gouch`: it may be gooch, headlight. Did you mean `gooch`?\n4:11 the number is 1.5: it must be a whole number from 1 to 16.\n5:9 `edges` is the number 1: it must be true or false.",
     );
 }
 
@@ -383,20 +363,17 @@ fn overrides() {
     check(
         "raduis",
         "2",
-        "error: unknown parameter `raduis` (the file's parameters are radius) did you mean `radius`?\n\
-         \x20--> -D:1:1\n  |\n1 | raduis=2\n  | ^^^^^^",
+        "error: unknown parameter `raduis`: the file's parameters are radius. Did you mean `radius`?\n\x20--> -D:1:1\n  |\n1 | raduis=2\n  | ^^^^^^",
     );
     check(
         "radius",
         "2 +",
-        "error: the text ends too early (a number or a parameter is missing)\n\
-         \x20--> -D:1:11\n  |\n1 | radius=2 +\n  |           ^",
+        "error: the text ends too early: a number or a parameter is missing.\n\x20--> -D:1:11\n  |\n1 | radius=2 +\n  |           ^",
     );
     check(
         "radius",
         "-2",
-        "error: sphere: radius is -2 (radius must be finite and greater than 0) did you mean 2?\n\
-         \x20--> <text>:5:21\n  |\n5 | sphere = { radius = 'radius' }\n  |                     ^^^^^^^^",
+        "error: sphere: radius is -2: radius must be finite and greater than 0. Did you mean 2?\n\x20--> <text>:5:21\n  |\n5 | sphere = { radius = 'radius' }\n  |                     ^^^^^^^^",
     );
 }
 
@@ -409,12 +386,7 @@ fn one_problem_does_not_hide_another_nor_make_new_ones() {
         [[region]]\nsolid = 'both'\nmedium = 'air'\n";
     check(
         text,
-        "2:8 unknown unit `mn` (it may be nm, um, mm, cm, m, km, in, ft)\n\
-         4:5 `R` is a list of 1 value (it must be a number or arithmetic text)\n\
-         7:14 the transform is singular (it flattens space, so that no point has one image) is a scale factor 0?\n\
-         9:16 box: size is -1 (size must be finite and greater than 0) did you mean 1?\n\
-         11:23 unknown solid `cub` (there is no [solid.cub]) did you mean `cube`?\n\
-         14:10 unknown medium `air` (there is no [medium.air])",
+        "2:8 unknown unit `mn`: it may be nm, um, mm, cm, m, km, in, ft.\n4:5 `R` is a list of 1 value: it must be a number or arithmetic text.\n7:14 the transform is singular: it has no inverse. Check for a scale factor of 0.\n9:16 box: size is -1: size must be finite and greater than 0. Did you mean 1?\n11:23 unknown solid `cub`: there is no [solid.cub]. Did you mean `cube`?\n14:10 unknown medium `air`: there is no [medium.air].",
     );
 }
 
@@ -437,18 +409,17 @@ fn files_that_cannot_be_read() {
         assert_eq!(problems.to_string(), expected);
         assert_eq!(problems.iter().next().unwrap().path(), Some(path.as_path()));
     };
-    check("none.toml", None, "error: the model file cannot be read (there is no such file)\n--> FILE");
-    check("", None, "error: the model file cannot be read (it is a folder)\n--> FILE");
+    check("none.toml", None, "error: the model file cannot be read: there is no such file.\n--> FILE");
+    check("", None, "error: the model file cannot be read: it is a folder.\n--> FILE");
     check(
         "latin1.toml",
         Some(b"# gr\xf6\xdfe\n"),
-        "error: the file is not a text in UTF-8 (byte 4 is part of no character) was it saved in another encoding?\n \
-         --> FILE:1:5\n  |\n1 | # gr\u{fffd}\u{fffd}e\n  |     ^",
+        "error: the file is not a text in UTF-8: byte 4 is part of no character. Was it saved in another encoding?\n --> FILE:1:5\n  |\n1 | # gr\u{fffd}\u{fffd}e\n  |     ^",
     );
     let mut huge = std::fs::File::create(folder.join("huge.toml")).unwrap();
     huge.set_len(300 << 20).unwrap();
     std::io::Write::flush(&mut huge).unwrap();
-    check("huge.toml", None, "error: the model file cannot be read (it is larger than 256 MiB)\n--> FILE");
+    check("huge.toml", None, "error: the model file cannot be read: it is larger than 256 MiB.\n--> FILE");
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -67,7 +67,7 @@ fn what_cannot_be_used() {
     let check = |expected: &str| {
         let problems = folder.load().unwrap_err();
         let found: Vec<&str> = problems.iter().map(|problem| problem.message()).collect();
-        assert_eq!(found, [format!("the placements in `maps.npy` cannot be used ({expected})")]);
+        assert_eq!(found, [format!("the placements in `maps.npy` cannot be used: {expected}.")]);
     };
     check("there is no such file");
     write(&folder.maps(), &[2, 2], npyz::Order::C, &[1.0; 4]);
@@ -118,7 +118,7 @@ fn meshes_stand_in_files_beside_the_model() {
     assert!(open.contains("the mesh in `part.off` is no solid: the mesh is not closed: 4 edges"), "{open}");
     assert!(open.contains("holes: 1 (the first: (1, 0.5, 0.5), 4 edges)"), "{open}");
     let bad = mesh_problems("bad", &CUBE.replace("4 1 3 7 5", "4 1 3 8 5")).unwrap_err();
-    assert!(bad.contains("line 16: triangle 10 names vertex 8"), "{bad}");
+    assert!(bad.contains("line 16: triangle 10 refers to vertex 8"), "{bad}");
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn a_mesh_has_a_file_or_its_numbers() {
         rayweave_scene::parse(&text).unwrap_err().to_string()
     };
     assert!(problem("{ file = 'nowhere.stl' }").contains("there is no such file"));
-    assert!(problem("{ file = 'part.xyz' }").contains("of no known format"));
+    assert!(problem("{ file = 'part.xyz' }").contains("is unknown: the known extensions are"));
     assert!(problem("{ file = 'part.off', repair = 1 }").contains("true or false"));
     assert!(problem("{ file = 3 }").contains("the name of a file"));
     let both = problem("{ file = 'part.stl', vertices = [[0, 0, 0]] }");

@@ -38,8 +38,8 @@ impl Object {
             Object::Cone([(base, r1), (cap, r2)]) => {
                 let axis = *cap - *base;
                 let part = (p - *base).dot(axis) / axis.length_squared();
-                let aside = (p - *base - part * axis).length();
-                part > 0.0 && part < 1.0 && aside < r1 + part * (r2 - r1)
+                let perturbation = (p - *base - part * axis).length();
+                part > 0.0 && part < 1.0 && perturbation < r1 + part * (r2 - r1)
             }
             Object::Torus(major, minor) => (p.x.hypot(p.z) - major).hypot(p.y) < *minor,
             Object::Quadric([squares, mixed, linear], constant) => {
@@ -56,7 +56,7 @@ impl Object {
     }
 }
 
-/// How often triangles go round a point, by their solid angles (A. Van Oosterom, J. Strackee, 1983).
+/// Winding number of triangles about a point, by solid angles (A. Van Oosterom, J. Strackee, 1983).
 fn winding(triangles: &[[Vec3; 3]], p: Vec3) -> f64 {
     let angle = |corners: &[Vec3; 3]| {
         let [a, b, c] = corners.map(|corner| corner - p);
@@ -202,7 +202,7 @@ fn written(solid: &Solid) -> String {
     scene_of(solid.clone()).to_povray().unwrap().text
 }
 
-/// Compares at random points; those within rounding of a surface are too rare to be met.
+/// Compares at random points; points within rounding of a surface are too rare to occur.
 fn check(solid: &Solid, rng: &mut ChaCha8Rng) {
     let text = written(solid);
     let objects = read(&text);
@@ -232,7 +232,7 @@ fn examples() -> Vec<Primitive> {
         Primitive::examples().into_iter().partition(|one| scene_of(one.clone().into()).to_povray().is_ok());
     for one in others {
         let problem = scene_of(one.clone().into()).to_povray().unwrap_err().to_string();
-        assert!(problem.contains(&format!("`{}` (POV-Ray has no object", one.name())), "{problem}");
+        assert!(problem.contains(&format!("`{}`: POV-Ray has no object", one.name())), "{problem}");
     }
     assert!(shown.len() >= 15, "{shown:?}");
     shown
@@ -285,7 +285,7 @@ fn random_trees() {
 fn outermost_unions_are_separate_objects() {
     let ball = Solid::from(Primitive::example("sphere").unwrap());
     let far = ball.translate([5.0, 0.0, 0.0]);
-    let solid = (&ball | &far).named("two") | Solid::vacuum() | (&ball - &far);
+    let solid = (&ball | &far).named("two") | Solid::empty() | (&ball - &far);
     assert_eq!(read(&written(&solid)).len(), 3);
 }
 

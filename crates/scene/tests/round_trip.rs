@@ -1,4 +1,4 @@
-//! What is written is read back as the same.
+//! Written files are read back unchanged.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -26,7 +26,7 @@ box = { size = [1, 2, "half"] }
 transform = { rotate = { axis = [1, 1, 0], degrees = 30 } }
 
 [solid.both]
-expr = "ball & ~'odd name' | union(ball) - vacuum"
+expr = "ball & ~'odd name' | union(ball) - empty"
 
 [solid._helper]
 half_space = { normal = [0, 0, 1], offset = 0 }
@@ -134,7 +134,7 @@ fn solids_are_what_operators_make_of_them() {
         .named("ball");
     assert_eq!(scene.solid("ball"), Some(&ball));
     let odd = scene.solid("odd name").unwrap();
-    let union = Solid::union([ball.clone()]) - Solid::vacuum();
+    let union = Solid::union([ball.clone()]) - Solid::empty();
     let both = ((&ball & !odd) | union).named("both");
     assert_eq!(scene.solid("both"), Some(&both));
     let offsets = [[1.0, 2.0, 3.0], [101.0, 2.0, 3.0], [1.0, 2.0, 103.0], [101.0, 2.0, 103.0]];
@@ -188,7 +188,7 @@ fn a_scene_survives_as_a_document() {
     let (_, scene) = parse(EVERYTHING).unwrap();
     let document = Document::from_scene(&scene);
     let (_, again) = parse(&document.to_toml()).unwrap();
-    // parameters and texts of media are gone, all else is there
+    // parameters and texts of media are lost, everything else is kept
     let expected = Scene { parameters: Vec::new(), ..scene };
     assert_eq!(again.regions, expected.regions);
     assert_eq!(again.media, expected.media);
@@ -225,8 +225,8 @@ fn solids_survive() {
     let named = ball.named("ball");
     let moved = named.translate(Vec3::X).scale(Vec3::new(1.0, 2.0, -1.0)).rotate_z(33.0);
     check_solid(&ball);
-    check_solid(&Solid::vacuum());
-    check_solid(&!Solid::plenum());
+    check_solid(&Solid::empty());
+    check_solid(&!Solid::universe());
     check_solid(&named);
     check_solid(&named.named("twice"));
     check_solid(&moved);
@@ -234,15 +234,11 @@ fn solids_survive() {
     check_solid(&((&ball | &ball) | (&ball - (&moved - &named))));
     check_solid(&Solid::union([Solid::union([]), Solid::intersection([ball.clone()])]));
     check_solid(
-        &(ball.named("hole")
-            ^ moved.named("hole")
-            ^ ball.named("vacuum")
-            ^ ball.named("")
-            ^ ball.named("_1")),
+        &(ball.named("hole") ^ moved.named("hole") ^ ball.named("empty") ^ ball.named("") ^ ball.named("_1")),
     );
     check_solid(&ball.named("it's \"odd\"\\\n\u{e4}"));
     check_solid(&(&ball & &ball.named("whole")));
-    check_solid(&Solid::vacuum().place(vec![Affine::IDENTITY]));
+    check_solid(&Solid::empty().place(vec![Affine::IDENTITY]));
     check_solid(
         &moved.place(vec![Affine::translate(Vec3::X), Affine::rotation(Vec3::ONE, 5.0)]).translate(Vec3::Y),
     );

@@ -170,7 +170,7 @@ fn what_is_wrong_does_not_fit() {
     }
 }
 
-/// What is wrong in these tables is said by those who read them, not here.
+/// The owners of these tables report their problems, not this crate.
 #[test]
 fn what_is_wrong_with_light_does_not_fit() {
     for text in [

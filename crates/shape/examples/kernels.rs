@@ -1,4 +1,4 @@
-//! Counts for a profiler: one lane kernel, named by the first argument, over a number of rays.
+//! Profiling target: one lane kernel, named by the first argument, over a number of rays.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
@@ -26,7 +26,7 @@ fn surface(name: &str) -> Option<Surface> {
     })
 }
 
-/// Rays from points on a sphere towards points in a box, eight to a row.
+/// Rays from points on a sphere towards points in a box, eight per row.
 fn rays(rows: usize) -> Vec<[[f64; LANES]; 6]> {
     let mut state = 1u64;
     let mut unit = || {
@@ -49,10 +49,12 @@ fn load<S: Simd>(simd: S, columns: &[[f64; LANES]]) -> Vec3Lanes<S> {
     Vec3Lanes { x, y, z: Lanes::load_array_ref(simd, z) }
 }
 
-/// Lanes in doubt, and a sum of times, so that nothing is left out. Without a facet only the rays are made.
+/// Number of uncertain lanes, and a sum of times, so that nothing is optimised away. Without a facet only the rays are
+/// generated.
 #[inline(always)]
 fn run<S: Simd>(simd: S, facet: Option<&Facet>, rows: &[[[f64; LANES]; 6]], rounds: usize) -> (u32, f64) {
-    let limits = LaneLimits { centre: Vec3::ZERO, radius: 3.0, reach: 2.0, largest_radius: 1.0, bend: 1.4 };
+    let limits =
+        LaneLimits { centre: Vec3::ZERO, radius: 3.0, magnitude: 2.0, largest_radius: 1.0, bend: 1.4 };
     let (mut doubts, mut sum, mut last) = (0, 0.0, [0.0; LANES]);
     for _ in 0..rounds {
         for row in rows {

@@ -1,4 +1,4 @@
-//! Time per ray and surface for sags, one thread: `sag_speed [rays [name]]`.
+//! Time per ray and sag surface, single-threaded: `sag_speed [rays [name]]`.
 
 use rayweave_math::Vec3;
 use rayweave_shape::Ray;
@@ -30,7 +30,7 @@ fn cases() -> Vec<(&'static str, Description)> {
     ]
 }
 
-/// Rays of a lens (from far below, a little oblique) or in all directions about the vertex.
+/// Rays of a lens (from far below, slightly oblique) or in all directions about the vertex.
 fn rays(count: usize, oblique: bool) -> Vec<Ray> {
     let mut state = 1u64;
     let mut unit = || {

@@ -1,8 +1,8 @@
 //! Surfaces and primitive solids.
 //!
-//! - [`surface`]: few, closed, hot kernels: where a ray crosses a surface, on which side it is, the normal.
-//! - [`lanes`]: the same for eight rays at a time.
-//! - [`primitive`]: many, open: what people call shapes, each *lowered* to a conjunction of sides of surfaces.
+//! - [`surface`]: a small, closed set of hot kernels: crossings of rays and surfaces, sides, normals.
+//! - [`lanes`]: the same kernels for eight rays at a time, in SIMD lanes.
+//! - [`primitive`]: an open set of parametric shapes, each *lowered* to a conjunction of sides of surfaces.
 
 pub mod lanes;
 pub mod primitive;

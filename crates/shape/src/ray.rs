@@ -1,10 +1,10 @@
-//! A straight line in space with a time along it.
+//! Ray: a straight line in space with a parameter t.
 
+use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::{Affine, Vec3};
 use std::fmt;
 
-/// `r(t) = origin + t * direction`; the direction need not be of unit length, and `t` is counted in units of
-/// it.
+/// A ray `r(t) = origin + t * direction`. The direction need not have unit length; `t` is in units of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// The point at t = 0.
@@ -13,10 +13,10 @@ pub struct Ray {
     pub direction: Vec3,
 }
 
-/// The origin or the direction.
+/// A part of a ray: origin or direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayPart {
-    /// Where t = 0.
+    /// The point at t = 0.
     Origin,
     /// The displacement per unit of t.
     Direction,
@@ -31,34 +31,41 @@ impl fmt::Display for RayPart {
     }
 }
 
-/// Why a ray cannot be traced.
+/// The reason why a ray cannot be traced.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RayError {
     /// A component is NaN or infinite.
-    #[error("the {part} is {} (its components must be finite)", text(.vector))]
+    #[error("the {part} is {}: its components must be finite.", text(.vector))]
     NotFinite {
-        /// Which of the two.
+        /// The vector at fault.
         part: RayPart,
-        /// What it is.
+        /// Its value.
         vector: Vec3,
     },
-    /// A component is beyond [`Ray::MOST`].
-    #[error("the {part} is {} (beyond 1e100 squares overflow) is the unit far too small?", text(.vector))]
+    /// A component exceeds [`Ray::MOST`].
+    #[error("the {part} is {}: beyond 1e100 squares overflow. Is the unit far too small?", text(.vector))]
     TooLarge {
-        /// Which of the two.
+        /// The vector at fault.
         part: RayPart,
-        /// What it is.
+        /// Its value.
         vector: Vec3,
     },
     /// The direction is zero.
-    #[error("the direction is zero (a ray must go somewhere)")]
+    #[error("the direction is zero: a ray must go somewhere.")]
     NoDirection,
     /// All components of the direction are below [`Ray::LEAST`].
-    #[error("the direction is {} (below 1e-100 its square vanishes) give it a length near 1?", text(.direction))]
+    #[error("the direction is {}: below 1e-100 its square vanishes. Give it a length near 1.", text(.direction))]
     TooShort {
-        /// What it is.
+        /// The direction.
         direction: Vec3,
     },
+}
+
+impl Classified for RayError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Value
+    }
 }
 
 fn text(v: &Vec3) -> String {
@@ -66,21 +73,21 @@ fn text(v: &Vec3) -> String {
 }
 
 impl Ray {
-    /// The greatest component of an origin or a direction, in absolute value: its square, and the product of it with that
-    /// of a surface of any sensible size, are far from the end of the range of f64.
+    /// Largest absolute value of a component of an origin or a direction. Its square, and products with the square of any
+    /// sensible surface dimension, are far from the end of the range of f64.
     pub const MOST: f64 = 1e100;
 
-    /// The least that the largest component of a direction may be: its square, and the inverse of that, are far from the
-    /// ends of the range of f64.
+    /// Smallest value of the largest component of a direction. Its square, and the inverse of that, are far from the ends
+    /// of the range of f64.
     pub const LEAST: f64 = 1.0 / Ray::MOST;
 
-    /// Whether the ray is one that can be traced: finite, its components at most [`Ray::MOST`], the largest of its
-    /// direction at least [`Ray::LEAST`]. This is checked once, where rays come in.
+    /// Checks that the ray can be traced: finite, components at most [`Ray::MOST`], and a largest component of the
+    /// direction of at least [`Ray::LEAST`]. Callers check rays once, on input.
     ///
     /// # Errors
-    /// [`RayError`] says what is wrong.
+    /// [`RayError`] with the reason.
     pub fn check(&self) -> Result<(), RayError> {
-        // NaN is in no range
+        // false for NaN
         let is_in_range = |v: Vec3| v.to_array().iter().all(|x| (-Ray::MOST..=Ray::MOST).contains(x));
         for (part, vector) in [(RayPart::Origin, self.origin), (RayPart::Direction, self.direction)] {
             match () {
@@ -96,7 +103,7 @@ impl Ray {
         }
     }
 
-    /// The ray from `origin` along `direction`; see [`Ray::check`] for those that can be traced.
+    /// The ray from `origin` along `direction`, unchecked; see [`Ray::check`].
     pub fn new(origin: Vec3, direction: Vec3) -> Ray {
         Ray { origin, direction }
     }
@@ -106,7 +113,7 @@ impl Ray {
         self.origin + t * self.direction
     }
 
-    /// The same ray in other coordinates; times stay what they are.
+    /// The same ray in other coordinates, with the same times.
     pub fn transformed(&self, local_from_world: &Affine) -> Ray {
         Ray {
             origin: local_from_world.point(self.origin),
@@ -114,22 +121,22 @@ impl Ray {
         }
     }
 
-    /// The same line with its direction times 2^-k, and 2^-k, such that the largest component is about 1 if
-    /// squares of the direction might over- or underflow; `None` if they do not. Times of the other ray times
-    /// that factor are times of this one.
+    /// The same line with its direction scaled by 2^-k so that the largest component is about 1, and the factor 2^-k;
+    /// `None` if squares of the direction can neither overflow nor underflow. Times of the scaled ray, multiplied by the
+    /// factor, are times of this one.
     pub(crate) fn rescaled(&self) -> Option<(Ray, f64)> {
         let largest = self.direction.abs().max_element();
         if (1e-90..1e90).contains(&largest) || largest == 0.0 || !largest.is_finite() {
             return None;
         }
-        // in two steps, because 2^1074 is no number
+        // in two steps, because 2^1074 is not representable
         let half = libm::ldexp(1.0, -libm::ilogb(largest) / 2);
         let direction = self.direction * half * half;
         let again = libm::ldexp(1.0, -libm::ilogb(direction.abs().max_element()));
         Some((Ray::new(self.origin, direction * again), half * half * again))
     }
 
-    /// The time at which the ray is closest to a point.
+    /// The time of closest approach to a point.
     pub fn closest_time(&self, point: Vec3) -> f64 {
         (point - self.origin).dot(self.direction) / self.direction.length_squared()
     }
@@ -146,13 +153,13 @@ mod tests {
         let x = [1.0, 0.0, 0.0];
         assert_eq!(
             says([0.0, f64::NAN, 0.0], x),
-            "the origin is (0.0, NaN, 0.0) (its components must be finite)"
+            "the origin is (0.0, NaN, 0.0): its components must be finite."
         );
-        assert!(says(x, [0.0, 0.0, f64::INFINITY]).starts_with("the direction is (0.0, 0.0, inf) (its"));
-        assert!(says([0.0, -1e200, 0.0], x).starts_with("the origin is (0.0, -1e200, 0.0) (beyond"));
-        assert!(says(x, [1e101, 0.0, 0.0]).ends_with("is the unit far too small?"));
+        assert!(says(x, [0.0, 0.0, f64::INFINITY]).starts_with("the direction is (0.0, 0.0, inf): its"));
+        assert!(says([0.0, -1e200, 0.0], x).starts_with("the origin is (0.0, -1e200, 0.0): beyond"));
+        assert!(says(x, [1e101, 0.0, 0.0]).ends_with("Is the unit far too small?"));
         assert_eq!(check(x, [0.0, -0.0, 0.0]), Err(RayError::NoDirection));
-        assert!(says(x, [0.0, -9e-101, 5e-324]).ends_with("give it a length near 1?"));
+        assert!(says(x, [0.0, -9e-101, 5e-324]).ends_with("Give it a length near 1."));
         for (o, d) in [([1e100, -1e100, 0.0], x), (x, [1e-100, 0.0, 0.0]), (x, [0.0, -1e100, 1e-300])] {
             assert_eq!(check(o, d), Ok(()));
         }

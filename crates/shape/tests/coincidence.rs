@@ -1,8 +1,8 @@
-//! When a ray lies in a surface, and when a piece of it hugs one.
+//! Coincidence of rays and surfaces: rays that lie in a surface, and pieces of rays that coincide with one.
 
 use rayweave_math::{Affine, Mat3, Transform, Vec3};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::{Surface, delta, hugs, lies_in};
+use rayweave_shape::surface::{Surface, coincides_along, delta, lies_in};
 
 fn turned(surface: &Surface, ray: &Ray, degrees: f64) -> (Surface, Ray) {
     let map = Affine::rotation(Vec3::new(0.3, -1.0, 0.7), degrees)
@@ -11,11 +11,11 @@ fn turned(surface: &Surface, ray: &Ray, degrees: f64) -> (Surface, Ray) {
     (surface.transformed(&to), ray.transformed(&map))
 }
 
-/// Where the ray lies in the surface by its definition, at any rotation.
+/// Asserts whether the ray lies in the surface, by the definition, at any rotation.
 fn check(surface: &Surface, ray: Ray, lies: bool) {
     for degrees in [0.0, 1e-6, 17.0, 90.0, 133.7] {
         let (surface, ray) = turned(surface, &ray, degrees);
-        let answer = lies_in(&surface, surface.reach() + 40.0, &ray, (-3.0, 5.0));
+        let answer = lies_in(&surface, surface.magnitude() + 40.0, &ray, (-3.0, 5.0));
         assert_eq!(answer.is_some(), lies, "{surface:?}\n{ray:?}");
     }
 }
@@ -35,7 +35,7 @@ fn rays_in_planes_and_along_generators_lie_in_them() {
     check(&cone, Ray::new(Vec3::ZERO, Vec3::new(3.0, 0.0, 4.0)), true);
     check(&cone, Ray::new(Vec3::new(-6.0, 0.0, -8.0), Vec3::new(3.0, 0.0, 4.0)), true);
     check(&cone, Ray::new(Vec3::new(0.0, 0.0, 1e-9), Vec3::new(3.0, 0.0, 4.0)), false);
-    // x^2 + y^2 - z^2 = 1 holds the line x = 1, y = z
+    // x^2 + y^2 - z^2 = 1 contains the line x = 1, y = z
     let form = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
     let hyperboloid = Surface::quadric_about(Vec3::ZERO, form, Vec3::ZERO, -1.0);
     check(&hyperboloid, Ray::new(Vec3::X, Vec3::new(0.0, 1.0, 1.0)), true);
@@ -46,7 +46,7 @@ fn rays_in_planes_and_along_generators_lie_in_them() {
 fn no_ray_lies_in_a_curved_surface() {
     let sphere = Surface::sphere(Vec3::ZERO, 2.0);
     let torus = Surface::torus(Vec3::ZERO, Vec3::Z, 3.0, 1.0);
-    // tangent, but away from the surface at the ends of the chord
+    // tangent, but apart from the surface at the ends of the chord
     check(&sphere, Ray::new(2.0 * Vec3::X, Vec3::Y), false);
     check(&torus, Ray::new(Vec3::new(3.0, 0.0, 1.0), Vec3::Y), false);
     let ellipsoid =
@@ -64,22 +64,22 @@ fn the_side_of_a_ray_in_a_face_is_that_of_the_fixed_direction() {
     assert_eq!(side(Vec3::new(0.0, -1.0, 1.0)), Some(true));
 }
 
-/// Two spheres that touch: the ray through the point of contact crosses both there, and between the far
-/// crossings hugs neither, although its middle lies on both.
+/// Two tangent spheres: the ray through the point of contact crosses both there. Between the far crossings it coincides
+/// with neither, although its middle lies on both.
 #[test]
-fn tangent_spheres_are_not_hugged_through_their_contact() {
+fn tangent_spheres_are_not_coincident_through_their_contact() {
     let left = Surface::sphere(-Vec3::X, 1.0);
     let right = Surface::sphere(Vec3::X, 1.0);
     let ray = Ray::new(-5.0 * Vec3::X, Vec3::X);
     let (a, b) = (left.crossings(&ray), right.crossings(&ray));
     assert_eq!((a.times(), b.times()), (&[3.0, 5.0][..], &[5.0, 7.0][..]));
-    assert!(hugs(&left, left.reach(), &ray, 5.0, 5.0));
+    assert!(coincides_along(&left, left.magnitude(), &ray, 5.0, 5.0));
     for surface in [&left, &right] {
-        assert!(!hugs(surface, surface.reach(), &ray, 3.0, 7.0), "ends far, middle near");
+        assert!(!coincides_along(surface, surface.magnitude(), &ray, 3.0, 7.0), "ends far, middle near");
         let (value, _) = surface.value_and_gradient(ray.at(5.0));
         assert_eq!(value, 0.0);
     }
-    // grazing: the chord of a ray a hair inside the tangent hugs if it is shallower than delta
+    // grazing: the chord of a ray slightly inside the tangent coincides if it is shallower than delta
     let shallow = |depth: f64| {
         let ray = Ray::new(Vec3::new(-5.0, 1.0 - depth, 0.0), Vec3::X);
         let ball = Surface::sphere(Vec3::ZERO, 1.0);
@@ -88,16 +88,16 @@ fn tangent_spheres_are_not_hugged_through_their_contact() {
             panic!("{depth}: {times:?}");
         };
         assert!(delta(1.0, &ray, a) < 1e-13);
-        hugs(&ball, 1.0, &ray, a, b)
+        coincides_along(&ball, 1.0, &ray, a, b)
     };
     assert!(shallow(1e-14) && !shallow(1e-12));
 }
 
 #[test]
 fn a_quartic_is_asked_at_its_quarter_points() {
-    // four tangent points cannot hide between ends and middle: from tube to tube across the hole
+    // four tangent points cannot all be at the ends and in the middle: from tube to tube across the hole
     let torus = Surface::torus(Vec3::ZERO, Vec3::Z, 2.0, 1.0);
     let ray = Ray::new(Vec3::new(-4.0, 0.0, 0.0), Vec3::X);
-    assert!(!hugs(&torus, 3.0, &ray, 1.0, 7.0));
-    assert!(hugs(&torus, 3.0, &ray, 1.0, 1.0 + 1e-15));
+    assert!(!coincides_along(&torus, 3.0, &ray, 1.0, 7.0));
+    assert!(coincides_along(&torus, 3.0, &ray, 1.0, 1.0 + 1e-15));
 }

@@ -1,4 +1,4 @@
-//! Rays that start on a surface: one root at the start is divided out.
+//! Rays that start on a surface, with one root at the start divided out.
 
 mod oracle;
 
@@ -49,7 +49,7 @@ fn departures(seed: u64, mut check: impl FnMut(&Surface, Ray, Vec3, &mut ChaCha8
         let scale = size(&mut rng, 1e-8, 1e8);
         for surface in surfaces(scale, &mut rng) {
             if let Some((point, normal)) = start(&surface, scale, &mut rng) {
-                // the normal of a tube of 1e-4 is known to u 1e4 only
+                // the normal of a tube of 1e-4 is only accurate to 1e4 u
                 let grazing = size(&mut rng, 1e-10, 1.0);
                 let along = normal.cross(unit_vector(&mut rng)).normalize();
                 let side = if rng.random() { 1.0 } else { -1.0 };
@@ -76,7 +76,7 @@ fn sides_follow_the_direction_and_remaining_roots_are_those_of_the_quotient() {
         assert_eq!(got.starts_negative(), leads_inside);
         assert!(got.times().iter().all(|&t| t > 0.0), "{label}");
         found[got.times().len()] += 1;
-        // sign changes of the exact quotient at t > 0, by Sturm on both sides of 0
+        // sign changes of the exact quotient at t > 0, by Sturm's theorem on both sides of 0
         let quotient = divided(surface, &ray);
         let spindle = matches!(surface, Surface::Torus(s) if s.major < s.minor);
         if normal.dot(ray.direction).abs() > 1e-3 * ray.direction.length() && !spindle {
@@ -89,7 +89,7 @@ fn sides_follow_the_direction_and_remaining_roots_are_those_of_the_quotient() {
     assert!(found[0] > 300 && found[1] > 300 && found[2] > 50, "{found:?}");
 }
 
-/// Roots > 0 of p: those of p(s^2), halved, without the ones at 0.
+/// Number of roots > 0 of p: half of the nonzero roots of p(s^2).
 fn count_positive_roots(p: &[dashu::rational::RBig]) -> usize {
     let mut doubled = Vec::new();
     for c in p {
@@ -110,7 +110,7 @@ fn where_list_and_direction_disagree_the_surface_is_crossed_at_once() {
     });
 }
 
-/// A thousand bounces in a bowl, each from where the last one ended: never a leak, never a hit of itself.
+/// A thousand bounces in a bowl, each from the end of the previous one, without a leak and without a hit of the start.
 #[test]
 fn grazing_bounces_inside_do_not_leak() {
     let mut rng = rng(33);
@@ -146,7 +146,7 @@ fn bounce(surface: &Surface, scale: f64, rng: &mut ChaCha8Rng) {
         let inwards = ray.direction.dot(n);
         way = ray.direction - 2.0 * inwards.abs() * n;
         if way.dot(n) >= 0.0 {
-            return; // skimming within rounding: no mirror can say where it goes
+            return; // grazing within rounding: the direction of the reflection is undefined
         }
     }
 }
@@ -155,7 +155,7 @@ fn bounce(surface: &Surface, scale: f64, rng: &mut ChaCha8Rng) {
 fn tangent_starts_and_rays_in_the_surface() {
     let sphere = Surface::sphere(Vec3::ZERO, 1.0);
     let tangent = Ray::new(Vec3::X, Vec3::Y);
-    // nothing of a tangent is inside, so a ray that is listed as inside leaves at once
+    // no part of a tangent is inside, so a ray that is listed as inside leaves at once
     assert_eq!(sphere.crossings_from(&tangent, true).times(), [0.0]);
     assert!(sphere.crossings_from(&tangent, false).times().is_empty());
     let diameter = Ray::new(Vec3::X, -2.0 * Vec3::X);
@@ -166,7 +166,7 @@ fn tangent_starts_and_rays_in_the_surface() {
     let up = Ray::new(2.0 * Vec3::Z, Vec3::new(1.0, 0.0, 1.0));
     assert!(plane.crossings_from(&up, false).times().is_empty());
     assert_eq!(plane.crossings_from(&up, true).times(), [0.0]);
-    // in the plane: the fixed direction leads upwards, out of it
+    // in the plane: the perturbation direction leads upwards, out of it
     let within = Ray::new(2.0 * Vec3::Z, Vec3::X);
     assert!(plane.crossings_from(&within, false).times().is_empty());
     assert_eq!(plane.crossings_from(&within, true).times(), [0.0]);
@@ -186,7 +186,7 @@ fn tangent_starts_and_rays_in_the_surface() {
     let top = Ray::new(Vec3::new(2.0, 0.0, 0.5), Vec3::X);
     assert!(torus.crossings_from(&top, false).times().is_empty());
     assert_eq!(torus.crossings_from(&top, true).times(), [0.0]);
-    // along the inner equator, where the solid is on both sides
+    // along the inner equator, with the solid on both sides
     let inner = Ray::new(1.5 * Vec3::X, Vec3::Y);
     let times = torus.crossings_from(&inner, true);
     assert!(times.times().len() == 1 && (times.times()[0] - 2.0).abs() < 1e-15, "{times:?}");

@@ -1,4 +1,4 @@
-//! Images of surfaces under maps, and the boxes that hold their insides.
+//! Images of surfaces under affine maps, and their bounding boxes.
 
 mod oracle;
 
@@ -44,7 +44,7 @@ fn similarity(rng: &mut ChaCha8Rng) -> Affine {
         .then(&Affine::translate(3.0 * unit_vector(rng)))
 }
 
-/// Inside stays inside: p in the surface if and only if its image is in the image.
+/// Asserts that a point is inside the surface if and only if its image is inside the image.
 fn check_image(surface: &Surface, maps: &[Affine], rng: &mut ChaCha8Rng) -> Surface {
     let mut image = surface.clone();
     let mut whole = Affine::IDENTITY;
@@ -88,7 +88,7 @@ fn similarities_keep_the_kind_and_the_identity_all_bits() {
     }
 }
 
-/// A stretch along the axis keeps cylinders and cones circular: such images share their faces with plain ones.
+/// Scaling along the axis keeps cylinders and cones circular: such images share their faces with plain ones.
 #[test]
 fn a_stretch_along_the_axis_keeps_the_kind() {
     let mut rng = rng(14);
@@ -102,7 +102,7 @@ fn a_stretch_along_the_axis_keeps_the_kind() {
         let cone = check_image(&Surface::cone(Vec3::Y, Vec3::Z, 0.5), &maps, &mut rng);
         let Surface::Cone(c) = cone else { panic!("{cone:?} is no cone") };
         assert!((c.slope - 0.5 * across / along).abs() <= 1e-14 * c.slope, "{c:?}");
-        // any other stretch makes them elliptic
+        // any other scaling makes them elliptic
         let other = [Affine::scale(Vec3::new(across, 1.001 * across, along)).then(&turn)];
         for surface in [Surface::cylinder(Vec3::X, Vec3::Z, 0.4), Surface::cone(Vec3::Y, Vec3::Z, 0.5)] {
             let image = check_image(&surface, &other, &mut rng);
@@ -167,7 +167,7 @@ fn boxes_hold_the_inside_and_touch_it() {
     }
 }
 
-/// A plane of the box, moved inwards a little, cuts the inside: found by a walk along the surface.
+/// Asserts that a face of the box, moved slightly inwards, cuts the inside; found by a walk along the surface.
 fn check_touched(surface: &Surface, rng: &mut ChaCha8Rng) {
     let bounds = surface.inside_bounds();
     if !bounds.is_finite() {
@@ -184,8 +184,8 @@ fn check_touched(surface: &Surface, rng: &mut ChaCha8Rng) {
             }
         }
         let ray = rayweave_shape::Ray::new(centre, Vec3::AXES[k]);
-        let reach = surface.crossings(&ray).times().last().map_or(best, |t| centre[k] + t);
-        assert!(best.max(reach) > centre[k] - 0.1 * size[k] && best <= bounds.hi[k]);
+        let magnitude = surface.crossings(&ray).times().last().map_or(best, |t| centre[k] + t);
+        assert!(best.max(magnitude) > centre[k] - 0.1 * size[k] && best <= bounds.hi[k]);
     }
 }
 
@@ -219,7 +219,7 @@ fn boxes_of_standard_surfaces() {
     same(&ball(form(0.0, 4.0, 0.0), -4.0), v(-inf, -1.0, -inf), v(inf, 1.0, inf));
     assert!(ball(form(1.0, 4.0, 16.0), 4.0).inside_bounds().is_empty());
     assert!(ball(form(0.0, 4.0, 0.0), 4.0).inside_bounds().is_empty());
-    // z > x^2 + y^2, tilted by 45 degrees: the lowest points are where the slope is 1
+    // z > x^2 + y^2, tilted by 45 degrees: the lowest point is where the slope is 1
     let turn = Affine::rotation(Vec3::Y, 45.0);
     let bowl = Surface::quadric_about(Vec3::ZERO, form(1.0, 1.0, 0.0), v(0.0, 0.0, -1.0), 0.0);
     let bounds = bowl.transformed(&Transform::from_affine(turn).unwrap()).inside_bounds();
@@ -253,7 +253,7 @@ fn general_quadrics_find_their_centre() {
         let scale = gradient.length() / slope.length();
         assert!((value - scale * want).abs() < 1e-14 && (gradient - scale * slope).length() < 1e-14);
     }
-    // no squares: a plane; nothing at all: nothing
+    // without quadratic terms: a plane; constant: no surface
     let mut q = [[0.0; 4]; 4];
     (q[1][3], q[3][1], q[3][3]) = (1.0, 1.0, -6.0);
     assert_eq!(Surface::quadric(&q), Some(Surface::plane(Vec3::Y, 3.0)));

@@ -1,4 +1,4 @@
-//! What may change about a ray and its surface without changing the answer.
+//! Invariance: changes of a ray and its surface that do not change the answer.
 
 mod oracle;
 
@@ -29,7 +29,7 @@ fn surfaces(rng: &mut ChaCha8Rng) -> Vec<Surface> {
     ]
 }
 
-/// The surface and all its lengths times a factor.
+/// The surface with all its lengths multiplied by a factor.
 fn scaled(surface: &Surface, by: f64) -> Surface {
     let mut scaled = surface.clone();
     match &mut scaled {
@@ -79,7 +79,7 @@ fn powers_of_two_scale_to_the_bit() {
     });
 }
 
-/// Crossings of both rays in order; `map` takes the times of the second to those of the first.
+/// Asserts that both rays have the same crossings in order; `map` converts times of the second ray to those of the first.
 fn same_places(surface: &Surface, a: &Ray, b: &Ray, map: impl Fn(f64) -> f64) {
     let (left, right) = (surface.crossings(a), surface.crossings(b));
     let mut mapped: Vec<f64> = right.times().iter().map(|&t| map(t)).collect();
@@ -92,7 +92,7 @@ fn same_places(surface: &Surface, a: &Ray, b: &Ray, map: impl Fn(f64) -> f64) {
         return;
     }
     for (&t, &s) in left.times().iter().zip(&mapped) {
-        // the shift of a root by an error e across the surface is e / cosine of the angle
+        // an error e across the surface shifts a root by e divided by the cosine of the angle of incidence
         let gradient = surface.value_and_gradient(a.at(t)).1;
         let speed = (gradient.dot(a.direction) / gradient.length()).abs();
         let bound = 64.0 * (rounding(surface, a, t) + rounding(surface, b, t));

@@ -1,4 +1,4 @@
-//! Every kernel against exact rational arithmetic: places, numbers and sides of the crossings.
+//! Every kernel against exact rational arithmetic: positions, numbers and sides of the crossings.
 
 mod oracle;
 
@@ -11,7 +11,7 @@ use rayweave_shape::surface::Surface;
 
 type Make = fn(Vec3, f64, &mut ChaCha8Rng) -> Surface;
 
-/// Surfaces of a size at a place.
+/// Makers of surfaces with a given position and size.
 const MAKERS: [(&str, Make); 10] = [
     ("plane", |p, _, rng| {
         let n = unit_vector(rng);
@@ -58,7 +58,7 @@ fn stretched(surface: Surface, by: Vec3, at: Vec3, rng: &mut ChaCha8Rng) -> Surf
     surface.transformed(&Transform::from_affine(map).unwrap())
 }
 
-/// A random point on the surface: in a torus, which may be thin, by its tube; else where a ray finds one.
+/// A random point on the surface: by the tube of a torus, which may be thin; otherwise by a ray.
 fn some_point_on(surface: &Surface, around: Vec3, size: f64, rng: &mut ChaCha8Rng) -> Vec3 {
     let way = unit_vector(rng);
     if let Surface::Torus(s) = surface {
@@ -89,10 +89,10 @@ fn scenes(maker: Make, count: usize, seed: u64, mut check: impl FnMut(&Surface, 
     }
 }
 
-/// The bound: a crossing lies within `C u (|o| + |t| |d| + reach)` of the surface. `delta` has C = 64.
+/// Constant of the error bound: a crossing lies within `C u (|o| + |t| |d| + magnitude)` of the surface. `delta` has C = 64.
 ///
-/// C is derived as 16: about 3 for the point relative to the centre, 3 sqrt(3) for its coordinates in the
-/// frame of the surface, 8 for coefficients and root. Observed: below 3.
+/// The derivation gives C = 16: about 3 for the point relative to the centre, 3 sqrt(3) for its coordinates in the frame of
+/// the surface, 8 for coefficients and root. The observed value is below 3.
 const C: f64 = 16.0;
 
 #[test]
@@ -110,7 +110,7 @@ fn crossings_lie_on_the_surface() {
     }
 }
 
-/// Between its crossings a ray is on the side that they say, and they are as many as there are.
+/// The number of crossings and the sides between them are exact, except near tangency.
 #[test]
 fn sides_and_numbers_are_exact_off_tangency() {
     for (name, maker) in MAKERS {
@@ -152,7 +152,7 @@ fn clear_count(surface: &Surface, ray: &Ray) -> Option<usize> {
             (count(delta) == middle && count(-delta) == middle).then_some(middle)
         }
         Surface::AffineTorus(s) => {
-            let grow = delta * Affine::from_linear(s.local_from_world).stretch();
+            let grow = delta * Affine::from_linear(s.local_from_world).linear_norm();
             (count(grow) == middle && count(-grow) == middle).then_some(middle)
         }
         Surface::Cone(_) | Surface::Quadric(_) => {
@@ -177,10 +177,10 @@ fn between(times: &[f64]) -> Vec<f64> {
     probes
 }
 
-/// Rays planted 1 to 32 ulp, and up to some hundred, from tangency.
+/// Rays at a distance of 1 to 32 ulp, and up to some hundred ulp, from tangency.
 #[test]
 fn near_tangent_rays_are_decided_as_far_as_delta() {
-    // a plane has no tangents but the rays in it
+    // only rays in a plane are tangent to it
     for (name, maker) in MAKERS.into_iter().skip(1) {
         let (mut decided, mut all) = (0, 0);
         scenes(maker, 500, 13, |surface, ray, rng| {
@@ -202,7 +202,7 @@ fn near_tangent_rays_are_decided_as_far_as_delta() {
     }
 }
 
-/// A ray nearly tangent where the given one crosses the surface.
+/// A ray nearly tangent to the surface at a crossing of the given ray.
 fn tangent(surface: &Surface, ray: &Ray, rng: &mut ChaCha8Rng) -> Option<Ray> {
     let &t = surface.crossings(ray).times().first()?;
     let foot = ray.at(t);
@@ -241,7 +241,7 @@ fn closed_forms() {
     assert_eq!(times(&Surface::quadric(&q).unwrap(), 2.0), [3.5, 6.5]);
 }
 
-/// In a spindle torus the lemon is solid: inside is what is nearer to the circle than the tube's radius.
+/// In a spindle torus the lemon is solid: points nearer to the circle than the tube's radius are inside.
 #[test]
 fn spindle_tori_are_solid_in_the_middle() {
     let mut rng = rng(14);
@@ -304,7 +304,7 @@ fn directions_of_any_length_and_rays_along_axes() {
     assert_eq!(surfaces[3].crossings(&in_tube).times(), [-7.25, -6.75]);
 }
 
-/// Far from the axis and nearly along it: the crossings are far away, and everything near is outside.
+/// Far from the axis and nearly parallel to it: the crossings are far away, and all near points are outside.
 #[test]
 fn rays_that_hardly_leave_the_axis() {
     let cylinder = Surface::cylinder(Vec3::ZERO, Vec3::Z, 3.0);

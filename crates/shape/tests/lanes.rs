@@ -1,4 +1,4 @@
-//! Eight rays at a time: the scalar kernels are the specification, to the bit, and what lanes are sure of is so.
+//! SIMD lanes against the scalar kernels: certain lanes agree with them to the bit.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
@@ -9,9 +9,9 @@ use rayweave_shape::Ray;
 use rayweave_shape::lanes::{
     Doubt, Facet, Gap, Gradient, Kernel, LANES, LaneLimits, LaneRay, Lanes, Span, Vec3Lanes, splat,
 };
-use rayweave_shape::surface::{Surface, hugs, lies_in};
+use rayweave_shape::surface::{Surface, coincides_along, lies_in};
 
-/// Every set of instructions that this machine has.
+/// All instruction sets of this machine.
 fn levels() -> Vec<Level> {
     let best = Level::new();
     #[cfg(target_arch = "x86_64")]
@@ -54,7 +54,7 @@ impl Dice {
     }
 }
 
-/// A surface about as large as `scale`, near `at`.
+/// A surface of size `scale`, near `at`.
 #[derive(Clone, Debug)]
 struct Case {
     surface: Surface,
@@ -114,7 +114,7 @@ impl Case {
         let mut limits = LaneLimits {
             centre: self.at,
             radius: 3.0 * self.scale,
-            reach: self.surface.reach() + self.scale + self.at.length(),
+            magnitude: self.surface.magnitude() + self.scale + self.at.length(),
             largest_radius: 0.0,
             bend: 0.0,
         };
@@ -128,14 +128,14 @@ impl Case {
         limits
     }
 
-    /// A ray from some distance through the neighbourhood.
+    /// A ray from some distance through the neighbourhood of the surface.
     fn generic(&self, dice: &mut Dice) -> Ray {
         let from = self.at + 6.0 * self.scale * dice.vector().normalize();
         let to = self.at + 1.2 * self.scale * dice.vector();
         Ray::new(from, (to - from).normalize())
     }
 
-    /// A point near the surface, if a ray meets it there.
+    /// A point near the surface, on a ray that hits it.
     fn point(&self, dice: &mut Dice) -> Option<Vec3> {
         let ray = self.generic(dice);
         self.surface.crossings(&ray).times().first().map(|&t| ray.at(t))
@@ -145,13 +145,13 @@ impl Case {
         let point = self.point(dice)?;
         let normal = self.surface.value_and_gradient(point).1.normalize();
         let along = normal.cross(dice.vector()).normalize();
-        let aside = dice.wide(-17.0, -1.0) * self.scale * if dice.below(2) == 0 { 1.0 } else { -1.0 };
+        let perturbation = dice.wide(-17.0, -1.0) * self.scale * if dice.below(2) == 0 { 1.0 } else { -1.0 };
         let back = dice.wide(-2.0, 2.0) * self.scale;
         let tilt = [0.0, dice.wide(-16.0, -3.0)][dice.below(2)];
-        Some(Ray::new(point + aside * normal - back * along, along + tilt * normal))
+        Some(Ray::new(point + perturbation * normal - back * along, along + tilt * normal))
     }
 
-    /// A ray that keeps to a ruling of a cone or a cylinder, nearly or for certain.
+    /// A ray along a ruling of a cone or a cylinder, nearly or exactly.
     fn ruling(&self, dice: &mut Dice) -> Option<Ray> {
         let point = self.point(dice)?;
         let along = match &self.surface {
@@ -160,9 +160,9 @@ impl Case {
             _ => any_perpendicular(self.surface.value_and_gradient(point).1),
         };
         let mut noise = || [0.0, dice.wide(-17.0, -1.0)][dice.below(2)] * dice.vector();
-        let (aside, tilt) = (self.scale * noise(), along.length() * noise());
+        let (perturbation, tilt) = (self.scale * noise(), along.length() * noise());
         let back = 5.0 * dice.unit();
-        Some(Ray::new(point + aside - back * along, along + tilt))
+        Some(Ray::new(point + perturbation - back * along, along + tilt))
     }
 
     fn adversarial(&self, dice: &mut Dice) -> Ray {
@@ -191,14 +191,14 @@ impl Case {
     }
 }
 
-/// What lanes say of eight rays.
+/// Results of the lanes for eight rays.
 struct Said {
     crossings: [Crossings<4>; LANES],
-    /// One end of a piece each with a time not far from it, and whether it may keep to the surface between the two.
+    /// One bit per ray for each kind of uncertainty.
     always: u64,
     grazes: u64,
-    /// For each of some other times after or before the first crossing: whether they may be welded.
-    may_hug: Vec<u64>,
+    /// For each pair of times whether the piece between them may coincide with the surface.
+    may_coincide: Vec<u64>,
 }
 
 fn load<S: Simd>(simd: S, rays: &[Ray; LANES], part: impl Fn(&Ray) -> Vec3) -> Vec3Lanes<S> {
@@ -206,7 +206,7 @@ fn load<S: Simd>(simd: S, rays: &[Ray; LANES], part: impl Fn(&Ray) -> Vec3) -> V
     Vec3Lanes { x: column(0), y: column(1), z: column(2) }
 }
 
-/// Where a span less a gap holds.
+/// Crossings of a span with a gap cut out.
 fn holds([from, to, gap_from, gap_to]: [f64; 4]) -> Crossings<4> {
     if from >= to {
         return Crossings::constant(false);
@@ -236,19 +236,19 @@ fn ask<S: Simd>(
     let none = Gap { from: splat(simd, f64::INFINITY), to: splat(simd, f64::NEG_INFINITY) };
     let gap = facet.narrow(simd, &ray, &mut span, &mut doubt).unwrap_or(none);
     let columns = [span.from, span.to, gap.from, gap.to].map(|x| x.to_array());
-    let may_hug = pairs
+    let may_coincide = pairs
         .iter()
         .map(|pair| {
             let ends: [Lanes<S>; 2] =
                 [Lanes::from_fn(simd, |k| pair[k].0), Lanes::from_fn(simd, |k| pair[k].1)];
-            ray.may_hug(ends[0], ends[1], limits).to_bitmask()
+            ray.may_coincide(ends[0], ends[1], limits).to_bitmask()
         })
         .collect();
     Said {
         crossings: std::array::from_fn(|k| holds(columns.map(|column| column[k]))),
         always: doubt.always.to_bitmask(),
         grazes: doubt.grazes.to_bitmask(),
-        may_hug,
+        may_coincide,
     }
 }
 
@@ -277,7 +277,7 @@ fn pairs(case: &Case, rays: &[Ray; LANES], dice: &mut Dice) -> Vec<[(f64, f64); 
     (0..4).map(|_| std::array::from_fn(|k| pair(&rays[k]))).collect()
 }
 
-/// Checks what lanes say of eight rays; the numbers of lanes in doubt of either kind.
+/// Checks the lanes for eight rays; returns the numbers of uncertain lanes of either kind.
 fn check(case: &Case, inside: bool, rays: &[Ray; LANES], levels: &[Level], dice: &mut Dice) -> [u32; 2] {
     let Some(facet) = facet(&case.surface, inside) else { return [0, 0] };
     let limits = case.limits();
@@ -296,15 +296,18 @@ fn check(case: &Case, inside: bool, rays: &[Ray; LANES], levels: &[Level], dice:
             assert_eq!(bits(&said.crossings[k]), bits(&expected), "{case:?} {inside} {ray:?} {level:?}");
             let middle = ray.closest_time(limits.centre);
             let half = limits.radius / ray.direction.length();
-            let lies = lies_in(&case.surface, limits.reach, ray, (middle - half, middle + half));
+            let lies = lies_in(&case.surface, limits.magnitude, ray, (middle - half, middle + half));
             assert_eq!(lies, None, "{case:?} {ray:?}");
-            for (pair, may_hug) in pairs.iter().zip(&said.may_hug) {
+            for (pair, may_coincide) in pairs.iter().zip(&said.may_coincide) {
                 let (a, b) = pair[k];
-                let sure = (may_hug | said.grazes) >> k & 1 == 0 && b < f64::INFINITY;
-                assert!(!sure || !hugs(&case.surface, limits.reach, ray, a, b), "{case:?} {ray:?} {a} {b}");
+                let sure = (may_coincide | said.grazes) >> k & 1 == 0 && b < f64::INFINITY;
+                assert!(
+                    !sure || !coincides_along(&case.surface, limits.magnitude, ray, a, b),
+                    "{case:?} {ray:?} {a} {b}"
+                );
             }
         }
-        let doubts = (said.always, said.grazes, said.may_hug);
+        let doubts = (said.always, said.grazes, said.may_coincide);
         assert_eq!(*first.get_or_insert(doubts.clone()), doubts, "{case:?} {level:?}");
     }
     first.map_or([0, 0], |(always, grazes, _)| [always.count_ones(), grazes.count_ones()])
@@ -334,7 +337,7 @@ fn long_adversarial_rays_get_the_bits_of_the_scalar_kernels() {
     }
 }
 
-/// Thick and thin ones, those that touch themselves or nearly, spindles and images.
+/// Thick and thin tori, self-tangent or nearly so, spindles and affine images.
 fn tori(scale: f64, dice: &mut Dice) -> Vec<Case> {
     let sizes = [(1.0, 0.4), (1.0, 1.0), (1.0, 1.0 - 1e-12), (1.0, 0.999), (0.5, 0.8), (1e-3, 1.0)];
     let mut cases = Vec::new();
@@ -352,7 +355,7 @@ fn tori(scale: f64, dice: &mut Dice) -> Vec<Case> {
 }
 
 impl Case {
-    /// Rays in planes that touch a torus, along its axis, along its tube, through its centre, at both sides of its hole.
+    /// Rays in tangent planes of a torus, along its axis, along its tube, through its centre, at both sides of its hole.
     fn at_torus(&self, dice: &mut Dice) -> Ray {
         let (axis, major, minor) = match &self.surface {
             Surface::Torus(s) => (s.axis, s.major, s.minor),
@@ -363,12 +366,12 @@ impl Case {
         let side = [-1.0, 1.0][dice.below(2)];
         let rho = [0.0, major - minor, major, major + minor, major + minor * dice.unit()][dice.below(5)];
         let (from, along) = match dice.below(8) {
-            // in the planes that touch it along a circle
+            // in the planes that are tangent along a circle
             0 => (side * minor * axis + rho * u, v),
             // across the axis, at any height
             1 => (dice.unit() * minor * axis + rho * u, v),
             2 => (rho * u, side * axis),
-            // through the centre and at both sides of it: touches it twice where the hole allows it
+            // through the centre and at both sides of it: bitangent where the hole allows it
             3 => (Vec3::ZERO, (1.0 - (minor / major).min(1.0).powi(2)).sqrt() * u + minor / major * axis),
             // along the tube, and out of it
             4 => (major * u + minor * dice.unit() * axis, v),
@@ -378,10 +381,10 @@ impl Case {
             _ => return self.adversarial(dice),
         };
         let along = along.normalize() + [0.0, dice.wide(-18.0, -1.0)][dice.below(2)] * dice.vector();
-        let aside = [0.0, minor * dice.wide(-17.0, 0.0)][dice.below(2)] * dice.vector();
+        let perturbation = [0.0, minor * dice.wide(-17.0, 0.0)][dice.below(2)] * dice.vector();
         let back = [0.0, 3.0, 1e3, 1e8][dice.below(4)] * self.scale;
         let length = if dice.below(3) == 0 { dice.wide(-60.0, 60.0) } else { 1.0 };
-        Ray::new(self.at + from + aside - back * along, length * along.normalize())
+        Ray::new(self.at + from + perturbation - back * along, length * along.normalize())
     }
 }
 
@@ -414,7 +417,7 @@ fn gradients<S: Simd>(simd: S, gradient: &Gradient, points: &[Vec3; LANES]) -> [
     [x.to_array(), y.to_array(), z.to_array()]
 }
 
-/// On surfaces, near them, at centres and apexes, on axes, far away.
+/// Points on surfaces, near them, at centres and apexes, on axes, far away.
 #[test]
 fn gradients_have_the_bits_of_the_scalar_ones() {
     let (mut dice, levels) = (Dice::new(4), levels());
@@ -441,12 +444,12 @@ fn gradients_have_the_bits_of_the_scalar_ones() {
     }
 }
 
-/// A factor to the number of rays.
+/// Factor of the number of rays.
 fn effort() -> usize {
     std::env::var("RAYWEAVE_EFFORT").ok().and_then(|s| s.parse().ok()).unwrap_or(1)
 }
 
-/// Of ordinary rays lanes are sure.
+/// Lanes are certain for ordinary rays.
 #[test]
 fn generic_rays_are_seldom_in_doubt() {
     let (mut dice, levels) = (Dice::new(2), levels());

@@ -1,4 +1,4 @@
-//! Equal surfaces are found, and only they.
+//! Surface sharing: equal surfaces share one canonical form, and only they.
 
 mod oracle;
 
@@ -11,8 +11,8 @@ use std::time::Instant;
 
 const U: f64 = f64::EPSILON / 2.0;
 
-fn with_reach(surfaces: &[Surface]) -> Vec<(Surface, f64)> {
-    surfaces.iter().map(|s| (s.clone(), s.reach() + 1.0)).collect()
+fn with_magnitude(surfaces: &[Surface]) -> Vec<(Surface, f64)> {
+    surfaces.iter().map(|s| (s.clone(), s.magnitude() + 1.0)).collect()
 }
 
 fn kinds(place: Vec3, axis: Vec3) -> Vec<Surface> {
@@ -27,7 +27,7 @@ fn kinds(place: Vec3, axis: Vec3) -> Vec<Surface> {
     ]
 }
 
-/// The same surface reached by two ways round: the copies differ by rounding, and are one.
+/// The same surface by two different maps: the copies differ by rounding, and are one.
 #[test]
 fn copies_that_differ_by_rounding_are_one() {
     let mut rng = rng(51);
@@ -45,7 +45,7 @@ fn copies_that_differ_by_rounding_are_one() {
             surfaces.push(surface.transformed(&Transform::from_affine(once).unwrap()));
             surfaces.push(surface.transformed(&Transform::from_affine(halves).unwrap()));
         }
-        let shared = share(&with_reach(&surfaces)).unwrap();
+        let shared = share(&with_magnitude(&surfaces)).unwrap();
         for pair in shared.representative.chunks(2) {
             assert_eq!(pair[0], pair[1], "{surfaces:?}");
         }
@@ -60,7 +60,7 @@ fn copies_that_differ_by_rounding_are_one() {
 fn planes_and_axes_of_either_sense_are_one() {
     let mut rng = rng(52);
     for _ in 0..300 {
-        // also perpendicular to the direction by which senses are told apart, and along coordinate axes
+        // also perpendicular to the direction that distinguishes the senses, and along coordinate axes
         let axis = match rng.random_range(0..3) {
             0 => Vec3::AXES[rng.random_range(0..3)],
             1 => Vec3::new(0.617_340_218_6, 0.531_871_409_3, 0.579_913_306_7)
@@ -72,7 +72,7 @@ fn planes_and_axes_of_either_sense_are_one() {
         let there = kinds(Vec3::X, axis);
         let back = kinds(Vec3::X, -axis + noise(&mut rng));
         let both: Vec<Surface> = there.into_iter().chain(back).collect();
-        let shared = share(&with_reach(&both)).unwrap();
+        let shared = share(&with_magnitude(&both)).unwrap();
         for k in 0..6 {
             assert_eq!(shared.representative[k], shared.representative[k + 6], "{both:?}");
         }
@@ -87,9 +87,9 @@ fn what_differs_by_more_than_the_tolerance_stays_apart() {
     let moved = kinds(Vec3::X + Vec3::new(0.0, 0.0, 1e-12), Vec3::new(0.6, 0.0, 0.8));
     let turned = kinds(Vec3::X, Vec3::new(0.6, 1e-12, 0.8));
     let all: Vec<Surface> = base.into_iter().chain(moved).chain(turned).collect();
-    let shared = share(&with_reach(&all)).unwrap();
+    let shared = share(&with_magnitude(&all)).unwrap();
     for (k, &representative) in shared.representative.iter().enumerate() {
-        // the sphere and the quadric have no axis to turn
+        // the sphere and the quadric have no axis to reverse
         let (kind, copy) = (k % 6, k / 6);
         let same_as_first = copy == 2 && (kind == 1 || kind == 4);
         assert_eq!(representative as usize == k, !same_as_first || representative as usize == k);
@@ -107,7 +107,7 @@ fn the_answer_does_not_depend_on_the_order() {
         surfaces.push(Surface::plane(Vec3::new(0.6, 0.0, 0.8), offset));
     }
     let chosen = |surfaces: &[Surface]| {
-        let shared = share(&with_reach(surfaces)).unwrap();
+        let shared = share(&with_magnitude(surfaces)).unwrap();
         let mut pairs: Vec<(String, String)> = shared
             .representative
             .iter()
@@ -138,10 +138,10 @@ fn a_chain_wider_than_four_tolerances_is_refused() {
     assert!(refused.to_string().starts_with("surfaces 0 and 7 are too far apart"));
     // a part of a large solid within the tolerance of two faces of a small one
     let faces = [(0.0, 1e-3), (200.0, 1e-3), (100.0, 10.0)];
-    let faces = faces.map(|(k, reach)| (Surface::plane(Vec3::Z, 1e-3 + k * 1e-3 * U), reach));
+    let faces = faces.map(|(k, magnitude)| (Surface::plane(Vec3::Z, 1e-3 + k * 1e-3 * U), magnitude));
     assert_eq!(share(&faces[..2]).unwrap().representative, [0, 1]);
     assert_eq!(share(&faces).unwrap().representative, [0, 0, 0]);
-    // near in each number alone, but not chained: two of them differ in both
+    // near in each parameter alone, but not chained: two of them differ in both
     let sphere = |x: f64, y: f64| (Surface::sphere(Vec3::new(1.0 + x * U, y * U, 0.0), 1.0), 1.0);
     let corners = [sphere(0.0, 0.0), sphere(60.0, 100.0), sphere(120.0, 0.0), sphere(0.0, 200.0)];
     let shared = share(&corners).unwrap();

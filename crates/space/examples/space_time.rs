@@ -1,9 +1,9 @@
 //! Moving solids as solids at rest in space-time: `cargo run -p rayweave-space --example space_time`.
 //!
-//! The coordinates are x, y, z and the time (metres and seconds, say). What is at rest in space is a cylinder along
-//! time; what moves at the velocity v is that cylinder sheared by v, `(x, t) -> (x + v t, t)`. What exists for a while
-//! is cut by a slab of time. A particle of constant velocity is a straight line, so that one trace answers when it
-//! is in what: the parameter of the line is its time.
+//! The coordinates are x, y, z and time (for example in metres and seconds). A solid at rest is a cylinder along time; a
+//! solid with velocity v is that cylinder sheared by v, `(x, t) -> (x + v t, t)`. A solid that exists for a limited time is
+//! intersected with a slab of time. A particle of constant velocity is a straight line, whose parameter is time: a trace gives the
+//! times at which it is inside each solid.
 //!
 //! ```text
 //!        A          the particle flies along x at 2 m/s
@@ -13,8 +13,8 @@
 //!           B
 //! ```
 //!
-//! Three particles are launched 0.25 s apart. Only the first one finds the shutter open all the way: the second
-//! is caught in it when it closes, the third finds it closed.
+//! Three particles are launched 0.25 s apart. The first passes the open shutter, the second is inside the plate when the shutter
+//! closes, and the third arrives after it has closed.
 
 use rayweave_space::{Point, Solid, SpaceError, Tracer};
 
@@ -23,7 +23,7 @@ type Event = Point<4>;
 
 const SPEED: f64 = 2.0;
 
-/// A ball about the origin of space that has this centre at time 0 and this velocity.
+/// A ball with this centre at time 0 and this velocity.
 fn moving_ball(radius: f64, centre: [f64; 3], velocity: [f64; 3]) -> Result<Solid<4>, SpaceError> {
     let [u, v, w] = velocity;
     let shear = [[1.0, 0.0, 0.0, u], [0.0, 1.0, 0.0, v], [0.0, 0.0, 1.0, w], [0.0, 0.0, 0.0, 1.0]];

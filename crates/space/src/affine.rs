@@ -1,4 +1,4 @@
-//! Affine maps of R^d, `p -> linear * p + translation`, acting on column vectors.
+//! Affine maps (affine transformations) of R^d, `p -> linear * p + translation`, acting on column vectors.
 
 use crate::Point;
 use crate::error::{SpaceError, check};
@@ -7,7 +7,7 @@ use crate::vector::{axis_vector, largest, padded};
 use rayweave_math::{SingularError, sin_cos_degrees};
 use std::array::from_fn;
 
-/// An affine map of R^d that has an inverse.
+/// An invertible affine map of R^d.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Affine<const D: usize> {
     /// The rows of the linear part.
@@ -17,15 +17,15 @@ pub struct Affine<const D: usize> {
 }
 
 impl<const D: usize> Affine<D> {
-    /// The map that changes nothing.
+    /// The identity map.
     pub fn identity() -> Self {
         Affine { linear: from_fn(axis_vector), translation: [0.0; D] }
     }
 
-    /// From the rows of the matrix, which acts on columns, and the image of the origin.
+    /// The map with these rows of the matrix, which acts on columns, and this image of the origin.
     ///
     /// # Errors
-    /// `NotFinite`, and `Map` if the matrix is singular or nearly so: see [`Affine::inverse`].
+    /// `NotFinite`, and `Map` if the matrix is singular or ill-conditioned: see [`Affine::inverse`].
     pub fn new(matrix: [Point<D>; D], translation: Point<D>) -> Result<Self, SpaceError> {
         for (i, row) in matrix.iter().enumerate() {
             row.iter().enumerate().try_for_each(|(j, &x)| check::finite("matrix", &[i, j], x))?;
@@ -36,10 +36,10 @@ impl<const D: usize> Affine<D> {
         Ok(map)
     }
 
-    /// A translation.
+    /// The translation by a vector.
     ///
     /// # Errors
-    /// `NotFinite` or `Extreme` for the first bad component.
+    /// `NotFinite` or `Extreme` for the first invalid component.
     pub fn translation(by: Point<D>) -> Result<Self, SpaceError> {
         check::point("translation", &by)?;
         Ok(Affine { translation: by, ..Self::identity() })
@@ -54,8 +54,8 @@ impl<const D: usize> Affine<D> {
         Affine::new(from_fn(row), [0.0; D])
     }
 
-    /// Rotation in a coordinate plane by an angle in degrees that turns axis `from` towards axis `to`; quarter
-    /// turns are exact. (In space, from x to y is the rotation about z.)
+    /// Rotation in a coordinate plane by an angle in degrees, from axis `from` towards axis `to`; in space, from x to y is the
+    /// rotation about z. Quarter turns are exact.
     ///
     /// # Errors
     /// `Axis` or `SameAxis`, `NotFinite` for the angle.
@@ -93,12 +93,12 @@ impl<const D: usize> Affine<D> {
         from_fn(|i| dot(&self.linear[i], v))
     }
 
-    /// The product of the transposed linear part and a vector. That of the *inverse* map carries gradients.
+    /// The product of the transposed linear part and a vector. Gradients transform by this product of the *inverse* map.
     pub fn covector(&self, v: &Point<D>) -> Point<D> {
         from_fn(|j| (0..D).fold(0.0, |sum, i| sum + self.linear[i][j] * v[i]))
     }
 
-    /// The same map of the first coordinates in a space of more dimensions, which leaves the others as they are.
+    /// The map extended to a space of more dimensions; it keeps the additional coordinates.
     pub(crate) fn extruded<const N: usize>(&self) -> Affine<N> {
         let mut map = Affine::<N> { translation: padded(&self.translation), ..Affine::identity() };
         for (wide, row) in map.linear.iter_mut().zip(&self.linear) {
@@ -107,24 +107,25 @@ impl<const D: usize> Affine<D> {
         map
     }
 
-    /// This map first, `outer` second.
+    /// The composition: this map first, `outer` second.
     pub fn then(&self, outer: &Self) -> Self {
         let entry = |i: usize, j: usize| (0..D).fold(0.0, |s, k| s + outer.linear[i][k] * self.linear[k][j]);
         Affine { linear: from_fn(|i| from_fn(|j| entry(i, j))), translation: outer.point(&self.translation) }
     }
 
-    /// The factor `s > 0` if the map only scales by it, the same in all directions, and translates.
+    /// The scale factor `s > 0` if the map is a uniform scale and a translation.
     pub fn uniform_scale(&self) -> Option<f64> {
         let s = self.linear[0][0];
         let is_entry = |i: usize, j: usize| self.linear[i][j] == if i == j { s } else { 0.0 };
         (s > 0.0 && (0..D).all(|i| (0..D).all(|j| is_entry(i, j)))).then_some(s)
     }
 
-    /// The inverse map, or why there is none.
+    /// The inverse map, by Gauss-Jordan elimination with row pivoting (G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed.,
+    /// 3.4). A linear part L counts as singular if its condition number `|L| |L^-1|` (Frobenius norms) exceeds 2^40, as for
+    /// [`rayweave_math::Affine`]: the inverse would have fewer than 13 correct bits.
     ///
-    /// Gauss-Jordan elimination with row pivoting (G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed.,
-    /// 3.4). A linear part L counts as singular if `|L| |L^-1| > 2^40` (Frobenius norms), as for maps of space:
-    /// beyond that the inverse has fewer than 13 correct bits.
+    /// # Errors
+    /// [`SingularError`]: an entry is not finite, or the linear part is singular.
     pub fn inverse(&self) -> Result<Self, SingularError> {
         if !self.linear.iter().all(is_finite) || !is_finite(&self.translation) {
             return Err(SingularError::NotFinite);
@@ -133,7 +134,7 @@ impl<const D: usize> Affine<D> {
         if size == 0.0 {
             return Err(SingularError::Singular);
         }
-        // scaled by a power of two first, so that neither tiny nor huge maps under- or overflow
+        // scaling by a power of two keeps tiny and huge maps within range
         let scale = libm::ldexp(1.0, (-libm::ilogb(size)).clamp(-1000, 1000));
         let scaled = self.linear.map(|row| row.map(|x| x * scale));
         let inverse = eliminated(scaled).ok_or(SingularError::Singular)?;
@@ -173,7 +174,7 @@ fn frobenius<const D: usize>(rows: &[Point<D>; D]) -> f64 {
     length(&rows.each_ref().map(length))
 }
 
-/// An axis of R^d, counted from 0.
+/// Checks the index of an axis of R^d, from 0.
 pub(crate) fn check_axis<const D: usize>(axis: usize) -> Result<(), SpaceError> {
     if axis < D { Ok(()) } else { Err(SpaceError::Axis { axis, dimension: D }) }
 }

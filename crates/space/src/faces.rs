@@ -1,4 +1,4 @@
-//! The faces of a compiled solid, counted through all of its leaves.
+//! Numbers and names of the faces of a compiled solid.
 
 use crate::Program;
 use crate::trace::Face;
@@ -9,13 +9,13 @@ impl<const D: usize> Program<D> {
         self.faces.len()
     }
 
-    /// The number of a face that this program has answered, counted through all leaves from 0.
+    /// The index of a face in an answer, counted through all leaves from 0.
     pub fn face_number(&self, face: &Face<D>) -> usize {
         self.leaves[face.leaf as usize].first_face as usize + face.face as usize
     }
 
-    /// The names of all faces by their numbers: that of the leaf and, where it has several faces, which one: `.lo` and
-    /// `.hi` of a slab, `.lo0`, `.hi0`, `.lo1`, ... of a box, by axes.
+    /// The names of all faces by index: the name of the leaf and, if it has several faces, a suffix: `.lo` and `.hi` for a slab,
+    /// `.lo0`, `.hi0`, `.lo1`, ... by axis for a box.
     pub fn face_names(&self) -> Vec<String> {
         let mut names = Vec::with_capacity(self.faces.len());
         for (k, leaf) in self.leaves.iter().enumerate() {
@@ -27,7 +27,7 @@ impl<const D: usize> Program<D> {
     }
 }
 
-/// What tells the faces of a leaf apart: they come in pairs, one for each axis.
+/// The suffix of a face among those of its leaf, which come in pairs, one pair for each axis.
 fn suffix(face: usize, count: usize) -> String {
     let end = ["lo", "hi"][face % 2];
     match count {
@@ -49,7 +49,7 @@ mod tests {
             | Solid::box_from_corners([0.0; 2], [1.0; 2]).unwrap().named("b");
         let names = solid.compile().unwrap().face_names();
         assert_eq!(names, ["ball", "slab.lo", "slab.hi", "b.lo0", "b.hi0", "b.lo1", "b.hi1"]);
-        let root_ray = crate::trace([-3.0, 0.5], [-2.0, 0.5], &(!&solid & Solid::plenum())).unwrap();
+        let root_ray = crate::trace([-3.0, 0.5], [-2.0, 0.5], &(!&solid & Solid::universe())).unwrap();
         assert!(root_ray.roots().is_empty());
         let program = solid.compile().unwrap();
         let across = crate::trace([0.5, -3.0], [0.5, -2.0], &solid).unwrap();

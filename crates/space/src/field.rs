@@ -1,16 +1,16 @@
-//! What is asked of a surface in R^d.
+//! Scalar fields on R^d (implicit surfaces), with interval bounds of value and gradient.
 
 use crate::Point;
 use rayweave_math::Interval;
 
-/// A function f on R^d: its surface is where f = 0, its inside where f < 0.
+/// A scalar field f on R^d: the surface is f = 0, the inside f < 0.
 pub trait Field<const D: usize> {
-    /// f and its gradient at a point.
+    /// The value and the gradient of f at a point.
     fn value_and_gradient(&self, point: &Point<D>) -> (f64, Point<D>);
 
-    /// Bounds of f and of each component of its gradient over all points of a box.
+    /// Enclosures of f and of each component of its gradient over a box.
     fn ranges(&self, cell: &[Interval; D]) -> (Interval, [Interval; D]);
 
-    /// The size and position of the surface: how far from the origin the numbers that describe it reach.
-    fn reach(&self) -> f64;
+    /// The magnitude of the surface: an upper bound of the lengths in its description, for rounding errors.
+    fn magnitude(&self) -> f64;
 }

@@ -1,12 +1,12 @@
-//! Root-rays beyond straight lines in space: solids in R^d, and trajectories that bend.
+//! Curved rays and higher dimensions: tracing along curves (helices, parabolas, arcs, splines) with rigorous root isolation, and
+//! constructive solid geometry in R^d.
 //!
-//! A [`Field`] is a function whose sign says where a solid is; a [`Curve`] is a trajectory. Everything else
-//! (isolating the times at which a curve crosses a field's surface, solids in R^d, curves through compiled
-//! models) is made of these two.
+//! A [`Field`] is a function that is negative inside a solid; a [`Curve`] is a trajectory with a bound on its acceleration.
+//! [`isolate`](isolate()) finds all times at which a curve crosses the surface of a field.
 //!
-//! A [`Solid`] is made of half-spaces, boxes, balls, cylinders, cones, quadrics and prisms of any dimension by boolean
-//! operators and affine maps; [`trace`] and [`trace_along`] give its [root-ray](rayweave_rootray::RootRay) along a line
-//! or a curve.
+//! A [`Solid`] combines half-spaces, boxes, balls, cylinders, cones, quadrics and prisms of any dimension by boolean operators and
+//! affine maps; [`trace`](trace()) and [`trace_along`] compute its [root-ray](rayweave_rootray::RootRay) along a line or a curve.
+//! [`trace_curve`] traces a curve through a compiled model.
 
 mod affine;
 pub mod curve;
@@ -14,10 +14,8 @@ mod error;
 mod faces;
 mod field;
 pub mod isolate;
-mod lie;
 mod model;
 mod point;
-pub mod polygon;
 mod prism;
 mod program;
 mod shape;
@@ -31,7 +29,6 @@ pub use curve::{Curve, CurveError};
 pub use error::SpaceError;
 pub use field::Field;
 pub use isolate::isolate;
-pub use lie::{leads_inside, lie_direction};
 pub use model::{CurveTrace, curve_normal, curve_point, trace_curve, trace_curve_from};
 pub use point::Point;
 pub use program::Program;

@@ -1,14 +1,14 @@
-//! Compiled models along curves: the same answers as on rays, by the same rules.
+//! Tracing of curves through compiled models, by the same rules as for rays.
 //!
-//! Every surface that the curve can meet is isolated ([`isolate`](crate::isolate)); from there on nothing differs from a
-//! ray: leaves are conjunctions of facets, placed solids are leaves of the group around them, the flips run through
-//! the boolean network of the group, and one weld along the curve joins the crossings between which the curve keeps within
-//! delta of both surfaces. A placed solid is asked in its own frame, with the curve carried there by the composed map.
-//! Surfaces that are one surface for the compiler are isolated once, so that equal surfaces give equal bits.
+//! [`isolate`](crate::isolate()) finds the sign changes of every surface that the curve can cross. The rest is as for rays: leaves
+//! are intersections of facets, placed solids are leaves of the enclosing group, boundary events run through the boolean
+//! network of the group, and one weld along the curve merges crossings between which the curve stays within delta of both
+//! surfaces. A placed solid is traced in its own frame, with the curve transformed by the composed map. A surface shared by several
+//! leaves is isolated once, so that equal surfaces give equal bits.
 //!
-//! *Cost*: each surface of each leaf whose box the curve passes is isolated over the whole window, so a trace costs the
-//! number of such surfaces times what isolation says of the curve (a curve of many turns costs per turn). Leaves
-//! that the curve misses cost a few comparisons of boxes each. For long curves through large models, cut the window.
+//! *Cost*: each surface of each leaf whose box the curve may cross is isolated over the whole window; see
+//! [`isolate`](crate::isolate) for the cost of one surface. Other leaves cost a few box tests each. For long curves through large
+//! models, split the window.
 
 mod boxes;
 mod view;
@@ -22,7 +22,7 @@ use rayweave_model::gate::NetworkState;
 use rayweave_model::weld::{Flips, Trajectory, Weld};
 use rayweave_model::{
     Crossing, Event, Face, LeafEvents, LeafId, LeafKind, Program, Prototype, PrototypeId, RegionId, Start,
-    State, SurfaceId, Sweep, dress,
+    State, SurfaceId, Sweep, attributes,
 };
 use rayweave_rootray::RootRay;
 use rayweave_shape::Ray;
@@ -31,16 +31,16 @@ use std::collections::btree_map::Entry;
 use std::ops::Range;
 use view::View;
 
-/// What a curve meets in a model.
+/// The crossings of a curve with a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurveTrace {
-    /// The region just after the beginning of the window; 0 is the world.
+    /// The region just after `t0`; 0 is the world.
     pub start: RegionId,
-    /// The crossings in order of time, strictly inside the window.
+    /// The crossings in order of time, strictly within the window.
     pub crossings: Vec<Crossing>,
 }
 
-/// The crossings of a model by a curve strictly between `t0` and `t1`.
+/// Traces a curve through a model, strictly between `t0` and `t1`.
 ///
 /// ```
 /// use rayweave_model::{Program, RegionId, Solid};
@@ -50,7 +50,7 @@ pub struct CurveTrace {
 ///
 /// let ball = Solid::from(build("sphere", &[("radius", Value::Number(2.0))])?);
 /// let program = Program::compile(&ball)?;
-/// // a particle of gyro frequency 1 that starts in the middle, with a gyro radius of 1
+/// // a particle with gyrofrequency 1 and gyroradius 1 that starts in the centre
 /// let path = Helix::new([0.0; 3], [0.0, 1.0, 0.5], [0.0, 0.0, 1.0], 1.0)?;
 /// let found = trace_curve(&program, &path, 0.0, 20.0)?;
 /// assert_eq!((found.start, found.crossings.len()), (RegionId(1), 1));
@@ -60,8 +60,8 @@ pub struct CurveTrace {
 /// ```
 ///
 /// # Errors
-/// A window that is not finite, not in order or beyond the curve's domain; a curve that breaks its promises, where that
-/// is noticed (see [`CurveError`]).
+/// The window is not finite, not increasing or outside the curve's domain, or a violation of the curve's contract was detected (see
+/// [`CurveError`]).
 pub fn trace_curve(
     program: &Program,
     curve: &dyn Curve<3>,
@@ -71,14 +71,12 @@ pub fn trace_curve(
     trace_curve_from(program, curve, t0, t1, &mut Vec::new())
 }
 
-/// [`trace_curve`] of a curve that is known to begin on surfaces: `sides` names them, with the side of each just after
-/// `t0`, and holds afterwards the sides just before `t1` of all surfaces that the curve may have met, so that a trajectory
-/// may be traced piece by piece.
+/// Like [`trace_curve`], for a curve that begins on known surfaces. `sides` lists their sides just after `t0`, and is replaced by the sides
+/// just before `t1` of all surfaces that the curve may have crossed, so that a trajectory can be traced piece by piece.
 ///
-/// Light that leaves a face begins *on* it, and rounding decides on which side of it the first point lies. A surface that
-/// is listed is not crossed as long as the curve keeps within delta of it from its beginning on; a curve that comes out of
-/// that zone on the other side than listed crosses the surface at once. Sides of surfaces that the curve does not begin on
-/// are not looked at.
+/// Light that leaves a face begins *on* it, and rounding would decide the side of the first point. A listed surface is not crossed as
+/// long as the curve stays within delta of it from its beginning; a curve that leaves this zone on the other side than listed
+/// crosses the surface at once. Listed sides of surfaces on which the curve does not begin are ignored.
 ///
 /// ```
 /// use rayweave_model::{PlacementId, Program, Solid, Start, SurfaceId};
@@ -98,7 +96,7 @@ pub fn trace_curve(
 /// ```
 ///
 /// # Errors
-/// As [`trace_curve`]; `sides` are as they were then.
+/// As [`trace_curve`]; `sides` is then unchanged.
 pub fn trace_curve_from(
     program: &Program,
     curve: &dyn Curve<3>,
@@ -135,27 +133,27 @@ pub fn curve_point(curve: &dyn Curve<3>, crossing: &Crossing) -> Point<3> {
     curve.position(crossing.t)
 }
 
-/// The unit normal of a crossing, outward of what is entered or left: against the curve where it enters a region, along
-/// it where it leaves for the world. As [`dress::normal`] on the tangent of the curve there.
+/// The outward unit normal at a crossing: against the curve where it enters a region, along it where it leaves for the world. Equals
+/// [`attributes::normal`] on the tangent of the curve.
 pub fn curve_normal(program: &Program, curve: &dyn Curve<3>, crossing: &Crossing) -> Point<3> {
     let velocity = Vec3::from_array(curve.velocity(crossing.t));
-    // at rest a curve has no tangent: then the normal is that of the face
+    // a curve at rest has no tangent: the normal is that of the face
     let direction = if velocity == Vec3::ZERO { Vec3::X } else { velocity };
     let tangent = Ray::new(Vec3::from_array(curve.position(crossing.t)), direction);
-    dress::normal(program, &tangent, &Crossing { t: 0.0, ..*crossing }).to_array()
+    attributes::normal(program, &tangent, &Crossing { t: 0.0, ..*crossing }).to_array()
 }
 
-/// One group on the way down: what is known of its leaves so far.
+/// Traversal state of one group: the boundary events of its leaves so far.
 struct Frame<'a> {
     program: &'a Program,
     prototype: &'a Prototype,
     view: View<'a>,
-    /// The leaf of the group around it that it stands for.
-    stands_for: u32,
-    /// Where each leaf can matter.
+    /// The leaf of the enclosing group that this group represents.
+    parent_leaf: u32,
+    /// The box in which each leaf can matter.
     matters: Vec<Bounds>,
     next: u32,
-    /// What is isolated already, by surface.
+    /// The isolated sign changes, by surface.
     known: BTreeMap<u32, RootRay>,
     state: NetworkState,
     events: Vec<Event>,
@@ -163,13 +161,13 @@ struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    fn new(program: &'a Program, id: PrototypeId, view: View<'a>, stands_for: u32) -> Frame<'a> {
+    fn new(program: &'a Program, id: PrototypeId, view: View<'a>, parent_leaf: u32) -> Frame<'a> {
         let prototype = program.prototype(id);
         Frame {
             program,
             prototype,
             view,
-            stands_for,
+            parent_leaf,
             matters: program.matters(prototype),
             next: 0,
             known: BTreeMap::new(),
@@ -179,21 +177,21 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// The next leaf that the curve can meet.
+    /// The next leaf that the curve may cross.
     fn next_leaf(&mut self, boxes: &Boxes) -> Option<u32> {
         let leaves = &self.prototype.leaves;
         while self.next < leaves.end - leaves.start {
             let leaf = self.next;
             self.next += 1;
             let condition = self.prototype.condition;
-            if boxes.meet(&self.matters[leaf as usize], condition, &self.view) {
+            if boxes.may_cross(&self.matters[leaf as usize], condition, &self.view) {
                 return Some(leaf);
             }
         }
         None
     }
 
-    /// Adds the flips of a leaf that is a shape; for a placed solid the frame that is to be gone through first.
+    /// Adds the boundary events of a shape; returns the frame of a placed solid, which is traversed first.
     fn enter(
         &mut self,
         leaf: u32,
@@ -216,11 +214,11 @@ impl<'a> Frame<'a> {
         id: LeafId,
         leaf: u32,
         facets: &Range<u32>,
-        asked: ((f64, f64), &[Start]),
+        query: ((f64, f64), &[Start]),
     ) -> Result<(), CurveError> {
         let table = &self.program.facets()[facets.start as usize..facets.end as usize];
         for facet in table {
-            self.isolate(facet.surface(), asked)?;
+            self.isolate(facet.surface(), query)?;
         }
         let known = &self.known;
         self.leaf_events.conjunction(table.len(), |k, flip| {
@@ -237,17 +235,17 @@ impl<'a> Frame<'a> {
         Ok(())
     }
 
-    /// Isolates a surface, unless another leaf has needed it before.
+    /// Isolates a surface, unless another leaf has done so.
     fn isolate(
         &mut self,
         surface: SurfaceId,
         (window, sides): ((f64, f64), &[Start]),
     ) -> Result<(), CurveError> {
-        if let Entry::Vacant(place) = self.known.entry(surface.0) {
+        if let Entry::Vacant(vacant) = self.known.entry(surface.0) {
             let (entry, placement) = (self.program.surface(surface), self.view.placement);
             let found = self.view.isolate(entry, window)?;
             let start = sides.iter().find(|s| s.surface == surface && s.placement == placement);
-            place.insert(match start {
+            vacant.insert(match start {
                 Some(start) => self.view.departing(entry, window, found, start.inside)?,
                 None => found,
             });
@@ -271,9 +269,9 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// The placed solid as one leaf of the group around it.
+    /// Adds the placed solid as a leaf to the enclosing group.
     fn into_leaf(mut self, outer: &mut Frame<'a>) {
-        let leaf = self.stands_for;
+        let leaf = self.parent_leaf;
         let mut inside = self.state.output(0);
         outer.start_at(leaf, inside);
         let mut sweep = Sweep::new(&self.prototype.network, &mut self.state, &self.events, f64::INFINITY);
@@ -300,14 +298,14 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// A curve as the weld sees it.
+/// A curve, for the weld.
 struct Along<'a>(&'a dyn Curve<3>);
 
 impl Trajectory for Along<'_> {
-    fn hugs(&self, program: &Program, face: Face, a: f64, b: f64) -> bool {
+    fn coincides_along(&self, program: &Program, face: Face, a: f64, b: f64) -> bool {
         let steps = program.descend(face.placement);
         let view = steps.fold(View::world(self.0), |view, place| view.placed(&place, 0));
-        // a curve that breaks its promises was found out in isolation; what is new here hugs nothing
-        view.hugs(program.surface(face.surface), a, b).unwrap_or(false)
+        // isolation has rejected curves that violate their contract; a new violation counts as no coincidence
+        view.coincides_along(program.surface(face.surface), a, b).unwrap_or(false)
     }
 }

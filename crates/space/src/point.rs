@@ -1,4 +1,4 @@
-//! Points and vectors of R^d as plain arrays.
+//! Points and vectors of R^d as arrays.
 
 /// A point or a vector of R^d.
 pub type Point<const D: usize> = [f64; D];
@@ -18,7 +18,7 @@ pub fn dot<const D: usize>(a: &Point<D>, b: &Point<D>) -> f64 {
     (0..D).map(|k| a[k] * b[k]).sum()
 }
 
-/// The Euclidean length; scaled first where squares would leave the range of numbers.
+/// The Euclidean length; scaled first if squares would over- or underflow.
 pub fn length<const D: usize>(v: &Point<D>) -> f64 {
     let square = dot(v, v);
     if (1e-280..1e280).contains(&square) {

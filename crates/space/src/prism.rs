@@ -1,24 +1,24 @@
-//! Solids over regions of the plane: prisms, unbounded along all axes but the first two.
+//! Prisms in R^d: solids over polygons of the plane of the first two coordinates, unbounded in the others.
 
-use crate::polygon::{HalfPlane, Operator, PolygonError, Polygons, from_polygons};
 use crate::shape::Shape;
 use crate::surface::{Plane, Surface};
 use crate::vector::padded;
 use crate::{Point, Solid, SpaceError};
+use rayweave_polygon::{HalfPlane, Operator, PolygonError, Polygons, from_polygons};
 use rayweave_rootray::Side;
 
 impl<const D: usize> Solid<D> {
-    /// The points whose first two coordinates lie in a simple polygon, convex or not, unbounded in the others. The
-    /// points may go either way round; the half-space of the edge from point k to the next is called `edge` k.
+    /// The points whose first two coordinates lie in a simple polygon, unbounded in the others. The points may have either
+    /// orientation; the half-space of the edge from point k to the next is named `edge` k.
     ///
     /// # Errors
-    /// `Polygon` for a bad coordinate or edges that cross; `Dimension` if D < 2.
+    /// `Polygon` for an invalid coordinate or edges that cross; `Dimension` if D < 2.
     pub fn prism(points: &[Point<2>]) -> Result<Self, SpaceError> {
         match from_polygons(&[points], Side::Outside) {
             Err(PolygonError::Orientation { .. }) => {
                 let reversed: Vec<Point<2>> = points.iter().rev().copied().collect();
                 let polygons = from_polygons(&[reversed], Side::Outside)?;
-                // backwards, an edge begins where the reversed one ends
+                // an edge begins where the reversed edge ends
                 over(&polygons, |edge| format!("edge{}", points.len() - 1 - polygons.edge(edge).to))
             }
             polygons => {
@@ -28,8 +28,8 @@ impl<const D: usize> Solid<D> {
         }
     }
 
-    /// The points whose first two coordinates lie in a region bounded by polygons, unbounded in the others. The
-    /// half-spaces of edges are called after the contour and the vertex where the edge begins, `contour0.edge3`.
+    /// The points whose first two coordinates lie in a region bounded by polygons, unbounded in the others. The half-spaces of edges
+    /// are named after the contour and the first vertex of the edge, `contour0.edge3`.
     ///
     /// # Errors
     /// `Dimension` if D < 2.

@@ -1,4 +1,4 @@
-//! What tracing needs of a solid: its faces in one frame, and their boolean network.
+//! Compiled solid in R^d: its faces in a common frame, and their boolean network.
 
 use crate::affine::Affine;
 use crate::curve::Line;
@@ -7,9 +7,9 @@ use crate::point::{dot, is_finite, length, minus};
 use crate::shape::Shape;
 use crate::solid::{Join, Node};
 use crate::surface::Surface;
-use crate::{Field, Point, Solid, leads_inside};
+use crate::{Field, Point, Solid};
 use rayweave_math::roots::Crossings;
-use rayweave_math::{Bounds, Interval};
+use rayweave_math::{Bounds, Interval, perturbs_inside};
 use rayweave_model::gate::Network;
 use rayweave_model::simplify::{Formula, Op, prepare};
 use rayweave_model::{Edge, Expression, LeafId};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 /// A solid compiled for tracing: immutable, shared by any number of threads.
 ///
-/// Leaves are numbered in the order of declaration, as the tree is read from left to right.
+/// Leaves have indices in the order of declaration, from left to right in the tree.
 #[derive(Debug)]
 pub struct Program<const D: usize> {
     pub(crate) leaves: Vec<Leaf>,
@@ -34,20 +34,21 @@ pub struct Program<const D: usize> {
 #[derive(Clone, Debug)]
 pub(crate) struct Leaf {
     pub name: Arc<str>,
-    /// The number of its first face.
+    /// The index of its first face.
     pub first_face: u32,
 }
 
-/// One surface of a leaf, in the frame of the whole solid.
+/// A surface of a leaf, in the frame of the solid.
 #[derive(Clone, Debug)]
 pub(crate) struct FaceEntry<const D: usize> {
     pub surface: Surface<D>,
-    /// That of the surface plus the lengths of all translations composed on its way.
-    pub reach: f64,
+    /// The magnitude of the surface plus the lengths of all composed translations.
+    pub magnitude: f64,
     pub leaf: u32,
 }
 
-/// A ball around all that is finite: sizes of leaves and, of those without any, anchors of surfaces; doubled.
+/// A ball around everything finite, with twice the radius: the boxes of leaves and, for leaves without a box, the anchors of
+/// surfaces.
 #[derive(Clone, Copy, Debug)]
 struct Ball<const D: usize> {
     centre: Point<D>,
@@ -63,7 +64,7 @@ impl<const D: usize> Program<D> {
         Ok(Program {
             ball: Ball::around(
                 lowered.finite,
-                lowered.faces.iter().map(|face| face.reach).fold(0.0, f64::max),
+                lowered.faces.iter().map(|face| face.magnitude).fold(0.0, f64::max),
             ),
             leaves: lowered.leaves,
             faces: lowered.faces,
@@ -78,37 +79,37 @@ impl<const D: usize> Program<D> {
         self.leaves.len()
     }
 
-    /// The name of a leaf or, where it has none, its kind (`ball`, `slab`, ...); `None` if there is no such leaf.
+    /// The name of a leaf or, without a name, its kind (`ball`, `slab`, ...); `None` if the index is out of range.
     pub fn leaf_name(&self, leaf: u32) -> Option<&str> {
         self.leaves.get(leaf as usize).map(|leaf| &*leaf.name)
     }
 
-    /// True if a point is inside. On a surface, f = 0, the side is that of [`crate::lie_direction`].
+    /// True if a point is inside. A point on a surface, f = 0, counts as moved along [`rayweave_math::perturbation_direction`].
     ///
     /// # Errors
-    /// `NotFinite` or `Extreme` for a bad coordinate.
+    /// `NotFinite` or `Extreme` for an invalid coordinate.
     pub fn contains(&self, point: Point<D>) -> Result<bool, SpaceError> {
         self.contains_by(point, &mut Vec::new())
     }
 
-    /// The same with memory for the values of all nodes.
+    /// Like [`Program::contains`], with a reusable buffer for the values of all nodes.
     pub(crate) fn contains_by(&self, point: Point<D>, values: &mut Vec<bool>) -> Result<bool, SpaceError> {
         crate::error::check::point("point", &point)?;
         let inside = |leaf: LeafId| {
             let (value, gradient) = self.faces[leaf.index()].surface.value_and_gradient(&point);
-            if value == 0.0 { leads_inside(&gradient) } else { value < 0.0 }
+            if value == 0.0 { perturbs_inside(&gradient) } else { value < 0.0 }
         };
         self.expression.evaluate(inside, values);
         Ok(values[self.output.node().index()] ^ self.output.is_complemented())
     }
 
-    /// The piece of a line that says whether it lies in a surface: from one radius of the ball before its point
-    /// closest to the centre to one radius after it.
+    /// The span of a line that is tested for lying in a surface: one radius of the ball before and after its point closest to the
+    /// centre.
     pub(crate) fn chord(&self, line: &Line<D>) -> (f64, f64) {
         let from = minus(&self.ball.centre, &line.origin);
         let (speed, direction) = (length(&line.direction), &line.direction);
         let closest = dot(&from, direction) / dot(direction, direction);
-        // a model without any length takes that of the way to it or, at the origin, the unit of time
+        // without a radius, uses the distance of the line from the centre or, at the origin, the unit of time
         let lengths = [self.ball.radius, length(&from), speed];
         let half = lengths.into_iter().find(|&length| length > 0.0).unwrap_or(0.0) / speed;
         (closest - half, closest + half)
@@ -116,11 +117,11 @@ impl<const D: usize> Program<D> {
 }
 
 impl<const D: usize> FaceEntry<D> {
-    /// Where the line crosses the face. One that keeps to the surface all along its chord does so where it would if
-    /// it were moved a little along [`crate::lie_direction`].
+    /// The crossings of a line with the face. A line that lies in the surface over its whole chord counts as moved infinitesimally
+    /// along [`rayweave_math::perturbation_direction`].
     pub fn crossings(&self, line: &Line<D>, (a, b): (f64, f64)) -> Crossings<2> {
-        match self.surface.is_ruled() && self.surface.hugs(self.reach, line, a, b) {
-            true => self.surface.crossings_aside(line, 0.5 * (a + b)),
+        match self.surface.is_ruled() && self.surface.coincides_along(self.magnitude, line, a, b) {
+            true => self.surface.perturbed_crossings(line, 0.5 * (a + b)),
             false => self.surface.crossings(line),
         }
     }
@@ -135,15 +136,15 @@ impl<const D: usize> Field<D> for FaceEntry<D> {
         self.surface.ranges(cell)
     }
 
-    fn reach(&self) -> f64 {
-        self.reach
+    fn magnitude(&self) -> f64 {
+        self.magnitude
     }
 }
 
 impl<const D: usize> Ball<D> {
-    /// Around a box; `reach` is the largest one of all surfaces. Anchors that differ by rounding alone, such as those
-    /// of coaxial cylinders, are one point: a chord as short as that would lie in every surface that it meets.
-    fn around(finite: Option<(Point<D>, Point<D>)>, reach: f64) -> Self {
+    /// The ball around a box; `magnitude` is the largest of all surfaces. Anchors that differ only by rounding, such as those of
+    /// coaxial cylinders, count as one point: a chord of that length would lie in every surface that it crosses.
+    fn around(finite: Option<(Point<D>, Point<D>)>, magnitude: f64) -> Self {
         let Some((lo, hi)) = finite else {
             return Ball { centre: [0.0; D], radius: 0.0 };
         };
@@ -151,16 +152,16 @@ impl<const D: usize> Ball<D> {
         // half of the diagonal, doubled
         let radius = length(&minus(&hi, &lo));
         let mut lengths = [radius, length(&centre)].into_iter();
-        Ball { centre, radius: lengths.find(|&size| size > delta_of(reach)).unwrap_or(0.0) }
+        Ball { centre, radius: lengths.find(|&size| size > delta_of(magnitude)).unwrap_or(0.0) }
     }
 }
 
-/// Where in the tree a walk is: the composed map.
+/// The context of a node: the composed map and the innermost name.
 #[derive(Clone)]
 struct Context<const D: usize> {
     map: Affine<D>,
-    /// The lengths of the translations composed into it.
-    way: f64,
+    /// The sum of the lengths of the composed translations.
+    path: f64,
     name: Option<Arc<str>>,
 }
 
@@ -168,21 +169,21 @@ struct Lowering<'a, const D: usize> {
     formula: Formula,
     leaves: Vec<Leaf>,
     faces: Vec<FaceEntry<D>>,
-    /// A box around all that is finite.
+    /// A box around everything finite.
     finite: Option<(Point<D>, Point<D>)>,
     contexts: Vec<Context<D>>,
-    /// The context below a node, by its own and its address.
+    /// The context of a node's operands, by the node's context and address.
     context_of: HashMap<(u32, usize), u32>,
     done: HashMap<(u32, usize), Edge>,
     tasks: Vec<Task<'a, D>>,
-    /// Finished operands, last one on top.
+    /// Stack of lowered operands.
     made: Vec<Edge>,
 }
 
 enum Task<'a, const D: usize> {
-    /// Make a node in a context.
+    /// Lower a node in a context.
     Visit(&'a Solid<D>, u32),
-    /// Its operands are made.
+    /// Join the lowered operands of a node.
     Close(&'a Solid<D>, u32),
 }
 
@@ -193,7 +194,7 @@ impl<'a, const D: usize> Lowering<'a, D> {
             leaves: Vec::new(),
             faces: Vec::new(),
             finite: None,
-            contexts: vec![Context { map: Affine::identity(), way: 0.0, name: None }],
+            contexts: vec![Context { map: Affine::identity(), path: 0.0, name: None }],
             context_of: HashMap::new(),
             done: HashMap::new(),
             tasks: vec![Task::Visit(solid, 0)],
@@ -205,7 +206,7 @@ impl<'a, const D: usize> Lowering<'a, D> {
                 Task::Close(solid, context) => this.close(solid, context),
             }
         }
-        let output = this.made.pop().unwrap_or(Edge::VACUUM);
+        let output = this.made.pop().unwrap_or(Edge::EMPTY);
         this.formula.ask(output);
         Ok(this)
     }
@@ -236,10 +237,10 @@ impl<'a, const D: usize> Lowering<'a, D> {
             node => node.operands().len(),
         };
         let parts = self.made.split_off(self.made.len() - operands);
-        let only = parts.first().copied().unwrap_or(Edge::VACUUM);
+        let only = parts.first().copied().unwrap_or(Edge::EMPTY);
         let edge = match solid.node() {
-            Node::Vacuum => Edge::VACUUM,
-            Node::Plenum => Edge::PLENUM,
+            Node::Empty => Edge::EMPTY,
+            Node::Universe => Edge::UNIVERSE,
             Node::Shape(_) | Node::Transformed(..) | Node::Named(..) => only,
             Node::Complement(_) => only.complement(),
             Node::Join(join, _) => self.formula.join(operation(*join), &parts),
@@ -251,7 +252,7 @@ impl<'a, const D: usize> Lowering<'a, D> {
         }
     }
 
-    /// The context of a node's operands; the same whenever the node is visited in the same one.
+    /// The context of a node's operands, computed once for each context of the node.
     fn inner_context(&mut self, solid: &Solid<D>, context: u32) -> Result<u32, SpaceError> {
         let (map, name) = match solid.node() {
             Node::Transformed(map, _) => (Some(map), None),
@@ -264,7 +265,7 @@ impl<'a, const D: usize> Lowering<'a, D> {
         }
         let mut next = self.contexts[context as usize].clone();
         if let Some(map) = map {
-            next.way += length(&next.map.vector(map.offset()));
+            next.path += length(&next.map.vector(map.offset()));
             next.map = map.then(&next.map);
         }
         next.name = name.or(next.name);
@@ -276,22 +277,22 @@ impl<'a, const D: usize> Lowering<'a, D> {
 
     /// One leaf: the intersection of its faces.
     fn shape(&mut self, shape: &Shape<D>, context: u32) -> Result<Edge, SpaceError> {
-        let Context { map, way, name } = self.contexts[context as usize].clone();
+        let Context { map, path, name } = self.contexts[context as usize].clone();
         let name = name.unwrap_or_else(|| shape.kind.into());
         let inverse = map.inverse()?;
         let (leaf, first_face) = (self.leaves.len() as u32, self.faces.len() as u32);
         let mut edges = Vec::with_capacity(shape.facets.len());
         for facet in &shape.facets {
             let surface = facet.transformed(&map, &inverse);
-            let reach = surface.reach() + way;
-            if !surface.is_finite() || !reach.is_finite() {
+            let magnitude = surface.magnitude() + path;
+            if !surface.is_finite() || !magnitude.is_finite() {
                 return Err(SpaceError::Overflow { leaf: name.to_string() });
             }
             if shape.finite.is_none() {
                 self.include(&surface.anchor(), &[0.0; D]);
             }
             edges.push(self.formula.leaf(LeafId::from(self.faces.len())));
-            self.faces.push(FaceEntry { surface, reach, leaf });
+            self.faces.push(FaceEntry { surface, magnitude, leaf });
         }
         if let Some((middle, half)) = &shape.finite {
             let spread = |row: &Point<D>| (0..D).fold(0.0, |sum, k| sum + row[k].abs() * half[k]);
@@ -301,7 +302,7 @@ impl<'a, const D: usize> Lowering<'a, D> {
         Ok(self.formula.join(Op::Intersection, &edges))
     }
 
-    /// Grows the box around all that is finite.
+    /// Extends the box around everything finite.
     fn include(&mut self, middle: &Point<D>, half: &Point<D>) {
         if !is_finite(middle) || !is_finite(half) {
             return;

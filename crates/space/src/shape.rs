@@ -1,4 +1,4 @@
-//! The leaves of solids in R^d: conjunctions of surfaces, each with its checked constructor.
+//! Primitive solids in R^d: half-spaces, slabs, boxes, balls, cylinders, cones and quadrics.
 
 use crate::affine::{Affine, check_axis};
 use crate::error::{SpaceError, check};
@@ -7,15 +7,15 @@ use crate::vector::{axis_vector, padded, times};
 use crate::{Point, Solid};
 use std::array::from_fn;
 
-/// A leaf: inside all of its surfaces.
+/// A primitive: the intersection of the insides of its surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape<const D: usize> {
-    /// What it is called where it has no name of its own.
+    /// The name of a leaf without a name of its own.
     pub(crate) kind: &'static str,
-    /// Its faces.
+    /// The faces.
     pub(crate) facets: Vec<Surface<D>>,
-    /// A box around all of it or, if it is unbounded, its corners: the middle and half of the size. Where there is
-    /// none the anchors of its surfaces stand for it.
+    /// The centre and half extents of a box around the shape or, if it is unbounded, around its corners. Without a box, the anchors of
+    /// the surfaces are used.
     pub(crate) finite: Option<(Point<D>, Point<D>)>,
 }
 
@@ -24,7 +24,7 @@ impl<const D: usize> Shape<D> {
         Shape { kind, facets, finite: None }
     }
 
-    /// The same in a space of more dimensions, unbounded in those that are new.
+    /// The shape in a space of more dimensions, unbounded in the additional ones.
     pub(crate) fn extruded<const N: usize>(&self) -> Shape<N> {
         let facets = self.facets.iter().map(|surface| match surface {
             Surface::Plane(plane) => {
@@ -42,7 +42,7 @@ impl<const D: usize> Shape<D> {
     }
 }
 
-/// Shapes. Axes are counted from 0. Lengths, where they are not 0, must be of a magnitude between 1e-60 and 1e60.
+/// Shapes. Axes are numbered from 0. Nonzero lengths must be between 1e-60 and 1e60 in magnitude.
 impl<const D: usize> Solid<D> {
     /// The points whose coordinate along an axis is negative: x_axis < 0.
     ///
@@ -53,7 +53,7 @@ impl<const D: usize> Solid<D> {
         Self::half_space_below(axis_vector(axis), 0.0)
     }
 
-    /// The points with `normal . p < offset`; the normal need not be of unit length.
+    /// The points with `normal . p < offset`; the normal may have any length.
     ///
     /// # Errors
     /// `NotFinite`, `Extreme` or `ZeroNormal`.
@@ -100,9 +100,9 @@ impl<const D: usize> Solid<D> {
     /// The points where the sum of the first m squared coordinates minus that of the next n - m, plus `bias`, is
     /// negative; the other D - n coordinates are free.
     ///
-    /// `n = m = D` is a ball of radius sqrt(-bias), `n = m < D` a cylinder, `m < n` with bias 0 a cone; with bias < 0
-    /// a hyperboloid of one sheet (if m > 1), with bias > 0 the inside of one of two sheets. Where the sum has one sign
-    /// for all points it is [`Solid::vacuum`] or, but for a set of measure zero, [`Solid::plenum`].
+    /// `n = m = D` is a ball of radius sqrt(-bias), `n = m < D` a cylinder, `m < n` with bias 0 a cone; with bias < 0 a hyperboloid of
+    /// one sheet (if m > 1), with bias > 0 the inside of a hyperboloid of two sheets. If the sum has the same sign for all
+    /// points, the result is [`Solid::empty`] or, up to a set of measure zero, [`Solid::universe`].
     ///
     /// # Errors
     /// `Squares` unless m <= n <= D, `NotFinite` or `Extreme` for the bias.
@@ -114,7 +114,7 @@ impl<const D: usize> Solid<D> {
         let never = bias >= 0.0 && m == n;
         let always = if n == 0 { bias < 0.0 } else { bias <= 0.0 && m == 0 };
         if never || always {
-            return Ok(if always { Self::plenum() } else { Self::vacuum() });
+            return Ok(if always { Self::universe() } else { Self::empty() });
         }
         let weights = from_fn(|k| match k {
             _ if k < m => 1.0,
@@ -126,7 +126,7 @@ impl<const D: usize> Solid<D> {
         Ok(Shape { kind: "quadric", facets: vec![surface], finite }.into())
     }
 
-    /// The points nearer to the origin than `radius` (> 0).
+    /// The ball of this radius (> 0) around the origin.
     ///
     /// # Errors
     /// `NotFinite`, `Extreme` or `NotPositive`.
@@ -136,8 +136,8 @@ impl<const D: usize> Solid<D> {
             .into())
     }
 
-    /// The points whose first m coordinates are a ball of this radius (> 0), unbounded in the others: m = 2 is the
-    /// ordinary cylinder along z in space; m = 3 in space-time is a ball at rest.
+    /// The points whose first m coordinates lie in a ball of this radius (> 0), unbounded in the others: in space, m = 2 is the
+    /// cylinder along z; in space-time, m = 3 is a ball at rest.
     ///
     /// # Errors
     /// `Squares` unless 1 <= m <= D; `NotFinite`, `Extreme` or `NotPositive`.
@@ -148,9 +148,9 @@ impl<const D: usize> Solid<D> {
         Ok(Shape { kind: "cylinder", facets: vec![round(m, radius)], finite }.into())
     }
 
-    /// The double cone with its apex at the origin: the length of the first m coordinates is less than `slope` (> 0)
-    /// times that of the others. m = D - 1 is a cone about the last axis; in space-time, with time last and slope c,
-    /// it is the light cone of the origin.
+    /// The double cone with its apex at the origin: the norm of the first m coordinates is less than `slope` (> 0) times the norm of
+    /// the others. m = D - 1 is a cone about the last axis; in space-time, with time as the last coordinate and slope c, it is
+    /// the light cone of the origin.
     ///
     /// # Errors
     /// `Squares` unless 1 <= m < D; `NotFinite`, `Extreme` or `NotPositive`.
@@ -168,7 +168,7 @@ impl<const D: usize> Solid<D> {
 
 /// Maps.
 impl<const D: usize> Solid<D> {
-    /// The image under any invertible affine map, given by the rows of its matrix and the image of the origin.
+    /// The image under an invertible affine map, given by the rows of its matrix and the image of the origin.
     ///
     /// # Errors
     /// As [`Affine::new`].
@@ -176,7 +176,7 @@ impl<const D: usize> Solid<D> {
         Ok(self.apply(Affine::new(matrix, translation)?))
     }
 
-    /// Moved by a vector.
+    /// The solid translated by a vector.
     ///
     /// # Errors
     /// `NotFinite` or `Extreme`.
@@ -184,7 +184,7 @@ impl<const D: usize> Solid<D> {
         Ok(self.apply(Affine::translation(by)?))
     }
 
-    /// Scaled about the origin by one factor per axis (`[s; D]` for all); negative factors mirror.
+    /// The solid scaled about the origin by one factor per axis (`[s; D]` for all); negative factors mirror.
     ///
     /// # Errors
     /// As [`Affine::scale`].
@@ -192,7 +192,7 @@ impl<const D: usize> Solid<D> {
         Ok(self.apply(Affine::scale(factors)?))
     }
 
-    /// Turned about the origin in a coordinate plane, axis `from` towards axis `to`, by an angle in degrees.
+    /// The solid rotated about the origin in a coordinate plane, axis `from` towards axis `to`, by an angle in degrees.
     ///
     /// # Errors
     /// As [`Affine::rotation`].
@@ -208,7 +208,7 @@ fn check_squares<const D: usize>(n: usize, m: usize) -> Result<(), SpaceError> {
     }
 }
 
-/// The two planes of a slab, bit for bit those that a neighbour across either would have.
+/// The two planes of a slab. Adjacent slabs have bit-identical planes.
 fn slab_faces<const D: usize>(axis: usize, lo: f64, hi: f64) -> [Surface<D>; 2] {
     let normal = axis_vector(axis);
     [
@@ -217,7 +217,7 @@ fn slab_faces<const D: usize>(axis: usize, lo: f64, hi: f64) -> [Surface<D>; 2] 
     ]
 }
 
-/// The sum of the first m squared coordinates is less than the square of the radius.
+/// The surface on which the sum of the first m squared coordinates is the square of the radius.
 fn round<const D: usize>(m: usize, radius: f64) -> Surface<D> {
     let weights = from_fn(|k| if k < m { 1.0 } else { 0.0 });
     Surface::Quadric(Box::new(Quadric::along_axes(weights, -radius * radius)))

@@ -1,4 +1,4 @@
-//! Solids in R^d: shapes joined by boolean operators.
+//! Solids in R^d: boolean expressions (CSG trees) over shapes and affine maps.
 
 use crate::affine::Affine;
 use crate::error::SpaceError;
@@ -10,11 +10,11 @@ use std::sync::{Arc, OnceLock};
 
 /// A solid in R^d: a boolean combination of shapes under affine maps.
 ///
-/// A `Solid` is a shared handle: cloning it costs a reference count, whatever its size. Operators build new
-/// solids and change none: `|` union, `&` intersection, `-` difference, `^` symmetric difference, `!`
-/// complement. Constructors check their numbers. What tracing needs is computed once, at the first question.
+/// A `Solid` is a shared handle: cloning increments a reference count. Operators build new solids: `|` union, `&` intersection,
+/// `-` difference, `^` symmetric difference, `!` complement. Constructors validate their arguments. A solid is compiled once,
+/// at the first query.
 ///
-/// Trees may be as deep as memory allows: no operation on them uses the call stack for depth.
+/// Trees may be as deep as memory allows: no operation recurses on the call stack.
 #[derive(Clone)]
 pub struct Solid<const D: usize>(Arc<Inner<D>>);
 
@@ -23,15 +23,15 @@ struct Inner<const D: usize> {
     program: OnceLock<Result<Arc<Program<D>>, SpaceError>>,
 }
 
-/// How a solid is made from others.
+/// A node of the expression.
 pub(crate) enum Node<const D: usize> {
-    Vacuum,
-    Plenum,
+    Empty,
+    Universe,
     Shape(Box<Shape<D>>),
     Complement(Solid<D>),
-    /// Inside any, all, or an odd number.
+    /// Inside any, all, or an odd number of the operands.
     Join(Join, Vec<Solid<D>>),
-    /// Inside the first and not inside the second.
+    /// Inside the first, outside the second.
     Difference([Solid<D>; 2]),
     Transformed(Box<Affine<D>>, Solid<D>),
     Named(Arc<str>, Solid<D>),
@@ -45,10 +45,10 @@ pub(crate) enum Join {
 }
 
 impl<const D: usize> Node<D> {
-    /// The solids that this node is made from, in order.
+    /// The operands of the node, in order.
     pub fn operands(&self) -> &[Solid<D>] {
         match self {
-            Node::Vacuum | Node::Plenum | Node::Shape(_) => &[],
+            Node::Empty | Node::Universe | Node::Shape(_) => &[],
             Node::Complement(a) | Node::Transformed(_, a) | Node::Named(_, a) => std::slice::from_ref(a),
             Node::Join(_, all) => all,
             Node::Difference(both) => both,
@@ -66,40 +66,40 @@ impl<const D: usize> Solid<D> {
         &self.0.node
     }
 
-    /// The address of the node, by which shared sub-trees are recognised.
+    /// The address of the node, which identifies shared subtrees.
     pub(crate) fn address(&self) -> usize {
         Arc::as_ptr(&self.0) as usize
     }
 
-    /// True if more than one handle points at the node.
+    /// True if several handles refer to the node.
     pub(crate) fn is_shared(&self) -> bool {
         Arc::strong_count(&self.0) > 1
     }
 
-    /// What tracing needs, compiled once.
+    /// The compiled solid, computed once.
     ///
     /// # Errors
-    /// `Map` or `Overflow` where maps that are each well behaved are not so together.
+    /// `Map` or `Overflow` if the composition of maps is singular or overflows.
     pub fn compile(&self) -> Result<Arc<Program<D>>, SpaceError> {
         self.0.program.get_or_init(|| Program::new(self).map(Arc::new)).clone()
     }
 
-    /// Nothing: the neutral element of union.
-    pub fn vacuum() -> Self {
-        Solid::new(Node::Vacuum)
+    /// The empty solid: the neutral element of union.
+    pub fn empty() -> Self {
+        Solid::new(Node::Empty)
     }
 
-    /// All of space: the neutral element of intersection.
-    pub fn plenum() -> Self {
-        Solid::new(Node::Plenum)
+    /// The whole space: the neutral element of intersection.
+    pub fn universe() -> Self {
+        Solid::new(Node::Universe)
     }
 
-    /// Inside any of the solids; the union of none is [`Solid::vacuum`].
+    /// Inside any of the solids; the union of none is [`Solid::empty`].
     pub fn union(solids: impl IntoIterator<Item = Self>) -> Self {
         Solid::new(Node::Join(Join::Union, solids.into_iter().collect()))
     }
 
-    /// Inside all of the solids; the intersection of none is [`Solid::plenum`].
+    /// Inside all of the solids; the intersection of none is [`Solid::universe`].
     pub fn intersection(solids: impl IntoIterator<Item = Self>) -> Self {
         Solid::new(Node::Join(Join::Intersection, solids.into_iter().collect()))
     }
@@ -109,7 +109,7 @@ impl<const D: usize> Solid<D> {
         Solid::new(Node::Join(Join::SymmetricDifference, solids.into_iter().collect()))
     }
 
-    /// The same solid under a name, by which its leaves are called in answers where they have none of their own.
+    /// The solid with a name, which answers use for leaves without a name of their own.
     pub fn named(&self, name: &str) -> Self {
         Solid::new(Node::Named(name.into(), self.clone()))
     }
@@ -119,7 +119,7 @@ impl<const D: usize> Solid<D> {
         Solid::new(Node::Transformed(Box::new(map), self.clone()))
     }
 
-    /// The same solid in a space of N >= D dimensions, unbounded along the axes that are new.
+    /// The solid extruded to a space of N >= D dimensions, unbounded along the additional axes.
     ///
     /// # Errors
     /// `Dimension` if N < D.
@@ -129,23 +129,23 @@ impl<const D: usize> Solid<D> {
         }
         let mut made: HashMap<usize, Solid<N>> = HashMap::new();
         for solid in self.operands_first() {
-            let of = |part: &Solid<D>| made[&part.address()].clone();
+            let extruded = |part: &Solid<D>| made[&part.address()].clone();
             let node = match solid.node() {
-                Node::Vacuum => Node::Vacuum,
-                Node::Plenum => Node::Plenum,
+                Node::Empty => Node::Empty,
+                Node::Universe => Node::Universe,
                 Node::Shape(shape) => Node::Shape(Box::new(shape.extruded())),
-                Node::Complement(part) => Node::Complement(of(part)),
-                Node::Join(join, parts) => Node::Join(*join, parts.iter().map(of).collect()),
-                Node::Difference(parts) => Node::Difference(parts.each_ref().map(of)),
-                Node::Transformed(map, part) => Node::Transformed(Box::new(map.extruded()), of(part)),
-                Node::Named(name, part) => Node::Named(name.clone(), of(part)),
+                Node::Complement(part) => Node::Complement(extruded(part)),
+                Node::Join(join, parts) => Node::Join(*join, parts.iter().map(extruded).collect()),
+                Node::Difference(parts) => Node::Difference(parts.each_ref().map(extruded)),
+                Node::Transformed(map, part) => Node::Transformed(Box::new(map.extruded()), extruded(part)),
+                Node::Named(name, part) => Node::Named(name.clone(), extruded(part)),
             };
             made.insert(solid.address(), Solid::new(node));
         }
-        Ok(made.remove(&self.address()).unwrap_or_else(Solid::vacuum))
+        Ok(made.remove(&self.address()).unwrap_or_else(Solid::empty))
     }
 
-    /// All nodes of the tree, each once, operands before what is made of them.
+    /// All nodes of the tree, each once, in postorder.
     fn operands_first(&self) -> Vec<&Self> {
         let (mut order, mut seen, mut waiting) = (Vec::new(), HashSet::new(), vec![(self, false)]);
         while let Some((solid, operands_done)) = waiting.pop() {
@@ -167,11 +167,11 @@ impl<const D: usize> From<Shape<D>> for Solid<D> {
 }
 
 impl<const D: usize> std::fmt::Debug for Solid<D> {
-    /// What is on top, without what is below it.
+    /// Prints the root node without its operands.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let name = match self.node() {
-            Node::Vacuum => "vacuum",
-            Node::Plenum => "plenum",
+            Node::Empty => "empty",
+            Node::Universe => "universe",
             Node::Shape(shape) => shape.kind,
             Node::Complement(_) => "complement",
             Node::Join(Join::Union, _) => "union",
@@ -197,10 +197,10 @@ impl<const D: usize> Drop for Inner<D> {
     }
 }
 
-/// Moves the operands out of a node that is about to be dropped.
+/// Moves the operands out of a node before it is dropped.
 fn take_operands<const D: usize>(node: &mut Node<D>, waiting: &mut Vec<Solid<D>>) {
-    match std::mem::replace(node, Node::Vacuum) {
-        Node::Vacuum | Node::Plenum | Node::Shape(_) => {}
+    match std::mem::replace(node, Node::Empty) {
+        Node::Empty | Node::Universe | Node::Shape(_) => {}
         Node::Complement(part) | Node::Transformed(_, part) | Node::Named(_, part) => waiting.push(part),
         Node::Join(_, parts) => waiting.extend(parts),
         Node::Difference(parts) => waiting.extend(parts),

@@ -1,8 +1,8 @@
-//! Root-rays of solids in R^d.
+//! Tracing of lines and curves through solids in R^d.
 
 use crate::curve::Line;
 use crate::error::{SpaceError, check};
-use crate::isolate::{check_window, hugs, isolate};
+use crate::isolate::{check_window, coincides_along, isolate};
 use crate::point::{dot, length, minus};
 use crate::program::{FaceEntry, Program};
 use crate::vector::{largest, times};
@@ -13,27 +13,27 @@ use rayweave_model::{Crossing, Event, LeafId, PlacementId, RegionId, State, Surf
 use rayweave_rootray::{Root, RootRay, Side};
 use std::sync::{Arc, LazyLock};
 
-/// What is crossed at a root: the face of a leaf, with its place.
+/// The face that a root crosses, with point and normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face<const D: usize> {
-    /// The leaf, numbered in the order of declaration: see [`Program::leaf_name`].
+    /// The index of the leaf in the order of declaration: see [`Program::leaf_name`].
     pub leaf: u32,
-    /// The face of the leaf, numbered from 0: of a slab that at `lo`, then that at `hi`; of a box those of its slabs.
+    /// The index of the face within the leaf, from 0: `lo`, then `hi` for a slab; those of its slabs for a box.
     pub face: u32,
-    /// Where the trajectory crosses it.
+    /// The point of the crossing.
     pub point: Point<D>,
-    /// The unit normal, outward of the solid that was traced: against the trajectory where it enters.
+    /// The outward unit normal of the traced solid: against the trajectory where it enters.
     pub normal: Point<D>,
 }
 
 /// The root-ray of the line through two points, with t = 0 at p and t = 1 at q, over all t.
 ///
-/// To trace many lines through one solid, [`Tracer`] saves the memory for each.
+/// For many lines through one solid, [`Tracer`] reuses memory.
 ///
 /// ```
 /// use rayweave_space::{Solid, trace};
 ///
-/// // a ring in the plane, less what is above the diagonal
+/// // a ring in the plane, below the diagonal
 /// let ring = Solid::<2>::ball(2.0)? - Solid::ball(1.0)?;
 /// let half = ring - Solid::half_space_below([1.0, -1.0], 0.0)?;
 /// let ray = trace([-3.0, 0.0], [-2.0, 0.0], &half)?;
@@ -44,7 +44,7 @@ pub struct Face<const D: usize> {
 /// ```
 ///
 /// # Errors
-/// `SamePoint` if p and q are equal; `NotFinite` or `Extreme` for a bad coordinate; and those of
+/// `SamePoint` if p and q are equal; `NotFinite` or `Extreme` for an invalid coordinate; and those of
 /// [`Solid::compile`].
 pub fn trace<const D: usize>(
     p: Point<D>,
@@ -67,7 +67,7 @@ pub fn trace_along<const D: usize>(
     Tracer::new(solid)?.trace_curve(curve, t0, t1)
 }
 
-/// Traces lines and curves through one solid, with memory that is used again; one per thread.
+/// Tracer of lines and curves through one solid, with reusable memory; use one per thread.
 #[derive(Clone, Debug)]
 pub struct Tracer<const D: usize> {
     program: Arc<Program<D>>,
@@ -75,7 +75,7 @@ pub struct Tracer<const D: usize> {
 }
 
 impl<const D: usize> Tracer<D> {
-    /// For one solid.
+    /// A tracer for a solid.
     ///
     /// # Errors
     /// Those of [`Solid::compile`].
@@ -98,7 +98,7 @@ impl<const D: usize> Tracer<D> {
     /// See [`Program::contains`].
     ///
     /// # Errors
-    /// `NotFinite` or `Extreme` for a bad coordinate.
+    /// `NotFinite` or `Extreme` for an invalid coordinate.
     pub fn contains(&mut self, point: Point<D>) -> Result<bool, SpaceError> {
         self.program.contains_by(point, &mut self.sweep.values)
     }
@@ -118,36 +118,36 @@ impl<const D: usize> Tracer<D> {
             self.sweep.set(&self.program.network, k, crossings.starts_negative());
         }
         let start = self.sweep.finish(&self.program, path);
-        self.dress(start, &line)
+        self.with_attributes(start, &line)
     }
 
-    /// The root-ray along a curve strictly between two times: the start side is that just after `t0`.
+    /// The root-ray along a curve strictly between two times; the start side is that just after `t0`.
     ///
     /// # Errors
-    /// `Curve`: a window that is not finite, not in order or beyond the curve's domain, or a curve that breaks its
-    /// promises, where that is noticed.
+    /// `Curve`: the window is not finite, not increasing or outside the curve's domain, or a violation of the contract of
+    /// [`Curve`] was detected.
     pub fn trace_curve(
         &mut self,
         curve: &impl Curve<D>,
         t0: f64,
         t1: f64,
     ) -> Result<RootRay<Face<D>>, SpaceError> {
-        // without faces nobody else would
+        // isolation checks it too, but a solid without faces does not get there
         check_window(curve, t0, t1)?;
-        let flips: Result<Vec<RootRay>, _> =
+        let events: Result<Vec<RootRay>, _> =
             self.program.faces.iter().map(|entry| isolate(entry, curve, t0, t1)).collect();
         self.sweep.begin();
-        for (k, flips) in flips?.iter().enumerate() {
-            flips.times().for_each(|t| self.sweep.push(t, k));
-            self.sweep.set(&self.program.network, k, flips.start().is_inside());
+        for (k, events) in events?.iter().enumerate() {
+            events.times().for_each(|t| self.sweep.push(t, k));
+            self.sweep.set(&self.program.network, k, events.start().is_inside());
         }
         let path = OnCurve { faces: &self.program.faces, curve };
         let start = self.sweep.finish(&self.program, path);
-        self.dress(start, curve)
+        self.with_attributes(start, curve)
     }
 
     /// The root-ray with points and normals.
-    fn dress(&self, start: Side, curve: &impl Curve<D>) -> Result<RootRay<Face<D>>, SpaceError> {
+    fn with_attributes(&self, start: Side, curve: &impl Curve<D>) -> Result<RootRay<Face<D>>, SpaceError> {
         let crossings = self.sweep.crossings.iter();
         let roots = crossings.map(|crossing| Root::new(crossing.t, self.face(crossing, curve)));
         Ok(RootRay::new(start, roots.collect())?)
@@ -167,8 +167,8 @@ impl<const D: usize> Tracer<D> {
     }
 }
 
-/// The unit normal along a gradient, against the velocity where it enters, else along it. Where there is no
-/// gradient (the apex of a cone) that of the velocity, so that it is never NaN.
+/// The unit normal along a gradient, oriented against the velocity on entry, along it on exit. If the gradient is zero (at the apex of
+/// a cone), the direction of the velocity, so that the normal is never NaN.
 fn oriented<const D: usize>(gradient: &Point<D>, velocity: &Point<D>, enters: bool) -> Point<D> {
     let sign = if enters { -1.0 } else { 1.0 };
     let along = if length(gradient) > 0.0 { gradient } else { velocity };
@@ -178,7 +178,7 @@ fn oriented<const D: usize>(gradient: &Point<D>, velocity: &Point<D>, enters: bo
     times(flip, &normal)
 }
 
-/// The line through two points, t = 0 at p and t = 1 at q.
+/// The line through two points, with t = 0 at p and t = 1 at q.
 fn line_through<const D: usize>(p: Point<D>, q: Point<D>) -> Result<Line<D>, SpaceError> {
     check::point("p", &p)?;
     check::point("q", &q)?;
@@ -186,47 +186,59 @@ fn line_through<const D: usize>(p: Point<D>, q: Point<D>) -> Result<Line<D>, Spa
     if largest(&direction) > 0.0 { Ok(Line::new(p, direction)) } else { Err(SpaceError::SamePoint) }
 }
 
-/// A line among the faces of a program.
+/// A line with the faces of a program, for the weld.
 struct OnLine<'a, const D: usize> {
     faces: &'a [FaceEntry<D>],
     line: &'a Line<D>,
 }
 
 impl<const D: usize> Trajectory for OnLine<'_, D> {
-    fn hugs(&self, _: &rayweave_model::Program, face: rayweave_model::Face, a: f64, b: f64) -> bool {
+    fn coincides_along(
+        &self,
+        _: &rayweave_model::Program,
+        face: rayweave_model::Face,
+        a: f64,
+        b: f64,
+    ) -> bool {
         let entry = &self.faces[face.surface.index()];
-        entry.surface.hugs(entry.reach, self.line, a, b)
+        entry.surface.coincides_along(entry.magnitude, self.line, a, b)
     }
 }
 
-/// A curve among the faces of a program.
+/// A curve with the faces of a program, for the weld.
 struct OnCurve<'a, C, const D: usize> {
     faces: &'a [FaceEntry<D>],
     curve: &'a C,
 }
 
 impl<C: Curve<D>, const D: usize> Trajectory for OnCurve<'_, C, D> {
-    fn hugs(&self, _: &rayweave_model::Program, face: rayweave_model::Face, a: f64, b: f64) -> bool {
-        // a curve that fails here has failed in isolation already
-        hugs(&self.faces[face.surface.index()], self.curve, a, b).unwrap_or(false)
+    fn coincides_along(
+        &self,
+        _: &rayweave_model::Program,
+        face: rayweave_model::Face,
+        a: f64,
+        b: f64,
+    ) -> bool {
+        // a curve that violates its contract was rejected in isolation
+        coincides_along(&self.faces[face.surface.index()], self.curve, a, b).unwrap_or(false)
     }
 }
 
-/// The sweep through the flips of all faces along one trajectory: the network follows them, the weld of all
-/// evaluators joins what only rounding keeps apart.
+/// Sweep through the boundary events of all faces along a trajectory: the network processes them, and the weld merges crossings that
+/// differ only by rounding.
 #[derive(Clone, Debug)]
 struct Sweep {
-    /// All outside between two sweeps.
+    /// All outside between sweeps.
     state: NetworkState,
     events: Vec<Event>,
     crossings: Vec<Crossing>,
-    /// The values of all nodes, for points.
+    /// The values of all nodes, for point queries.
     values: Vec<bool>,
 }
 
-/// A solid is one region of one medium to the weld. (Media are all that it asks a model of space for.)
+/// A model with one region and one medium. The weld only uses the media of a model.
 static ONE_MEDIUM: LazyLock<rayweave_model::Program> = LazyLock::new(|| {
-    rayweave_model::Program::compile(&rayweave_model::Solid::vacuum()).expect("vacuum compiles")
+    rayweave_model::Program::compile(&rayweave_model::Solid::empty()).expect("empty compiles")
 });
 
 impl Sweep {
@@ -234,7 +246,7 @@ impl Sweep {
         self.events.clear();
     }
 
-    /// Face number `face` flips at `t`.
+    /// Adds a boundary event of a face at `t`.
     fn push(&mut self, t: f64, face: usize) {
         let named = rayweave_model::Face {
             leaf: LeafId::from(face),
@@ -245,14 +257,14 @@ impl Sweep {
         self.events.push(Event { t, leaf: face as u32, face: named });
     }
 
-    /// Sets the side of a face at the start.
+    /// Sets the start side of a face.
     fn set(&mut self, network: &Network, face: usize, inside: bool) {
         if inside {
             network.flip(&mut self.state, face as u32);
         }
     }
 
-    /// Finds the crossings that are left of all flips; the side at the start.
+    /// Computes the crossings from the boundary events; returns the start side.
     fn finish<const D: usize>(&mut self, program: &Program<D>, path: impl Trajectory) -> Side {
         let Sweep { state, events, crossings, .. } = self;
         crossings.clear();

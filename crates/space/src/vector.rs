@@ -1,4 +1,4 @@
-//! Unit vectors and multiples of vectors of R^d.
+//! Vector operations in R^d: multiples, norms and unit vectors.
 
 use crate::Point;
 use crate::point::length;
@@ -9,13 +9,13 @@ pub fn times<const D: usize>(factor: f64, v: &Point<D>) -> Point<D> {
     v.map(|x| factor * x)
 }
 
-/// The largest magnitude of a component; NaN counts as nothing.
+/// The largest magnitude of a component (maximum norm); NaN is ignored.
 pub fn largest<const D: usize>(v: &Point<D>) -> f64 {
     v.iter().fold(0.0, |most, x| x.abs().max(most))
 }
 
-/// The unit vector along `v` and the length of `v` (as two factors, of which none over- or underflows); exact
-/// where `v` lies on a coordinate axis; NaN for a zero vector.
+/// The unit vector along `v`, and the length of `v` as two factors, neither of which over- or underflows. Exact if `v` lies on a
+/// coordinate axis; NaN for a zero vector.
 pub fn unit<const D: usize>(v: &Point<D>) -> (Point<D>, [f64; 2]) {
     let size = largest(v);
     let scaled = v.map(|x| x / size);
@@ -28,7 +28,7 @@ pub fn axis_vector<const D: usize>(axis: usize) -> Point<D> {
     from_fn(|k| if k == axis { 1.0 } else { 0.0 })
 }
 
-/// A vector with zeros after it.
+/// The vector padded with zeros.
 pub fn padded<const D: usize, const N: usize>(v: &Point<D>) -> Point<N> {
     from_fn(|k| v.get(k).copied().unwrap_or(0.0))
 }

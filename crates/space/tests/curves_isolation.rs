@@ -4,11 +4,11 @@ mod curves_support;
 
 use curves_support::{Own, Polynomial};
 use rayweave_conformance::Random;
-use rayweave_math::{Affine, Vec3};
+use rayweave_math::{Affine, Vec3, perturbs_inside};
 use rayweave_rootray::{RootRay, Side};
 use rayweave_shape::surface::Surface;
 use rayweave_space::curve::{Arc, Helix, Line, Mapped, Parabola, Spline, SplineEnds};
-use rayweave_space::{Curve, CurveError, Point, isolate, leads_inside};
+use rayweave_space::{Curve, CurveError, Point, isolate};
 use std::f64::consts::{PI, TAU};
 
 fn times(ray: &RootRay) -> Vec<f64> {
@@ -85,7 +85,7 @@ fn near_double_roots() {
         let normal = map.vector(Vec3::Z);
         let plane = Surface::plane(normal, normal.dot(map.point(Vec3::ZERO)));
         let got = times(&isolate(&plane, &curve, -1.0, 1.0).unwrap());
-        let delta = rayweave_shape::surface::delta_of(curve.size(middle) + plane.reach());
+        let delta = rayweave_shape::surface::delta_of(curve.size(middle) + plane.magnitude());
         if sag * scale > 2.0 * delta {
             assert_eq!(got.len(), 2, "gap {gap:e}");
             let off = 2.0 * delta / (gap * scale);
@@ -200,7 +200,7 @@ impl<const D: usize> rayweave_space::Field<D> for Ball<D> {
         (q.iter().fold(start, |sum, x| sum + x.square()), q.map(|x| x * 2.0))
     }
 
-    fn reach(&self) -> f64 {
+    fn magnitude(&self) -> f64 {
         self.centre.iter().map(|x| x * x).sum::<f64>().sqrt() + self.radius
     }
 }
@@ -270,7 +270,7 @@ fn curves_in_surfaces() {
             let (t0, t1) = (rng.between(-7.0, -1.0), rng.between(1.0, 7.0));
             let got = isolate(&surface, &curve, t0, t1).unwrap();
             let at = Vec3::from_array(curve.position(0.5 * t0 + 0.5 * t1));
-            let side = leads_inside(&surface.value_and_gradient(at).1.to_array());
+            let side = perturbs_inside(&surface.value_and_gradient(at).1.to_array());
             assert_eq!((got.start().is_inside(), times(&got)), (side, vec![]), "{name}, round {round}");
         }
     }
@@ -353,11 +353,11 @@ fn curves_that_lie() {
     assert!(plain.iter().zip(times(&costly.unwrap())).all(|(a, b)| (a - b).abs() < 1e-15));
     for bad in [f64::NAN, -1.0, f64::INFINITY] {
         let error = of(&circle_with_bound(move |_, _| bad)).unwrap_err();
-        assert!(matches!(error, CurveError::BadBound { .. }), "{error}");
+        assert!(matches!(error, CurveError::InvalidBound { .. }), "{error}");
     }
     for low in [0.0, 0.5, 0.9] {
         let error = of(&circle_with_bound(move |_, _| low)).unwrap_err();
-        assert!(matches!(error, CurveError::BoundBroken { bound, .. } if bound == low), "{error}");
+        assert!(matches!(error, CurveError::BoundViolated { bound, .. } if bound == low), "{error}");
     }
     let error = of(&circle_with_bound(|_, _| 1e300)).unwrap_err();
     assert!(matches!(error, CurveError::TooMuchWork { t0: 0.0, t1: 5.0, .. }), "{error}");
@@ -371,9 +371,9 @@ fn curves_that_lie() {
     let error = of(&hole).unwrap_err();
     assert!(matches!(error, CurveError::NotFinite { t } if t > 2.0), "{error}");
     let jump = own(|t| [libm::cos(t), libm::sin(t) + if t > 2.0 { 1.0 } else { 0.0 }, 0.1 * t], velocity);
-    assert!(matches!(of(&jump), Err(CurveError::BoundBroken { .. })));
+    assert!(matches!(of(&jump), Err(CurveError::BoundViolated { .. })));
     let still = own(|t| [libm::cos(t), libm::sin(t), 0.1 * t], |_| [0.0; 3]);
-    assert!(matches!(of(&still), Err(CurveError::BoundBroken { .. })));
+    assert!(matches!(of(&still), Err(CurveError::BoundViolated { .. })));
     let endless = own(|t| [1.0 / (t - 2.5), 0.0, 0.0], |t| [-1.0 / (t - 2.5) / (t - 2.5), 0.0, 0.0]);
     assert!(of(&endless).is_err());
 }

@@ -3,7 +3,7 @@
 use rayweave_conformance::rays::rays;
 use rayweave_conformance::{Model, Random, Style};
 use rayweave_math::Vec3;
-use rayweave_model::dress::normal;
+use rayweave_model::attributes::normal;
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
     Crossing, Evaluator, Face, LeafId, LeafKind, PlacementId, Program, PrototypeId, Query, RayBatch,
@@ -27,10 +27,10 @@ struct Count {
 
 /// The distance of a point of the ray from a surface, in units of delta.
 fn deltas(program: &Program, ray: &Ray, placement: PlacementId, surface: SurfaceId, t: f64) -> f64 {
-    let (local, reach) = local_ray(program, ray, placement);
+    let (local, magnitude) = local_ray(program, ray, placement);
     let entry = program.surface(surface);
     let (value, gradient) = entry.surface.value_and_gradient(local.at(t));
-    value.abs() / gradient.length() / delta(entry.reach + reach, &local, t)
+    value.abs() / gradient.length() / delta(entry.magnitude + magnitude, &local, t)
 }
 
 /// True if the ray is near the border of lying in some surface of the model, all along or at the ends of the window.
@@ -48,19 +48,19 @@ fn is_borderline(program: &Program, ray: &Ray, times: [f64; 3]) -> bool {
     })
 }
 
-/// True if the ray is within delta of a surface between two neighbouring crossings: there a rounding of the roots of
-/// that surface decides about the other one.
+/// True if the ray is within delta of a surface between two neighbouring crossings: rounding of the roots of that surface then decides
+/// about the other one.
 fn has_sliver(program: &Program, ray: &Ray, crossings: &[Crossing]) -> bool {
     let near = |face: Face, t: f64| deltas(program, ray, face.placement, face.surface, t) < 4.0;
     crossings.windows(2).any(|pair| near(pair[0].face, pair[1].t) || near(pair[1].face, pair[0].t))
 }
 
-/// The same crossing: at an edge, where the order of times that are equal but for rounding decides, any face of the edge.
+/// True if two crossings agree. At an edge, where times are equal up to rounding, any face of the edge counts.
 fn same(program: &Program, ray: &Ray, a: &Crossing, b: &Crossing) -> bool {
     let slope = |c: &Crossing| normal(program, ray, c).dot(ray.direction).abs();
     let slope = slope(a).min(slope(b));
-    let reach = program.surface(b.face.surface).reach + 3.0;
-    let slack = 2.0 * delta(reach, ray, b.t) / slope;
+    let magnitude = program.surface(b.face.surface).magnitude + 3.0;
+    let slack = 2.0 * delta(magnitude, ray, b.t) / slope;
     let face = |x: Face, y: Face| x == y || deltas(program, ray, x.placement, x.surface, b.t) < 4.0;
     (a.t - b.t).abs() <= slack
         && (a.before, a.after) == (b.before, b.after)
@@ -121,12 +121,12 @@ fn expect_equal(count: Count) {
 }
 
 #[test]
-fn a_line_gives_what_the_reference_gives() {
+fn lines_agree_with_the_reference() {
     expect_equal(compare_all(0..300, 20));
 }
 
 #[test]
 #[ignore = "long"]
-fn long_many_lines_give_what_the_reference_gives() {
+fn long_many_lines_agree_with_the_reference() {
     expect_equal(compare_all(1000..3000, 100));
 }

@@ -1,4 +1,4 @@
-//! Compiled models along curves: closed forms, coincidences, and an oracle that samples densely.
+//! Curves through compiled models: closed forms, coincident faces, and an oracle by dense sampling.
 
 mod curves_support;
 
@@ -21,7 +21,7 @@ fn times(trace: &CurveTrace) -> Vec<f64> {
     trace.crossings.iter().map(|crossing| crossing.t).collect()
 }
 
-/// The window begins outside or inside, and the solid is entered and left at these times in turn.
+/// Checks the start side and the alternating entry and exit times of a solid.
 fn expect(solid: &Solid, curve: &dyn Curve<3>, (t0, t1): (f64, f64), inside: bool, want: &[f64], what: &str) {
     let got = trace(solid, curve, t0, t1);
     let (found, slack) = (times(&got), 1e-12 * (t1 - t0));
@@ -33,7 +33,7 @@ fn expect(solid: &Solid, curve: &dyn Curve<3>, (t0, t1): (f64, f64), inside: boo
     }
 }
 
-/// Plain, and moved, turned and scaled together with the curve.
+/// Checks a case as it is, and moved, rotated and scaled together with the curve.
 fn expect_anywhere(
     solid: &Solid,
     curve: &dyn Curve<3>,
@@ -48,7 +48,7 @@ fn expect_anywhere(
         let map = motion(&mut rng).then(&Affine::scale(Vec3::splat(scale)));
         let moved = Mapped::new(curve, map);
         expect(&solid.clone().apply(map), &moved, window, inside, want, &format!("{what}, times {scale}"));
-        // as a placed solid, in a frame of its own
+        // as a placed solid
         let placed = solid.clone().place([map]);
         expect(&placed, &moved, window, inside, want, &format!("{what}, placed, times {scale}"));
     }
@@ -104,7 +104,7 @@ fn arcs_against_sphere_box_and_torus() {
     let want: Vec<f64> =
         (0..4).flat_map(|k| [a + 0.25 * TAU * f64::from(k), b + 0.25 * TAU * f64::from(k)]).collect();
     expect_anywhere(&cube, &circle([0.0; 3], 1.0), (0.0, TAU - 0.1), false, &want, "arc in box");
-    // a circle in the plane of the axis, about the middle of the tube and beside it
+    // a circle in a plane through the axis, around the middle of the tube and beside it
     let torus = shape("torus", &[("major", 2.0), ("minor", 0.5)]);
     let upright = |x: f64, r: f64| Arc::new([x, 0.0, 0.0], [[r, 0.0, 0.0], [0.0, 0.0, r]], 1.0).unwrap();
     expect_anywhere(&torus, &upright(2.0, 0.4), (0.0, 10.0), true, &[], "arc within the tube");
@@ -128,7 +128,7 @@ fn projectile_and_floor() {
     assert!((curve_point(&throw, &crossing)[0] - 2.0 * down).abs() < 1e-14);
 }
 
-/// A circle in the faces of solids: nothing is both, and nothing is missing.
+/// A circle in shared faces: neither overlap nor gap.
 #[test]
 fn circles_in_shared_faces() {
     let mut rng = Random::new(3);
@@ -153,7 +153,7 @@ fn circles_in_shared_faces() {
     }
 }
 
-/// A curve that comes into a shared face from above, follows it and leaves it below or above.
+/// A curve that enters a shared face from above, follows it and leaves it below or above.
 #[test]
 fn curves_that_follow_a_shared_face() {
     let below = block(Vec3::new(-9.0, -9.0, -9.0), Vec3::new(9.0, 9.0, 0.0));
@@ -173,7 +173,7 @@ fn curves_that_follow_a_shared_face() {
         assert_eq!((union.start, times(&union)), (RegionId(1), vec![]), "round {round}");
         let both = of(a.clone() & b.clone());
         assert_eq!((both.start, times(&both)), (RegionId(0), vec![]), "round {round}");
-        // one crossing, in the stretch, if the curve changes sides
+        // one crossing within the coincident span if the curve changes sides
         let one = of(a.clone());
         assert_eq!(
             (one.start, one.crossings.len()),
@@ -210,7 +210,7 @@ fn edges_corners_and_contacts() {
     expect_anywhere(&pair, &between, (-3.0, 3.0), false, &[], "between two spheres");
 }
 
-/// Equal surfaces have equal bits: a stack of tiles is solid along any curve, cemented parts change once.
+/// Equal surfaces have equal bits: a stack of tiles has no gaps along any curve, and cemented parts have one crossing at their contact.
 #[test]
 fn tiles_in_contact() {
     let mut rng = Random::new(12);
@@ -234,9 +234,9 @@ fn tiles_in_contact() {
     }
 }
 
-/// A curve that breaks its promise is found out even where it misses everything.
+/// A curve that violates its contract is rejected even if it misses everything.
 #[test]
-fn a_curve_that_lies_is_refused() {
+fn a_curve_that_violates_its_contract_is_rejected() {
     let cube = Program::compile(&shape("box", &[("size", 1.0)])).unwrap();
     let lying = curves_support::Own {
         position: |t: f64| [5.0 + libm::cos(t), libm::sin(t), 0.0],
@@ -244,12 +244,12 @@ fn a_curve_that_lies_is_refused() {
         bound: |_: f64, _: f64| 0.1,
     };
     let error = trace_curve(&cube, &lying, 0.0, 6.0).unwrap_err();
-    assert!(matches!(error, CurveError::BoundBroken { bound: 0.1, .. }), "{error}");
+    assert!(matches!(error, CurveError::BoundViolated { bound: 0.1, .. }), "{error}");
     let window = trace_curve(&cube, &lying, 0.0, f64::INFINITY).unwrap_err();
     assert!(matches!(window, CurveError::Window { .. }), "{window}");
 }
 
-/// Every kind of curve through the space of the random models.
+/// Random curves of all kinds through the volume of the random models.
 fn random_curve(rng: &mut Random) -> (Box<dyn Curve<3>>, f64, f64) {
     let mut point = |half: f64| rng.point(half).to_array();
     let (p, v, a) = (point(2.5), point(1.5), point(1.0));
@@ -267,7 +267,7 @@ fn random_curve(rng: &mut Random) -> (Box<dyn Curve<3>>, f64, f64) {
     }
 }
 
-/// The medium at points of the curve, where no crossing is near, is the one that the crossings say.
+/// Checks that the medium at sampled points away from crossings agrees with the crossings.
 fn check_by_sampling(
     reference: &Reference,
     curve: &dyn Curve<3>,
@@ -303,7 +303,7 @@ fn check_by_sampling(
     got.crossings.len()
 }
 
-/// Crossings are in order, on their faces, and their normals are unit vectors against or along the curve.
+/// Checks that crossings are in order and on their faces, with unit normals against or along the curve.
 fn check_crossings(program: &Program, curve: &dyn Curve<3>, got: &CurveTrace, what: &str) {
     let mut region = program.medium_of(got.start);
     for pair in got.crossings.windows(2) {
@@ -349,8 +349,8 @@ fn long_dense_samples_find_nothing_else() {
     assert!(crossings > 20_000, "{crossings}");
 }
 
-/// A curve cut into pieces at the very times of its crossings, with the sides of surfaces carried on: each crossing is told once,
-/// by the piece before or by that behind it. Without the sides they are lost in the rounding of the ends.
+/// A curve split at the times of its crossings, with the sides of surfaces carried over: each crossing is reported once, by the piece
+/// before or after it. Without the sides, rounding of the ends would lose crossings.
 #[test]
 fn pieces_that_end_on_faces() {
     let solid = block(Vec3::new(-1.0, -0.7, -0.5), Vec3::new(1.1, 0.8, 3.0))
@@ -372,7 +372,7 @@ fn pieces_that_end_on_faces() {
     assert!(found.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} {want:?}");
 }
 
-/// A curve that begins on a face goes to the side that is said, whatever rounding makes of the first point.
+/// A curve that begins on a face starts on the given side, for any rounding of the first point.
 #[test]
 fn curves_that_begin_on_faces() {
     let program = Program::compile(&shape("sphere", &[("radius", 2.0)])).unwrap();

@@ -1,4 +1,4 @@
-//! Solids in R^d against closed forms; and what constructors refuse.
+//! Solids in R^d against closed forms, and validation of arguments.
 
 use rayweave_rootray::{RootRay, Side};
 use rayweave_space::curve::{Arc, Line, Parabola};
@@ -48,7 +48,7 @@ fn normals_of_a_complement_and_of_a_cavity_point_out_of_the_solid() {
     assert_eq!(outside.roots()[0].surface.normal, [1.0, 0.0]);
 }
 
-/// Where the quadric of (n, m, bias) is on the line p + t d, by the textbook formula in exact small integers.
+/// The roots of the quadric (n, m, bias) on the line p + t d, by the textbook formula in exact small integers.
 fn quadric_by_hand<const D: usize>(
     n: usize,
     m: usize,
@@ -81,7 +81,7 @@ fn quadrics<const D: usize>() -> usize {
                 let solid = Solid::<D>::quadric(n, m, bias).unwrap();
                 let mut tracer = Tracer::new(&solid).unwrap();
                 for k in 0..40 {
-                    // small odd numbers over 8, so that lines in the surface are rare and everything is exact
+                    // small odd multiples of 1/8: lines in the surface are rare, and all values are exact
                     let number =
                         |k: usize, j: usize| ((k * 37 + j * 61 + k * k * j) % 33) as f64 / 8.0 - 2.0625;
                     let p: Point<D> = std::array::from_fn(|j| number(k, j));
@@ -130,7 +130,7 @@ fn cylinders_and_cones_are_quadrics() {
 }
 
 #[test]
-fn affine_maps_with_shear_are_undone_by_carrying_the_line_back() {
+fn affine_maps_agree_with_inverse_maps_of_the_line() {
     let matrix = [[1.0, 0.5, 0.0, 2.0], [0.0, 2.0, -1.0, 0.0], [0.25, 0.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]];
     let shift = [1.0, -2.0, 3.0, 0.5];
     let map = Affine::new(matrix, shift).unwrap();
@@ -155,7 +155,7 @@ fn affine_maps_with_shear_are_undone_by_carrying_the_line_back() {
             close(&times(&got), &times(&want), 1e-10);
             crossings += want.roots().len();
             for (root, other) in got.roots().iter().zip(want.roots()) {
-                // a normal is carried by the inverse transpose
+                // normals transform by the inverse transpose
                 let back = map.covector(&root.surface.normal);
                 let dot: f64 = back.iter().zip(&other.surface.normal).map(|(a, b)| a * b).sum();
                 let size: f64 = back.iter().map(|a| a * a).sum::<f64>().sqrt();
@@ -167,7 +167,7 @@ fn affine_maps_with_shear_are_undone_by_carrying_the_line_back() {
 }
 
 #[test]
-fn prisms_take_points_either_way_round_and_name_their_edges() {
+fn prisms_accept_both_orientations_and_name_their_edges() {
     let arrow = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [2.0, 1.0], [0.0, 3.0]];
     let mut reversed = arrow;
     reversed.reverse();
@@ -207,7 +207,7 @@ fn extruded_solids_do_not_depend_on_the_new_coordinates() {
 }
 
 #[test]
-fn curves_meet_solids_of_the_plane_where_they_should() {
+fn curves_through_solids_of_the_plane_have_their_closed_forms() {
     // a stone thrown over a wall: y = 4 - t^2, x = t
     let throw = Parabola::new([0.0, 4.0], [1.0, 0.0], [0.0, -2.0]);
     let wall = Solid::<2>::box_from_corners([0.5, 0.0], [3.0, 3.0]).unwrap();
@@ -230,7 +230,7 @@ fn curves_meet_solids_of_the_plane_where_they_should() {
 }
 
 #[test]
-fn bad_numbers_are_refused_with_their_place() {
+fn invalid_numbers_are_rejected_with_their_index() {
     let nan = f64::NAN;
     let text = |error: Option<SpaceError>| error.map(|e| e.to_string()).unwrap_or_default();
     let half = Solid::<3>::half_space(0).unwrap();
@@ -241,7 +241,7 @@ fn bad_numbers_are_refused_with_their_place() {
     assert!(matches!(trace([0.0; 3], [1e200, 0.0, 0.0], &half), Err(SpaceError::Extreme { what: "q", .. })));
     assert_eq!(
         text(Solid::<3>::half_space(3).err()),
-        "axis 3 is out of range (R^3 has the axes 0 to 2) did you count from 1?"
+        "axis 3 is out of range: R^3 has the axes 0 to 2. Number axes from 0."
     );
     assert_eq!(Solid::<2>::half_space_below([0.0; 2], 1.0).err(), Some(SpaceError::ZeroNormal));
     assert!(matches!(Solid::<2>::ball(-1.0).err(), Some(SpaceError::NotPositive { what: "radius", .. })));
@@ -267,7 +267,7 @@ fn bad_numbers_are_refused_with_their_place() {
     assert!(matches!(half.translate([nan, 0.0, 0.0]).err(), Some(SpaceError::NotFinite { .. })));
     assert!(matches!(half.rotate(0, 0, 10.0).err(), Some(SpaceError::SameAxis { axis: 0 })));
     assert!(matches!(half.compile().unwrap().contains([0.0, nan, 0.0]), Err(SpaceError::NotFinite { .. })));
-    // maps that are well behaved one by one
+    // maps that are well-conditioned individually
     let mut crushed = Solid::<2>::ball(1.0).unwrap();
     for _ in 0..10 {
         crushed = crushed.scale([1.0, 1e-10]).unwrap();
@@ -281,22 +281,22 @@ fn bad_numbers_are_refused_with_their_place() {
 }
 
 #[test]
-fn points_are_inside_or_not_and_on_a_face_where_w_leads() {
+fn points_on_faces_are_perturbed_along_w() {
     let cube = Solid::<4>::box_from_corners([0.0; 4], [1.0; 4]).unwrap().compile().unwrap();
     assert_eq!(cube.contains([0.5; 4]), Ok(true));
     assert_eq!(cube.contains([0.5, 0.5, 0.5, 1.5]), Ok(false));
-    // w leads towards larger coordinates: the lower faces belong to the cube, the upper ones to what is above
+    // w points to larger coordinates: points on the lower faces are inside, on the upper faces outside
     assert_eq!(cube.contains([0.0, 0.5, 0.5, 0.5]), Ok(true));
     assert_eq!(cube.contains([1.0, 0.5, 0.5, 0.5]), Ok(false));
-    assert_eq!(Solid::<2>::plenum().compile().unwrap().contains([0.0; 2]), Ok(true));
-    assert_eq!(Solid::<2>::vacuum().compile().unwrap().contains([0.0; 2]), Ok(false));
+    assert_eq!(Solid::<2>::universe().compile().unwrap().contains([0.0; 2]), Ok(true));
+    assert_eq!(Solid::<2>::empty().compile().unwrap().contains([0.0; 2]), Ok(false));
 }
 
-/// Where a solid has no faces nobody follows the curve; its window is looked at all the same.
+/// The window is validated even for solids without faces.
 #[test]
 fn windows_are_checked_for_constant_solids_too() {
     let line = rayweave_space::curve::Line::new([0.0; 2], [1.0, 0.0]);
-    for solid in [Solid::<2>::vacuum(), Solid::plenum()] {
+    for solid in [Solid::<2>::empty(), Solid::universe()] {
         for (t0, t1) in [(1.0, f64::NAN), (1.0, 1.0), (2.0, 1.0), (0.0, f64::INFINITY)] {
             let refused = trace_along(&line, t0, t1, &solid);
             assert!(matches!(refused, Err(SpaceError::Curve(_))), "{t0} {t1}: {refused:?}");

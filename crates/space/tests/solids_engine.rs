@@ -1,4 +1,4 @@
-//! Solids of space as the engine for space sees them: the same trees, the same lines.
+//! Solids in R^3 against the engine for space, on equal trees and lines.
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::{Affine as SpaceMap, Mat3, Vec3};
@@ -23,7 +23,7 @@ fn pair(primitive: impl Into<Primitive>, space: Solid<3>) -> Pair {
     Pair { engine: Engine::from(primitive.into()), space }
 }
 
-/// A number on a coarse grid, so that faces touch and lines lie in them, or anywhere.
+/// A random number, optionally on a coarse grid, so that faces touch and lines lie in them.
 fn number(rng: &mut Rng, grid: bool) -> f64 {
     if grid { f64::from(rng.random_range(-2..=2i32)) } else { rng.random_range(-2.0..2.0) }
 }
@@ -63,7 +63,7 @@ fn leaf(rng: &mut Rng, grid: bool) -> Pair {
     }
 }
 
-/// Moved by nothing, a shift, a turn, a scale or a shear.
+/// The pair under the identity, a translation, a rotation, a scale or a shear.
 fn moved(rng: &mut Rng, grid: bool, pair: Pair) -> Pair {
     let mut matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     match rng.random_range(0..5u8) {
@@ -111,16 +111,16 @@ fn tree(rng: &mut Rng, grid: bool) -> Pair {
     pool.remove(0)
 }
 
-/// Lines along an asymptote of a cone meet it, by the rounding of their direction, at some time of 1e15 or never.
+/// Lines along an asymptote of a cone cross it at a time of about 1e15 or never, by the rounding of their direction.
 const FAR: f64 = 1e6;
 
 #[derive(Debug, Default)]
 struct Count {
     lines: usize,
     crossings: usize,
-    /// Lines of which the two found different numbers of crossings or sides.
+    /// Lines with different numbers of crossings or different sides.
     touching: usize,
-    /// The same where pieces shorter than 1e-6 do not count.
+    /// Lines with differences after removal of spans shorter than 1e-6.
     differ: Vec<String>,
 }
 
@@ -129,13 +129,13 @@ fn equal(a: &RootRay, b: &RootRay) -> bool {
     a.start() == b.start() && a.roots().len() == b.roots().len() && a.times().zip(b.times()).all(close)
 }
 
-/// True if a line lies in a cone or hyperboloid. On what side of it that is depends on the middle of the model, which
-/// the engine finds with tighter boxes.
+/// True if a line lies in a cone or hyperboloid. Its side depends on the centre of the model, which the engine computes with tighter
+/// boxes.
 fn lies_in_quadric(program: &Program, ray: &Ray) -> bool {
     let chord = chord(&program.prototype(PrototypeId(0)).ball, ray);
     program.surfaces().iter().any(|entry| {
         matches!(entry.surface, Surface::Quadric(_))
-            && chord.lies_in(&entry.surface, entry.reach, ray).is_some()
+            && chord.lies_in(&entry.surface, entry.magnitude, ray).is_some()
     })
 }
 
@@ -159,7 +159,7 @@ fn compare(pair: &Pair, rng: &mut Rng, grid: bool, lines: usize, count: &mut Cou
         let want = RootRay::from_times(side, want.crossings.iter().map(|c| c.t)).unwrap();
         let got = got.map_surfaces(|_| ());
         if !equal(&got, &want) {
-            // a line that touches a sphere may cross it twice by rounding
+            // by rounding, a tangent of a sphere may have two crossings
             count.touching += 1;
             let coarse = |ray: &RootRay| ray.weld(|_, _| 1e-6);
             if !equal(&coarse(&got), &coarse(&want)) && !lies_in_quadric(reference.program(), &ray) {
@@ -182,7 +182,7 @@ fn compare_trees(seed: u64, trees: usize, lines: usize) -> Count {
 }
 
 #[test]
-fn trees_have_the_crossings_that_the_engine_finds() {
+fn trees_agree_with_the_engine() {
     let count = compare_trees(1, 600, 40);
     assert!(count.lines > 20_000 && count.crossings > count.lines);
     assert!(count.differ.is_empty(), "{} of {} differ", count.differ.len(), count.lines);
@@ -191,7 +191,7 @@ fn trees_have_the_crossings_that_the_engine_finds() {
 
 #[test]
 #[ignore = "long"]
-fn long_trees_have_the_crossings_that_the_engine_finds() {
+fn long_trees_agree_with_the_engine() {
     let count = compare_trees(2, 40_000, 50);
     assert!(count.differ.is_empty(), "{} of {} differ", count.differ.len(), count.lines);
     assert!(count.touching * 1000 < count.lines);

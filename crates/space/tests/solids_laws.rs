@@ -1,5 +1,4 @@
-//! What holds for all solids in R^d: the sides between crossings, the laws of boolean algebra, faces in common, lines
-//! that lie in faces, trees of any depth.
+//! Laws of solids in R^d: sides between crossings, boolean algebra, shared faces, lines in faces, trees of any depth.
 
 #![allow(clippy::eq_op, reason = "solids less themselves are laws, too")]
 
@@ -9,7 +8,7 @@ use rayweave_space::{Face, Point, Solid, Tracer, trace};
 
 type Rng = ChaCha8Rng;
 
-/// A solid with a formula of its own that shares no code with it.
+/// A solid with an independent containment formula.
 struct Model<const D: usize> {
     solid: Solid<D>,
     inside: Box<dyn Fn(&Point<D>) -> bool>,
@@ -66,7 +65,7 @@ fn leaf<const D: usize>(rng: &mut Rng, grid: bool) -> Model<D> {
     }
 }
 
-/// Turned, stretched, moved; the formula is asked at the point led back step by step.
+/// The solid under a rotation, a scale or a translation; the formula evaluates the inverse image of the point.
 fn moved<const D: usize>(rng: &mut Rng, grid: bool, model: Model<D>) -> Model<D> {
     let (from, to) = (rng.random_range(0..D - 1), D - 1);
     let degrees =
@@ -107,8 +106,8 @@ fn tree<const D: usize>(rng: &mut Rng, grid: bool) -> Model<D> {
     pool.remove(0)
 }
 
-/// Points between neighbouring crossings, and far out, have the side that the formula gives. Pieces shorter than
-/// 1e-4 are left out: there the formula's own rounding counts.
+/// Checks the sides of points between neighbouring crossings and far outside against the formula. Spans shorter than 1e-4 are skipped,
+/// where the rounding of the formula matters.
 fn check_sides<const D: usize>(model: &Model<D>, p: Point<D>, q: Point<D>, tracer: &mut Tracer<D>) -> usize {
     let ray = tracer.trace(p, q).unwrap();
     let ends = [-40.0, 40.0];
@@ -120,7 +119,7 @@ fn check_sides<const D: usize>(model: &Model<D>, p: Point<D>, q: Point<D>, trace
             let t = pair[0] + share * (pair[1] - pair[0]);
             let at: Point<D> = std::array::from_fn(|k| p[k] + t * (q[k] - p[k]));
             let inside = ray.side_at(t).unwrap() == Side::Inside;
-            // at a point that the line only touches a surface the formula may say either
+            // at a point where the line touches a surface, the formula may return either side
             let beside = |s: f64| (model.inside)(&std::array::from_fn(|k| at[k] + s * (q[k] - p[k])));
             let agrees = [0.0, 1e-6, -1e-6].iter().any(|&s| beside(s) == inside);
             assert!(agrees, "{p:?} {q:?} at {t}: {inside}, {ray}");
@@ -144,7 +143,7 @@ fn sides<const D: usize>(seed: u64) -> usize {
 }
 
 #[test]
-fn between_crossings_the_side_is_that_of_the_formula() {
+fn sides_between_crossings_agree_with_the_formula() {
     assert!(sides::<2>(1) > 10_000);
     assert!(sides::<3>(2) > 10_000);
     assert!(sides::<4>(3) > 10_000);
@@ -177,9 +176,9 @@ fn laws<const D: usize>(seed: u64) -> usize {
             (&a & &(&a | &b), a.clone()),
             (!!&a, a.clone()),
             (Solid::union([a.clone(), b.clone(), c.clone()]), &a | &(&b | &c)),
-            (&a | &!&a, Solid::plenum()),
-            (&a - &a, Solid::vacuum()),
-            (&a ^ &a, Solid::vacuum()),
+            (&a | &!&a, Solid::universe()),
+            (&a - &a, Solid::empty()),
+            (&a ^ &a, Solid::empty()),
         ];
         let mut tracers = pairs.map(|(x, y)| (Tracer::new(&x).unwrap(), Tracer::new(&y).unwrap()));
         for _ in 0..8 {
@@ -208,8 +207,8 @@ fn corners<const D: usize>(lo: f64, hi: f64, first: (f64, f64)) -> Solid<D> {
     Solid::box_from_corners(corner(lo, first.0), corner(hi, first.1)).unwrap()
 }
 
-/// Two boxes that share the face x_0 = 0; lines across it, along it and through its corners; as they are, turned,
-/// and with one of the boxes brought to its place by other maps.
+/// Two boxes that share the face x_0 = 0, with lines across it, along it and through its corners: as they are, rotated, and with one of
+/// the boxes placed by other maps.
 fn shared_face<const D: usize>(rng: &mut Rng) {
     let left = corners::<D>(0.0, 2.0, (-1.0, 0.0));
     let right = corners::<D>(0.0, 2.0, (0.0, 3.0));
@@ -231,7 +230,7 @@ fn shared_face<const D: usize>(rng: &mut Rng) {
                 let (only, rest) = (trace(p, q, &a).unwrap(), trace(p, q, &rest).unwrap());
                 assert_eq!(bits(&only), bits(&rest));
             }
-            // in the face: as if moved a little along w, which here leads into either of them
+            // in the face: perturbed along w into one of the boxes
             let (mut p, mut q) = ([0.0; D], [0.0; D]);
             (p[D - 1], q[D - 1]) = (-1.0, 1.0);
             (1..D - 1).for_each(|k| (p[k], q[k]) = (0.5, 0.75));
@@ -247,14 +246,14 @@ fn shared_face<const D: usize>(rng: &mut Rng) {
 }
 
 #[test]
-fn touching_boxes_join_without_a_seam_across_and_along_their_face() {
+fn touching_boxes_join_without_a_seam() {
     let mut rng = Rng::seed_from_u64(5);
     shared_face::<2>(&mut rng);
     shared_face::<3>(&mut rng);
     shared_face::<4>(&mut rng);
 }
 
-/// All 2^D boxes about one point: lines through it along axes, diagonals and edges see one solid.
+/// All 2^D boxes around one point: lines through it along axes, diagonals and edges cross one solid.
 fn orthants<const D: usize>() {
     let all = Solid::<D>::union((0..1u32 << D).map(|signs| {
         let is_negative = |k: usize| signs >> k & 1 == 1;
@@ -281,7 +280,7 @@ fn fans_of_boxes_are_solid_along_their_common_edges() {
 }
 
 #[test]
-fn spheres_that_touch_are_told_apart_and_equal_ones_are_one() {
+fn touching_spheres_are_distinct_and_equal_spheres_are_one() {
     fn check<const D: usize>() {
         let at = |x: f64| {
             let shift = std::array::from_fn(|k| if k == 0 { x } else { 0.0 });
@@ -290,10 +289,10 @@ fn spheres_that_touch_are_told_apart_and_equal_ones_are_one() {
         let mut q = [0.0; D];
         q[0] = 1.0;
         let (a, b) = (at(-1.0), at(1.0));
-        // through the point of contact: no gap, nothing in common
+        // through the point of contact: neither gap nor overlap
         assert_eq!(trace([0.0; D], q, &(&a | &b)).unwrap().times().collect::<Vec<_>>(), [-2.0, 2.0]);
         assert_eq!(trace([0.0; D], q, &(&a & &b)).unwrap().roots().len(), 0);
-        // made in another way, the same ball
+        // the same ball, constructed in another way
         let same = at(0.25).translate(std::array::from_fn(|k| if k == 0 { 0.75 } else { 0.0 })).unwrap();
         let mut p = [0.1; D];
         p[0] = -3.0;
@@ -313,7 +312,7 @@ fn spheres_that_touch_are_told_apart_and_equal_ones_are_one() {
 
 const DEPTH: usize = 100_000;
 
-/// Chains of operators, complements, maps and names, built, compiled, traced and dropped.
+/// Builds, compiles, traces and drops deep chains of operators, complements, maps and names.
 fn deep() {
     let slab = |k: usize| Solid::<4>::slab(0, 2.0 * k as f64, 2.0 * k as f64 + 1.0).unwrap();
     let mut comb = slab(0);
@@ -338,7 +337,7 @@ fn deep() {
     let ray = trace([-2.0, 0.25], [-1.0, 0.25], &moved).unwrap();
     assert_eq!(ray.roots().len(), 2);
     assert_eq!(moved.compile().unwrap().leaf_name(0), Some("ball"));
-    // each step uses the one before twice: 2^100,000 paths
+    // each step uses the previous one twice: 2^100,000 paths
     let mut shared = Solid::<3>::ball(1.0).unwrap();
     for k in 0..DEPTH {
         let other = Solid::half_space(k % 3).unwrap();
@@ -356,7 +355,7 @@ fn deep_trees_need_no_stack() {
 }
 
 #[test]
-fn a_tracer_gives_the_same_answers_again_and_again() {
+fn a_tracer_is_reusable() {
     let mut rng = Rng::seed_from_u64(6);
     for grid in [false, true] {
         let model = tree::<4>(&mut rng, grid);
@@ -370,23 +369,24 @@ fn a_tracer_gives_the_same_answers_again_and_again() {
     }
 }
 
-/// The line through p and q has the crossings of the line moved by 1e-7 w, as far as times below 100 go.
+/// Checks that the line through p and q has the crossings of the line moved by 1e-7 w, for times below 100.
 fn lies_like_its_neighbour<const D: usize>(solid: &Solid<D>, p: Point<D>, q: Point<D>) -> Vec<f64> {
-    let w = rayweave_space::lie_direction::<D>();
-    let aside = |p: Point<D>| std::array::from_fn(|k| p[k] + 1e-7 * w[k]);
+    let w = rayweave_math::perturbation_direction::<D>();
+    let perturbation = |p: Point<D>| std::array::from_fn(|k| p[k] + 1e-7 * w[k]);
     let near = |ray: RootRay<Face<D>>| ray.clip(-100.0, 100.0).unwrap();
-    let (on, beside) = (near(trace(p, q, solid).unwrap()), near(trace(aside(p), aside(q), solid).unwrap()));
+    let (on, beside) =
+        (near(trace(p, q, solid).unwrap()), near(trace(perturbation(p), perturbation(q), solid).unwrap()));
     assert_eq!((on.start(), on.roots().len()), (beside.start(), beside.roots().len()), "{on} {beside}");
     assert!(on.times().zip(beside.times()).all(|(t, s)| (t - s).abs() < 1e-6), "{on} {beside}");
     on.times().collect()
 }
 
 #[test]
-fn a_line_in_a_surface_is_answered_like_one_beside_it() {
-    // two lines that cross: moved off one of them, the line meets the other
+fn a_line_in_a_surface_agrees_with_the_perturbed_line() {
+    // two crossing lines: a line moved off one of them crosses the other
     let wedge = Solid::<2>::quadric(2, 1, 0.0).unwrap();
     assert_eq!(lies_like_its_neighbour(&wedge, [1.0, 1.0], [2.0, 2.0]), [-1.0]);
-    // the same wherever other things are
+    // independent of other parts of the model
     let ball = Solid::<2>::ball(0.5).unwrap().translate([9.0, 3.0]).unwrap();
     assert_eq!(lies_like_its_neighbour(&(&wedge - &ball), [1.0, 1.0], [2.0, 2.0]), [-1.0]);
     let cone = Solid::<3>::quadric(3, 2, 0.0).unwrap();

@@ -1,4 +1,4 @@
-//! A file that appears complete or not at all.
+//! Atomic output files: a file appears complete or not at all.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -9,17 +9,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::TableError;
 
-/// An output file that is written beside its target and renamed when complete.
+/// An output file written to a temporary file beside its target and renamed when complete.
 ///
-/// Until [`finish`](Self::finish) the target is untouched. Dropped without `finish`, or after a failed write, the
-/// temporary file is removed, so that an interrupted or failed run never leaves a half-written file. (A process that
-/// is killed outright leaves the hidden file `.NAME.PID-N.tmp`, never a damaged target.)
+/// The target is untouched until [`finish`](Self::finish). The temporary file is removed on drop without `finish` and after a
+/// failed write, so that an interrupted or failed run leaves no partial file. A killed process leaves the hidden file
+/// `.NAME.PID-N.tmp`, but never a damaged target.
 ///
-/// A target that is a symbolic link is written where it points. A target that is no regular file (`/dev/null`, a
-/// named pipe) has nothing to be renamed over, and is written directly. An existing target keeps its permissions.
+/// Symbolic links are followed. A target that is not a regular file, such as `/dev/null` or a named pipe, is written directly. An
+/// existing target keeps its permissions.
 ///
-/// Writes are buffered. The file is not synced to the disk: `finish` protects from failures of the program, not of
-/// the machine.
+/// Writes are buffered. The file is not synced to disk: `finish` protects against failures of the program, not of the machine.
 ///
 /// ```
 /// use std::io::Write;
@@ -34,56 +33,56 @@ use crate::TableError;
 /// ```
 #[derive(Debug)]
 pub struct AtomicFile {
-    /// As the caller named it, for messages.
+    /// The path as given by the caller, for messages.
     target: PathBuf,
-    /// `None` once finished.
+    /// `None` after `finish`.
     file: Option<BufWriter<File>>,
-    place: Place,
+    destination: Destination,
     failed: bool,
 }
 
-/// Where the bytes go until they are complete.
+/// The destination of the bytes before completion.
 #[derive(Debug)]
-enum Place {
-    /// Into `temporary`, which becomes `resolved`.
-    Beside { temporary: PathBuf, resolved: PathBuf },
-    /// Into the target itself: a device or a pipe.
+enum Destination {
+    /// The file `temporary`, which is renamed to `resolved`.
+    Temporary { temporary: PathBuf, resolved: PathBuf },
+    /// The target itself: a device or a pipe.
     Direct,
 }
 
 impl AtomicFile {
-    /// Opens a temporary file in the folder of `target`.
+    /// Creates a temporary file in the folder of `target`.
     ///
     /// # Errors
     ///
-    /// [`TableError::Io`] if the folder is missing or not writable, if the target is a folder, or if it exists and
-    /// may not be written.
+    /// [`TableError::Io`] if the folder is missing or not writable, if the target is a folder, or if the existing target is not
+    /// writable.
     pub fn create(target: impl AsRef<Path>) -> Result<Self, TableError> {
         let target = target.as_ref();
         let opened = open(target).map_err(|error| create_error(target, error));
-        opened.map(|(file, place)| Self {
+        opened.map(|(file, destination)| Self {
             target: target.to_path_buf(),
             file: Some(BufWriter::with_capacity(1 << 16, file)),
-            place,
+            destination,
             failed: false,
         })
     }
 
-    /// The target, as the caller named it.
+    /// The path of the target as given by the caller.
     pub fn target(&self) -> &Path {
         &self.target
     }
 
-    /// Writes out what is buffered and gives the file its name.
+    /// Flushes the buffer and renames the file to its target.
     ///
     /// # Errors
     ///
-    /// [`TableError::Io`] if an earlier write failed, or if flushing or renaming fails; the target is then untouched
-    /// and the temporary file is removed.
+    /// [`TableError::Io`] if an earlier write failed, or if flushing or renaming fails. The target is then untouched and the
+    /// temporary file is removed.
     pub fn finish(mut self) -> Result<(), TableError> {
         let done = self.close_and_rename();
         done.map_err(|error| TableError::io("write", &self.target, error))
-        // the drop that follows removes the temporary file, if it is still there
+        // the following drop removes the temporary file, if it still exists
     }
 
     fn close_and_rename(&mut self) -> io::Result<()> {
@@ -91,17 +90,17 @@ impl AtomicFile {
             return Err(io::Error::other("an earlier write failed"));
         }
         self.flush()?;
-        let Place::Beside { temporary, resolved } = &self.place else {
+        let Destination::Temporary { temporary, resolved } = &self.destination else {
             return Ok(());
         };
-        // closed before the rename: some systems refuse to rename an open file
+        // close before the rename: some systems cannot rename an open file
         self.file = None;
         fs::rename(temporary, resolved)?;
-        self.place = Place::Direct;
+        self.destination = Destination::Direct;
         Ok(())
     }
 
-    /// Runs one operation on the open file and remembers a failure, so that `finish` cannot bless a damaged file.
+    /// Runs an operation on the open file and records a failure, so that `finish` does not rename a damaged file.
     fn guard<T>(&mut self, operation: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) -> io::Result<T> {
         let Some(file) = &mut self.file else {
             return Err(io::Error::other("the file is closed"));
@@ -131,10 +130,10 @@ impl Seek for AtomicFile {
 
 impl Drop for AtomicFile {
     fn drop(&mut self) {
-        if let Place::Beside { temporary, .. } = &self.place {
-            // taken apart, so that the buffer of an abandoned file is not written for nothing
+        if let Destination::Temporary { temporary, .. } = &self.destination {
+            // discards the buffer, which dropping the writer would flush
             drop(self.file.take().map(BufWriter::into_parts));
-            // nothing to do about a failure here, and nobody to tell
+            // a failure cannot be reported from here
             let _ = fs::remove_file(temporary);
         }
     }
@@ -143,35 +142,35 @@ impl Drop for AtomicFile {
 fn create_error(target: &Path, error: io::Error) -> TableError {
     let folder = folder_of(target);
     if error.kind() == io::ErrorKind::NotFound && !folder.exists() {
-        let missing = format!("the folder {} does not exist; create it first", folder.display());
+        let missing = format!("the folder {} does not exist. Create it first", folder.display());
         return TableError::io("create", target, io::Error::other(missing));
     }
     TableError::io("create", target, error)
 }
 
-fn open(target: &Path) -> io::Result<(File, Place)> {
+fn open(target: &Path) -> io::Result<(File, Destination)> {
     let Ok(metadata) = fs::metadata(target) else {
-        return open_beside(resolve_link(target));
+        return open_temporary(resolve_link(target));
     };
     if metadata.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
     }
-    // A rename needs rights on the folder only: asked here, a write-protected file is not replaced.
+    // a rename requires write permission on the folder only: opening the file protects write-protected files
     let existing = OpenOptions::new().write(true).open(target)?;
     if !metadata.is_file() {
-        return Ok((existing, Place::Direct));
+        return Ok((existing, Destination::Direct));
     }
-    let (file, place) = open_beside(fs::canonicalize(target)?)?;
+    let (file, destination) = open_temporary(fs::canonicalize(target)?)?;
     if let Err(error) = file.set_permissions(metadata.permissions()) {
-        if let Place::Beside { temporary, .. } = &place {
+        if let Destination::Temporary { temporary, .. } = &destination {
             let _ = fs::remove_file(temporary);
         }
         return Err(error);
     }
-    Ok((file, place))
+    Ok((file, destination))
 }
 
-/// The place that a link to a missing file names; any other path is itself.
+/// The target of a link to a missing file; any other path unchanged.
 fn resolve_link(target: &Path) -> PathBuf {
     match fs::read_link(target) {
         Ok(link) => folder_of(target).join(link),
@@ -179,27 +178,27 @@ fn resolve_link(target: &Path) -> PathBuf {
     }
 }
 
-fn open_beside(resolved: PathBuf) -> io::Result<(File, Place)> {
+fn open_temporary(resolved: PathBuf) -> io::Result<(File, Destination)> {
     loop {
-        let temporary = temporary_beside(&resolved)?;
+        let temporary = temporary_path(&resolved)?;
         match OpenOptions::new().write(true).create_new(true).open(&temporary) {
             Ok(file) => {
-                return Ok((file, Place::Beside { temporary, resolved }));
+                return Ok((file, Destination::Temporary { temporary, resolved }));
             }
-            // left over by a killed process that had our number: take the next name
+            // left by a killed process with the same id: try the next name
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
         }
     }
 }
 
-/// `.NAME.PID-N.tmp` in the target's folder; N counts the files of this process.
-fn temporary_beside(target: &Path) -> io::Result<PathBuf> {
+/// The path `.NAME.PID-N.tmp` in the target's folder; N counts the files of this process.
+fn temporary_path(target: &Path) -> io::Result<PathBuf> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let Some(name) = target.file_name() else {
         return Err(io::Error::other("the path does not end in a file name"));
     };
-    // file systems limit a name to 255 bytes: 40 characters of at most 4 bytes leave room for the rest
+    // names are limited to 255 bytes: 40 characters of at most 4 bytes leave room for the rest
     let short: String = name.to_string_lossy().chars().take(40).collect();
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
     let temporary = OsString::from(format!(".{short}.{}-{count}.tmp", process::id()));

@@ -1,4 +1,4 @@
-//! Rows of a table, column by column.
+//! Chunks of rows, stored by column.
 
 use crate::{DType, NO_NAME, Schema, TableError};
 
@@ -13,12 +13,12 @@ pub enum Values {
     I32(Vec<i32>),
     /// For [`DType::Bool`].
     Bool(Vec<bool>),
-    /// For [`DType::Name`]: ids into the column's table, or [`NO_NAME`].
+    /// For [`DType::Name`]: indices into the column's table of names, or [`NO_NAME`].
     Name(Vec<u32>),
 }
 
 impl Values {
-    /// No values yet, of the given type.
+    /// An empty list of values of a type.
     pub fn empty(dtype: &DType) -> Self {
         match dtype {
             DType::F64 => Self::F64(Vec::new()),
@@ -29,7 +29,7 @@ impl Values {
         }
     }
 
-    /// How many values there are.
+    /// The number of values.
     pub fn len(&self) -> usize {
         match self {
             Self::F64(v) => v.len(),
@@ -40,7 +40,7 @@ impl Values {
         }
     }
 
-    /// Whether there are none.
+    /// True if there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -80,14 +80,14 @@ impl From<Vec<bool>> for Values {
     }
 }
 
-/// Name ids.
+/// Converts indices of names.
 impl From<Vec<u32>> for Values {
     fn from(values: Vec<u32>) -> Self {
         Self::Name(values)
     }
 }
 
-/// Some rows of a table: columns of equal length.
+/// A chunk of rows of a table: columns of equal length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chunk {
     columns: Vec<Values>,
@@ -95,7 +95,7 @@ pub struct Chunk {
 }
 
 impl Chunk {
-    /// A chunk of these columns, in the order of the schema that it is meant for.
+    /// A chunk of these columns, in the order of its schema.
     ///
     /// # Errors
     ///
@@ -105,7 +105,7 @@ impl Chunk {
         match columns.iter().position(|column| column.len() != rows) {
             None => Ok(Self { columns, rows }),
             Some(i) => Err(TableError::Chunk(format!(
-                "column {i} has {} values, column 0 has {rows} (all columns have equal length)",
+                "column {i} has {} values and column 0 has {rows}, but columns must have equal lengths",
                 columns[i].len()
             ))),
         }
@@ -121,21 +121,21 @@ impl Chunk {
         &self.columns
     }
 
-    /// Takes the columns out, to fill them again without allocating.
+    /// Returns the columns, so that they can be filled again without allocation.
     pub fn into_columns(self) -> Vec<Values> {
         self.columns
     }
 
-    /// Checks number and types of the columns and the range of name ids.
+    /// Checks number and types of the columns and the range of name indices.
     pub(crate) fn check(&self, schema: &Schema) -> Result<(), TableError> {
         let columns = schema.columns();
         if self.columns.len() != columns.len() {
-            let problem = format!("{} columns, the table has {}", self.columns.len(), columns.len());
+            let problem = format!("it has {} columns, the schema has {}", self.columns.len(), columns.len());
             return Err(TableError::Chunk(problem));
         }
         for (values, column) in self.columns.iter().zip(columns) {
             check_column(values, &column.dtype)
-                .map_err(|problem| TableError::Chunk(format!("column {:?}: {problem}", column.name)))?;
+                .map_err(|problem| TableError::Chunk(format!("column {:?} {problem}", column.name)))?;
         }
         Ok(())
     }
@@ -148,7 +148,7 @@ fn check_column(values: &Values, dtype: &DType) -> Result<(), String> {
         | (Values::I32(_), DType::I32)
         | (Values::Bool(_), DType::Bool) => Ok(()),
         (Values::Name(ids), DType::Name(names)) => check_ids(ids, names.len()),
-        _ => Err(format!("values are {}, the table has {dtype}", values.dtype())),
+        _ => Err(format!("has values of type {}, the schema has {dtype}", values.dtype())),
     }
 }
 
@@ -156,6 +156,6 @@ fn check_ids(ids: &[u32], names: usize) -> Result<(), String> {
     let is_bad = |&id: &u32| id != NO_NAME && id as usize >= names;
     match ids.iter().position(is_bad) {
         None => Ok(()),
-        Some(i) => Err(format!("id {} in row {i} (the table has {names} names)", ids[i])),
+        Some(i) => Err(format!("has the name index {} in row {i}, but there are {names} names", ids[i])),
     }
 }

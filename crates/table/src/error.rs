@@ -1,46 +1,56 @@
-//! What can go wrong with a table, in the words that the user reads.
+//! Errors of tables, output files and ray files.
 
+use rayweave_error::{Classified, ErrorKind, Message};
 use std::fmt;
 use std::io;
 use std::path::Path;
 
-/// An error of a table, an output file or a file of rays.
-///
-/// The text is complete: "place: problem (why); suggestion".
+/// An error of a table, an output file or a ray file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// The operating system refused to open, read, write or rename a file.
-    #[error("cannot {action} {path} ({})", reason(error))]
+    /// Opening, reading, writing or renaming a file failed.
+    #[error("cannot {action} {path}: {}.", reason(error))]
     Io {
-        /// What was tried: "read", "write", "create", ...
+        /// The failed action: "read", "write" or "create".
         action: &'static str,
-        /// The file, as the caller named it.
+        /// The path as given by the caller.
         path: String,
-        /// What the operating system answered.
+        /// The error of the operating system.
+        #[source]
         error: io::Error,
     },
-    /// A file name that does not tell a format that we know, or a format that this build lacks.
-    #[error("{path}: {problem}")]
+    /// The file name has no known extension, or this build lacks the format.
+    #[error("{path}: {message}")]
     Format {
-        /// The file, as the caller named it.
+        /// The path as given by the caller.
         path: String,
-        /// What is wrong, why, and what to do.
-        problem: String,
+        /// The problem, its reason and a suggestion.
+        message: Message,
     },
-    /// A schema that no file can hold.
-    #[error("bad table: {0}")]
+    /// The columns do not form a valid schema.
+    #[error("the schema is invalid: {0}.")]
     Schema(String),
-    /// A chunk that does not fit its schema.
-    #[error("bad chunk: {0}")]
+    /// The chunk does not match the schema.
+    #[error("the chunk is invalid: {0}.")]
     Chunk(String),
-    /// A file of rays that cannot be used, with all problems that were found.
+    /// A ray file is invalid; lists the problems.
     #[error(transparent)]
     Rays(#[from] RayProblems),
 }
 
+impl Classified for TableError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            TableError::Format { .. } => ErrorKind::Format,
+            TableError::Rays(_) | TableError::Io { action: "read", .. } => ErrorKind::Input,
+            _ => ErrorKind::Output,
+        }
+    }
+}
+
 impl TableError {
-    /// The kind of the operating system's error, where there is one: `BrokenPipe` tells a closed pager, for instance.
+    /// The kind of the I/O error, if it is one; `BrokenPipe`, for example, if the reader of the output has closed it.
     pub fn io_kind(&self) -> Option<io::ErrorKind> {
         match self {
             Self::Io { error, .. } => Some(error.kind()),
@@ -52,12 +62,12 @@ impl TableError {
         Self::Io { action, path: path.display().to_string(), error }
     }
 
-    pub(crate) fn format(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Format { path: path.display().to_string(), problem: problem.into() }
+    pub(crate) fn format(path: &Path, message: Message) -> Self {
+        Self::Format { path: path.display().to_string(), message }
     }
 }
 
-/// The operating system's answer in plain words, without its number where the kind says it all.
+/// The reason of an I/O error, without the error number for common kinds.
 fn reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "there is no such file or folder".into(),
@@ -65,21 +75,21 @@ fn reason(error: &io::Error) -> String {
         io::ErrorKind::IsADirectory => "it is a folder".into(),
         io::ErrorKind::NotADirectory => "a part of its path is a file, not a folder".into(),
         io::ErrorKind::StorageFull => "the disk is full".into(),
-        io::ErrorKind::BrokenPipe => "the reader of the output has gone".into(),
+        io::ErrorKind::BrokenPipe => "the reader of the output has closed it".into(),
         _ => error.to_string(),
     }
 }
 
-/// One problem of a file of rays and its place.
+/// A problem of a ray file, with its location.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RayProblem {
-    /// Line in a CSV file, from 1; the header is a line too. `None` for NPY.
+    /// The line of a CSV file, from 1, including the header. `None` for NPY.
     pub line: Option<u64>,
-    /// Row of the array, from 0 (the ray's number). `None` for problems of the header or the whole file.
+    /// The index of the ray, from 0. `None` for problems of the header or the whole file.
     pub row: Option<u64>,
-    /// Name of the column, one of [`RAY_COLUMNS`](crate::RAY_COLUMNS), where the problem is in one column.
+    /// The name of the column, one of [`RAY_COLUMNS`](crate::RAY_COLUMNS), if the problem concerns one column.
     pub column: Option<&'static str>,
-    /// What is wrong, why, and what to do.
+    /// The problem, its reason and a suggestion.
     pub message: String,
 }
 
@@ -90,21 +100,21 @@ impl RayProblem {
     }
 }
 
-/// Everything found wrong in a file of rays: at least one problem, at most [`RayProblems::LIMIT`].
+/// The problems of a ray file: at least one, at most [`RayProblems::LIMIT`].
 ///
-/// Printed one problem a line: `FILE:LINE: message` for CSV, `FILE: row ROW: message` for NPY.
+/// Printed with one problem per line: `FILE:LINE: message` for CSV, `FILE: row ROW: message` for NPY.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RayProblems {
-    /// The file, as the caller named it; `stdin` for standard input.
+    /// The path as given by the caller; `stdin` for standard input.
     pub file: String,
     /// The problems in the order of the file.
     pub problems: Vec<RayProblem>,
-    /// Whether reading stopped because the limit was reached.
+    /// True if reading stopped because the limit was reached.
     pub stopped: bool,
 }
 
 impl RayProblems {
-    /// So many problems are collected before reading stops.
+    /// The number of problems after which reading stops.
     pub const LIMIT: usize = 20;
 }
 

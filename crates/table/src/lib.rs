@@ -1,10 +1,10 @@
-//! Tables of results, written in chunks and renamed when complete; files of rays, read in chunks of constant memory.
+//! Tables and ray files: streaming writers of CSV, NPY and Parquet, atomic output files, and streaming readers of rays.
 //!
-//! This crate knows columns, not geometry. It holds
+//! This crate is about columns, not geometry:
 //!
-//! - [`TableWriter`]: one table (names, types, units) into CSV, NPY or, with the cargo feature `parquet`, Parquet;
-//! - [`AtomicFile`]: any output file that appears complete or not at all;
-//! - [`RayReader`]: rays from CSV or NPY, checked, with the place of every problem.
+//! - [`TableWriter`] writes a table (names, types, units) as CSV, NPY or, with the cargo feature `parquet`, Parquet.
+//! - [`AtomicFile`] is an output file that appears complete or not at all.
+//! - [`RayReader`] reads rays from CSV or NPY in constant memory and reports every problem with its location.
 //!
 //! ```
 //! use rayweave_table::{Chunk, Column, DType, Schema, TableWriter};

@@ -1,11 +1,10 @@
-//! The header of an NPY file, both ways.
+//! Reader and writer of the NPY file header.
 //!
-//! Format: NumPy Enhancement Proposal 1 and the documentation of `numpy.lib.format`: magic, version, length, then a
+//! *Source*: NumPy Enhancement Proposal 1 and the documentation of `numpy.lib.format`: magic number, version, length, then a
 //! Python dictionary with `descr`, `fortran_order` and `shape`, padded with spaces and a newline to a multiple of 64.
 //!
-//! Written and read here, not by the crate `npyz`: its reader takes any header length on trust and reports a damaged
-//! header without its place, and it brings a parser generator and a C build into every build of the command. `npyz`
-//! serves as the oracle of our tests.
+//! Not by the crate `npyz`: its reader trusts any header length and reports damaged headers without a location, and it adds
+//! a parser generator and a C build to every build of the command. `npyz` is the oracle of the tests.
 
 use std::io::{self, Read};
 
@@ -13,20 +12,20 @@ use crate::Schema;
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
-/// Headers of arrays of numbers are some hundred bytes; a longer one is damage, and would be read into memory.
+/// The maximal length of a header. Headers of arrays of numbers take some hundred bytes; a longer one is damaged.
 const MAX_LENGTH: usize = 1 << 16;
 
-/// Whether these first bytes of a file are those of an NPY file.
+/// True if a file with these first bytes is an NPY file.
 pub(crate) fn is_npy(start: &[u8]) -> bool {
     start.starts_with(MAGIC)
 }
 
-/// Magic, version and header of a table with so many rows. The length depends on the schema only.
+/// Magic number, version and header of a table with this number of rows. The length depends on the schema only.
 pub(crate) fn table(schema: &Schema, rows: u64) -> Vec<u8> {
     let longest = dictionary(schema, u64::MAX);
     let (version, length_size): (u8, usize) = match longest.len() {
         _ if !longest.is_ascii() => (3, 4),
-        // 128: magic and padding at most
+        // magic number and padding take at most 128 bytes
         length if length + 128 > usize::from(u16::MAX) => (2, 4),
         _ => (1, 2),
     };
@@ -63,37 +62,39 @@ fn python_string(text: &str) -> String {
     literal + "'"
 }
 
-/// What the header says of the array.
+/// The contents of an NPY header.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct NpyHeader {
-    /// The type string of a plain array (`<f8`); for a structured one the list, as it stands in the header.
+    /// The type string of a plain array (`<f8`), or the text of the field list of a structured array.
     pub(crate) descr: String,
-    /// Whether `descr` is a list of fields.
+    /// True if `descr` is a list of fields.
     pub(crate) structured: bool,
     pub(crate) fortran_order: bool,
     pub(crate) shape: Vec<u64>,
-    /// Bytes before the first value.
+    /// The offset of the first value, in bytes.
     pub(crate) data_offset: u64,
 }
 
-/// Reads the header; an `Err` of the inner result says why it is none.
+/// Reads the header. An `Err` of the inner result is the message about an invalid header.
 pub(crate) fn read(source: &mut impl Read) -> io::Result<Result<NpyHeader, String>> {
     let mut start = Vec::new();
     source.take(8).read_to_end(&mut start)?;
     if start.is_empty() {
-        return Ok(Err("the file is empty".into()));
+        return Ok(Err("the file is empty: an NPY header is required.".into()));
     }
     if !is_npy(&start) {
-        return Ok(Err("not an NPY file (it does not begin with \\x93NUMPY); \
-             write it with numpy.save, or name it .csv if it is text"
+        return Ok(Err("this is not an NPY file: it does not begin with \\x93NUMPY. \
+             Write it with numpy.save, or name it .csv if it is text."
             .into()));
     }
     let length_size = match start.get(6) {
-        None => return Ok(Err("the file ends within the NPY header".into())),
+        None => return Ok(Err("the file ends within the NPY header: it is incomplete.".into())),
         Some(1) => 2,
         Some(2 | 3) => 4,
         Some(version) => {
-            return Ok(Err(format!("NPY version {version} is unknown (1, 2 and 3 are known)")));
+            return Ok(Err(format!(
+                "the NPY version {version} is unknown: versions 1, 2 and 3 are supported."
+            )));
         }
     };
     read_dictionary(source, length_size)
@@ -105,20 +106,20 @@ fn read_dictionary(source: &mut impl Read, length_size: usize) -> io::Result<Res
     let count = read_some(source, &mut length[..length_size])?;
     let length = u32::from_le_bytes(length) as usize;
     if length > MAX_LENGTH {
-        let problem = format!("the NPY header is damaged (its length is given as {length} bytes)");
+        let problem = format!("the NPY header is damaged: its stated length is {length} bytes.");
         return Ok(Err(problem));
     }
     source.take(length as u64).read_to_end(&mut text)?;
     if count < length_size || text.len() < length {
-        return Ok(Err("the file ends within the NPY header".into()));
+        return Ok(Err("the file ends within the NPY header: it is incomplete.".into()));
     }
     let data_offset = (8 + length_size + length) as u64;
     let text = String::from_utf8_lossy(&text);
     let header = Parser { rest: text.trim() }.header(data_offset);
-    Ok(header.ok_or_else(|| format!("the NPY header is damaged ({:?})", abridged(&text))))
+    Ok(header.ok_or_else(|| format!("the NPY header is damaged: it reads {:?}.", abridged(&text))))
 }
 
-/// Fills the buffer as far as the source goes.
+/// Fills the buffer as far as possible; returns the number of bytes.
 fn read_some(source: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
     let mut read = Vec::new();
     source.take(buffer.len() as u64).read_to_end(&mut read)?;
@@ -134,7 +135,7 @@ fn abridged(text: &str) -> String {
     }
 }
 
-/// Reads the few forms of Python literal that a header may hold. `None` anywhere means: damaged.
+/// Parser for the Python literals that occur in headers. Methods return `None` for a damaged header.
 struct Parser<'a> {
     rest: &'a str,
 }
@@ -172,7 +173,7 @@ impl<'a> Parser<'a> {
         Some(())
     }
 
-    /// A quoted string without escapes: no key or type string has any.
+    /// A quoted string. Keys and type strings contain no escapes.
     fn string(&mut self) -> Option<&'a str> {
         let quote = self.rest.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
         let (text, rest) = self.rest[1..].split_once(quote)?;
@@ -196,7 +197,7 @@ impl<'a> Parser<'a> {
         is_true.or_else(|| self.token("False").map(|()| false))
     }
 
-    /// A tuple of lengths. Python 2 wrote an L after long ones.
+    /// A tuple of lengths, which Python 2 wrote with a suffix L.
     fn tuple(&mut self) -> Option<Vec<u64>> {
         let (inner, rest) = self.rest.strip_prefix('(')?.split_once(')')?;
         self.rest = rest.trim_start();
@@ -210,7 +211,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// The length of the bracketed list at the start of the text. Brackets within strings do not count.
+/// The length of the bracketed list at the start of the text; brackets within strings do not count.
 fn end_of_list(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     let mut quote = None;

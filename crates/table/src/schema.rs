@@ -1,4 +1,4 @@
-//! Names, types and units of a table's columns.
+//! Schema of a table: names, types and units of columns.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use crate::TableError;
 
-/// The id of a [`DType::Name`] column that stands for "no name": an empty field in CSV, null in Parquet.
+/// The id that represents a missing value in a [`DType::Name`] column: an empty field in CSV, null in Parquet.
 pub const NO_NAME: u32 = u32::MAX;
 
-/// The type of a column's values.
+/// Data type of a column.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DType {
-    /// 64-bit floating point; NaN and infinities are legal.
+    /// 64-bit floating point, including NaN and infinities.
     F64,
     /// 64-bit signed integer.
     I64,
@@ -20,12 +20,12 @@ pub enum DType {
     I32,
     /// True or false.
     Bool,
-    /// An index into this table of names, or [`NO_NAME`].
+    /// An index into this table of names (a categorical value), or [`NO_NAME`].
     Name(Arc<[String]>),
 }
 
 impl DType {
-    /// NumPy's type string, little endian.
+    /// The type string of NumPy, little endian.
     pub(crate) fn npy(&self) -> &'static str {
         match self {
             Self::F64 => "<f8",
@@ -36,7 +36,7 @@ impl DType {
         }
     }
 
-    /// Bytes of one value in NPY.
+    /// The size of a value in NPY, in bytes.
     pub(crate) fn size(&self) -> usize {
         match self {
             Self::F64 | Self::I64 => 8,
@@ -58,15 +58,14 @@ impl fmt::Display for DType {
     }
 }
 
-/// One column of a table: name, type, unit.
+/// A column of a table: name, type and unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// The name: not empty, unique in its schema.
+    /// The name, which must not be empty and must be unique in its schema.
     pub name: String,
     /// The type of the values.
     pub dtype: DType,
-    /// The unit of the values, such as "mm". Parquet files record it (file metadata `unit.NAME`); CSV and NPY have no
-    /// place for it.
+    /// The unit of the values, such as "mm". Stored in Parquet files (file metadata `unit.NAME`); CSV and NPY cannot store it.
     pub unit: Option<String>,
 }
 
@@ -76,12 +75,12 @@ impl Column {
         Self { name: name.into(), dtype, unit: None }
     }
 
-    /// A column of ids into `names`. Columns may share one table.
+    /// A column of indices into `names`. Columns may share one table.
     pub fn names(name: impl Into<String>, names: Arc<[String]>) -> Self {
         Self::new(name, DType::Name(names))
     }
 
-    /// The same column with a unit.
+    /// The column with a unit.
     #[must_use]
     pub fn unit(mut self, unit: impl Into<String>) -> Self {
         self.unit = Some(unit.into());
@@ -96,11 +95,11 @@ pub struct Schema {
 }
 
 impl Schema {
-    /// Checks the columns' names.
+    /// A schema of these columns.
     ///
     /// # Errors
     ///
-    /// [`TableError::Schema`] if there is no column, or a name is empty or occurs twice.
+    /// [`TableError::Schema`] if there are no columns, or a name is empty or occurs twice.
     pub fn new(columns: Vec<Column>) -> Result<Self, TableError> {
         if columns.is_empty() {
             return Err(TableError::Schema("it has no columns".into()));

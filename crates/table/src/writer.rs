@@ -1,25 +1,25 @@
-//! One table into a file of any format.
+//! Streaming table writer for all formats.
 
 use std::path::{Path, PathBuf};
 
 use crate::format::{self, Sink};
 use crate::{Chunk, Schema, TableError};
 
-/// Writes a table chunk by chunk; memory does not grow with the number of rows.
+/// Writes a table chunk by chunk, in memory that does not depend on the number of rows.
 ///
-/// The extension of the path says the format:
+/// The extension of the path determines the format:
 ///
-/// - `.csv`: a header line, then one line a row (RFC 4180, but lines end with `\n`). Floats in the shortest form that
-///   reads back to the same bits, `inf`, `-inf`, `nan`; booleans `true`, `false`; names as text. The path `-` is
+/// - `.csv`: a header line, then one line per row (RFC 4180, but lines end with `\n`). Floats are the shortest decimals that
+///   read back to the same bits, `inf`, `-inf` and `nan`; booleans are `true` and `false`; names are text. The path `-` is
 ///   standard output.
-/// - `.npy`: a one-dimensional structured array, little endian, packed; name ids as `<u4`
-///   ([`NO_NAME`](crate::NO_NAME) is 4294967295). Beside `HITS.npy` stands `HITS.names.json`, an object from column
-///   name to the list of names, if there are columns of names.
-/// - `.parquet`: row groups of about 100,000 rows, names as text, units in the file's metadata (`unit.COLUMN`). Needs
-///   the cargo feature `parquet`.
+/// - `.npy`: a packed one-dimensional structured array, little endian, with name indices as `<u4`
+///   ([`NO_NAME`](crate::NO_NAME) is 4294967295). If there are columns of names, `HITS.names.json` beside `HITS.npy` maps each
+///   column to its list of names.
+/// - `.parquet`: row groups of about 100,000 rows, with names as text and units in the file metadata (`unit.COLUMN`).
+///   Requires the cargo feature `parquet`.
 ///
-/// Nothing appears under the path before [`finish`](Self::finish); dropped without it, or after an error, the writer
-/// removes what it wrote. (Standard output, devices and pipes cannot be taken back.)
+/// The path stays untouched until [`finish`](Self::finish). A writer dropped without it, or after an error, removes its temporary
+/// file. Output to standard output, devices and pipes cannot be removed.
 pub struct TableWriter {
     schema: Schema,
     path: PathBuf,
@@ -29,11 +29,11 @@ pub struct TableWriter {
 }
 
 impl TableWriter {
-    /// Opens a table.
+    /// Creates a table file.
     ///
     /// # Errors
     ///
-    /// [`TableError::Format`] for an unknown extension, or `.parquet` in a build without it; [`TableError::Io`] if the
+    /// [`TableError::Format`] for an unknown extension, or `.parquet` in a build without that feature; [`TableError::Io`] if the
     /// file cannot be created.
     pub fn create(path: impl AsRef<Path>, schema: &Schema) -> Result<Self, TableError> {
         let path = path.as_ref();
@@ -46,7 +46,7 @@ impl TableWriter {
         })
     }
 
-    /// The columns.
+    /// The schema.
     pub fn schema(&self) -> &Schema {
         &self.schema
     }
@@ -60,8 +60,8 @@ impl TableWriter {
     ///
     /// # Errors
     ///
-    /// [`TableError::Chunk`] if columns differ from the schema in number or type, or a name id is out of range (nothing
-    /// of the chunk is written then); [`TableError::Io`] if writing fails. After an error the table cannot be finished.
+    /// [`TableError::Chunk`] if columns differ from the schema in number or type, or a name index is out of range; the chunk is
+    /// then not written. [`TableError::Io`] if writing fails. After an error the table cannot be finished.
     pub fn write(&mut self, chunk: &Chunk) -> Result<(), TableError> {
         let written = chunk.check(&self.schema).and_then(|()| self.sink.write(&self.schema, chunk));
         self.failed |= written.is_err();
@@ -69,11 +69,11 @@ impl TableWriter {
         written
     }
 
-    /// Completes the file, gives it its name, and returns the number of rows.
+    /// Completes the file, renames it to its path, and returns the number of rows.
     ///
     /// # Errors
     ///
-    /// [`TableError::Io`] if an earlier write failed or completing fails; there is then no file, or the earlier one.
+    /// [`TableError::Io`] if an earlier write failed or completion fails. An existing file is then unchanged.
     pub fn finish(self) -> Result<u64, TableError> {
         if self.failed {
             let error = std::io::Error::other("an earlier chunk failed");

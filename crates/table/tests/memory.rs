@@ -1,4 +1,4 @@
-//! A long stream of rays does not grow the process. In a file of its own, since the measure is that of the process.
+//! Reading a long stream of rays takes constant memory. A separate test binary, because memory is measured per process.
 #![cfg(target_os = "linux")]
 
 use std::io::{self, Read};
@@ -7,7 +7,7 @@ use rayweave_table::{RAYS_PER_CHUNK, RayChunk, RayReader};
 
 const LINE: &[u8] = b"0.1234567890123456,-0.1234567890123456,-1000.123456789,0.001,-0.002,0.999999999\n";
 
-/// A header and so many times the same line, made while it is read.
+/// A generated stream: a header and many equal lines.
 struct Stream {
     header: &'static [u8],
     lines: usize,
@@ -30,7 +30,7 @@ impl Read for Stream {
     }
 }
 
-/// The greatest resident size of this process so far, in KiB.
+/// The peak resident set size of this process, in KiB.
 fn peak() -> usize {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap();
@@ -56,7 +56,7 @@ fn memory_is_constant() {
     }
     assert_eq!(rays, lines);
     assert_eq!(reader.progress().done, (header.len() + lines * LINE.len()) as u64);
-    // the stream has 32 MB, the rays of it 19 MB
+    // the stream has 32 MB, its rays 19 MB
     let grown = peak() - before;
     assert!(grown < 6 * 1024, "{grown} KiB");
 }

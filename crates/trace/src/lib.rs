@@ -7,9 +7,10 @@
 //! - [`SingleHit`]: asks what is next after t, from crossing to crossing; the evaluator that can explain itself.
 //! - [`Spans`]: combines whole hit arrays of many rays, gate by gate, from the leaves up.
 //!
-//! All give the same answers, bit for bit.
+//! All give the same answers, bit for bit. [`AnyEvaluator`] is one of them, chosen by name.
 
 mod accel;
+mod any;
 mod packets;
 mod reference;
 mod weave;
@@ -17,6 +18,7 @@ mod weave;
 pub mod single_hit;
 pub mod spans;
 
+pub use any::{AnyEvaluator, AnyScratch, EvaluatorError};
 pub use packets::{Packets, PacketsScratch};
 pub use reference::Reference;
 pub use single_hit::SingleHit;

@@ -227,13 +227,13 @@ fn root_rays(expression: &Expression, leaves: &[(bool, Vec<Event>)]) -> Vec<Root
         let node = edge.node().index();
         uses[node] -= 1;
         let ray = if uses[node] == 0 { known[node].take() } else { known[node].clone() };
-        let ray = ray.unwrap_or_else(RootRay::vacuum);
+        let ray = ray.unwrap_or_else(RootRay::empty);
         if edge.is_complemented() { ray.complement() } else { ray }
     };
     for gate in expression.nodes() {
         let ray = match gate {
-            Gate::Vacuum => RootRay::vacuum(),
-            Gate::Plenum => RootRay::plenum(),
+            Gate::Empty => RootRay::empty(),
+            Gate::Universe => RootRay::universe(),
             Gate::Leaf(leaf) => leaf_ray(&leaves[leaf.index()]),
             Gate::Join(rule, operands) => {
                 let rays: Vec<_> = operands.iter().map(|&edge| take(&mut known, &mut uses, edge)).collect();
@@ -258,7 +258,7 @@ fn leaf_ray((starts_inside, events): &(bool, Vec<Event>)) -> RootRay<()> {
     let start = if *starts_inside { Side::Inside } else { Side::Outside };
     let roots = events.iter().map(|event| Root { t: event.t, surface: () }).collect();
     // leaves give strictly increasing finite times
-    RootRay::new(start, roots).unwrap_or_else(|_| RootRay::vacuum())
+    RootRay::new(start, roots).unwrap_or_else(|_| RootRay::empty())
 }
 
 /// Leaf states as plain values, from which everything is computed anew whenever it is asked for.

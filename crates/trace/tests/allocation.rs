@@ -6,7 +6,8 @@ use rayweave_conformance::rays::{batch, rays};
 use rayweave_conformance::{Model, Random, Style};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{
-    Evaluator, FirstHits, Limit, Program, Query, RayAnswer, RayBatch, RegionId, Solid, Window,
+    CrossingColumns, Evaluator, FirstHits, Limit, Program, Query, RayAnswer, RayBatch, RegionId, Solid,
+    Window,
 };
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
@@ -70,6 +71,22 @@ fn second_look<E: Evaluator>(evaluator: &E, rays: &RayBatch) -> (usize, usize) {
     })
 }
 
+/// All crossings, batch by batch in the same columns; how many there are.
+fn second_columns<E: Evaluator>(evaluator: &E, rays: &RayBatch) -> (usize, usize) {
+    let (rays, query) = (rays.rays(), Query::default());
+    let (mut scratch, mut columns) = (evaluator.scratch(), CrossingColumns::default());
+    in_second(|| {
+        let mut crossings = 0;
+        for start in (0..rays.len()).step_by(64) {
+            let range = start..rays.len().min(start + 64);
+            columns.clear();
+            evaluator.columns(rays.slice(range), &query, &mut scratch, &mut columns);
+            crossings += columns.rows();
+        }
+        crossings
+    })
+}
+
 /// Curved solids, some of them placed, in a group that is placed again.
 fn placed() -> Arc<Program> {
     let shape = |name: &str, arguments: &[(&str, f64)]| {
@@ -123,4 +140,11 @@ fn no_ray_and_no_point_allocates() {
     assert_eq!(looks[0], looks[1]);
     assert_eq!(looks[0].0, 0);
     assert!(looks[0].1 > 100, "{} hits", looks[0].1);
+    let columns = [
+        second_columns(&Packets::new(program.clone()), &rays),
+        second_columns(&Weave::new(program.clone()), &rays),
+    ];
+    assert_eq!(columns[0], columns[1]);
+    assert_eq!(columns[0].0, 0);
+    assert!(columns[0].1 > 200, "{} crossings", columns[0].1);
 }

@@ -26,7 +26,7 @@ fn a_liar_is_found_out() {
     // an evaluator that knows another model
     let liar = contender(|_| {
         Weave::new(std::sync::Arc::new(
-            rayweave_model::Program::compile(&rayweave_model::Solid::plenum()).expect("legal"),
+            rayweave_model::Program::compile(&rayweave_model::Solid::universe()).expect("legal"),
         ))
     });
     let scores = contest(&contender(Reference::new), &[liar], 0..4);

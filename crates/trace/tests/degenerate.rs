@@ -44,8 +44,8 @@ impl Bench<'_> {
         assert_eq!(got.len(), times.len(), "{told}");
         for (t, expected) in got.iter().zip(times) {
             let length = turned.direction.length();
-            let reach = 10.0 + 2.0 * frame.translation.length();
-            let delta = 64.0 * UNIT_ROUNDOFF * (turned.origin.length() + expected.abs() * length + reach);
+            let magnitude = 10.0 + 2.0 * frame.translation.length();
+            let delta = 64.0 * UNIT_ROUNDOFF * (turned.origin.length() + expected.abs() * length + magnitude);
             assert!((t - expected).abs() <= delta / length / slant, "{told}");
         }
         let enters = found.crossings.iter().map(|c| c.enters());
@@ -411,7 +411,7 @@ fn union_of_a_hundred_thousand(bench: &Bench) {
 }
 
 fn empty_and_universal_operands(bench: &Bench) {
-    let (nothing, all, a) = (Solid::vacuum(), Solid::plenum(), sphere(1.0));
+    let (nothing, all, a) = (Solid::empty(), Solid::universe(), sphere(1.0));
     let alone = [4.0, 6.0];
     let eye = [-5.0, 0.0, 0.0];
     for solid in

@@ -121,9 +121,9 @@ fn tangent(reference: &Reference, ray: Ray, rng: &mut ChaCha8Rng) -> Ray {
     let program = reference.program();
     let point = ray.at(crossing.t);
     let (_, gradient) = program.surface(crossing.face.surface).surface.value_and_gradient(point);
-    let (normal, aside) = (gradient.normalize(), 10f64.powi(-rng.random_range(2..18)));
+    let (normal, perturbation) = (gradient.normalize(), 10f64.powi(-rng.random_range(2..18)));
     let along = normal.cross(unit(rng)).normalize();
-    Ray::new(point + aside * normal - 2.0 * along, along)
+    Ray::new(point + perturbation * normal - 2.0 * along, along)
 }
 
 fn bits(found: &Collected) -> Vec<u64> {

@@ -103,13 +103,13 @@ fn later_regions_win_and_give_back() {
 fn equal_media_have_no_face_between_them() {
     let program = model(&[(&cube("a", 0.0), 7), (&cube("b", 2.0), 7), (&cube("c", 5.0), 7)]);
     assert_eq!(passes(&along_x(&program)), [(-1.0, 0, 1), (3.0, 2, 0), (4.0, 0, 3), (6.0, 3, 0)]);
-    let vacuum = model(&[(&cube("a", 0.0), 0)]);
-    assert_eq!(along_x(&vacuum), []);
+    let empty = model(&[(&cube("a", 0.0), 0)]);
+    assert_eq!(along_x(&empty), []);
 }
 
 #[test]
 fn an_unbounded_region_starts_inside() {
-    let water = Solid::plenum();
+    let water = Solid::universe();
     let program = model(&[(&water, 1), (&cube("a", 0.0), 2)]);
     let ray = Ray::new(Vec3::new(-10.0, 0.0, 0.0), Vec3::X);
     let found = everyone::ask(&program, ray);

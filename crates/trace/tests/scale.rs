@@ -20,7 +20,7 @@ fn cube(size: f64, at: Vec3) -> Solid {
 
 /// Cubes on a grid, each face shared by two; united, taken out of one another and counted odd.
 fn tiles(rng: &mut Random) -> Solid {
-    let mut solid = Solid::vacuum();
+    let mut solid = Solid::empty();
     let cells = (0..343).map(|k| Vec3::new((k % 7) as f64, (k / 7 % 7) as f64, (k / 49) as f64));
     for cell in cells {
         let tile = cube(2.0 / 7.0, (cell - 3.0) * (2.0 / 7.0));

@@ -132,7 +132,7 @@ struct Forms {
 
 impl Forms {
     fn new(lines: Vec<RootRay>) -> Forms {
-        let mut gates = vec![Gate::Vacuum, Gate::Plenum];
+        let mut gates = vec![Gate::Empty, Gate::Universe];
         gates.extend((0..lines.len() as u32).map(|k| Gate::Leaf(LeafId(k))));
         Forms { gates, lines: Lines(lines) }
     }
@@ -324,7 +324,7 @@ fn count_wrong(trees: u64, leaves: std::ops::Range<u32>, operators: &[Operator],
         }
         wrong.count(&forms, &all, -1.0);
     }
-    println!("{wrong:?} of {} ({leaves:?} leaves, {operators:?}, ties: {ties})", 5 * trees);
+    println!("{wrong:?} of {}: {leaves:?} leaves, {operators:?}, ties: {ties}.", 5 * trees);
     wrong
 }
 

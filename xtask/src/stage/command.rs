@@ -4,10 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::Workshop;
 use super::cargo::cargo;
+use crate::outcome::Outcome;
+use crate::process;
 use crate::report::Counts;
-use crate::{Outcome, process};
+use crate::workshop::Workshop;
 
 /// The first bytes of every PNG file (PNG specification, section 5.2).
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -20,7 +21,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     process::run(cargo(workshop).args(["run", "--release", "--", "--version"]))?;
     let scratch = workshop.repository.target().join("command");
     fs::create_dir_all(&scratch)
-        .map_err(|error| format!("{}: cannot be made ({error})", scratch.display()))?;
+        .map_err(|error| format!("{}: cannot be made: {error}.", scratch.display()))?;
     let user = User {
         root: &workshop.repository.root,
         program: workshop.repository.target().join("release/rayweave"),
@@ -56,7 +57,7 @@ fn models(workshop: &Workshop<'_>) -> Result<Vec<String>, String> {
     let models: Vec<String> =
         files.into_iter().filter(|path| path.starts_with("models/") && path.ends_with(".toml")).collect();
     if models.is_empty() {
-        Err("models/*.toml: no such file (the command is tried on them)".to_owned())
+        Err("models/*.toml: no such file: the command is tried on them.".to_owned())
     } else {
         Ok(models)
     }
@@ -107,7 +108,7 @@ impl User<'_> {
         let _ = fs::remove_file(&picture);
         let path = picture.to_string_lossy();
         process::output(&mut self.command(&["render", model, "--size", "64x48", "-o", &path]))?;
-        let bytes = fs::read(&picture).map_err(|error| format!("{path}: cannot be read ({error})"))?;
+        let bytes = fs::read(&picture).map_err(|error| format!("{path}: cannot be read: {error}."))?;
         if bytes.starts_with(PNG_SIGNATURE) { Ok(()) } else { Err(format!("{path}: no PNG file")) }
     }
 }

@@ -3,11 +3,12 @@
 use serde_json::Value;
 use std::process::Command;
 
-use super::Workshop;
 use super::cargo::{NOT_BY_CARGO, cargo};
+use crate::outcome::Outcome;
 use crate::python::BINDING;
 use crate::report::Counts;
-use crate::{Outcome, layers, process};
+use crate::workshop::Workshop;
+use crate::{layers, process};
 
 /// An example of a crate.
 #[derive(Debug, PartialEq, Eq)]
@@ -38,7 +39,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let scripts = scripts(workshop)?;
     if examples.is_empty() || scripts.is_empty() {
         return Err(format!(
-            "{} examples in Rust and {} in Python (want some of each)",
+            "{} examples in Rust and {} in Python: want some of each.",
             examples.len(),
             scripts.len()
         ));

@@ -1,9 +1,10 @@
 //! The stage of the Python package: build, install, test, check the types.
 
-use super::Workshop;
+use crate::outcome::Outcome;
+use crate::process;
 use crate::python::BINDING;
 use crate::report::Counts;
-use crate::{Outcome, process};
+use crate::workshop::Workshop;
 
 /// A file that uses the whole typed interface, from the root.
 const TYPED_SAMPLE: &str = "bindings/python/tests/typed_sample.py";
@@ -21,13 +22,15 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
 
 fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let mut python = workshop.python.program("python")?;
-    python.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(format!("{BINDING}/tests"));
+    python
+        .args(["-m", "pytest", "-q", "--durations=10", "-p", "no:cacheprovider"])
+        .arg(format!("{BINDING}/tests"));
     process::run_reading(python.env("PYTHONDONTWRITEBYTECODE", "1"), |line| counts.read_pytest_line(line))
 }
 
 fn types(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     if !workshop.repository.root.join(TYPED_SAMPLE).is_file() {
-        return Err(format!("{TYPED_SAMPLE}: no such file (the types are checked on it)"));
+        return Err(format!("{TYPED_SAMPLE}: no such file: the types are checked on it."));
     }
     let cache = workshop.repository.target().join("mypy");
     let mut python = workshop.python.program("python")?;

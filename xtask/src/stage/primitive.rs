@@ -1,19 +1,20 @@
-//! The stage that adds a new primitive to a copy of the workspace, as CONTRIBUTING.md tells people to.
+//! The stage that adds a new primitive to a copy of the workspace, by the steps of CONTRIBUTING.md.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use super::Workshop;
 use crate::new_primitive::{self, FOLDER};
+use crate::outcome::Outcome;
+use crate::process;
 use crate::report::Counts;
 use crate::repository::Repository;
-use crate::{Outcome, process};
+use crate::workshop::Workshop;
 
 /// The primitive that is added.
 const NAME: &str = "bead";
 
-/// What the copy holds of the workspace: the shapes and what they stand on.
+/// Files of the copy: the shapes and their dependencies.
 const COPIED: [&str; 5] = ["Cargo.toml", "Cargo.lock", "crates/math/", "crates/mesh/", "crates/shape/"];
 
 /// The new primitive's own tests, and those that hold for all primitives and name none.
@@ -73,7 +74,7 @@ fn register(repository: &Repository) -> Outcome {
     let mut text = text;
     for (sphere, new) in new_primitive::registration("sphere").iter().zip(new_primitive::registration(NAME)) {
         if !text.contains(sphere) {
-            return Err(format!("{}: no line '{sphere}' (the stage puts its own below)", path.display()));
+            return Err(format!("{}: no line '{sphere}': the stage puts its own below.", path.display()));
         }
         text = text.replacen(sphere, &format!("{sphere}\n{new}"), 1);
     }

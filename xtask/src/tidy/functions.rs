@@ -1,7 +1,7 @@
 //! The check of the length of functions.
 
 use super::rust::is_test_file;
-use super::{Rule, Violation};
+use super::violation::{Rule, Violation};
 use crate::masked::{Masked, item_end};
 use crate::repository::Source;
 

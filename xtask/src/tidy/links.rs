@@ -1,6 +1,6 @@
 //! The check of links in Markdown files.
 
-use super::{Rule, Violation};
+use super::violation::{Rule, Violation};
 use crate::repository::Source;
 
 static LINK: Rule = Rule { name: "link", why: "a link leads somewhere" };
@@ -25,7 +25,7 @@ pub fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
     violations
 }
 
-/// What a link's target stands for.
+/// Target of a link.
 enum Resolved {
     /// Another site, or a place in the same file.
     Elsewhere,

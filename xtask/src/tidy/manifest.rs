@@ -1,6 +1,6 @@
 //! Checks of Cargo.toml files: lints are inherited, and every dependency says why it is there.
 
-use super::{Rule, Violation};
+use super::violation::{Rule, Violation};
 use crate::repository::Source;
 
 static LINTS: Rule = Rule { name: "lints", why: "every crate keeps the same rules" };

@@ -1,86 +1,30 @@
 //! Checks of the text of all files: what the compiler and the linter do not see.
 
+mod english;
 mod functions;
 mod links;
 mod manifest;
 mod models;
 mod rust;
 pub mod text;
+mod violation;
 
-use std::fmt;
-
-use crate::Outcome;
 use crate::allow::{self, Exception};
+use crate::outcome::Outcome;
 use crate::repository::{Repository, Source};
+use violation::{Severity, Violation};
 
 /// The file of exceptions, from the root.
 const EXCEPTIONS: &str = "xtask/tidy-exceptions.txt";
-
-/// A rule: its name in the list of exceptions, and why it is there.
-pub struct Rule {
-    name: &'static str,
-    why: &'static str,
-}
-
-/// One place where a rule is broken.
-pub struct Violation {
-    rule: &'static Rule,
-    path: String,
-    line: usize,
-    /// The function or other item, where the rule is about one; else empty.
-    item: String,
-    problem: String,
-    suggestion: String,
-    severity: Severity,
-}
-
-/// Whether a violation fails the check.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Severity {
-    Warning,
-    Error,
-}
-
-impl Violation {
-    /// An error at a line of a file, the first line being 1.
-    fn new(
-        rule: &'static Rule,
-        source: &Source,
-        line: usize,
-        problem: String,
-        suggestion: &str,
-    ) -> Violation {
-        let (path, item, suggestion) = (source.path.clone(), String::new(), suggestion.to_owned());
-        Violation { rule, path, line, item, problem, suggestion, severity: Severity::Error }
-    }
-
-    /// The same about one item of the file.
-    fn about(mut self, item: &str) -> Violation {
-        item.clone_into(&mut self.item);
-        self
-    }
-
-    /// The same, but only a warning.
-    fn mild(mut self) -> Violation {
-        self.severity = Severity::Warning;
-        self
-    }
-}
-
-impl fmt::Display for Violation {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Violation { rule, path, line, problem, suggestion, severity, .. } = self;
-        let mild = if *severity == Severity::Warning { "warning: " } else { "" };
-        write!(formatter, "{path}:{line}: {mild}{problem} ({}) {suggestion}", rule.why)
-    }
-}
 
 /// Checks all files and prints every violation.
 pub fn run(repository: &Repository) -> Outcome {
     let files = repository.files()?;
     let mut violations = Vec::new();
+    let mut phrasings = english::Phrasings::default();
     for path in &files {
         if let Some(source) = repository.source(path)? {
+            phrasings.add(&source);
             violations.extend(check(&source, &|path| repository.root.join(path).exists()));
         }
     }
@@ -90,7 +34,11 @@ pub fn run(repository: &Repository) -> Outcome {
     for violation in &violations {
         println!("{violation}");
     }
-    match violations.iter().filter(|violation| violation.severity == Severity::Error).count() {
+    println!("tidy: {phrasings}");
+    let problems = phrasings.problems();
+    problems.iter().for_each(|problem| println!("{problem}"));
+    let errors = violations.iter().filter(|violation| violation.severity == Severity::Error).count();
+    match errors + problems.len() {
         0 => {
             println!("tidy: {} files checked", files.len());
             Ok(())
@@ -101,11 +49,12 @@ pub fn run(repository: &Repository) -> Outcome {
     }
 }
 
-/// All violations in one file. `exists` tells whether a path from the root is there.
+/// All violations in one file. `exists` returns whether a path from the root exists.
 fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
     let mut violations = text::check(source);
     violations.extend(rust::check(source));
     violations.extend(functions::check(source));
+    violations.extend(english::check(source));
     violations.extend(manifest::check(source));
     violations.extend(models::check(source, exists));
     violations.extend(links::check(source, exists));
@@ -148,6 +97,7 @@ fn found(path: &str, text: &str) -> Vec<(&'static str, usize)> {
 
 #[cfg(test)]
 mod tests {
+    use super::violation::Rule;
     use super::*;
 
     static RULE: Rule = Rule { name: "example", why: "it is an example" };

@@ -1,6 +1,6 @@
 //! Checks of the models that documentation, tests and benchmarks share.
 
-use super::{Rule, Violation};
+use super::violation::{Rule, Violation};
 use crate::repository::Source;
 
 static MODEL: Rule = Rule { name: "model", why: "a model is found by its words and its picture" };

@@ -1,7 +1,7 @@
 //! Checks of Rust files: documentation on top, size, and calls that the project does without.
 
 use super::text::has_word;
-use super::{Rule, Violation};
+use super::violation::{Rule, Violation};
 use crate::masked::Masked;
 use crate::repository::Source;
 
@@ -126,7 +126,7 @@ fn uses_method(line: &str, name: &str) -> bool {
     by_path || line.contains(&format!(".{name}("))
 }
 
-/// What libm calls a method of the standard library.
+/// Name in libm of a method of the standard library.
 fn libm_name(method: &str) -> &str {
     match method {
         "powf" => "pow",

@@ -1,6 +1,6 @@
 //! Checks of any text: blanks, marks of unfinished work, paths of one machine.
 
-use super::{Rule, Violation};
+use super::violation::{Rule, Violation};
 use crate::masked::Masked;
 use crate::repository::Source;
 

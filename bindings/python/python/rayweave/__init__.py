@@ -19,9 +19,9 @@ from rayweave._core import (
     load,
     loads,
     place,
-    plenum,
+    universe,
     union,
-    vacuum,
+    empty,
 )
 from rayweave._diff import Diff, diff
 from rayweave._drawing import Drawing
@@ -109,7 +109,7 @@ __all__ = [
     "optics",
     "paraboloid",
     "place",
-    "plenum",
+    "universe",
     "prism",
     "quadric",
     "ray_timeline",
@@ -126,6 +126,6 @@ __all__ = [
     "torus",
     "tube",
     "union",
-    "vacuum",
+    "empty",
     "wedge",
 ]

@@ -19,6 +19,6 @@ def corners(within: Box | None) -> list[list[float]] | None:
         return None
     box = np.asarray(within, dtype=np.float64)
     if box.shape != (2, 3):
-        raise _core.RayweaveError(f"within has shape {box.shape} (it must be (2, 3): the corners of a box)")
+        raise _core.RayweaveError(f"within has shape {box.shape}: it must be (2, 3): the corners of a box.")
     rows: list[list[float]] = box.tolist()
     return rows

@@ -77,7 +77,7 @@ class Check:
     def __repr__(self) -> str:
         counts = Counter(finding.kind for finding in self.findings)
         found = ", ".join(f"{kind} {count}" for kind, count in counts.items()) or "nothing found"
-        lines = [f"<Check: {found} ({self.scope['rays']:.0f} rays)"]
+        lines = [f"<Check: {found}: {self.scope['rays']:.0f} rays."]
         for finding in self.findings[:20]:
             size = "" if np.isnan(finding.size) else f" ({finding.size:.3g} {self.unit})"
             lines.append(f"  {finding.kind}: {finding.text}{size}")

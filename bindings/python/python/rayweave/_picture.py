@@ -151,7 +151,7 @@ def render(
     """
     if camera is not None and (view is not None or field_of_view is not None):
         raise _core.RayweaveError(
-            "camera is given together with view or field_of_view (both say where to look from) leave one of them out?"
+            "camera is given together with view or field_of_view: both say where to look from. Leave one of them out."
         )
     asked = dict(
         size=size,

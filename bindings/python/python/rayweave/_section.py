@@ -80,7 +80,7 @@ def section(
         (2, 3) corners of a box: only what lies in it is cut.
     """
     if point is not None and normal is None:
-        raise _core.RayweaveError("point is given without normal (a plane needs both, or a name) leave it out?")
+        raise _core.RayweaveError("point is given without normal: a plane needs both, or a name. Leave it out.")
     origin = [0.0, 0.0, 0.0] if point is None else _vector(point, "point")
     found = _core.section_list(
         subject,
@@ -108,7 +108,7 @@ def save_section(
     """
     ending = Path(path).suffix.lower().lstrip(".")
     if ending not in ("svg", "dxf"):
-        raise _core.RayweaveError(f"{path}: unknown format (sections are written as .svg or .dxf)")
+        raise _core.RayweaveError(f"{path}: unknown format: sections are written as .svg or .dxf.")
     every = [sections] if isinstance(sections, Section) else list(sections)
     Path(path).write_text(_core.section_text(every, ending, title), encoding="utf-8")
 
@@ -116,6 +116,6 @@ def save_section(
 def _vector(values: ArrayLike, name: str) -> list[float]:
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (3,):
-        raise _core.RayweaveError(f"{name} has shape {array.shape} (it must be (3,))")
+        raise _core.RayweaveError(f"{name} has shape {array.shape}: it must be (3,).")
     numbers: list[float] = array.tolist()
     return numbers

@@ -45,14 +45,14 @@ __all__ = [
     "half_space",
     "half_space_below",
     "intersection",
-    "plenum",
+    "universe",
     "prism",
     "quadric",
     "slab",
     "trace",
     "trace_along",
     "union",
-    "vacuum",
+    "empty",
 ]
 
 
@@ -113,14 +113,14 @@ class PointCrossings:
         return f"<PointCrossings: {len(self)} rows of {len(self.start_inside)} rays>"
 
 
-def vacuum(d: int) -> Solid:
+def empty(d: int) -> Solid:
     """Nothing, in a space of d dimensions: the neutral element of union."""
-    return _shape("vacuum", d)
+    return _shape("empty", d)
 
 
-def plenum(d: int) -> Solid:
+def universe(d: int) -> Solid:
     """All of a space of d dimensions: the neutral element of intersection."""
-    return _shape("plenum", d)
+    return _shape("universe", d)
 
 
 def half_space(axis: int, d: int, *, offset: float = 0.0) -> Solid:
@@ -128,7 +128,7 @@ def half_space(axis: int, d: int, *, offset: float = 0.0) -> Solid:
     normal = np.zeros(_whole(d, "d"))
     if not 0 <= _whole(axis, "axis") < d:
         raise RayweaveError(
-            f"axis {axis} is out of range (R^{d} has the axes 0 to {d - 1}) did you count from 1?"
+            f"axis {axis} is out of range: R^{d} has the axes 0 to {d - 1}. Did you count from 1?"
         )
     normal[axis] = 1.0
     return half_space_below(normal, offset)
@@ -149,7 +149,7 @@ def box(lo: ArrayLike, hi: ArrayLike) -> Solid:
     """The box between two opposite corners (d,), the first less than the second in every coordinate."""
     lo, hi = _vector(lo, "lo"), _vector(hi, "hi")
     if len(lo) != len(hi):
-        raise RayweaveError(f"lo has {len(lo)} numbers and hi has {len(hi)} (they must be of one space)")
+        raise RayweaveError(f"lo has {len(lo)} numbers and hi has {len(hi)}: they must be of one space.")
     return _shape("box", len(lo), (), [*lo, *hi])
 
 
@@ -193,7 +193,7 @@ def prism(points: ArrayLike, d: int) -> Solid:
     """
     array = np.asarray(points)
     if array.ndim != 2 or array.shape[1] != 2:
-        raise RayweaveError(f"points has shape {array.shape} ((N, 2) is needed)")
+        raise RayweaveError(f"points has shape {array.shape}: (N, 2) is needed.")
     return _shape("prism", d, (), _vector(array.ravel(), "points"))
 
 
@@ -232,9 +232,9 @@ def _shape(call: str, d: int, counts: Iterable[tuple[str, int]] = (), numbers: I
 
 def _whole(number: int, name: str) -> int:
     if isinstance(number, bool) or not isinstance(number, (int, np.integer)):
-        raise TypeError(f"{name} is {type(number)} (a whole number is needed)")
+        raise TypeError(f"{name} is {type(number)}: a whole number is needed.")
     if name == "d" and number not in (2, 3, 4):
-        raise RayweaveError(f"the dimension is {number} (spaces of 2, 3 and 4 dimensions can be asked)")
+        raise RayweaveError(f"the dimension is {number}: spaces of 2, 3 and 4 dimensions can be asked.")
     return int(number)
 
 

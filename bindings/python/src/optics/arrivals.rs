@@ -3,7 +3,7 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayweave::optics::analysis::{
+use rayweave::lens::analysis::{
     Arrival, Spot, best_focus, encircled_energy, geometric_mtf, moved, radius_of_energy,
 };
 
@@ -49,7 +49,7 @@ impl PyArrivals {
 
     /// The number of rays, the centroid (x, y), the RMS radii (both, x, y) and the geometric radius.
     fn spot(&self) -> PyResult<(usize, [f64; 2], [f64; 3], f64)> {
-        let dark = || bad_value("no light arrives at the image (a spot needs some)");
+        let dark = || bad_value("no light arrives at the image: a spot needs some.");
         let spot = Spot::of(&self.0).ok_or_else(dark)?;
         let [x, y] = spot.rms_xy;
         Ok((spot.rays, spot.centroid, [spot.rms, x, y], spot.geometric))

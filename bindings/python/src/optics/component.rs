@@ -5,27 +5,9 @@ use rayweave::optics::component::{self, Aperture, Asphere, Blank, ComponentError
 use rayweave::{Affine, Solid};
 
 use crate::error::bad_value;
-use crate::optics::prescription::terms;
+use crate::optics::outline::Outline;
 use crate::solid::PySolid;
 use crate::vectors::matrix;
-
-/// The outline of a component: a kind and its sizes.
-#[derive(FromPyObject)]
-pub struct Outline(String, f64, f64);
-
-impl Outline {
-    /// The aperture.
-    pub fn aperture(&self) -> PyResult<Aperture> {
-        match self.0.as_str() {
-            "circle" => Ok(Aperture::circle(self.1)),
-            "rectangle" => Ok(Aperture::rectangle(self.1, self.2)),
-            "ellipse" => Ok(Aperture::ellipse(self.1, self.2)),
-            other => Err(bad_value(format!(
-                "the outline is {other:?} (it can be \"circle\", \"rectangle\" or \"ellipse\")"
-            ))),
-        }
-    }
-}
 
 /// The solids of a component, most often one: `numbers` are the parameters of the function of that name in their order, but
 /// for the apertures.
@@ -104,6 +86,15 @@ fn asphere(given: Option<&(Vec<f64>, Vec<f64>)>, radius: f64, conic: f64) -> PyR
     Ok(Asphere { even: terms("even", even)?, odd: terms("odd", odd)?, ..plain })
 }
 
+/// Eight coefficients; those that are not given are 0.
+pub fn terms(name: &str, given: &[f64]) -> PyResult<[f64; 8]> {
+    let mut terms = [0.0; 8];
+    let places = terms.get_mut(..given.len());
+    let too_many = || bad_value(format!("{name} has {} coefficients: 8 at most.", given.len()));
+    places.ok_or_else(too_many)?.copy_from_slice(given);
+    Ok(terms)
+}
+
 /// The focal length of a thick lens in air (see `rayweave.optics.lensmaker`).
 #[pyfunction]
 #[pyo3(signature = (r1, r2, n, thickness))]
@@ -127,7 +118,7 @@ impl PySheet {
             (None, true) => Sheet::plane(aperture),
             (None, false) => Sheet::conic(1.0 / curvature, conic, aperture),
             (Some(_), false) => {
-                return Err(bad_value("a curved sheet has no opening (stops are plane)"));
+                return Err(bad_value("a curved sheet has no opening: stops are plane."));
             }
         };
         sheet.map(PySheet).map_err(bad_value)

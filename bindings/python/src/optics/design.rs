@@ -3,7 +3,7 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayweave::optics::design::{
+use rayweave::lens::design::{
     Goal, Merit, Operand, Optimiser, Parameter, SeidelTerm, Spread, Target, Tolerancing,
 };
 
@@ -21,7 +21,7 @@ impl ErrorOf {
             "uniform" => Spread::Uniform(self.2),
             "normal" => Spread::Normal(self.2),
             other => {
-                let text = format!("the spread is {other:?} (it can be \"uniform\" or \"normal\")");
+                let text = format!("the spread is {other:?}: it can be \"uniform\" or \"normal\".");
                 return Err(bad_value(text));
             }
         };
@@ -44,7 +44,7 @@ fn named<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
     let names = || known.iter().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
     found
         .map(|(_, value)| *value)
-        .ok_or_else(|| bad_value(format!("{what} is {name:?} (it can be {})", names())))
+        .ok_or_else(|| bad_value(format!("{what} is {name:?}: it can be {}.", names())))
 }
 
 /// The merits of trials with their deviations, and what each parameter does alone.
@@ -74,7 +74,7 @@ pub fn tolerance<'py>(
     })?;
     let (found, alone) = py
         .detach(|| Ok((tolerancing.trials(trials)?, tolerancing.sensitivities()?)))
-        .map_err(|error: rayweave::optics::design::DesignError| bad_value(error))?;
+        .map_err(|error: rayweave::lens::design::DesignError| bad_value(error))?;
     let table = PyDict::new(py);
     table.set_item("nominal", found.nominal)?;
     let columns = found.deviations.into_iter().map(|column| PyArray1::from_vec(py, column));
@@ -110,7 +110,7 @@ pub struct GoalOf(String, Vec<f64>, String, f64, f64);
 /// The number of a field or surface.
 fn whole(what: &str, number: f64) -> PyResult<usize> {
     let is_whole = number >= 0.0 && number.fract() == 0.0;
-    let problem = || bad_value(format!("{what} is {number} (a whole number is needed)"));
+    let problem = || bad_value(format!("{what} is {number}: a whole number is needed."));
     is_whole.then_some(number as usize).ok_or_else(problem)
 }
 

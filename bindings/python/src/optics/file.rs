@@ -3,82 +3,17 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayweave::Affine;
+use rayweave::optics::Branches;
 use rayweave::optics::file::{OpticalScene, optics_of};
-use rayweave::optics::{Branches, Element, Finish, Material};
 use rayweave::scene::{Diagnostics, Document, Scene, load, parse_with};
 
 use crate::error::bad_value;
 use crate::model::overrides;
-use crate::optics::component::PySheet;
+use crate::optics::element::PyElement;
 use crate::optics::source::PySource;
-use crate::optics::system::{PySystem, Spec};
-use crate::solid::PySolid;
-use crate::vectors::matrix;
-
-/// A name, a solid or sheet, the name of a material, and the frame of a sheet.
-type Parts<'py> = (String, Bound<'py, PyAny>, String, Bound<'py, PyArray2<f64>>);
-
-/// An element as a model file says it: see `rayweave.optics.Element`.
-#[pyclass(frozen, module = "rayweave.optics", name = "ReadElement")]
-pub struct PyElement(pub Element);
-
-#[pymethods]
-impl PyElement {
-    /// Its name, its solid or sheet, the name of its material, and the frame of a sheet.
-    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
-        let name = self.0.name().to_owned();
-        let frame = self.0.as_sheet().map_or(Affine::IDENTITY, |sheet| sheet.frame);
-        let frame = rows_of(py, &frame)?;
-        if let Some((solid, material)) = self.0.solid() {
-            let solid = PySolid::from_solid(solid.clone()).into_pyobject(py)?.into_any();
-            return Ok((name, solid, material_name(material), frame));
-        }
-        let sheet = self.0.as_sheet().ok_or_else(|| bad_value("an element is a solid or a sheet"))?;
-        Ok((name, PySheet(sheet.clone()).into_pyobject(py)?.into_any(), String::new(), frame))
-    }
-
-    /// The element moved by an affine map, a 4 x 4 matrix.
-    fn apply(&self, world_from_local: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let map = matrix(world_from_local, "matrix")?;
-        self.0.clone().apply(&map).map(PyElement).map_err(bad_value)
-    }
-
-    /// The element with a finish, on all faces or on those of a name.
-    #[pyo3(signature = (finish, face=None))]
-    fn with_finish(&self, finish: Spec, face: Option<&str>) -> PyResult<Self> {
-        let finish: Finish = finish.finish()?;
-        let element = self.0.clone();
-        Ok(PyElement(match face {
-            Some(face) => element.face(face, finish),
-            None => element.finish(finish),
-        }))
-    }
-}
-
-fn material_name(material: &Material) -> String {
-    match material {
-        Material::Transparent(medium) | Material::Metal(medium) => medium.name().to_owned(),
-        Material::Opaque => "absorber".to_owned(),
-    }
-}
-
-/// A map as a 4 x 4 matrix.
-fn rows_of<'py>(py: Python<'py>, map: &Affine) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let mut flat = [0.0; 16];
-    flat[15] = 1.0;
-    for row in 0..3 {
-        for column in 0..3 {
-            flat[4 * row + column] = map.linear.col(column)[row];
-        }
-        flat[4 * row + 3] = map.translation[row];
-    }
-    let array = numpy::ndarray::Array2::from_shape_vec((4, 4), flat.to_vec()).map_err(bad_value)?;
-    Ok(PyArray2::from_owned_array(py, array))
-}
+use crate::optics::system::PySystem;
 
 /// A system, its elements, its sources, its settings and the unit of its lengths.
 type Loaded<'py> = (PySystem, Vec<PyElement>, Vec<PySource>, Bound<'py, PyDict>, &'static str, Vec<String>);

@@ -30,7 +30,7 @@ impl PyGlass {
     #[pyo3(signature = (name, b, c))]
     fn sellmeier(name: &str, b: Vec<f64>, c: Vec<f64>) -> PyResult<Self> {
         if b.len() != c.len() {
-            let text = format!("b has {} numbers and c has {} (each term needs both)", b.len(), c.len());
+            let text = format!("b has {} numbers and c has {}: each term needs both.", b.len(), c.len());
             return Err(bad_value(text));
         }
         let terms: Vec<(f64, f64)> = b.into_iter().zip(c).collect();
@@ -66,25 +66,25 @@ impl PyGlass {
         PyGlass(self.0.extrapolated())
     }
 
-    /// What it is called.
+    /// Name.
     #[getter]
     fn name(&self) -> &str {
         self.0.name()
     }
 
-    /// Who makes it; empty if nobody in particular.
+    /// Manufacturer; empty if there is none.
     #[getter]
     fn maker(&self) -> &str {
         self.0.maker()
     }
 
-    /// Where the numbers come from.
+    /// Source of the data.
     #[getter]
     fn source(&self) -> &str {
         self.0.source()
     }
 
-    /// The wavelengths for which its index is known, in nanometres.
+    /// Range of wavelengths with a known index, in nanometres.
     #[getter]
     fn range_nm(&self) -> (f64, f64) {
         let [lo, hi] = self.0.range_nm();

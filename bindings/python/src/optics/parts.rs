@@ -2,18 +2,16 @@
 
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use rayweave::optics::{Action, Assembly, Body, Element, Finish, Material, Medium};
+use rayweave::optics::{Assembly, Body, Element, Material, Medium};
 
 use crate::error::bad_value;
 use crate::optics::component::PySheet;
 use crate::optics::glass::PyGlass;
+use crate::optics::spec::{SpecOut, spec_of_action, spec_of_finish};
 use crate::solid::PySolid;
 
-/// A kind with its numbers.
-type Spec = (&'static str, Vec<f64>);
-
 /// A name, a solid or sheet, its material, its finish or action, and the finishes of single faces.
-type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, Spec, Vec<(String, Spec)>);
+type Part<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, SpecOut, Vec<(String, SpecOut)>);
 
 /// All parts of an assembly.
 pub fn parts<'py>(py: Python<'py>, assembly: &Assembly) -> PyResult<Vec<Part<'py>>> {
@@ -51,37 +49,5 @@ fn medium_object<'py>(py: Python<'py>, medium: &Medium) -> PyResult<Bound<'py, P
         Some(index) if index.im == 0.0 => index.re.into_bound_py_any(py),
         Some(index) => Ok(pyo3::types::PyComplex::from_doubles(py, index.re, index.im).into_any()),
         None => Err(bad_value(format!("{}: a law of dispersion has no name in Python", medium.name()))),
-    }
-}
-
-fn spec_of_finish(finish: &Finish) -> Spec {
-    match finish {
-        Finish::Polished => ("polished", Vec::new()),
-        Finish::Absorber => ("absorber", Vec::new()),
-        Finish::Mirror { reflectance } => ("mirror", vec![*reflectance]),
-        Finish::Splitter { reflectance } => ("splitter", vec![*reflectance]),
-        Finish::Diffuse { reflectance } => ("diffuse", vec![*reflectance]),
-        Finish::Rough { slope } => ("rough", vec![*slope]),
-        Finish::Coated(films) => {
-            let numbers = films.iter().flat_map(|film| [film.index.re, film.index.im, film.thickness_nm]);
-            ("coated", numbers.collect())
-        }
-    }
-}
-
-fn spec_of_action(action: &Action) -> Spec {
-    match action {
-        Action::Absorb => ("absorb", Vec::new()),
-        Action::Record => ("record", Vec::new()),
-        Action::Mirror { reflectance } => ("mirror", vec![*reflectance]),
-        Action::Splitter { reflectance } => ("splitter", vec![*reflectance]),
-        Action::ThinLens { focal_length } => ("thin_lens", vec![*focal_length]),
-        Action::Grating { lines, order, reflects } => {
-            ("grating", vec![lines.x, lines.y, f64::from(*order), f64::from(u8::from(*reflects))])
-        }
-        Action::Polariser { axis } => ("polariser", vec![axis.x, axis.y]),
-        Action::Retarder { axis, retardance_degrees } => {
-            ("retarder", vec![axis.x, axis.y, *retardance_degrees])
-        }
     }
 }

@@ -9,9 +9,9 @@ use rayweave::optics::source::{
 };
 
 use crate::error::bad_value;
-use crate::optics::component::Outline;
-use crate::optics::system::{Spec, vectors};
-use crate::vectors::matrix;
+use crate::optics::outline::Outline;
+use crate::optics::spec::Spec;
+use crate::vectors::{matrix, vectors};
 
 /// Origins, directions, wavelengths and powers.
 type Light<'py> = (
@@ -129,7 +129,7 @@ fn pattern(
     sampling: &str,
 ) -> PyResult<Pattern> {
     let aperture =
-        || outline.ok_or_else(|| bad_value("an aperture is needed (the light comes through it)"))?.aperture();
+        || outline.ok_or_else(|| bad_value("an aperture is needed: the light comes through it."))?.aperture();
     Ok(match (kind, numbers) {
         ("line", &[length]) => Pattern::Line { length, count },
         ("circle", &[diameter]) => Pattern::Circle { diameter, count },
@@ -158,11 +158,11 @@ fn pattern(
     })
 }
 
-/// About so many rays: grids and rings have numbers of their own.
+/// Approximate number of rays: grids and rings round it.
 fn sampling_named(name: &str, count: u64) -> PyResult<Sampling> {
     Sampling::named(name, count).ok_or_else(|| {
         let kinds = "\"fibonacci\", \"random\", \"grid\" or \"hexapolar\"";
-        bad_value(format!("sampling is {name:?} (it can be {kinds})"))
+        bad_value(format!("sampling is {name:?}: it can be {kinds}."))
     })
 }
 

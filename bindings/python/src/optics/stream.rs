@@ -14,9 +14,9 @@ use rayweave::optics::source::Sources;
 use rayweave::optics::{Balance, OpticsError, Phases, Segments, Settings, System, Tracer};
 
 use crate::error::bad_value;
-use crate::optics::system::{accounts, columns};
+use crate::optics::segments::{accounts, columns};
 
-/// How often a waiting reader looks whether Python was interrupted.
+/// Interval at which a waiting reader checks for signals of Python.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Chunks of a few thousand rays that may wait to be taken.
@@ -37,10 +37,10 @@ pub struct PyStream {
     state: Mutex<State>,
 }
 
-/// What a table holds.
+/// Contents of a table.
 #[derive(Clone, Copy)]
 pub struct Batch {
-    /// At least so many rows, but for the last one.
+    /// Least number of rows, except for the last table.
     pub rows: usize,
     /// Whether it has columns of phases.
     pub phases: bool,
@@ -67,7 +67,7 @@ impl PyStream {
             let ended = tracer.run(&light, &settings, |part| {
                 sender.send(Message::Part(Box::new(part))).map_err(|_| OpticsError::Cancelled)
             });
-            // nobody may be there any more to be told
+            // the receiver may have been dropped
             let _ = sender.send(Message::End(ended));
         });
         PyStream { messages: Mutex::new(messages), cancel, system, batch, state: Mutex::default() }

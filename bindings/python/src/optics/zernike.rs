@@ -2,17 +2,17 @@
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use rayweave::optics::analysis::{Zernike, fit};
+use rayweave::lens::analysis::{Zernike, fit};
 
 use crate::arrays::list;
 use crate::error::bad_value;
-use crate::optics::prescription::points;
+use crate::vectors::points;
 
 /// The polynomial of an order and a frequency, if there is one.
 fn zernike((n, m): (u32, i32)) -> PyResult<Zernike> {
     let has_term = m.unsigned_abs() <= n && (n - m.unsigned_abs()).is_multiple_of(2);
     let problem =
-        || bad_value(format!("there is no Zernike polynomial n = {n}, m = {m} (n - |m| is even and >= 0)"));
+        || bad_value(format!("there is no Zernike polynomial n = {n}, m = {m}: n - |m| is even and >= 0."));
     has_term.then_some(Zernike { n, m }).ok_or_else(problem)
 }
 
@@ -22,10 +22,10 @@ fn zernike((n, m): (u32, i32)) -> PyResult<Zernike> {
 pub fn zernike_term(scheme: &str, index: u32) -> PyResult<(u32, i32)> {
     let zernike = match (scheme, index) {
         ("noll", 1..) => Zernike::noll(index),
-        ("noll", _) => return Err(bad_value("the Noll index is 0 (it counts from 1)")),
+        ("noll", _) => return Err(bad_value("the Noll index is 0: it counts from 1.")),
         ("osa", _) => Zernike::osa(index),
         (other, _) => {
-            return Err(bad_value(format!("the scheme is {other:?} (it can be \"noll\" or \"osa\")")));
+            return Err(bad_value(format!("the scheme is {other:?}: it can be \"noll\" or \"osa\".")));
         }
     };
     Ok((zernike.n, zernike.m))
@@ -54,7 +54,7 @@ pub fn zernike_fit<'py>(
     let (at, wanted) = (points(pupil, "pupil")?, list(values, "values")?);
     if at.len() != wanted.len() {
         let counts = format!("pupil has {} rows and values has {}", at.len(), wanted.len());
-        return Err(bad_value(format!("{counts} (one value for every point is needed)")));
+        return Err(bad_value(format!("{counts}: one value for every point is needed.")));
     }
     let terms: Vec<Zernike> = terms.into_iter().map(zernike).collect::<PyResult<_>>()?;
     let fit = pupil.py().detach(|| fit(&at, &wanted, &terms)).map_err(bad_value)?;

@@ -15,7 +15,7 @@ use crate::error::bad_value;
 /// Radians in a degree.
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// What a curve was made from, as Python gave it.
+/// Constructor arguments of a curve, as given by Python.
 #[derive(Clone, PartialEq)]
 enum Argument {
     Number(f64),
@@ -59,12 +59,12 @@ impl PyCurve {
         let one = times.ndim() == 0;
         if times.ndim() > 1 {
             let shape = shape_text(times.shape());
-            return Err(bad_value(format!("t has shape {shape} (a number or (N,) is needed)")));
+            return Err(bad_value(format!("t has shape {shape}: a number or (N,) is needed.")));
         }
         let times: Vec<f64> = times.try_readonly().map_err(bad_value)?.as_array().iter().copied().collect();
         if let Some(k) = times.iter().position(|t| !t.is_finite()) {
             let place = if one { String::new() } else { format!("[{k}]") };
-            return Err(bad_value(format!("t{place} is {} (it must be finite)", times[k])));
+            return Err(bad_value(format!("t{place} is {}: it must be finite.", times[k])));
         }
         let numbers: Vec<f64> = each!(AnyCurve, &self.any, curve => {
             times.iter().flat_map(|&t| if velocity { curve.velocity(t) } else { curve.position(t) }).collect()
@@ -105,7 +105,7 @@ impl PyCurve {
     #[pyo3(signature = (t0, t1))]
     fn acceleration_bound(&self, t0: f64, t1: f64) -> PyResult<f64> {
         if t0.is_nan() || t1.is_nan() || t0 >= t1 {
-            return Err(bad_value(format!("t0 is {t0} and t1 is {t1} (t0 must be less than t1)")));
+            return Err(bad_value(format!("t0 is {t0} and t1 is {t1}: t0 must be less than t1.")));
         }
         Ok(each!(AnyCurve, &self.any, curve => curve.acceleration_bound(t0, t1)))
     }
@@ -252,7 +252,7 @@ impl PyArc {
     ) -> PyResult<PyClassInitializer<PyArc>> {
         let (centre, rows) = (finite(centre, "centre")?, rows(axes, "axes")?);
         let Ok([first, second]) = <[Vec<f64>; 2]>::try_from(rows.clone()) else {
-            return Err(bad_value(format!("axes has {} rows (2 are needed)", rows.len())));
+            return Err(bad_value(format!("axes has {} rows: 2 are needed.", rows.len())));
         };
         let vectors = [centre, first, second];
         let arguments = vec![
@@ -419,25 +419,25 @@ fn spline_ends<const D: usize>(ends: &str, velocities: Option<&[Vec<f64>]>) -> P
             Ok(SplineEnds::Clamped { first: end(first), last: end(last) })
         }
         ("clamped", Some(rows)) => Err(bad_value(format!(
-            "velocities has shape ({}, {}) ((2, {D}) is needed, one for each end)",
+            "velocities has shape ({}, {}): (2, {D}) is needed, one for each end.",
             rows.len(),
             rows.first().map_or(0, Vec::len)
         ))),
         ("clamped", None) => {
-            Err(bad_value("velocities is missing (ends = 'clamped' needs them, one for each end)"))
+            Err(bad_value("velocities is missing: ends = 'clamped' needs them, one for each end."))
         }
         ("natural" | "periodic", Some(_)) => Err(bad_value(format!(
-            "velocities are given (with ends = '{ends}' they follow) did you mean 'clamped'?"
+            "velocities are given: with ends = '{ends}' they follow. Did you mean 'clamped'?"
         ))),
-        _ => Err(bad_value(format!("ends is '{ends}' (it must be 'natural', 'clamped' or 'periodic')"))),
+        _ => Err(bad_value(format!("ends is '{ends}': it must be 'natural', 'clamped' or 'periodic'."))),
     }
 }
 
 /// The error of a speed, which Python calls by another name.
 fn in_degrees(error: CurveError) -> PyErr {
     match error {
-        CurveError::BadInput { what: "angular_speed", why } => {
-            bad_value(CurveError::BadInput { what: "speed", why })
+        CurveError::InvalidArgument { what: "angular_speed", why } => {
+            bad_value(CurveError::InvalidArgument { what: "speed", why })
         }
         other => bad_value(other),
     }
@@ -448,7 +448,7 @@ fn finite(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     let numbers = list(object, name)?;
     match numbers.iter().position(|x| !x.is_finite()) {
         None => Ok(numbers),
-        Some(k) => Err(bad_value(format!("{name}[{k}] is {} (it must be finite)", numbers[k]))),
+        Some(k) => Err(bad_value(format!("{name}[{k}] is {}: it must be finite.", numbers[k]))),
     }
 }
 
@@ -457,7 +457,7 @@ fn in_space(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     let numbers = finite(object, name)?;
     match numbers.len() {
         3 => Ok(numbers),
-        other => Err(bad_value(format!("{name} has {other} numbers (3 are needed)"))),
+        other => Err(bad_value(format!("{name} has {other} numbers: 3 are needed."))),
     }
 }
 
@@ -466,7 +466,7 @@ fn rows(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec<f64>>> {
     let array = double_array(object, name)?;
     if array.ndim() != 2 {
         let shape = shape_text(array.shape());
-        return Err(bad_value(format!("{name} has shape {shape} (rows of numbers are needed)")));
+        return Err(bad_value(format!("{name} has shape {shape}: rows of numbers are needed.")));
     }
     let array = array.try_readonly().map_err(bad_value)?;
     Ok(array.as_array().rows().into_iter().map(|row| row.to_vec()).collect())
@@ -478,7 +478,7 @@ fn same_length(names: &[&str], vectors: &[Vec<f64>]) -> PyResult<usize> {
     match vectors.iter().position(|vector| vector.len() != d) {
         None => Ok(d),
         Some(k) => Err(bad_value(format!(
-            "{} has {d} numbers and {} has {} (they must be of one space)",
+            "{} has {d} numbers and {} has {}: they must be of one space.",
             names[0],
             names[k],
             vectors[k].len()
@@ -486,7 +486,7 @@ fn same_length(names: &[&str], vectors: &[Vec<f64>]) -> PyResult<usize> {
     }
 }
 
-/// Vectors of which the length is known.
+/// Vectors of fixed length.
 fn fixed<const D: usize, const N: usize>(vectors: &[Vec<f64>; N]) -> [Point<D>; N] {
     vectors.each_ref().map(|vector| std::array::from_fn(|k| vector[k]))
 }

@@ -103,7 +103,7 @@ where
         }
         let wrong = |_| {
             bad_type(format!(
-                "curves is {} (a curve is needed, which has position(t), velocity(t) and acceleration_bound(t0, t1), or a list of curves)",
+                "curves is {}: a curve is needed, which has position(t), velocity(t) and acceleration_bound(t0, t1), or a list of curves.",
                 object.get_type()
             ))
         };
@@ -114,7 +114,7 @@ where
     }
 }
 
-/// A curve of the dimension that is asked for.
+/// A curve of the required dimension.
 fn given<'py, const D: usize>(object: Bound<'py, PyAny>) -> PyResult<Given<'py, D>>
 where
     AnyCurve: Holds<Shared<D>>,
@@ -126,7 +126,7 @@ where
     match any.held() {
         Some(curve) => Ok(Given::Ours(curve.clone())),
         None => Err(bad_value(format!(
-            "the curve is of dimension {} and the solid of dimension {D} (they must be of one space)",
+            "the curve is of dimension {} and the solid of dimension {D}: they must be of one space.",
             any.dimension()
         ))),
     }
@@ -141,7 +141,7 @@ fn times(object: &Bound<'_, PyAny>, name: &str, count: usize) -> PyResult<Vec<f6
     if array.ndim() != 1 || array.len() != count {
         let shape = shape_text(array.shape());
         return Err(bad_value(format!(
-            "{name} has shape {shape} (a number or ({count},) is needed, one for each curve)"
+            "{name} has shape {shape}: a number or ({count},) is needed, one for each curve."
         )));
     }
     Ok(array.try_readonly().map_err(bad_value)?.as_array().iter().copied().collect())

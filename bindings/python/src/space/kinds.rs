@@ -48,8 +48,8 @@ fn make_in<const D: usize>(
 
 fn shape<const D: usize>(call: &str, numbers: &[f64]) -> PyResult<Solid<D>> {
     match (call, numbers) {
-        ("vacuum", []) => Ok(Solid::vacuum()),
-        ("plenum", []) => Ok(Solid::plenum()),
+        ("empty", []) => Ok(Solid::empty()),
+        ("universe", []) => Ok(Solid::universe()),
         ("half_space", [normal @ .., offset]) => Solid::half_space_below(point(normal)?, *offset),
         ("slab", &[axis, lo, hi]) => Solid::slab(axis as usize, lo, hi),
         ("box", corners) if corners.len() == 2 * D => {

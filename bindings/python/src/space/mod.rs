@@ -12,7 +12,7 @@ use rayweave::space::Solid;
 use rayweave::space::curve::Curve;
 use std::sync::Arc;
 
-/// A solid in a space of one of the dimensions that Python can ask for.
+/// A solid in a space of one of the dimensions that Python supports.
 #[derive(Clone)]
 pub enum AnySolid {
     /// Of the plane.
@@ -130,6 +130,6 @@ impl AnyCurve {
 /// The error for a space that is not offered.
 fn no_such_dimension(dimension: usize) -> pyo3::PyErr {
     crate::error::bad_value(format!(
-        "the dimension is {dimension} (spaces of 2, 3 and 4 dimensions can be asked)"
+        "the dimension is {dimension}: spaces of 2, 3 and 4 dimensions can be asked."
     ))
 }

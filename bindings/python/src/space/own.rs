@@ -8,7 +8,7 @@ use rayweave::space::{Curve, Point};
 use crate::arrays::list;
 use crate::error::{bad_type, bad_value};
 
-/// What an object must offer to be a curve.
+/// Methods that an object must have to be a curve.
 const METHODS: [&str; 3] = ["position", "velocity", "acceleration_bound"];
 
 /// True if an object looks like a curve, rather than a list of curves.
@@ -26,7 +26,7 @@ pub struct OwnCurve<'py, const D: usize> {
 #[derive(Default)]
 struct Memory<const D: usize> {
     failed: Option<PyErr>,
-    /// What was asked last: isolation asks several times for the same.
+    /// Cache of the last call: isolation evaluates the same argument several times.
     position: Option<(f64, Point<D>)>,
     velocity: Option<(f64, Point<D>)>,
 }
@@ -38,14 +38,14 @@ impl<'py, const D: usize> OwnCurve<'py, D> {
             if !object.hasattr(method)? {
                 let kind = object.get_type();
                 return Err(bad_type(format!(
-                    "a curve is {kind}, without {method} (position(t), velocity(t) and acceleration_bound(t0, t1) are needed)"
+                    "a curve is {kind}, without {method}: position(t), velocity(t) and acceleration_bound(t0, t1) are needed."
                 )));
             }
         }
         let domain = match object.getattr_opt("domain")? {
             None => (f64::NEG_INFINITY, f64::INFINITY),
             Some(pair) => pair.extract().map_err(|_| {
-                bad_type(format!("domain of a curve is {} (a pair of times is needed)", pair.get_type()))
+                bad_type(format!("domain of a curve is {}: a pair of times is needed.", pair.get_type()))
             })?,
         };
         let memory = Memory { failed: None, position: None, velocity: None };
@@ -72,7 +72,7 @@ impl<'py, const D: usize> OwnCurve<'py, D> {
             let count = numbers.len();
             numbers.try_into().map_err(|_| {
                 bad_value(format!(
-                    "{name} has {count} numbers ({D} are needed, as many as the space has dimensions)"
+                    "{name} has {count} numbers: {D} are needed, as many as the space has dimensions."
                 ))
             })
         });
@@ -110,7 +110,7 @@ impl<const D: usize> Curve<D> for OwnCurve<'_, D> {
             let kind = answer.get_type();
             let wrong = move |_| {
                 bad_type(format!(
-                    "acceleration_bound({t0:?}, {t1:?}) of the curve is {kind} (a number is needed)"
+                    "acceleration_bound({t0:?}, {t1:?}) of the curve is {kind}: a number is needed."
                 ))
             };
             answer.extract::<f64>().map_err(wrong)

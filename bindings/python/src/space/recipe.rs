@@ -1,4 +1,4 @@
-//! How a solid in R^d was made: what Python compares, prints, hashes and pickles.
+//! Recipe of a solid in R^d: used by Python to compare, print, hash and pickle.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -20,8 +20,8 @@ pub struct Recipe {
 
 /// All calls.
 pub const CALLS: [&str; 20] = [
-    "vacuum",
-    "plenum",
+    "empty",
+    "universe",
     "half_space",
     "slab",
     "box",
@@ -123,7 +123,7 @@ impl Step {
     }
 }
 
-/// At most so many characters.
+/// At most `most` characters.
 fn cut(text: String) -> String {
     const LONG: usize = 100;
     match text.char_indices().nth(LONG) {

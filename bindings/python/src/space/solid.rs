@@ -32,7 +32,7 @@ pub struct PySpaceSolid {
 }
 
 impl PySpaceSolid {
-    /// What a call makes of solids of one dimension.
+    /// Result of an operation on solids of one dimension.
     pub fn make(
         call: &'static str,
         dimension: usize,
@@ -57,7 +57,7 @@ impl PySpaceSolid {
         let (a, b) = (self.any.dimension(), other.any.dimension());
         if a != b {
             return Err(bad_value(format!(
-                "one solid is of dimension {a} and the other of dimension {b} (an operator joins solids of one space) use extrude?"
+                "one solid is of dimension {a} and the other of dimension {b}: an operator joins solids of one space. Use extrude."
             )));
         }
         Self::make(call, a, Vec::new(), None, &[self, other])
@@ -70,7 +70,7 @@ impl PySpaceSolid {
         match numbers.len() == dimension {
             true => Ok(numbers),
             false => Err(bad_value(format!(
-                "{name} has {} numbers ({dimension} are needed, as many as the space has dimensions)",
+                "{name} has {} numbers: {dimension} are needed, as many as the space has dimensions.",
                 numbers.len()
             ))),
         }
@@ -120,7 +120,7 @@ impl PySpaceSolid {
         let (d, matrix) = (self.any.dimension(), double_array(matrix, "matrix")?);
         if matrix.shape() != [d, d] {
             let shape = shape_text(matrix.shape());
-            return Err(bad_value(format!("matrix has shape {shape} (({d}, {d}) is needed)")));
+            return Err(bad_value(format!("matrix has shape {shape}: ({d}, {d}) is needed.")));
         }
         let matrix = matrix.try_readonly().map_err(bad_value)?;
         let mut numbers: Vec<f64> = matrix.as_array().iter().copied().collect();
@@ -141,7 +141,7 @@ impl PySpaceSolid {
     #[pyo3(signature = (name))]
     fn named(&self, name: &str) -> PyResult<Self> {
         if name.is_empty() {
-            return Err(bad_value("name is empty (faces are called by it)"));
+            return Err(bad_value("name is empty: faces are called by it."));
         }
         Self::make("named", self.any.dimension(), Vec::new(), Some(name), &[self])
     }
@@ -180,7 +180,7 @@ impl PySpaceSolid {
     }
 
     /// All crossings of one curve, or of each in a list of curves, strictly between two times: see `PointCrossings`. The times
-    /// are finite numbers, or (N,) arrays with one for each curve. What curves are is told in `rayweave.space`.
+    /// are finite numbers, or (N,) arrays with one for each curve. Curves are described in `rayweave.space`.
     #[pyo3(signature = (curves, t_min, t_max, *, threads = None))]
     fn crossings_along<'py>(
         &self,
@@ -276,25 +276,25 @@ pub fn space_shape(
 #[pyo3(signature = (call, solids))]
 pub fn space_join(call: &str, solids: &Bound<'_, PyAny>) -> PyResult<PySpaceSolid> {
     let call = call_named(call).ok_or_else(|| bad_value(format!("there is no operator {call}")))?;
-    let wrong = || bad_type(format!("solids is {} (an iterable of solids is needed)", solids.get_type()));
+    let wrong = || bad_type(format!("solids is {}: an iterable of solids is needed.", solids.get_type()));
     let all: PyResult<Bound<'_, PyIterator>> = solids.try_iter().map_err(|_| wrong());
     let mut operands = Vec::new();
     for (k, item) in all?.enumerate() {
         let solid = item?.cast_into::<PySpaceSolid>().map_err(|error| {
             let found = error.into_inner().get_type();
-            bad_type(format!("solids[{k}] is {found} (a Solid of rayweave.space is needed)"))
+            bad_type(format!("solids[{k}] is {found}: a Solid of rayweave.space is needed."))
         })?;
         operands.push(solid);
     }
     let operands: Vec<&PySpaceSolid> = operands.iter().map(|solid| solid.get()).collect();
     let Some(first) = operands.first() else {
-        return Err(bad_value("solids is empty (of which space?) use vacuum(d) or plenum(d)?"));
+        return Err(bad_value("solids is empty (of which space?) use empty(d) or universe(d)?"));
     };
     let d = first.any.dimension();
     if let Some(k) = operands.iter().position(|solid| solid.any.dimension() != d) {
         let other = operands[k].any.dimension();
         return Err(bad_value(format!(
-            "solids[0] is of dimension {d} and solids[{k}] of dimension {other} (they must be of one space)"
+            "solids[0] is of dimension {d} and solids[{k}] of dimension {other}: they must be of one space."
         )));
     }
     PySpaceSolid::make(call, d, Vec::new(), None, &operands)
@@ -350,10 +350,10 @@ where
         },
         |ray| match answer.replace(ray) {
             None => Ok(()),
-            Some(_) => Err(bad_type("curve is a list (one curve is needed; crossings_along takes many)")),
+            Some(_) => Err(bad_type("curve is a list: one curve is needed; crossings_along takes many.")),
         },
     )?;
-    answer.ok_or_else(|| bad_type("curve is an empty list (one curve is needed)"))
+    answer.ok_or_else(|| bad_type("curve is an empty list: one curve is needed."))
 }
 
 /// The root-ray without its surfaces.
@@ -381,13 +381,13 @@ fn contains<'py, const D: usize>(
 
 /// A whole number that is not negative, as all numbers of a recipe are kept.
 fn count(object: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
-    let wrong = || bad_type(format!("{name} is {} (a whole number is needed)", object.get_type()));
+    let wrong = || bad_type(format!("{name} is {}: a whole number is needed.", object.get_type()));
     if object.is_instance_of::<pyo3::types::PyBool>() {
         return Err(wrong());
     }
     let number: i64 = object.extract().map_err(|_| wrong())?;
     match (0..1 << 50).contains(&number) {
         true => Ok(number as f64),
-        false => Err(bad_value(format!("{name} is {number} (it must be 0 or more)"))),
+        false => Err(bad_value(format!("{name} is {number}: it must be 0 or more."))),
     }
 }

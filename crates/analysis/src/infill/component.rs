@@ -1,4 +1,4 @@
-//! Which traces of a layer hang together.
+//! Connected components of the traces of a layer.
 
 use super::region::Piece;
 
@@ -29,7 +29,7 @@ fn overlaps<'a>(below: &'a [Piece], own: &'a [Piece]) -> impl Iterator<Item = (u
         while a < below.len() && b < own.len() {
             let ([a_from, a_to], [b_from, b_to]) = (below[a].1, own[b].1);
             let pair = (a, b);
-            // the one that ends first meets no other piece
+            // the piece that ends first overlaps no other
             match a_to < b_to {
                 true => a += 1,
                 false => b += 1,
@@ -44,7 +44,7 @@ fn overlaps<'a>(below: &'a [Piece], own: &'a [Piece]) -> impl Iterator<Item = (u
 
 fn root(parent: &mut [u32], mut k: u32) -> u32 {
     while parent[k as usize] != k {
-        // halves the way for the next one who asks
+        // path halving, for the next search
         parent[k as usize] = parent[parent[k as usize] as usize];
         k = parent[k as usize];
     }
@@ -74,7 +74,7 @@ mod tests {
         assert_eq!(components(&pieces), [0; 6]);
         assert_eq!(components(&pieces[2..]), [0, 1, 0, 1]);
         assert_eq!(components(&[]), [0; 0]);
-        // a line left out parts what is below from what is above; a point in common does not join
+        // a line left out separates those below from those above; a point in common does not join
         assert_eq!(components(&[(0, [0.0, 1.0]), (2, [0.0, 1.0])]), [0, 1]);
         assert_eq!(components(&[(0, [0.0, 1.0]), (1, [1.0, 2.0])]), [0, 1]);
     }

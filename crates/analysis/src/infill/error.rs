@@ -1,37 +1,39 @@
 //! Why a region cannot be filled.
 
-/// Why a region cannot be filled, as "problem (why) suggestion?".
+use rayweave_error::{Classified, ErrorKind};
+
+/// Why a region cannot be filled, as "problem: reason. Suggestion.".
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InfillError {
-    /// The distance of scan lines is no positive number.
+    /// The distance of scan lines is not positive and finite.
     #[error(
-        "the spacing is {0} (the distance of scan lines is greater than 0 and finite) is its unit that of the model?"
+        "the spacing is {0}: the distance of scan lines is greater than 0 and finite. Is its unit that of the model?"
     )]
     Spacing(f64),
-    /// The direction of scan lines is no number.
-    #[error("the angle is {0} (the direction of scan lines is finite, in degrees)")]
+    /// The direction of scan lines is not finite.
+    #[error("the angle is {0}: the direction of scan lines is finite, in degrees.")]
     Angle(f64),
-    /// The angle by which layers are turned is no number, or so large that the angle of the last one is none.
-    #[error("the turn is {0:?} (the angles of all layers are finite, in degrees)")]
+    /// The angle by which layers are turned is not finite, or so large that the angle of the last one is not.
+    #[error("the turn is {0:?}: the angles of all layers are finite, in degrees.")]
     Turn(f64),
-    /// The shift of scan lines is no fraction of the spacing.
-    #[error("the phase is {0} (it is a fraction of the spacing, from 0 to 1)")]
+    /// The shift of scan lines is not a fraction of the spacing.
+    #[error("the phase is {0}: it is a fraction of the spacing, from 0 to 1.")]
     Phase(f64),
-    /// The distance of layers is no positive number.
-    #[error("the layer height is {0} (the distance of layers is greater than 0 and finite)")]
+    /// The distance of layers is not positive and finite.
+    #[error("the layer height is {0}: the distance of layers is greater than 0 and finite.")]
     LayerHeight(f64),
-    /// The height of a layer is no number, or too large for rays.
-    #[error("height {index} of the layers is {value:?} (a height is finite, and at most 1e59 in magnitude)")]
+    /// The height of a layer is not finite, or too large for rays.
+    #[error("height {index} of the layers is {value:?}: a height is finite, and at most 1e59 in magnitude.")]
     Height {
         /// The number of the layer.
         index: usize,
-        /// What was given.
+        /// The height.
         value: f64,
     },
-    /// There are more scan lines than anybody can mean.
+    /// There are too many scan lines.
     #[error(
-        "the spacing {spacing:?} makes {lines:.3e} scan lines (at most {most} are filled in one run) use a larger spacing?"
+        "the spacing {spacing:?} makes {lines:.3e} scan lines: at most {most} are filled in one run. Use a larger spacing."
     )]
     TooManyLines {
         /// The distance of scan lines.
@@ -41,9 +43,9 @@ pub enum InfillError {
         /// The limit.
         most: u64,
     },
-    /// There are more layers than anybody can mean.
+    /// There are too many layers.
     #[error(
-        "the layer height {height} makes {layers:.3e} layers (at most {most} are filled in one run) use a larger layer height?"
+        "the layer height {height} makes {layers:.3e} layers: at most {most} are filled in one run. Use a larger layer height."
     )]
     TooManyLayers {
         /// The distance of layers.
@@ -54,32 +56,44 @@ pub enum InfillError {
         most: u64,
     },
     /// There is nothing to fill.
-    #[error("{name} is empty (there is nothing to fill) do its parts overlap as they should?")]
+    #[error("{name} is empty: there is nothing to fill. Do its parts overlap as they should?")]
     Empty {
-        /// What was to be filled.
+        /// The region.
         name: String,
     },
-    /// There is no end to what is to be filled.
-    #[error("{name} is unbounded in {axes} (scan lines would never end) intersect it with a box?")]
+    /// The region is unbounded.
+    #[error("{name} is unbounded in {axes}: scan lines would never end. Intersect it with a box.")]
     Unbounded {
-        /// What was to be filled.
+        /// The region.
         name: String,
-        /// The axes along which it is unbounded, or may be for all that is known.
+        /// The axes along which it is, or may be, unbounded.
         axes: String,
     },
     /// The region is too far from the origin.
     #[error(
-        "{name} reaches to {reach:e} (coordinates of what is filled are at most {most:e}) is the unit right?"
+        "{name} reaches to {reach:e}: coordinates of filled regions are at most {most:e}. Is the unit right?"
     )]
     TooFar {
-        /// What was to be filled.
+        /// The region.
         name: String,
         /// Its largest coordinate.
         reach: f64,
         /// The limit.
         most: f64,
     },
-    /// Somebody asked the run to stop.
+    /// The run was cancelled.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl Classified for InfillError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            InfillError::Empty { .. } | InfillError::Unbounded { .. } | InfillError::TooFar { .. } => {
+                ErrorKind::Solid
+            }
+            InfillError::Cancelled => ErrorKind::Cancelled,
+            _ => ErrorKind::Value,
+        }
+    }
 }

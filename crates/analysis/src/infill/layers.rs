@@ -1,8 +1,11 @@
-//! At which heights a solid is cut.
+//! Heights of layers.
 
 use super::InfillError;
-use super::run::MOST_REACH;
 use rayweave_math::Bounds;
+
+/// The largest coordinate: scan lines may pass the origin four times as far away, and regions of the plane are traced up to
+/// 1e60.
+pub(super) const MOST_REACH: f64 = 1e59;
 
 /// The heights of layers.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,9 +83,9 @@ mod tests {
             assert!(message(Layers::Every(bad), between(0.0, 1.0)).contains("layer height is"), "{bad}");
         }
         let text = message(Layers::At(vec![1.0, f64::NAN]), between(0.0, 1.0));
-        assert_eq!(text, "height 1 of the layers is NaN (a height is finite, and at most 1e59 in magnitude)");
+        assert_eq!(text, "height 1 of the layers is NaN: a height is finite, and at most 1e59 in magnitude.");
         let text = message(Layers::At(vec![1e300]), Bounds::ALL);
-        assert!(text.starts_with("height 0 of the layers is 1e300 ("), "{text}");
+        assert!(text.starts_with("height 0 of the layers is 1e300: "), "{text}");
         let text = message(Layers::Every(1.0), Bounds::ALL);
         assert!(text.starts_with("ball is unbounded in z"), "{text}");
         assert!(message(Layers::Every(1e-9), between(0.0, 1.0)).contains("at most 1000000"));

@@ -18,7 +18,7 @@
 //! `angle + j turn`, and its own grid.
 //!
 //! **Components**: two traces on adjacent scan lines belong together if they overlap, that is if their ranges along
-//! the direction have more than a point in common; a component is what hangs together in this way within one layer.
+//! the direction have more than a point in common; a component is a connected set of traces of one layer.
 //! Components are numbered from 0 in the order in which their first traces are listed. In the picture the trace of
 //! scan line 0 overlaps with the left one of scan line 1, so both are of component 0; the trace of scan line 4
 //! overlaps with none of scan line 3 and is a component of its own. A tool fills a component by steps from one
@@ -31,18 +31,57 @@
 //! A scan line in a face of the region is answered as every ray in a surface is: as if moved infinitesimally along
 //! the fixed vector w, which points towards +x and +y (and +z). So a square from 0 to 10 gets lines 0 to 9 with
 //! spacing 1, phase 0 and angle 0, and the lengths of all traces times the spacing are its area.
+//!
+//! ```
+//! use rayweave_analysis::infill::{Filling, InfillError, Layers, Raster, Run, Slices, infill};
+//! use rayweave_model::{Program, Solid};
+//! use rayweave_rootray::Side;
+//! use rayweave_shape::primitive::build;
+//! use rayweave_polygon::from_polygons;
+//! use rayweave_trace::Weave;
+//! use std::sync::Arc;
+//!
+//! // a drilled plate, in layers 0.5 thick, each turned by 90 degrees from the one below
+//! let block = Solid::from(build("box", &[("size", [20.0, 10.0, 1.0].into())])?).translate([10.0, 5.0, 0.5]);
+//! let hole = Solid::from(build("cylinder", &[("radius", 3.0.into()), ("height", f64::INFINITY.into())])?);
+//! let plate = block - hole.translate([10.0, 5.0, 0.0]);
+//! let weave = Weave::new(Arc::new(Program::compile(&plate)?));
+//! let filling = Filling { raster: Raster::new(0.5, 0.0, 0.5)?, turn: 90.0, alternate: true };
+//! let mut traces = 0;
+//! let summary = infill(&Slices(&weave), &filling, &Layers::Every(0.5), &Run::default(), |layer| {
+//!     traces += layer.traces.len();
+//!     Ok::<(), InfillError>(())
+//! })?;
+//! assert_eq!((summary.layers, summary.traces), (2, traces as u64));
+//! // the traces of a layer, each as wide as the spacing, cover the area of the plate
+//! let area = 0.5 * summary.length / 2.0;
+//! assert!((area - (200.0 - 9.0 * std::f64::consts::PI)).abs() < 1.0);
+//!
+//! // a region of the plane is its own only layer
+//! let square = from_polygons(&[vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]], Side::Outside)?;
+//! let (layers, run) = (Layers::At(vec![0.0]), Run::default());
+//! let flat = infill(&square, &filling, &layers, &run, |_| Ok::<(), InfillError>(()))?;
+//! assert_eq!(flat.length, 32.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod component;
+mod contours;
 mod error;
 mod layers;
+mod problems;
 mod raster;
 mod region;
 mod run;
+mod table;
 #[cfg(test)]
 mod tests;
 
+pub use contours::read_region;
 pub use error::InfillError;
 pub use layers::Layers;
+pub use problems::ContourProblems;
 pub use raster::Raster;
 pub use region::{Fillable, Slices};
 pub use run::{Filling, LayerTraces, Run, Summary, Trace, infill};
+pub use table::{InfillTable, write_infill};

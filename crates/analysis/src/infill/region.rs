@@ -1,23 +1,23 @@
-//! What can be filled: anything that knows its pieces on scan lines.
+//! Regions that can be filled: they give their pieces on scan lines.
 
 use super::Raster;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};
+use rayweave_polygon::Polygons;
 use rayweave_rootray::Side;
 use rayweave_shape::Ray;
-use rayweave_space::polygon::Polygons;
 use std::ops::Range;
 
 /// A piece of a scan line: the number of the line and the times where the piece begins and ends, counted in lengths
 /// from the point of the line that is nearest to the origin.
 pub type Piece = (i64, [f64; 2]);
 
-/// Something whose layers can be filled.
+/// A solid or a region of the plane whose layers can be filled.
 pub trait Fillable: Sync {
     /// The memory that a thread needs.
     type Scratch: Send;
 
-    /// What it is called in messages.
+    /// Its name in messages.
     fn name(&self) -> String;
 
     /// A box that holds it.
@@ -30,7 +30,7 @@ pub trait Fillable: Sync {
     fn pieces(&self, raster: &Raster, z: f64, lines: Range<i64>, scratch: &mut Self::Scratch) -> Vec<Piece>;
 }
 
-/// The layers of a model: what is inside of any of its regions.
+/// The layers of a model: the space of all of its regions together.
 #[derive(Clone, Copy, Debug)]
 pub struct Slices<'a, E>(pub &'a E);
 

@@ -1,6 +1,7 @@
 //! Filling layer by layer, on all cores.
 
 use super::component::components;
+use super::layers::MOST_REACH;
 use super::region::Piece;
 use super::{Fillable, InfillError, Layers, Raster};
 use rayweave_math::Bounds;
@@ -11,14 +12,10 @@ use std::ops::Range;
 /// The most scan lines of one run.
 const MOST_LINES: u64 = 10_000_000;
 
-/// The largest coordinate of what is filled: scan lines may pass the origin four times as far away, and regions of the
-/// plane are asked up to 1e60.
-pub const MOST_REACH: f64 = 1e59;
-
 /// Scan lines that a thread takes at a time.
 const LINES_PER_TASK: i64 = 512;
 
-/// How layers are filled.
+/// The options of a filling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filling {
     /// The scan lines of layer 0.
@@ -29,7 +26,7 @@ pub struct Filling {
     pub alternate: bool,
 }
 
-/// How a run is run.
+/// The options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// The number of threads; [`thread_count`] if it is not given.
@@ -72,7 +69,7 @@ pub struct LayerTraces {
     pub components: u32,
 }
 
-/// What a run did.
+/// A summary of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// The number of layers.
@@ -92,7 +89,7 @@ struct Task {
     is_last: bool,
 }
 
-/// Fills the layers of something and hands them over in order.
+/// Fills the layers of a solid or a region and passes them to `take` in order.
 ///
 /// Every run gives the same bits, whatever the number of threads. At most 10 million scan lines and 1 million layers
 /// are filled in one run.
@@ -100,7 +97,7 @@ struct Task {
 /// # Errors
 ///
 /// [`InfillError`] for settings out of range, something empty or unbounded, too many scan lines, a cancelled run;
-/// whatever error `take` answers, which ends the run.
+/// or the error of `take`, which ends the run.
 pub fn infill<F: Fillable, X: From<InfillError>>(
     fillable: &F,
     filling: &Filling,

@@ -4,9 +4,9 @@ use super::*;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::Vec3;
 use rayweave_model::{Program, Region, Solid};
+use rayweave_polygon::{Polygons, from_polygons};
 use rayweave_rootray::Side;
 use rayweave_shape::primitive::{BoxFromCorners, Cylinder, HalfSpace, Primitive, Sphere};
-use rayweave_space::polygon::{Polygons, from_polygons};
 use rayweave_trace::{Reference, Weave};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -249,28 +249,28 @@ fn what_cannot_be_filled_is_named() {
     };
     let cube = plate([0.0; 3], [4.0; 3]);
     let half = solid(HalfSpace::new(Vec3::X, 1.0).unwrap());
-    let text = message(&Solid::vacuum(), 1.0, floor());
-    assert!(text.contains("is empty (there is nothing to fill)"), "{text}");
+    let text = message(&Solid::empty(), 1.0, floor());
+    assert!(text.contains("is empty: there is nothing to fill."), "{text}");
     let text = message(&(&cube & &solid(Sphere::new(1.0).unwrap()).translate([9.0, 0.0, 0.0])), 1.0, floor());
     assert!(text.contains("is empty"), "{text}");
-    assert!(message(&half, 1.0, floor()).contains("unbounded in x and y (scan lines would never end)"));
+    assert!(message(&half, 1.0, floor()).contains("unbounded in x and y: scan lines would never end."));
     let bar = solid(Cylinder::new(1.0, f64::INFINITY).unwrap());
     assert!(message(&bar, 1.0, Layers::Every(1.0)).contains("unbounded in z"));
     assert_eq!(fill(&Slices(&weave(&bar)), &filling(1.0, 0.0, 0.5), &floor())[0].traces.len(), 2);
     let text = message(&cube, 1e-9, floor());
-    assert!(text.contains("4.000e9 scan lines (at most 10000000"), "{text}");
+    assert!(text.contains("4.000e9 scan lines: at most 10000000"), "{text}");
     assert!(
         message(&cube, 1e-5, Layers::Every(0.01)).contains("1.600e8 scan lines"),
         "{}",
         message(&cube, 1e-5, Layers::Every(0.01))
     );
-    assert!(message(&cube, 1e-30, floor()).contains("use a larger spacing?"));
+    assert!(message(&cube, 1e-30, floor()).contains("Use a larger spacing."));
     let region = Region { name: "plate".to_owned(), solid: half, medium: 1 };
     let model = Weave::new(Arc::new(Program::compile_regions(&[region]).unwrap()));
     let error = fill_with(&Slices(&model), &filling(1.0, 0.0, 0.0), &floor(), &Run::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "plate is unbounded in x and y (scan lines would never end) intersect it with a box?"
+        "plate is unbounded in x and y: scan lines would never end. Intersect it with a box."
     );
     let all = from_polygons(&[square(1.0).into_iter().rev().collect::<Vec<_>>()], Side::Inside).unwrap();
     assert!(fill_with(&all, &filling(1.0, 0.0, 0.0), &floor(), &Run::default()).is_err());

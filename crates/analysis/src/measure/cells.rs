@@ -1,16 +1,16 @@
-//! Rays through the cells of a cross-section, two each, and what they find.
+//! Rays through the cells of a cross-section, two each, and their integrals.
 
-use super::estimate::Chord;
+use super::chord::Chord;
 use super::moments::along;
 use super::tally::{Found, Tally};
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, Window, dress};
+use rayweave_model::{Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, Window, attributes};
 use rayweave_shape::Ray;
 use std::collections::BTreeMap;
 
-/// Keeps the random numbers apart from those of other things that are drawn by the same seed.
+/// Separates these random numbers from others of the same seed.
 const STREAM: u64 = u64::from_be_bytes(*b"measure\0");
 
 /// Rays parallel to one axis through a box, in `across` x `across` cells.
@@ -20,13 +20,13 @@ pub(crate) struct Cells {
     pub axis: usize,
     pub across: u64,
     pub seed: u64,
-    /// Different for all that is asked with one seed.
+    /// The number of the random stream: different for all runs with one seed.
     pub stream: u64,
-    /// Only what lies in this box counts.
+    /// Restricts the integrals to this box.
     pub within: Option<Bounds>,
 }
 
-/// What the rays of some cells have found, for cells of area 1, by region.
+/// The sums over some cells, for cells of area 1, by region.
 pub(super) type Sums = BTreeMap<RegionId, Tally>;
 
 impl Cells {
@@ -72,11 +72,11 @@ impl Cells {
             let [lo, hi] = [within.lo, within.hi].map(|corner| corner[self.axis] - self.bounds.lo[self.axis]);
             Window::new(lo, hi)
         });
-        // a box too thin for its place holds nothing that could be told
+        // a box thinner than the spacing of f64 at its place has no volume
         within.and_then(Result::ok).unwrap_or_default()
     }
 
-    /// Asks the rays of some cells.
+    /// Traces the rays of some cells.
     pub(super) fn ask<E: Evaluator>(&self, evaluator: &E, rays: &RayBatch, scratch: &mut E::Scratch) -> Sums {
         let window = self.window();
         let mut taken = Taken::new(self, evaluator.program(), window);
@@ -98,7 +98,7 @@ struct Taken<'a> {
     program: &'a Program,
     centre: Vec3,
     window: Window,
-    /// What the rays of the cell have found so far, in no order.
+    /// The pieces of the rays of the cell so far, in no order.
     here: Vec<(RegionId, [Found; 2])>,
     sums: Sums,
 }
@@ -114,7 +114,7 @@ impl<'a> Taken<'a> {
         let (mut region, mut from) = (answer.start, self.window.t_min());
         for crossing in answer.crossings {
             self.piece(ray, which, region, [from, crossing.t]);
-            let weight = dress::normal(self.program, ray, crossing)[self.cells.axis].abs();
+            let weight = attributes::normal(self.program, ray, crossing)[self.cells.axis].abs();
             for region in [crossing.before, crossing.after] {
                 if region != RegionId(0) {
                     self.found(region, which).area += weight;

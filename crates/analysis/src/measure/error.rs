@@ -1,31 +1,34 @@
 //! Why a model cannot be measured.
 
+use rayweave_error::{Classified, ErrorKind};
+
 /// Why a model cannot be measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeasureError {
-    /// There is no end to what is to be measured.
-    #[error("{name} is unbounded in {axes} (it has no volume) measure it within a box?")]
+    /// A region is unbounded.
+    #[error("{name} is unbounded in {axes}: it has no volume. Measure it within a box.")]
     Unbounded {
-        /// What was to be measured.
+        /// The region.
         name: String,
-        /// The axes along which it is unbounded, or may be for all that is known.
+        /// The axes along which it is, or may be, unbounded.
         axes: String,
     },
     /// The model is too far away, or too large, for its moments to be numbers.
     #[error(
-        "{name} reaches to {reach:e} (coordinates of what is measured are at most {most:e}) is the unit right?"
+        "{name} reaches to {reach:e}: coordinates of measured regions are at most {most:e}. Is the unit right?"
     )]
     TooFar {
-        /// What was to be measured.
+        /// The region.
         name: String,
         /// Its largest coordinate.
         reach: f64,
         /// The limit.
         most: f64,
     },
-    /// The box to measure within is not one.
+    /// The box of the measurement has no volume.
     #[error(
-        "the box reaches from {lo:?} to {hi:?} (it must be finite, and hi greater than lo) are its corners swapped?"
+        "the box reaches from {lo:?} to {hi:?}: it must be finite, and hi greater than lo. Are its corners swapped?"
     )]
     BadBox {
         /// Its lower corner.
@@ -33,13 +36,23 @@ pub enum MeasureError {
         /// Its upper corner.
         hi: [f64; 3],
     },
-    /// A number that is no relative precision.
-    #[error("the precision is {0} (it must be greater than 0 and at most 1) try 1e-3?")]
+    /// The relative precision is out of range.
+    #[error("the precision is {0}: it must be greater than 0 and at most 1. Try 1e-3.")]
     Precision(f64),
-    /// A number that is no level of confidence.
-    #[error("the confidence is {0} (it must be between 0.5 and 1, and below 1) try 0.99?")]
+    /// The level of confidence is out of range.
+    #[error("the confidence is {0}: it must be between 0.5 and 1, and below 1. Try 0.99.")]
     Confidence(f64),
-    /// Somebody asked the run to stop.
+    /// The run was cancelled.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl Classified for MeasureError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            MeasureError::Unbounded { .. } | MeasureError::TooFar { .. } => ErrorKind::Solid,
+            MeasureError::Cancelled => ErrorKind::Cancelled,
+            _ => ErrorKind::Value,
+        }
+    }
 }

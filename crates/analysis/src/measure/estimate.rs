@@ -1,5 +1,6 @@
-//! What is reported.
+//! Estimates and their reports.
 
+use super::chord::Chord;
 use super::moments::{centre_weights, inertia, inertia_weights};
 use super::tally::Tally;
 use rayweave_math::{Mat3, Vec3};
@@ -20,55 +21,35 @@ impl Estimate {
     }
 }
 
-/// A piece of a ray within a region.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Chord {
-    /// Where it begins.
-    pub from: Vec3,
-    /// Where it ends.
-    pub to: Vec3,
-}
-
-impl Chord {
-    /// Its length.
-    pub fn length(&self) -> f64 {
-        (self.to - self.from).length()
-    }
-
-    pub(super) fn or_longer(self, other: Chord) -> Chord {
-        if other.length() > self.length() { other } else { self }
-    }
-}
-
-/// What has been measured of one region.
+/// The measurements of one region.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// What the region is called.
+    /// The name of the region.
     pub name: String,
     /// Its volume, in cubed lengths of the model.
     pub volume: Estimate,
-    /// The area of its boundary, in squared lengths; what it shares with a neighbour counts for both.
+    /// The area of its boundary, in squared lengths; a boundary shared with a neighbour counts for both.
     pub area: Estimate,
-    /// The centre of its volume; `None` if nothing of the region was met.
+    /// The centre of its volume; `None` if no ray crossed the region.
     pub centre: Option<[Estimate; 3]>,
     /// The inertia tensor about the centre for density 1, `integral of |r|^2 1 - r r^T`, row by row, in lengths to the fifth
     /// power. Times the density it is the tensor of the body.
     pub inertia: [[Estimate; 3]; 3],
-    /// The longest piece of a ray that lay in it: an example, and a bound from below for its extent; `None` if no ray met
-    /// anything of the region. Its volume and area are then between 0 and the half width, as far as rays can tell: see [`measure`](super::measure).
+    /// The longest piece of a ray in it, a lower bound of its extent; `None` if no ray crossed the region. Its volume and area are
+    /// then between 0 and the half width: see [`measure`](super::measure).
     pub longest: Option<Chord>,
-    /// The number of rays that were asked for it.
+    /// The number of rays for it.
     pub rays: u64,
-    /// True if the volume is as precise as was asked.
+    /// True if the volume reaches the precision.
     pub is_reached: bool,
 }
 
-/// What has been measured of a model, region by region in their order.
+/// The measurements of a model, region by region in their order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurement {
     /// The regions.
     pub regions: Vec<Measured>,
-    /// The number of rays asked in all.
+    /// The number of all rays.
     pub rays: u64,
 }
 

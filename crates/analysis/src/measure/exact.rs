@@ -8,8 +8,8 @@ pub fn exact_volume(solid: &Solid) -> Option<f64> {
     let (mut solid, mut factor) = (solid, 1.0);
     loop {
         match solid.node() {
-            Node::Vacuum => return Some(0.0),
-            Node::Plenum => return Some(f64::INFINITY),
+            Node::Empty => return Some(0.0),
+            Node::Universe => return Some(f64::INFINITY),
             Node::Primitive(primitive) => return Some(factor * primitive.volume()?),
             Node::Transformed(map, inner) => {
                 factor *= map.linear.determinant().abs();

@@ -22,22 +22,26 @@
 //!
 //! with weights that are never above 1, whereas one direction alone would need the weight 1 / |n_x|, which has no bound.
 //!
-//! A half width is the quantile of the normal distribution times the estimated deviation. It knows only what rays have met: a
-//! part much thinner than the distance of rays may be missed by all of them, so that more rays than the precision asks for are
-//! the remedy where a model has very small parts. Rounds of rays are added until the precision is reached, which makes intervals
+//! A half width is the quantile of the normal distribution times the estimated deviation. It covers only the observed rays: all
+//! of them may miss a part much thinner than their distance. Models with very small parts therefore need more rays than the
+//! precision requires. Rounds of rays are added until the precision is reached, which makes intervals
 //! slightly too short on average (by less than the estimate of the deviation varies).
 
 pub(crate) mod cells;
+mod chord;
 mod error;
 mod estimate;
 mod exact;
 mod moments;
 mod run;
+mod scene;
 mod tally;
 #[cfg(test)]
 mod tests;
 
+pub use chord::Chord;
 pub use error::MeasureError;
-pub use estimate::{Chord, Estimate, Measured, Measurement};
+pub use estimate::{Estimate, Measured, Measurement};
 pub use exact::exact_volume;
 pub use run::{Settings, measure, one_medium_each};
+pub use scene::{RegionReport, SceneReport, measure_scene};

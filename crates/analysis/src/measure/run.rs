@@ -1,4 +1,4 @@
-//! Round after round of rays, until all is as precise as was asked.
+//! Rounds of rays, until all regions reach the precision.
 
 use super::MeasureError;
 use super::cells::{Cells, Sums};
@@ -10,7 +10,7 @@ use rayweave_model::{Evaluator, RayBatch, Region, RegionId};
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
-/// The largest coordinate of what is measured: its fifth power, which an inertia tensor has, is still a number.
+/// The largest coordinate: its fifth power, which an inertia tensor contains, is still finite.
 const MOST_REACH: f64 = 1e30;
 
 /// Cells that a thread takes at a time.
@@ -19,18 +19,18 @@ const CELLS_PER_TASK: u64 = 1024;
 /// Cells along an edge of the cross-section in the first round.
 pub(super) const FIRST_ACROSS: u64 = 48;
 
-/// How a model is measured.
+/// The options of a measurement.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The wanted half width of each region's volume, relative to the volume: greater than 0, at most 1.
     pub precision: f64,
     /// The level of confidence of all intervals: from 0.5, below 1.
     pub confidence: f64,
-    /// The most rays that are asked for the sake of one region, besides those of the first round, which is for all.
+    /// The most rays for one region, without those of the first round, which serves all regions.
     pub most_rays: u64,
-    /// Only what lies within this box counts; what of the boundary lies on it does not.
+    /// Restricts the measurement to this box; the faces of the box do not count as boundary.
     pub within: Option<Bounds>,
-    /// Chooses the random numbers: equal seeds give equal results.
+    /// The seed of the random numbers: equal seeds give equal results.
     pub seed: u64,
     /// The number of threads; [`thread_count`] if it is not given. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
@@ -55,16 +55,17 @@ impl Default for Settings {
 
 /// Measures all regions of a model.
 ///
-/// A first round of rays goes through the whole model. Each region that is not precise enough then gets rounds of its own
-/// through its box, each with twice as many rays as the one before, until it is, or `most_rays` are spent
-/// ([`Measured::is_reached`] tells). A round is an independent estimate; they are joined with weights that depend on the
+/// A first round of rays goes through the whole model. Each region below the precision then gets rounds of its own through its
+/// box, each with twice as many rays as the one before, until the precision ([`Measured::is_reached`]) or `most_rays` is
+/// reached. A round is an independent estimate; they are joined with weights that depend on the
 /// density of their rays alone.
 ///
-/// A region that no ray meets gets one round of its own. It may still be there: its interval holds what so many rays can miss.
+/// A region that no ray crosses gets one round of its own. It may still exist: its interval covers the volume that this number
+/// of rays can miss.
 ///
-/// Where regions of one medium touch, rays see no border and take them for one of the two: [`one_medium_each`] parts them.
+/// Touching regions of one medium have no border along rays and count as one of the two: [`one_medium_each`] separates them.
 ///
-/// `progress` is told the number of rays that have been asked, on the calling thread, again and again.
+/// `progress` receives the number of rays so far, on the calling thread.
 ///
 /// # Errors
 ///
@@ -104,7 +105,7 @@ pub fn measure<E: Evaluator>(
     Ok(Measurement { regions, rays: run.asked })
 }
 
-/// What is known of a region that none of so many rays through its box has met.
+/// The bounds for a region that none of a number of rays through its box crosses.
 ///
 /// If a part f of the cross-section along an axis is in its shadow, n rays along that axis all pass it by with a probability of at most
 /// (1 - f)^n, also if each is drawn in a cell of its own: so f is below -ln(1 - confidence) / n. The volume is at most that part of the
@@ -121,7 +122,7 @@ fn unmet(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measur
     Measured { is_reached: volume.half_width == 0.0, volume, area: within(area), ..found }
 }
 
-/// The same regions, each of a medium of its own, number k of the k-th from 1: so that a compiled model keeps them apart.
+/// The regions, each with a medium of its own: number k for the k-th, from 1. A compiled model then keeps them apart.
 pub fn one_medium_each(regions: &[Region]) -> Vec<Region> {
     let own = |(k, region): (usize, &Region)| Region { medium: k as u32 + 1, ..region.clone() };
     regions.iter().enumerate().map(own).collect()
@@ -165,7 +166,7 @@ impl Joined {
     /// Joins a round of other rays about the same or another point.
     fn join(&mut self, tally: &Tally, weight: f64, origin: Vec3, rays: u64) {
         if origin != self.origin {
-            // a box of its own: what the first round, with its sparse rays, has found there is not worth moving
+            // a box of its own: the few rays of the first round there are not worth a change of origin
             *self = Joined { origin, rays: self.rays, ..Joined::default() };
         }
         self.sum.add(tally, weight, weight);
@@ -188,7 +189,7 @@ impl<E: Evaluator> Run<'_, E> {
         self.settings.within.map_or(own, |within| own.intersection(&within))
     }
 
-    /// Whether all of a box can be asked.
+    /// Whether rays can cover the box.
     fn check(&self, bounds: &Bounds) -> Result<(), MeasureError> {
         let name = || match self.evaluator.program().regions() {
             [only] => only.name.clone(),
@@ -235,13 +236,13 @@ impl<E: Evaluator> Run<'_, E> {
         Ok(spent)
     }
 
-    /// True if more rays are not asked for. A region that nothing was found of gets one more round.
+    /// True if no more rays are needed. A region that no ray crossed gets one more round.
     fn is_sure(&self, joined: &Joined, spent: u64) -> bool {
         let is_met = joined.weight > 0.0 && joined.mean().moments[0] > 0.0;
         self.is_reached(joined) && (is_met || spent > 0)
     }
 
-    /// Asks rays along all three axes through a box, for one region or for all.
+    /// Traces rays along all three axes through a box, for one region or for all.
     fn round(
         &mut self,
         bounds: &Bounds,
@@ -277,7 +278,7 @@ impl<E: Evaluator> Run<'_, E> {
         Ok(())
     }
 
-    /// What all cells along one axis find, for cells of area 1.
+    /// The sums over all cells along one axis, for cells of area 1.
     fn cells(&mut self, cells: &Cells) -> Result<Sums, MeasureError> {
         let (count, mut sums) = (cells.count(), Sums::new());
         let (evaluator, asked, progress) = (self.evaluator, &mut self.asked, &mut self.progress);

@@ -1,6 +1,6 @@
 //! Sums over cells, and how much they scatter.
 
-use super::estimate::Chord;
+use super::chord::Chord;
 use super::moments::{MOMENTS, Moments, dot};
 
 /// The entries of a symmetric matrix on and above its diagonal.

@@ -168,8 +168,8 @@ fn formulas() {
     let moved = rod.scale(Vec3::new(1.0, 2.0, -3.0)).named("rod").rotate_x(10.0);
     assert!((exact_volume(&moved).unwrap() - 12.0 * PI).abs() < 1e-12);
     assert_eq!(exact_volume(&(&moved | &rod)), None);
-    assert_eq!(exact_volume(&Solid::vacuum()), Some(0.0));
-    assert_eq!(exact_volume(&Solid::plenum()), Some(f64::INFINITY));
+    assert_eq!(exact_volume(&Solid::empty()), Some(0.0));
+    assert_eq!(exact_volume(&Solid::universe()), Some(f64::INFINITY));
 }
 
 #[test]
@@ -181,9 +181,9 @@ fn refusals() {
     let rod = Solid::from(Primitive::from(Cylinder::new(1.0, f64::INFINITY).unwrap()));
     assert_eq!(
         message(&rod.named("rod"), quick()),
-        "rod is unbounded in z (it has no volume) measure it within a box?"
+        "rod is unbounded in z: it has no volume. Measure it within a box."
     );
-    assert!(message(&sphere(1e40), quick()).contains(" reaches to 1e40 ("));
+    assert!(message(&sphere(1e40), quick()).contains(" reaches to 1e40: "));
     assert!(message(&sphere(1.0), Settings { precision: 0.0, ..quick() }).starts_with("the precision is 0"));
     assert!(
         message(&sphere(1.0), Settings { precision: f64::NAN, ..quick() })

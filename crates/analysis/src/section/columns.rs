@@ -1,4 +1,4 @@
-//! The rays that sweep a plane, as many as are needed.
+//! The rays that sweep a plane, refined where neighbours differ.
 
 use super::{Cut, Look, SectionError, Sweep};
 use rayweave_model::drive::{Stopped, drive, thread_count};
@@ -6,7 +6,7 @@ use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
 use std::convert::Infallible;
 
-/// Where a column passes from one region into another.
+/// A crossing of a column from one region into another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
     /// The coordinate along the column.
@@ -39,15 +39,15 @@ impl Column {
     }
 }
 
-/// A column and how it follows from the one before.
+/// A column and its relation to the one before.
 pub enum Step {
-    /// All passages go on.
+    /// All passages continue.
     Smooth(Column),
-    /// The two columns are next to each other, and may differ in anything.
+    /// The two columns are as close as the tolerance, and may differ.
     Jump(Column),
 }
 
-/// A column, and whether the gap after it is done with, and smooth.
+/// A column, and whether the gap after it is finished, and smooth.
 struct Placed {
     column: Column,
     gap: Gap,
@@ -60,10 +60,10 @@ enum Gap {
     Jump,
 }
 
-/// More columns than this there are never in a sweep.
+/// The most columns of a sweep.
 const MOST: usize = 1 << 20;
 
-/// Columns that are asked at a time.
+/// Columns per batch.
 const CHUNK: usize = 1024;
 
 /// A sweep.
@@ -119,7 +119,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         places
     }
 
-    /// Looks at the middle of every gap of which nothing is known yet; false if there is none.
+    /// Traces the middle of every undecided gap; false if there is none.
     fn halve(&mut self, row: &mut Vec<Placed>) -> Result<bool, SectionError> {
         let is_open = |pair: &[Placed]| pair[0].gap == Gap::Unknown;
         let middle = |pair: &[Placed]| 0.5 * (pair[0].column.u + pair[1].column.u);
@@ -145,7 +145,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         Ok(true)
     }
 
-    /// What the gaps are on both sides of a column between two others.
+    /// The states of the gaps on both sides of a column between two others.
     fn judged(&self, left: &Column, middle: &Column, right: &Column) -> Gap {
         let tolerance = self.look.tolerance;
         let is_straight = |k: usize| {
@@ -156,7 +156,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         match () {
             () if is_smooth && (0..middle.passes.len()).all(is_straight) => Gap::Smooth,
             () if right.u - left.u <= 2.0 * tolerance => Gap::Jump,
-            // as narrow as numbers can be
+            // as narrow as f64 can represent
             () if middle.u <= left.u || middle.u >= right.u => Gap::Jump,
             () => Gap::Unknown,
         }
@@ -188,7 +188,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
     }
 }
 
-/// What columns are asked with.
+/// The scratch memory and query of columns.
 struct Asking<'a, E: Evaluator> {
     evaluator: &'a E,
     cut: &'a Cut,

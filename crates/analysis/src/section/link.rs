@@ -32,7 +32,7 @@ impl Lines {
         self.last = column.clone();
     }
 
-    /// To a column next to the last one: what is not the same ends or begins at a wall.
+    /// To a column next to the last one: lines that do not continue end or begin at a wall.
     pub fn jump(&mut self, column: &Column, edges: &mut Vec<Edge>) {
         let u = if self.is_begun { 0.5 * (self.last.u + column.u) } else { self.ends[0] };
         self.is_begun = true;
@@ -128,7 +128,7 @@ pub fn chains(lines: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
     });
     let mut lines: Vec<Option<Vec<[f64; 2]>>> = lines.into_iter().map(Some).collect();
     let mut found = Vec::new();
-    // those that begin where none ends come first: the others are closed, or pieces of what has been taken
+    // lines that begin where none ends come first: the others are closed, or parts of lines already taken
     let is_loose =
         |line: &Option<Vec<[f64; 2]>>| line.as_ref().is_some_and(|line| !ends.contains_key(&key(line[0])));
     let loose: Vec<usize> = (0..lines.len()).filter(|&number| is_loose(&lines[number])).collect();

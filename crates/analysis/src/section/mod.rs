@@ -1,167 +1,36 @@
 //! True cross-sections of models by a plane.
 //!
-//! The plane is swept by parallel rays, *columns*. Each tells exactly where it passes from one region into another. Two
-//! neighbouring columns that meet the same faces are joined by straight edges if a third one halfway between them agrees
-//! within a tolerance; otherwise the gap between them is halved, until it is as narrow as the tolerance. What differs then,
-//! ends there: a *wall*, an edge along the columns. So points of an edge lie on the surfaces to rounding, edges between them
-//! keep to within the tolerance, and walls stand within half a tolerance of where they belong.
+//! Parallel rays, *columns*, sweep the plane. The crossings of a column are exact. Two neighbouring columns with the same faces
+//! are joined by straight edges if a third column halfway between them agrees within a tolerance; otherwise the gap is halved,
+//! until it is as narrow as the tolerance. A difference that remains becomes a *wall*, an edge along the columns. So the points
+//! of an edge lie on the surfaces to rounding, edges deviate by at most the tolerance, and walls are within half a tolerance of
+//! their true place.
 //!
-//! What no column meets is not seen. Columns stand at even distances, and besides at both ends and in the middle of the
-//! box of every leaf, so that a part is overlooked only if it is thinner than the distance and far from where its
-//! leaves begin or end.
+//! Columns have even distances; further ones are at both ends and in the middle of the box of every leaf. A part between
+//! columns is missed: it must be thinner than their distance, and far from the ends and middles of its leaves.
 
 mod columns;
+mod cut;
+mod edge;
+mod error;
 mod link;
+mod look;
+mod plane;
+mod scene;
 mod simplify;
+#[cfg(test)]
+mod tests;
+
+pub use cut::Cut;
+pub use edge::Edge;
+pub use error::SectionError;
+pub use look::{Look, Sweep};
+pub use plane::{SectionPlane, axis_and_place};
+pub use scene::{By, CrossSection, SectionPart, SectionSettings, cross_sections};
+pub(crate) use scene::{Cutter, Kinds};
 
 use columns::{Columns, Step};
-use rayweave_math::{Bounds, Vec3};
-use rayweave_model::drive::Cancel;
 use rayweave_model::{Evaluator, RegionId};
-use std::num::NonZeroUsize;
-
-/// A plane with coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
-    origin: Vec3,
-    across: Vec3,
-    up: Vec3,
-}
-
-/// Why there is no section.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SectionError {
-    /// The axes span no plane.
-    #[error("the axes {across} and {up} span no plane (they have to be finite, and not parallel)")]
-    Axes {
-        /// The first axis.
-        across: Vec3,
-        /// The second axis.
-        up: Vec3,
-    },
-    /// The window has no area.
-    #[error("the window from {lo:?} to {hi:?} has no area (its ends have to be finite, the lower one first)")]
-    Window {
-        /// The lower left corner.
-        lo: [f64; 2],
-        /// The upper right corner.
-        hi: [f64; 2],
-    },
-    /// The tolerance is none.
-    #[error("the tolerance is {tolerance} (it has to be greater than 0 and finite)")]
-    Tolerance {
-        /// It.
-        tolerance: f64,
-    },
-    /// Somebody asked the run to stop.
-    #[error("cancelled")]
-    Cancelled,
-}
-
-impl Cut {
-    /// The plane through a point with two axes: the first is made a unit vector, the second one a unit vector at right
-    /// angles to it.
-    ///
-    /// # Errors
-    /// [`SectionError::Axes`].
-    pub fn new(origin: Vec3, across: Vec3, up: Vec3) -> Result<Cut, SectionError> {
-        let first = across.normalize_or_zero();
-        let second = (up - first * first.dot(up)).normalize_or_zero();
-        let is_plane = origin.is_finite() && first != Vec3::ZERO && second != Vec3::ZERO;
-        match is_plane && first.is_finite() && second.is_finite() {
-            true => Ok(Cut { origin, across: first, up: second }),
-            false => Err(SectionError::Axes { across, up }),
-        }
-    }
-
-    /// The point of space with these coordinates.
-    pub fn point(&self, [u, v]: [f64; 2]) -> Vec3 {
-        self.origin + self.across * u + self.up * v
-    }
-
-    /// The coordinates of the foot of the perpendicular from a point.
-    pub fn place(&self, point: Vec3) -> [f64; 2] {
-        [self.across, self.up].map(|axis| axis.dot(point - self.origin))
-    }
-
-    /// The unit normal: the cross product of the axes.
-    pub fn normal(&self) -> Vec3 {
-        self.across.cross(self.up)
-    }
-
-    /// The range of a coordinate (0 or 1), or of the height above the plane (2), over a box; infinite where the box is, and empty, from infinity to its negative,
-    /// for an empty box.
-    pub fn range(&self, bounds: &Bounds, coordinate: usize) -> [f64; 2] {
-        if bounds.is_empty() {
-            return [f64::INFINITY, f64::NEG_INFINITY];
-        }
-        let axis = [self.across, self.up, self.normal()][coordinate];
-        let mut range = [-axis.dot(self.origin); 2];
-        for k in 0..3 {
-            // 0 times infinity is nothing here: the box may be infinite along an axis at right angles to this one
-            let ends =
-                [bounds.lo[k], bounds.hi[k]].map(|end| if axis[k] == 0.0 { 0.0 } else { end * axis[k] });
-            range[0] += ends[0].min(ends[1]);
-            range[1] += ends[0].max(ends[1]);
-        }
-        range
-    }
-}
-
-/// What part of a plane is looked at, and how closely.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
-    /// The lower left corner of the window.
-    pub lo: [f64; 2],
-    /// The upper right corner of the window.
-    pub hi: [f64; 2],
-    /// How far edges may be from the truth, in the unit of the model.
-    pub tolerance: f64,
-    /// How many columns there are at least.
-    pub columns: u32,
-}
-
-impl Look {
-    /// A window, with 512 columns and a tolerance of 1/20,000 of its larger side.
-    pub fn new(lo: [f64; 2], hi: [f64; 2]) -> Look {
-        let tolerance = 5e-5 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
-        Look { lo, hi, tolerance, columns: 512 }
-    }
-
-    fn check(&self) -> Result<(), SectionError> {
-        let [lo, hi] = [self.lo, self.hi];
-        let is_window =
-            [lo, hi].as_flattened().iter().all(|x| x.is_finite()) && lo[0] < hi[0] && lo[1] < hi[1];
-        match () {
-            () if !is_window => Err(SectionError::Window { lo, hi }),
-            () if !(self.tolerance > 0.0 && self.tolerance.is_finite()) => {
-                Err(SectionError::Tolerance { tolerance: self.tolerance })
-            }
-            () => Ok(()),
-        }
-    }
-}
-
-/// How a section is run.
-#[derive(Clone, Debug, Default)]
-pub struct Sweep {
-    /// The number of threads; [`thread_count`](rayweave_model::drive::thread_count) if it is not given. Results do not depend
-    /// on it.
-    pub threads: Option<NonZeroUsize>,
-    /// Stops the run.
-    pub cancel: Cancel,
-}
-
-/// A line between two regions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Edge {
-    /// Its points in order, at least two.
-    pub points: Vec<[f64; 2]>,
-    /// The region to the left of who walks along it; 0 is the world.
-    pub left: RegionId,
-    /// The region to the right.
-    pub right: RegionId,
-}
 
 /// The section of a model by a plane within a window; all of space outside of the window counts as world.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -192,12 +61,12 @@ pub struct Section {
 /// ```
 ///
 /// # Errors
-/// [`SectionError`] for a window or a tolerance that is none.
+/// [`SectionError`] for a window without area, or a tolerance that is not positive.
 pub fn section<E: Evaluator>(evaluator: &E, cut: &Cut, look: &Look) -> Result<Section, SectionError> {
     section_with(evaluator, cut, look, &Sweep::default())
 }
 
-/// The same on so many threads, to be cancelled.
+/// Like [`section`], with a number of threads and a cancellation token.
 ///
 /// # Errors
 /// [`SectionError`], [`SectionError::Cancelled`] among them.
@@ -222,8 +91,8 @@ pub fn section_with<E: Evaluator>(
 }
 
 impl Section {
-    /// The closed contours of a region: their points in order, the region to the left of who walks along them, so that
-    /// outlines go around counter-clockwise and holes clockwise. The last point is not the first one again.
+    /// The closed contours of a region, with the region to the left of the direction of the points: outlines are
+    /// counter-clockwise, holes clockwise. The last point is not the first one again.
     pub fn contours(&self, region: RegionId) -> Vec<Vec<[f64; 2]>> {
         link::contours(&self.edges, region)
     }
@@ -259,7 +128,7 @@ impl Section {
         own.map(|edge| edge.points.windows(2).map(step).sum::<f64>()).sum()
     }
 
-    /// The same with other numbers of regions; lines between two that get the same one are left out.
+    /// The section with other region numbers; lines between regions of equal numbers are left out.
     pub fn renumbered(&self, number: impl Fn(RegionId) -> RegionId) -> Section {
         let renamed =
             |edge: &Edge| Edge { left: number(edge.left), right: number(edge.right), ..edge.clone() };
@@ -267,7 +136,7 @@ impl Section {
         Section { edges }
     }
 
-    /// The same with fewer points: lines keep their ends, and keep to within a tolerance of what they were.
+    /// The section with fewer points: lines keep their ends, and deviate by at most a tolerance.
     pub fn simplified(&self, tolerance: f64) -> Section {
         let fewer = |edge: &Edge| Edge { points: simplify::line(&edge.points, tolerance), ..*edge };
         Section { edges: self.edges.iter().map(fewer).collect() }

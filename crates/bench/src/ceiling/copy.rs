@@ -7,7 +7,7 @@ use crate::statistics::Statistics;
 /// The length of each of the two arrays: 128 MiB, some times larger than the caches of today.
 const LENGTH: usize = 1 << 24;
 
-/// Bytes read plus bytes written in a nanosecond, by one thread and by so many.
+/// Bytes read plus bytes written per nanosecond, by one thread and by `threads` threads.
 pub fn measure(threads: usize, effort: &Effort) -> Result<[Statistics; 2], String> {
     let length = effort.size(LENGTH);
     let source = vec![1.0_f64; length];

@@ -1,4 +1,4 @@
-//! What the machine can do at most: bytes copied and arithmetic done in a second, measured before anything else.
+//! Ceilings of the machine: bytes copied and arithmetic per second, measured before anything else.
 
 mod arithmetic;
 mod copy;
@@ -60,7 +60,7 @@ pub enum Need {
 /// The least time, and what sets it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Floor {
-    /// What sets it.
+    /// The resource that sets the limit.
     pub what: &'static str,
     /// Nanoseconds per item.
     pub time: f64,
@@ -74,7 +74,7 @@ impl Ceilings {
         Ok(Ceilings { copy: [one, all], levels: levels.collect::<Result<_, _>>()?, threads })
     }
 
-    /// The greatest of the times that the needs of one item take at least, on so many threads.
+    /// The longest of the minimum times of one item's resources, on `threads` threads.
     pub fn floor(&self, needs: &[Need], threads: usize) -> Option<Floor> {
         let floors = needs.iter().filter_map(|need| self.floor_of(*need, threads));
         floors.max_by(|a, b| a.time.total_cmp(&b.time))

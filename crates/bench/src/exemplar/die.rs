@@ -35,7 +35,7 @@ pub fn program() -> Result<Program, Error> {
     Ok(Program::compile(&solid()?)?)
 }
 
-/// What is asked.
+/// The question.
 #[derive(Clone, Copy, PartialEq)]
 enum Asked {
     Full,
@@ -148,7 +148,7 @@ impl Die {
         }
     }
 
-    /// What one ray needs: kernels their operations (a batch stays within the last cache), everybody else a kernel.
+    /// Resources per ray: kernels need their operations (a batch stays within the last-level cache), all others one kernel.
     fn needs(&self, bench: &Bench, outcome: &Outcome, best: Option<f64>) -> Option<Need> {
         match outcome.role {
             Role::Ceiling => {

@@ -17,7 +17,7 @@ const ROWS: usize = 2;
 /// Rays whose answers are compared.
 const COMPARED: usize = 4096;
 
-/// What one ray needs at least: six numbers read, a root and a division for each of three quadrics. Sums and products: 13
+/// Least resources per ray: six numbers read, a root and a division for each of three quadrics. Sums and products: 13
 /// for each sphere about a point of the axis, 8 for the cylinder, 4 for the roots of each, 6 to join and to choose.
 const OPERATIONS: Need = Need::Operations { simple: 52.0, divisions: 3.0, roots: 3.0, level: None };
 
@@ -28,7 +28,7 @@ fn solid() -> Result<Solid, Error> {
     Ok(front & back & cylinder(10.0, f64::INFINITY)?)
 }
 
-/// One question about so many rays.
+/// One question about `count` rays.
 struct Lens {
     name: &'static str,
     about: &'static str,

@@ -22,7 +22,7 @@ pub trait Exemplar {
     /// Its name, a path.
     fn name(&self) -> &str;
 
-    /// What is done, in a sentence or two.
+    /// Description of the work in a sentence or two.
     fn about(&self) -> &str;
 
     /// Lets the contenders run.
@@ -32,13 +32,13 @@ pub trait Exemplar {
     fn measure(&self, bench: &Bench) -> Result<Vec<Section>, String>;
 }
 
-/// What all exemplars are given.
+/// Shared context of all exemplars.
 pub struct Bench {
-    /// How long to measure.
+    /// Duration of the measurements.
     pub effort: Effort,
-    /// What the machine can do at most; unknown where nothing is timed.
+    /// Ceilings of the machine; unknown if nothing is timed.
     pub ceilings: Option<Ceilings>,
-    /// Who else takes part.
+    /// Installed peers.
     pub peers: Peers,
     /// The levels of kernels by hand.
     pub levels: Vec<Level>,
@@ -47,7 +47,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// What the options ask for.
+    /// Exemplars selected by the options.
     pub fn new(arguments: &Arguments, ceilings: Option<Ceilings>, peers: Peers) -> Bench {
         let levels = level::available(arguments.level.as_deref());
         Bench { effort: arguments.effort(), ceilings, peers, levels, threads: arguments.thread_count() }

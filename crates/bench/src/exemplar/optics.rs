@@ -22,7 +22,7 @@ const RAYS: usize = 100_000;
 /// Rays whose end points are compared.
 const COMPARED: usize = 4096;
 
-/// What is kept of a run.
+/// Rows that a run keeps.
 struct Optics {
     name: &'static str,
     about: &'static str,

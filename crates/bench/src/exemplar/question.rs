@@ -12,7 +12,7 @@ use std::num::NonZeroUsize;
 /// Rays that a thread takes at a time.
 pub const CHUNK: usize = 1 << 14;
 
-/// Every crossing, with its face, into hit arrays of so many rows.
+/// Every crossing, with its face, into hit arrays of `rows` rows.
 pub fn full<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>, rows: usize) -> Contender<'a> {
     let mut table = HitTable::new(rows, rays.len());
     let mut scratch = evaluator.scratch();
@@ -152,7 +152,7 @@ mod tests {
     use crate::exemplar::die;
     use std::sync::Arc;
 
-    /// What a contender does is what the evaluator answers, whatever the threads: looked at through the tables.
+    /// Contenders give the evaluator's answers for any number of threads; compared through the tables.
     #[test]
     fn chunks_put_together_are_the_whole() {
         let program = Arc::new(die::program().unwrap());

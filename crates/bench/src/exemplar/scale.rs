@@ -40,7 +40,7 @@ struct Scale {
     leaves: usize,
 }
 
-/// The models: a thousand, ten thousand and a hundred thousand leaves, and a million if they are asked for.
+/// The models: a thousand, ten thousand and a hundred thousand leaves, and a million on request.
 pub fn all(large: bool) -> Vec<Box<dyn Exemplar>> {
     let sizes = [("1e3", 1000), ("1e4", 10_000), ("1e5", 100_000), ("1e6", 1_000_000)];
     let count = if large { 4 } else { 3 };
@@ -127,7 +127,7 @@ impl Scale {
     }
 }
 
-/// The rows that the batch needs, and the number of rays that an evaluator can be asked about in good time.
+/// The rows of the batch, and the number of rays that an evaluator can answer in reasonable time.
 fn rows(evaluator: &AnyEvaluator, batch: &RayBatch) -> Result<(usize, usize), String> {
     let longest = |lists: Vec<Vec<f64>>| lists.iter().map(Vec::len).max().unwrap_or(0);
     let mut most = 0;

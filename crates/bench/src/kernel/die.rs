@@ -26,13 +26,13 @@ pub const ROWS: usize = 8;
 /// Faces in the order of the leaves and of their facets: x-, x+, y-, y+, z-, z+ of the box, the sphere, the cylinders.
 const SPHERE_FACE: i64 = 6;
 
-/// Where a ray is inside a leaf, with the faces where it enters and leaves.
+/// Interval of a ray inside a leaf, with the faces of entry and exit.
 struct Leaf<L: Lanes> {
     ends: [End<L>; 2],
 }
 
 impl<L: Lanes> Leaf<L> {
-    /// Where t lies between the ends.
+    /// Mask of t between the ends.
     #[inline(always)]
     fn holds(&self, t: L) -> L::Mask {
         self.ends[0].0.below(t) & t.below(self.ends[1].0)
@@ -83,7 +83,7 @@ pub fn all<L: Lanes>(
     }
 }
 
-/// What each ray meets first after t = 0.
+/// First hit of each ray after t = 0.
 pub struct First<'a> {
     /// When; +inf for a miss, for which the rest means nothing.
     pub t: &'a mut [f64],
@@ -143,7 +143,7 @@ fn ahead<L: Lanes>((t, face): End<L>) -> End<L> {
     (L::choose(t.like(0.0).below(t), t, t.like(f64::INFINITY)), face)
 }
 
-/// The normal at t, where it is known on which leaf the point lies: box, sphere, cylinders.
+/// The normal at t on a given leaf: box, sphere, cylinders.
 #[inline(always)]
 fn normal<L: Lanes>(ray: &Ray<L>, t: L, on: [L::Mask; 5]) -> [L; 3] {
     let zero = t.like(0.0);

@@ -35,7 +35,7 @@ pub trait Lanes:
     /// The greater of two.
     fn greatest(self, other: Self) -> Self;
 
-    /// Where `self < other`; nowhere for NaN.
+    /// Mask of `self < other`; false for NaN.
     fn below(self, other: Self) -> Self::Mask;
 
     /// `yes` where the mask holds, `no` elsewhere.
@@ -155,7 +155,7 @@ impl<S: Simd> Lanes for Native<S> {
     }
 }
 
-/// How many operations of each kind a kernel made.
+/// Number of operations of each kind that a kernel executed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     simple: Cell<u64>,

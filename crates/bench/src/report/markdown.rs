@@ -33,7 +33,7 @@ fn exemplar(section: &Section) -> String {
     format!("\n### {}\n\n{}\n\n{}", section.name, section.about, text::section(section))
 }
 
-/// How the time of a ray grows with the model: the fastest of ours, family by family.
+/// Growth of the time per ray with the size of the model: the fastest of our evaluators, family by family.
 fn growth(report: &Report) -> String {
     let mut rows: Vec<(String, Vec<String>)> = Vec::new();
     for section in &report.sections {

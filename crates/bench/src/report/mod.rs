@@ -1,4 +1,4 @@
-//! What a benchmark found out, for people and for machines.
+//! Report of a benchmark, for people (Markdown, SVG) and programs (JSON).
 
 mod json;
 mod markdown;
@@ -22,9 +22,9 @@ pub struct Report {
     pub date: String,
     /// The command that was given.
     pub command: String,
-    /// What is said about the machine.
+    /// Facts about the machine.
     pub machine: Vec<(&'static str, String)>,
-    /// What it can do at most.
+    /// Ceilings of the machine.
     pub ceilings: Ceilings,
     /// The peers that took part, with their versions.
     pub peers: Vec<(String, String)>,
@@ -39,17 +39,17 @@ pub struct Report {
 pub struct Section {
     /// Its name, a path.
     pub name: String,
-    /// What is done, in a sentence or two.
+    /// Description of the work in a sentence or two.
     pub about: String,
-    /// What the work consists of: rays, most often.
+    /// Unit of the work, mostly rays.
     pub item: &'static str,
-    /// What was measured.
+    /// Measurements.
     pub figures: Vec<Figure>,
-    /// Who failed, and why.
+    /// Contenders that failed, with the reasons.
     pub failures: Vec<(String, String)>,
 }
 
-/// What was measured of one contender.
+/// Measurements of one contender.
 pub struct Figure {
     /// Its name.
     pub name: String,
@@ -61,7 +61,7 @@ pub struct Figure {
     pub time: Statistics,
     /// The least time, and what sets it.
     pub floor: Option<Floor>,
-    /// How well its answers agree with those of the reference.
+    /// Agreement of its answers with the reference.
     pub agreement: Option<Agreement>,
     /// Instructions per item.
     pub instructions: Option<f64>,
@@ -73,7 +73,7 @@ impl Section {
         Section { name: name.into(), about: about.into(), item, ..Section::default() }
     }
 
-    /// Takes in what a contest brought; `floor` tells the least time of a contender.
+    /// Adds the results of a contest; `floor` returns the least time of a contender.
     pub fn take(&mut self, outcomes: Vec<Outcome>, floor: impl Fn(&Outcome) -> Option<Floor>) {
         for outcome in outcomes {
             let floor = floor(&outcome);
@@ -93,7 +93,7 @@ impl Section {
         }
     }
 
-    /// Notes how well a contender agrees with the reference, or why it cannot be told.
+    /// Records the agreement of a contender with the reference, or the reason why it is unknown.
     pub fn agree(&mut self, name: &str, agreement: Result<Agreement, String>) {
         match agreement {
             Ok(agreement) => {

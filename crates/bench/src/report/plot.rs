@@ -3,7 +3,7 @@
 use super::{Figure, Report, Section};
 use crate::contest::Role;
 use crate::report::text::rate;
-use rayweave::render::svg::{self, Anchor};
+use rayweave::draw::svg::{self, Anchor};
 
 /// A drawing whose texts show nothing else under the pointer.
 #[derive(Default)]
@@ -59,7 +59,7 @@ fn is_plotted(section: &Section) -> bool {
     !section.figures.is_empty() && !section.name.starts_with("scale/")
 }
 
-/// Where rates lie on the picture: equal lengths for equal ratios.
+/// Positions of rates on the plot: logarithmic, equal lengths for equal ratios.
 struct Scale {
     /// The powers of ten at its ends.
     ends: [f64; 2],

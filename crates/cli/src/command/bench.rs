@@ -1,6 +1,6 @@
 //! `rayweave bench`: exemplars beside peers and the ceilings of the machine.
 
-use crate::arguments::Cli;
+use crate::arguments::GlobalArguments;
 use crate::failure::Failure;
 use clap::Args;
 use rayweave_bench::{Arguments, run};
@@ -21,8 +21,8 @@ pub struct Bench {
 }
 
 impl Bench {
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
-        let arguments = Arguments { threads: cli.threads, ..self.arguments.clone() };
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
+        let arguments = Arguments { threads: global.threads, ..self.arguments.clone() };
         run(&arguments).map_err(Failure::Run)
     }
 }

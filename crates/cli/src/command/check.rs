@@ -1,9 +1,10 @@
 //! `rayweave check`: what of a model may not be what was meant.
 
-use crate::arguments::{Cli, ModelArguments, WithinArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, WithinArguments};
 use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
+use rayweave::AnyEvaluator;
 use rayweave::check::{CheckReport, CheckSettings, Finding, Hierarchy, Kind, check, finding_section};
 use rayweave::scene::Scene;
 use rayweave::section::section_svg;
@@ -26,8 +27,8 @@ A file that cannot be read, one with an open mesh for instance, is told as an er
 
 /// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers
 ///
-/// Boxes prove what they can, rays look at everything else: a finding is sure, its absence as sure as the rays are dense (--cells).
-/// Each finding has a place, a size, and a ray that shows it. With --fail-on the exit code is 1 if there are findings of those kinds.
+/// Bounding boxes prove what they can; rays sample the rest. Findings are certain; their absence depends on the density of rays
+/// (--cells). Each finding has a position, a size and a ray that shows it. With --fail-on, findings of these kinds set exit code 1.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Check {
@@ -42,38 +43,38 @@ pub struct Check {
     #[arg(long, value_name = "LENGTH")]
     gap: Option<f64>,
 
-    /// Overlaps that are nowhere deeper than this are rounding [default: 1e-9 of the diagonal of the model]
+    /// Overlaps that are nowhere deeper than this count as rounding [default: 1e-9 of the diagonal of the model]
     #[arg(long, value_name = "LENGTH")]
     distance: Option<f64>,
 
     #[command(flatten)]
     within: WithinArguments,
 
-    /// Send rays through so many cells along each edge of a cross-section of the model
+    /// Cells along each edge of a cross-section of the model; each cell gets one ray
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(2..=4096))]
     cells: u32,
 
-    /// Look at most at so many pairs of parts, and at so many operands
+    /// Maximum number of pairs of parts, and of operands, to examine
     #[arg(long, value_name = "N", default_value_t = 20_000)]
     pairs: usize,
 
-    /// The level of confidence of volumes
+    /// Confidence level of volumes
     #[arg(long, value_name = "C", default_value_t = 0.99)]
     confidence: f64,
 
-    /// Chooses the random numbers
+    /// Seed of random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// End with exit code 1 if there are findings of these kinds, as overlap,thin; `all` is all but touch
+    /// Exit with code 1 if there are findings of these kinds, as overlap,thin; `all` means all kinds except touch
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kinds)]
     fail_on: Vec<Kinds>,
 
-    /// Write a picture of each finding that has a place into this folder, cut along its ray
+    /// Write a picture of each located finding into this folder, cut along its ray
     #[arg(long, value_name = "FOLDER")]
     pictures: Option<PathBuf>,
 
-    /// Show so many findings of each kind as text
+    /// Maximum number of findings of each kind to print
     #[arg(long, value_name = "N", default_value_t = 20)]
     lines: usize,
 
@@ -82,7 +83,7 @@ pub struct Check {
     json: bool,
 }
 
-/// One kind, or all that are faults.
+/// One kind, or all kinds that are faults.
 #[derive(Clone, Copy)]
 enum Kinds {
     All,
@@ -92,7 +93,7 @@ enum Kinds {
 fn kinds(text: &str) -> Result<Kinds, String> {
     match text.trim() {
         "all" => Ok(Kinds::All),
-        name => name.parse().map(Kinds::One).map_err(|error: rayweave::Error| error.to_string()),
+        name => name.parse::<Kind>().map(Kinds::One).map_err(|error| error.to_string()),
     }
 }
 
@@ -106,7 +107,7 @@ impl Kinds {
 }
 
 impl Check {
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let imported = self.model.import()?;
         let scene = imported.scene;
         let settings = CheckSettings {
@@ -118,12 +119,13 @@ impl Check {
             most_pairs: self.pairs,
             within: self.within.bounds(),
             seed: self.seed,
-            threads: cli.threads,
+            threads: global.threads,
             cancel: interrupt::token()?,
         };
         let hierarchy = imported.stated.and_then(|document| Hierarchy::of(&document, &scene));
-        let bar = terminal::counter("rays", cli.quiet);
-        let report = check(&scene, hierarchy.as_ref(), &settings, &mut |rays| bar.set_position(rays));
+        let bar = terminal::counter("rays", global.quiet);
+        let make = AnyEvaluator::maker(None);
+        let report = check(&scene, hierarchy.as_ref(), make, &settings, &mut |rays| bar.set_position(rays));
         bar.finish_and_clear();
         let report = report?;
         if let Some(folder) = &self.pictures {
@@ -137,7 +139,7 @@ impl Check {
         if report.findings.iter().any(is_bad) { Err(Failure::Answer) } else { Ok(()) }
     }
 
-    /// A picture of each finding, called by its number in the list and its kind.
+    /// Picture of a finding, named by its number in the list and its kind.
     fn draw(
         &self,
         folder: &std::path::Path,
@@ -146,11 +148,11 @@ impl Check {
         settings: &CheckSettings,
     ) -> Result<(), Failure> {
         let cannot = |error: std::io::Error| {
-            Failure::Run(format!("cannot write the pictures to {} ({error})", folder.display()))
+            Failure::Run(format!("cannot write the pictures to {}: {error}.", folder.display()))
         };
         std::fs::create_dir_all(folder).map_err(cannot)?;
         for (number, finding) in (1..).zip(&report.findings) {
-            if let Some(section) = finding_section(scene, finding, settings)? {
+            if let Some(section) = finding_section(scene, finding, AnyEvaluator::maker(None), settings)? {
                 let svg = section_svg(&[section], &finding.text, report.unit.symbol());
                 drawing::save(&folder.join(format!("{number}-{}.svg", finding.kind.name())), &svg)?;
             }
@@ -209,7 +211,7 @@ impl Check {
     }
 }
 
-/// What was proved and what was sampled.
+/// Scope of the check: proved and sampled parts.
 fn scope(report: &CheckReport) -> String {
     let scope = &report.scope;
     let short = terminal::short3;
@@ -231,7 +233,7 @@ fn scope(report: &CheckReport) -> String {
     text
 }
 
-/// Sizes and places, in a line.
+/// Sizes and positions, in a line.
 fn facts(finding: &Finding, unit: &str) -> String {
     let point = |p: rayweave::Vec3| terminal::short_point(p.to_array().map(|x| terminal::rounded(x, 6)));
     let mut facts = Vec::new();

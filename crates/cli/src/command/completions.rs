@@ -1,9 +1,8 @@
 //! `rayweave completions`: what a shell completes.
 
-use crate::arguments::Cli;
 use crate::failure::Failure;
 use crate::terminal;
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
 /// Print a completion script for a shell
@@ -16,9 +15,10 @@ pub struct Completions {
 }
 
 impl Completions {
-    pub fn run(&self) -> Result<(), Failure> {
+    /// Prints the script for a command.
+    pub fn run(&self, command: &mut Command) -> Result<(), Failure> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "rayweave", &mut script);
+        clap_complete::generate(self.shell, command, "rayweave", &mut script);
         terminal::print(&String::from_utf8_lossy(&script))
     }
 }

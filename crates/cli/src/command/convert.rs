@@ -1,6 +1,6 @@
 //! `rayweave convert`: a model in another format.
 
-use crate::arguments::{Cli, ModelArguments};
+use crate::arguments::{GlobalArguments, ModelArguments};
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 /// Write a model in another format: native, OpenSCAD, GDML, or a mesh
 ///
-/// Shapes that the format has are written exactly, others as triangles within a tolerance. What was approximated, dropped or said
-/// in another way is told on standard error, and what was lost when the model was read.
+/// Shapes that the format supports are written exactly, others as triangles within a tolerance. Standard error lists the parts that
+/// were approximated, dropped or written in another form, and the losses when the model was read.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -21,31 +21,31 @@ pub struct Convert {
     #[command(flatten)]
     model: ModelArguments,
 
-    /// The file to write; - is standard output
+    /// Output file; - is standard output
     #[arg(value_name = "OUT")]
     out: PathBuf,
 
-    /// Write this format [default: what the name of OUT says]
+    /// Output format [default: by the ending of OUT]
     #[arg(long, value_name = "NAME", value_parser = Format::NAMES)]
     to: Option<String>,
 
-    /// The greatest distance between a curved face and the triangles that stand for it, in the unit of the model [default: a
-    /// five-thousandth of the model's diagonal]
+    /// Maximum distance between a curved face and its triangles, in the unit of the model [default: 1/5000 of the model's
+    /// diagonal]
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<f64>,
 
-    /// Write STL and PLY as text instead of binary; STL then tells regions apart
+    /// Write STL and PLY as text instead of binary; text STL names the regions
     #[arg(long)]
     text: bool,
 }
 
 impl Convert {
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let format = self.format()?;
         let same = |path: &Path| path.canonicalize().ok();
         if same(&self.out).is_some_and(|out| same(&self.model.model) == Some(out)) {
             let text = format!(
-                "{}: the model would be overwritten (it is the file to write, too)",
+                "{}: the model would be overwritten: it is the file to write, too.",
                 self.out.display()
             );
             return Err(Failure::Usage(text));
@@ -54,7 +54,7 @@ impl Convert {
         let options = WriteOptions { tolerance: self.tolerance, text: self.text };
         let written = formats::write(&imported.scene, imported.stated.as_ref(), format, &options);
         let written = written.map_err(rayweave::Error::from)?;
-        if !cli.quiet {
+        if !global.quiet {
             written.remarks.iter().for_each(|remark| terminal::note(&remark.to_string()));
         }
         terminal::save(&self.out, &written.bytes)
@@ -66,7 +66,7 @@ impl Convert {
         }
         let unknown = || {
             let known = Format::NAMES.join(", ");
-            Failure::Usage(format!("{}: unknown format (--to says it: {known})", self.out.display()))
+            Failure::Usage(format!("{}: unknown format: --to says it: {known}.", self.out.display()))
         };
         match self.out == Path::new("-") {
             true => Err(unknown()),

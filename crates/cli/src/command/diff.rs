@@ -1,9 +1,10 @@
 //! `rayweave diff`: are two models the same solid, and if not, where do they differ?
 
-use crate::arguments::{Cli, ModelArguments, WithinArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, WithinArguments};
 use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::{Args, ValueEnum};
+use rayweave::AnyEvaluator;
 use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, Spot, diff, diff_section};
 use rayweave::measure;
 use rayweave::scene::Scene;
@@ -18,11 +19,11 @@ Exit codes:
   2    trouble: a model cannot be read or compared, or the command line is wrong
   130  cancelled by Ctrl-C";
 
-/// Tell whether two models are the same solid, and where they differ
+/// Compare two models: are they the same solid, and where do they differ
 ///
-/// Rays look for what belongs to one model alone. What is thinner than a distance does not matter (by default, what rounding
-/// leaves); it is measured across, so that rays along a surface do not mislead. Regions are compared by name if there are several;
-/// lengths of the second model are brought to the unit of the first.
+/// Rays search for parts that belong to one model only. Differences thinner than a distance (by default the size of rounding
+/// errors) are ignored; thickness is measured perpendicular to the surface. Several regions are compared by name. Lengths of the
+/// second model are converted to the unit of the first.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Diff {
@@ -32,54 +33,54 @@ pub struct Diff {
     /// The second model, in any of the formats
     other: PathBuf,
 
-    /// Read the second model as one of this format [default: what its name says]
+    /// Format of the second model [default: by its ending]
     #[arg(long, value_name = "NAME", value_parser = rayweave::formats::Format::NAMES)]
     other_format: Option<String>,
 
-    /// Take the lengths of the second model in this unit, if its file says none [default: mm]
+    /// Unit of lengths of the second model, if its file has none [default: mm]
     #[arg(long, value_name = "UNIT", value_parser = rayweave::scene::Unit::ALL.map(|(_, symbol, _)| symbol))]
     other_unit: Option<String>,
 
-    /// What is compared with what [default: everything if one of the models has a single region, else regions by name]
+    /// Parts to compare [default: everything if one of the models has a single region, else regions by name]
     #[arg(long, value_name = "WHAT")]
     by: Option<By>,
 
-    /// Compare all that is in any region; the same as --by whole
+    /// Compare the union of all regions; the same as --by whole
     #[arg(long, conflicts_with = "by")]
     whole: bool,
 
-    /// Differences up to this thickness do not matter, in the unit of the first model [default: 1e-9 of its diagonal]
+    /// Ignore differences up to this thickness, in the unit of the first model [default: 1e-9 of its diagonal]
     #[arg(long, value_name = "LENGTH")]
     distance: Option<f64>,
 
     #[command(flatten)]
     within: WithinArguments,
 
-    /// Send rays through so many cells along each edge of a cross-section
+    /// Cells along each edge of a cross-section; each cell gets one ray
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(2..=4096))]
     cells: u32,
 
-    /// Measure volumes until half the width of their interval is this part of them
+    /// Relative half-width of the volumes' confidence intervals to reach
     #[arg(long, value_name = "P", default_value_t = 1e-2)]
     precision: f64,
 
-    /// The level of confidence of the intervals
+    /// Confidence level of the intervals
     #[arg(long, value_name = "C", default_value_t = 0.99)]
     confidence: f64,
 
-    /// Ask at most so many rays for a volume
+    /// Trace at most this many rays for a volume
     #[arg(long, value_name = "N", default_value_t = 1 << 20)]
     rays: u64,
 
-    /// Chooses the random numbers
+    /// Seed of random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// A picture of the thickest difference, cut open: .svg or .png
+    /// Picture of the thickest difference, cut open: .svg or .png
     #[arg(short, long, value_name = "OUT")]
     out: Option<PathBuf>,
 
-    /// The plane of the picture, as z=0.5 [default: that of x, y, z through the thickest difference which shows most of it]
+    /// Plane of the picture, as z=0.5 [default: the plane across x, y or z through the thickest difference that shows most of it]
     #[arg(long, value_name = "PLANE", value_parser = super::section::plane, requires = "out")]
     plane: Option<SectionPlane>,
 
@@ -94,27 +95,28 @@ enum By {
     Region,
     /// All regions of one medium
     Medium,
-    /// All that is in any region
+    /// The union of all regions
     Whole,
 }
 
 impl Diff {
-    /// As diff(1) has it, whatever is no answer is trouble.
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
-        let is_same = self.compare(cli).map_err(|failure| match failure {
+    /// Exit codes of diff(1): 0 for equal models, 1 for different ones, 2 for errors.
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
+        let is_same = self.compare(global).map_err(|failure| match failure {
             Failure::Cancelled | Failure::BrokenPipe => failure,
             other => Failure::Trouble(Box::new(other)),
         })?;
         if is_same { Ok(()) } else { Err(Failure::Answer) }
     }
 
-    fn compare(&self, cli: &Cli) -> Result<bool, Failure> {
+    fn compare(&self, global: &GlobalArguments) -> Result<bool, Failure> {
         self.out.as_deref().map_or(Ok(()), drawing::check)?;
         let (format, unit) = (self.other_format.as_deref(), self.other_unit.as_deref());
         let (a, b) = (self.model.load()?, self.model.load_other(&self.other, format, unit)?);
-        let settings = self.settings(cli)?;
-        let bar = terminal::counter("rays", cli.quiet);
-        let report = diff(&a, &b, &settings, &mut |rays| bar.set_position(rays));
+        let settings = self.settings(global)?;
+        let bar = terminal::counter("rays", global.quiet);
+        let make = AnyEvaluator::maker(None);
+        let report = diff(&a, &b, make, &settings, &mut |rays| bar.set_position(rays));
         bar.finish_and_clear();
         let report = report?;
         self.out.as_ref().map_or(Ok(()), |path| self.draw(path, [&a, &b], &report, &settings))?;
@@ -125,7 +127,7 @@ impl Diff {
         Ok(report.is_same())
     }
 
-    fn settings(&self, cli: &Cli) -> Result<DiffSettings, Failure> {
+    fn settings(&self, global: &GlobalArguments) -> Result<DiffSettings, Failure> {
         let by = match (self.by, self.whole) {
             (Some(By::Whole), _) | (_, true) => Match::Whole,
             (Some(By::Region), _) => Match::Region,
@@ -142,7 +144,7 @@ impl Diff {
                 most_rays: self.rays,
                 within: self.within.bounds(),
                 seed: self.seed,
-                threads: cli.threads,
+                threads: global.threads,
                 cancel: interrupt::token()?,
             },
         })
@@ -155,7 +157,7 @@ impl Diff {
         report: &DiffReport,
         settings: &DiffSettings,
     ) -> Result<(), Failure> {
-        let section = diff_section(a, b, report, settings, self.plane)?;
+        let section = diff_section(a, b, report, AnyEvaluator::maker(None), settings, self.plane)?;
         let title = format!("A {}, B {}", self.model.name(), self.other.display());
         drawing::save(path, &section_svg(&[section], &title, report.unit.symbol()))
     }
@@ -168,7 +170,7 @@ impl Diff {
             false => "different".to_owned(),
         };
         let rays = report.rays;
-        let mut text = format!("A {a}\nB {b}\n{verdict} ({rays} rays, lengths in {unit})\n\n");
+        let mut text = format!("A {a}\nB {b}\n{verdict}: {rays} rays, lengths in {unit}.\n\n");
         let rows = report.pairs.iter().map(|pair| {
             let volume = interval::text;
             let verdict = verdict_of(pair);
@@ -213,7 +215,7 @@ fn verdict_of(pair: &Difference) -> &'static str {
     }
 }
 
-/// Where a ray sees the thickest difference.
+/// The ray through the thickest difference.
 fn example(pair: &Difference) -> String {
     let Some(Spot { chord, thickness, is_a, .. }) = pair.spot else { return String::new() };
     let point = |p: rayweave::Vec3| terminal::short_point(p.to_array());

@@ -4,16 +4,16 @@ use crate::arguments::ModelArguments;
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
-use rayweave::picture::{Wishes, arrange};
+use rayweave::picture::{PictureOptions, arrange};
 use rayweave::render::{Camera, Projection};
 use rayweave::scene;
 use rayweave::{Compiled, Vec3};
 use std::path::{Path, PathBuf};
 
-/// Write a model as a scene for POV-Ray
+/// Write a model as a POV-Ray scene
 ///
-/// The camera is that of the model file; if it has none, all of the model is shown. What POV-Ray will show in another way is
-/// told on standard error.
+/// Uses the camera of the model file; without one, the view shows the whole model. Standard error lists the differences of the
+/// POV-Ray picture.
 #[derive(Args)]
 #[command(after_help = "\
 Example:
@@ -23,7 +23,7 @@ pub struct Export {
     #[command(flatten)]
     model: ModelArguments,
 
-    /// The scene, .pov; - is standard output
+    /// Output file, .pov; - is standard output
     #[arg(value_name = "OUT.pov")]
     out: PathBuf,
 }
@@ -33,13 +33,13 @@ impl Export {
         let is_pov = self.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("pov"));
         if !is_pov && self.out != Path::new("-") {
             return Err(Failure::Usage(format!(
-                "{}: unknown format (models are exported as .pov)",
+                "{}: unknown format: models are exported as .pov.",
                 self.out.display()
             )));
         }
         let mut scene = self.model.load()?;
         let compiled = Compiled::new(&scene)?;
-        let (camera, settings) = arrange(&scene, &compiled, &Wishes::default())?;
+        let (camera, settings) = arrange(&scene, &compiled, &PictureOptions::default())?;
         let size = (settings.size.width() as u32, settings.size.height() as u32);
         scene.camera = Some(exported(&camera, size));
         let written = scene.to_povray().map_err(|problem| Failure::Run(problem.to_string()))?;
@@ -50,7 +50,7 @@ impl Export {
     }
 }
 
-/// A camera as scenes have it.
+/// Camera in the form of scenes.
 fn exported(camera: &Camera, size: (u32, u32)) -> scene::Camera {
     let (position, up): (Vec3, Vec3) = (camera.position(), camera.up());
     scene::Camera {

@@ -1,27 +1,26 @@
 //! `rayweave infill`: the traces of a tool that fill the layers of a solid, or a region of the plane.
 
-use crate::arguments::{Cli, ModelArguments, SubjectArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::terminal::{self, short};
 use clap::Args;
-use rayweave::files::read_region;
 use rayweave::infill::{
-    Fillable, Filling, InfillPicture, Layers, Raster, Run, Slices, Summary, write_infill,
+    Fillable, Filling, InfillPicture, Layers, Raster, Run, Slices, Summary, read_region, write_infill,
 };
 use rayweave::rootray::Side;
 use rayweave::{AnyEvaluator, Bounds, Compiled};
 use std::path::{Path, PathBuf};
 
-/// Fill the layers of a solid with the traces of a tool
+/// Fill the layers of a solid with tool paths (parallel traces)
 ///
-/// Layers are cut at the heights given by --layer-height or --z. In each layer parallel scan lines run through the
-/// solid; a trace is a piece of a scan line inside. A file .csv with the columns contour, x, y in the place of the
-/// model is a region of the plane, which is one layer: islands go around counter-clockwise, holes clockwise.
+/// Layers lie at the heights given by --layer-height or --z. In each layer parallel scan lines run through the solid; a trace is a
+/// piece of a scan line inside it. Instead of a model, a .csv file with the columns contour, x, y describes a region of the
+/// plane, which is one layer: outlines run counter-clockwise, holes clockwise.
 ///
-/// The table has the columns layer, z, scanline, component, x0, y0, x1, y1. Scan line k is where the distance from the
-/// origin, across the direction and to its left, is (k + phase) spacings, in every layer. Traces on adjacent scan
-/// lines that overlap belong to one component of their layer. Without -o and --svg only the totals are told.
+/// The table has the columns layer, z, scanline, component, x0, y0, x1, y1. Scan line k has the distance (k + phase) spacings from
+/// the origin, measured to the left of the direction, in every layer. Overlapping traces on adjacent scan lines belong to one
+/// component of their layer. Without -o and --svg the command prints only the totals.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -35,11 +34,11 @@ pub struct Infill {
     #[command(flatten)]
     subject: SubjectArguments,
 
-    /// The distance of scan lines
+    /// Distance between scan lines
     #[arg(long, value_name = "S", value_parser = number, allow_hyphen_values = true)]
     spacing: f64,
 
-    /// The direction of scan lines, in degrees from +x towards +y
+    /// Direction of scan lines, in degrees from +x towards +y
     #[arg(long, value_name = "DEGREES", default_value = "0", value_parser = number, allow_hyphen_values = true)]
     angle: f64,
 
@@ -47,15 +46,15 @@ pub struct Infill {
     #[arg(long, value_name = "P", default_value = "0", value_parser = number, allow_hyphen_values = true)]
     phase: f64,
 
-    /// Turn each layer by so many degrees from the one below
+    /// Turn each layer by this many degrees from the one below
     #[arg(long, value_name = "DEGREES", default_value = "0", value_parser = number, allow_hyphen_values = true)]
     turn: f64,
 
-    /// Run scan lines with an odd number backwards
+    /// Run odd scan lines backwards
     #[arg(long)]
     alternate: bool,
 
-    /// Cut layers of this thickness in their middle, from the lower bound of the solid upwards
+    /// Layer thickness: layers are cut at mid-height, from the lower bound of the solid upwards
     #[arg(long, value_name = "H", value_parser = number, allow_hyphen_values = true, conflicts_with = "z")]
     layer_height: Option<f64>,
 
@@ -63,17 +62,17 @@ pub struct Infill {
     #[arg(long, value_name = "Z", value_parser = number, allow_hyphen_values = true, value_delimiter = ',')]
     z: Vec<f64>,
 
-    /// The table, .csv, .npy or .parquet if built so; - is CSV to standard output
+    /// Table: .csv, .npy or .parquet (if built in); - writes CSV to standard output
     #[arg(short, long, value_name = "TRACES")]
     out: Option<PathBuf>,
 
-    /// Also draw the layers side by side as SVG, a colour for each component
+    /// Drawing of the layers side by side as SVG, one colour per component
     #[arg(long, value_name = "OUT.svg")]
     svg: Option<PathBuf>,
 }
 
 impl Infill {
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let raster = Raster::new(self.spacing, self.angle, self.phase)?;
         let filling = Filling { raster, turn: self.turn, alternate: self.alternate };
         let mut picture = InfillPicture::new(self.spacing);
@@ -81,16 +80,16 @@ impl Infill {
             self.refuse_what_is_for_solids()?;
             let region = read_region(&self.model.model, Side::Outside)?;
             picture.outline(&region);
-            return self.fill(cli, &region, &filling, &Layers::At(vec![0.0]), "", picture);
+            return self.fill(global, &region, &filling, &Layers::At(vec![0.0]), "", picture);
         }
         let layers = self.layers()?;
         let scene = self.model.load()?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
-        self.fill(cli, &Slices(&evaluator), &filling, &layers, scene.unit.symbol(), picture)
+        self.fill(global, &Slices(&evaluator), &filling, &layers, scene.unit.symbol(), picture)
     }
 
-    /// True if the file holds a region of the plane.
+    /// True if the file describes a region of the plane.
     fn is_flat(&self) -> bool {
         self.model.model.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
     }
@@ -105,8 +104,7 @@ impl Infill {
         ];
         match given.iter().find(|(_, is_given)| *is_given) {
             Some((option, _)) => Err(Failure::Usage(format!(
-                "{option} is given for {} (a region of the plane is one layer, without solids and parameters) leave \
-                 it out?",
+                "{option} is given for {}: a region of the plane is one layer, without solids and parameters. Leave it out.",
                 self.model.name()
             ))),
             None => Ok(()),
@@ -118,7 +116,7 @@ impl Infill {
             Some(height) => Ok(Layers::Every(height)),
             None if !self.z.is_empty() => Ok(Layers::At(self.z.clone())),
             None => Err(Failure::Usage(
-                "no layers are asked for (a solid is filled at heights) give --layer-height, or --z?"
+                "no layers are asked for: a solid is filled at heights. Give --layer-height, or --z."
                     .to_owned(),
             )),
         }
@@ -126,14 +124,14 @@ impl Infill {
 
     fn fill<F: Fillable>(
         &self,
-        cli: &Cli,
+        global: &GlobalArguments,
         fillable: &F,
         filling: &Filling,
         layers: &Layers,
         unit: &str,
         mut picture: InfillPicture,
     ) -> Result<(), Failure> {
-        let run = Run { threads: cli.threads, cancel: interrupt::token()? };
+        let run = Run { threads: global.threads, cancel: interrupt::token()? };
         let mut lost = Vec::new();
         let summary = write_infill(fillable, filling, layers, &run, unit, self.out.as_deref(), |layer| {
             if layer.traces.is_empty() {
@@ -147,14 +145,14 @@ impl Infill {
             terminal::save(path, picture.to_svg(&self.heading()).as_bytes())?;
         }
         let goes_to_output = [&self.out, &self.svg].into_iter().flatten().any(|path| path == Path::new("-"));
-        if cli.quiet || goes_to_output {
+        if global.quiet || goes_to_output {
             return Ok(());
         }
         let mut text = self.totals(&summary, unit);
         text += &empty_layers(&lost, &fillable.bounds());
         if picture.left_out() > 0 {
             let most = InfillPicture::MOST_LAYERS;
-            text += &format!("the picture shows the first {most} layers (--z chooses others)\n");
+            text += &format!("the picture shows the first {most} layers: --z chooses others.\n");
         }
         terminal::print(&text)
     }
@@ -179,7 +177,7 @@ impl Infill {
     }
 }
 
-/// What is to be said about layers without traces.
+/// Note about layers without traces.
 fn empty_layers(lost: &[(usize, f64)], bounds: &Bounds) -> String {
     let Some(&(layer, z)) = lost.first() else { return String::new() };
     let others = match lost.len() {
@@ -193,7 +191,7 @@ fn empty_layers(lost: &[(usize, f64)], bounds: &Bounds) -> String {
     format!("layer {layer} at z = {}{others} has no traces: {reason}\n", short(z))
 }
 
-/// A number, which may be out of range: what it is for says so.
+/// A number; the option that uses it checks its range.
 fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| format!("`{text}` is not a number"))
 }

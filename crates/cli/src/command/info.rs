@@ -11,7 +11,7 @@ use rayweave::scene::Scene;
 use rayweave::{Bounds, Compiled, Program};
 use serde_json::{Value, json};
 
-/// Tell what a model holds: regions, media, the tree of solids, bounds, statistics
+/// Print the contents of a model: regions, media, the tree of solids, bounds, statistics
 #[derive(Args)]
 pub struct Info {
     #[command(flatten)]
@@ -21,15 +21,15 @@ pub struct Info {
     #[arg(long)]
     json: bool,
 
-    /// Tell how the model is prepared: what each pass over its tree does, and which parts are never asked, and why
+    /// Explain how the model is compiled: the effect of each pass on its tree, and the parts that are pruned, with reasons
     #[arg(long)]
     explain: bool,
 
-    /// Show the tree so many levels deep
+    /// Maximum depth of the printed tree
     #[arg(long, value_name = "N", default_value_t = 12)]
     depth: usize,
 
-    /// Show so many lines of the tree, and of parts that are never asked
+    /// Maximum number of lines of the tree, and of the list of pruned parts
     #[arg(long, value_name = "N", default_value_t = 200)]
     lines: usize,
 }
@@ -107,7 +107,7 @@ impl Info {
     }
 }
 
-/// The solids that the tree begins with: those of the regions, each once.
+/// Roots of the tree: the solids of the regions, each once.
 fn roots(scene: &Scene) -> Vec<rayweave::Solid> {
     let mut roots: Vec<rayweave::Solid> = Vec::new();
     for region in &scene.regions {
@@ -146,7 +146,7 @@ fn medium(medium: &rayweave::scene::Medium) -> String {
     }
 }
 
-/// How much of what there is.
+/// Limits of the printed tree.
 fn statistics(program: &Program) -> [(&'static str, usize); 7] {
     let gates = program.prototypes().iter();
     let placements = program.prototypes().first().map_or(1, |p| p.placements);
@@ -161,7 +161,7 @@ fn statistics(program: &Program) -> [(&'static str, usize); 7] {
     ]
 }
 
-/// The surfaces that several faces lie in.
+/// Surfaces shared by several faces.
 fn shared_surfaces(program: &Program) -> usize {
     let mut faces = vec![0u32; program.surfaces().len()];
     for facet in program.facets() {
@@ -180,7 +180,7 @@ fn bounds_text(bounds: &Bounds) -> String {
     }
 }
 
-/// The corners; JSON has no infinity, `null` stands for it.
+/// Corners; `null` stands for infinity, which JSON lacks.
 fn bounds_json(bounds: &Bounds) -> Value {
     match bounds.is_empty() {
         true => Value::Null,
@@ -206,7 +206,7 @@ fn preparation_json(preparation: &Preparation) -> Value {
         })
     };
     let removal = |removal: &Removal| {
-        let by = if removal.inside { "plenum" } else { "vacuum" };
+        let by = if removal.inside { "universe" } else { "empty" };
         json!({ "part": removal.part, "why": removal.why, "replaced_by": by })
     };
     json!({

@@ -1,9 +1,9 @@
 //! `rayweave man`: the manual pages.
 
-use crate::arguments::Cli;
+use crate::arguments::GlobalArguments;
 use crate::failure::Failure;
 use crate::terminal;
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use std::path::PathBuf;
 
 /// Write the manual pages of the command and of its sub-commands
@@ -15,16 +15,16 @@ pub struct Man {
 }
 
 impl Man {
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
-        let mut command = Cli::command();
+    /// Writes the pages of a command.
+    pub fn run(&self, mut command: Command, global: &GlobalArguments) -> Result<(), Failure> {
         command.build();
         std::fs::create_dir_all(&self.out)
             .and_then(|()| clap_mangen::generate_to(command, &self.out))
             .map_err(|error| {
                 let folder = self.out.display();
-                Failure::Run(format!("cannot write the manual pages to {folder} ({error})"))
+                Failure::Run(format!("cannot write the manual pages to {folder}: {error}."))
             })?;
-        match cli.quiet {
+        match global.quiet {
             true => Ok(()),
             false => terminal::print(&format!("{}\n", self.out.join("rayweave.1").display())),
         }

@@ -1,5 +1,6 @@
 //! The sub-commands, one file each.
 
+#[cfg(feature = "bench")]
 mod bench;
 mod check;
 mod completions;
@@ -20,6 +21,7 @@ mod trace;
 mod tree;
 mod volume;
 
+#[cfg(feature = "bench")]
 pub use bench::Bench;
 pub use check::Check;
 pub use completions::Completions;
@@ -38,30 +40,3 @@ pub use shapes::Shapes;
 pub use thickness::Thickness;
 pub use trace::Trace;
 pub use volume::Volume;
-
-use crate::arguments::{Cli, Command};
-use crate::failure::Failure;
-
-/// Runs the sub-command.
-pub fn run(cli: &Cli) -> Result<(), Failure> {
-    match &cli.command {
-        Command::Render(render) => render.run(cli),
-        Command::Probe(probe) => probe.run(),
-        Command::Trace(trace) => trace.run(cli),
-        Command::Optics(optics) => optics.run(cli),
-        Command::Convert(convert) => convert.run(cli),
-        Command::Export(export) => export.run(),
-        Command::Infill(infill) => infill.run(cli),
-        Command::Volume(volume) => volume.run(cli),
-        Command::Diff(diff) => diff.run(cli),
-        Command::Check(check) => check.run(cli),
-        Command::Section(section) => section.run(cli),
-        Command::Thickness(thickness) => thickness.run(cli),
-        Command::Info(info) => info.run(),
-        Command::Bench(bench) => bench.run(cli),
-        Command::Shapes(shapes) => shapes.run(),
-        Command::Schema(schema) => schema.run(),
-        Command::Completions(completions) => completions.run(),
-        Command::Man(man) => man.run(cli),
-    }
-}

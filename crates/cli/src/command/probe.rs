@@ -4,9 +4,10 @@ use crate::arguments::{ModelArguments, SubjectArguments, point};
 use crate::failure::Failure;
 use crate::terminal::{self, short, short_point};
 use clap::Args;
-use rayweave::model::{Collected, Face, dress};
+use rayweave::draw::ray_timeline;
+use rayweave::model::{Collected, Face, attributes};
 use rayweave::shape::RayError;
-use rayweave::{AnyEvaluator, Compiled, Crossing, Evaluator, Query, Ray, Vec3, Window};
+use rayweave::{AnyEvaluator, Compiled, Crossing, Evaluator, Query, Ray, Vec3, Weave, Window};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -29,11 +30,11 @@ pub struct Probe {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     to: [f64; 3],
 
-    /// Only what lies between the two points
+    /// Show only the part between the two points
     #[arg(long)]
     segment: bool,
 
-    /// Also tell how the answer comes about, decision by decision, in at most so many lines ("all" for no limit)
+    /// Explain the answer, decision by decision, in at most this many lines ("all" for no limit)
     #[arg(
         long, value_name = "LINES", conflicts_with = "json", value_parser = lines,
         num_args = 0..=1, require_equals = true, default_missing_value = "1000"
@@ -44,7 +45,7 @@ pub struct Probe {
     #[arg(long)]
     json: bool,
 
-    /// Also draw the time lines of all leaves and of the result as SVG
+    /// Draw the intervals of all leaves and of the result as SVG
     #[arg(long, value_name = "OUT.svg")]
     timeline: Option<PathBuf>,
 }
@@ -68,7 +69,7 @@ impl Probe {
         };
         if let Some(path) = &self.timeline {
             let solid = self.subject.solid.as_deref();
-            let mut drawing = rayweave::timeline(&scene, solid, &compiled, ray)?;
+            let mut drawing = ray_timeline(&scene, solid, &compiled, ray, Weave::new)?;
             drawing.title(&self.heading());
             if self.segment {
                 drawing.window(0.0, 1.0).map_err(rayweave::Error::from)?;
@@ -90,9 +91,9 @@ impl Probe {
         let ray = Ray::new(from, to - from);
         let problem = match ray.check() {
             Ok(()) => return Ok(ray),
-            _ if !ray.direction.is_finite() => "are too far apart (their distance overflows)".to_owned(),
+            _ if !ray.direction.is_finite() => "are too far apart: their distance overflows.".to_owned(),
             Err(RayError::NoDirection) => {
-                "are the same point (the direction of the ray is from one to the other)".to_owned()
+                "are the same point: the direction of the ray is from one to the other.".to_owned()
             }
             Err(error) => format!("give a ray that cannot be traced: {error}"),
         };
@@ -155,7 +156,7 @@ fn lines(text: &str) -> Result<usize, String> {
     }
 }
 
-/// What a ray met.
+/// Crossings of a ray.
 struct Found<'a> {
     unit: &'static str,
     compiled: &'a Compiled,
@@ -173,7 +174,7 @@ impl Found<'_> {
         program.leaf(face.leaf).face_name(face.facet as usize)
     }
 
-    /// The face of the region that is left and that of the one that is entered, where they are not the world.
+    /// Faces of the regions that the ray leaves and enters, except for the world.
     fn sides(&self, crossing: &Crossing) -> [Option<String>; 2] {
         let of = |region, face| self.compiled.region_name(region).map(|_| self.face(face));
         [of(crossing.before, crossing.left), of(crossing.after, crossing.entered)]
@@ -188,7 +189,7 @@ impl Found<'_> {
     }
 
     fn row(&self, number: usize, crossing: &Crossing) -> Vec<String> {
-        let normal = dress::normal(&self.compiled.program, &self.ray, crossing);
+        let normal = attributes::normal(&self.compiled.program, &self.ray, crossing);
         let surface = match self.sides(crossing) {
             [Some(left), Some(entered)] if left != entered => format!("{left} | {entered}"),
             _ => self.face(crossing.face).to_owned(),
@@ -203,7 +204,7 @@ impl Found<'_> {
         vec![
             number.to_string(),
             short(crossing.t),
-            short_point(dress::point(&self.ray, crossing).to_array()),
+            short_point(attributes::point(&self.ray, crossing).to_array()),
             short_point(normal.to_array()),
             surface,
             region,
@@ -218,8 +219,8 @@ impl Found<'_> {
         json!({
             "crossing": number,
             "t": crossing.t,
-            "point": dress::point(&self.ray, crossing).to_array(),
-            "normal": dress::normal(&self.compiled.program, &self.ray, crossing).to_array(),
+            "point": attributes::point(&self.ray, crossing).to_array(),
+            "normal": attributes::normal(&self.compiled.program, &self.ray, crossing).to_array(),
             "enters": crossing.enters(),
             "surface": self.face(crossing.face),
             "surface_left": left,

@@ -1,21 +1,24 @@
 //! `rayweave render`: a picture of a model.
 
-use crate::arguments::{Cli, ModelArguments, SubjectArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::terminal::{self, Unit};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use rayweave::picture::{Cut, Explosion, Opacity, Picture, PictureKind, Sheet, SheetKind, Wishes, arrange};
+use rayweave::draw::DrawError;
+use rayweave::picture::{
+    Cut, Explosion, Opacity, Picture, PictureKind, PictureOptions, Sheet, SheetKind, arrange,
+};
 use rayweave::render::{Run, Settings, Size, Style, View};
 use rayweave::scene::Scene;
 use rayweave::{AnyEvaluator, Compiled};
 use std::path::{Path, PathBuf};
 
-/// Draw a picture of a model
+/// Render a picture of a model
 ///
-/// The camera is that of the model file; if it has none, or --view is given, all of the model is shown.
+/// Uses the camera of the model file; without one, or with --view, the picture shows the whole model.
 #[derive(Args)]
 pub struct Render {
     #[command(flatten)]
@@ -24,47 +27,47 @@ pub struct Render {
     #[command(flatten)]
     subject: SubjectArguments,
 
-    /// The picture, .png, or .svg for sheets and legends; - is standard output [default: the name of the model file with .png, in the current folder]
+    /// Output file: .png, or .svg for sheets and legends; - is standard output [default: the name of the model file with .png, in the current folder]
     #[arg(short, long, value_name = "OUT")]
     out: Option<PathBuf>,
 
-    /// Width and height in pixels [default: what the model's camera says, else 1280x720]
+    /// Width and height in pixels [default: as in the model's camera, else 1280x720]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<Size>,
 
-    /// Look from this side at all of the model, without perspective; or draw a sheet with four views to scale and a legend
+    /// View the whole model from this side, without perspective; `sheet` draws four views to scale and a legend
     #[arg(long, value_parser = PossibleValuesParser::new(View::ALL.map(View::name).into_iter().chain([SHEET])))]
     view: Option<String>,
 
-    /// Write below the picture which colour is which medium
+    /// Add a legend of the media's colours below the picture
     #[arg(long)]
     legend: bool,
 
-    /// Take away what is on these sides of planes, so that the inside shows: x>0 is one half, x>50%,y<50% a quarter of the model
+    /// Remove the parts on these sides of planes to show the inside: x>0 removes one half, x>50%,y<50% a quarter of the model
     #[arg(long, value_name = "PLANES")]
     cut: Option<String>,
 
-    /// Draw the regions apart along this axis, with a gap as a part of the model's largest side, as in z or x:0.3
+    /// Explode the regions along this axis, with gaps as a fraction of the model's largest side, as in z or x:0.3
     #[arg(long, value_name = "AXIS[:GAP]")]
     explode: Option<String>,
 
-    /// Let one see through the regions of this name or medium, or through all: from 0 (clear) to 1 (opaque). May be repeated
+    /// Draw the regions of this name or medium (or all) with this opacity: from 0 (clear) to 1 (opaque). May be repeated
     #[arg(long, value_name = "[NAME=]OPACITY")]
     opacity: Vec<String>,
 
-    /// See all of the model in perspective, with this vertical field of view
+    /// View the whole model in perspective, with this vertical field of view
     #[arg(long, value_name = "DEGREES")]
     fov: Option<f64>,
 
-    /// What the picture shows
+    /// Quantity to draw
     #[arg(long, default_value = "colour", value_parser = PossibleValuesParser::new(PictureKind::ALL.map(|(_, name)| name)))]
     kind: String,
 
-    /// How surfaces are shaded [default: what the model says, else gooch]
+    /// Shading of surfaces [default: as in the model, else gooch]
     #[arg(long, value_parser = PossibleValuesParser::new(STYLES.map(|(name, _)| name)))]
     shading: Option<String>,
 
-    /// Draw edges [default: what the model says, else yes]
+    /// Draw edges [default: as in the model, else yes]
     #[arg(long, overrides_with = "no_edges")]
     edges: bool,
 
@@ -72,23 +75,23 @@ pub struct Render {
     #[arg(long)]
     no_edges: bool,
 
-    /// Let lights cast shadows; without a light in the model there is one beside the camera
+    /// Lights cast shadows; a model without lights gets one beside the camera
     #[arg(long, overrides_with = "no_shadows")]
     shadows: bool,
 
-    /// Let no light cast shadows
+    /// Lights cast no shadows
     #[arg(long)]
     no_shadows: bool,
 
-    /// Look at pixels at edges along N x N rays [default: what the model says, else 3]
+    /// Supersample edge pixels with N x N rays [default: as in the model, else 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MOST_SAMPLES)))]
     samples: Option<u32>,
 }
 
-/// The view that is several.
+/// Views that consist of several pictures.
 const SHEET: &str = "sheet";
 
-/// What came out.
+/// The picture.
 enum Drawn {
     Picture(Picture),
     Sheet(Sheet),
@@ -98,18 +101,18 @@ const STYLES: [(&str, Style); 3] =
     [("gooch", Style::Gooch), ("headlight", Style::Headlight), ("flat", Style::Flat)];
 
 impl Render {
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let out = self.out()?;
         let scene = self.scene()?;
         let compiled = Compiled::new(&scene)?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
-        let bar = terminal::progress_bar(Some(100), Unit::Percent, cli.quiet);
+        let bar = terminal::progress_bar(Some(100), Unit::Percent, global.quiet);
         let mut progress = |part: f64| bar.set_position((100.0 * part) as u64);
         let mut run =
-            Run { threads: cli.threads, cancel: interrupt::token()?, progress: Some(&mut progress) };
+            Run { threads: global.threads, cancel: interrupt::token()?, progress: Some(&mut progress) };
         let drawn = match self.sheet() {
             Some(kind) => {
-                Sheet::draw(kind, &scene, &compiled, &evaluator, &self.wishes(), &mut run).map(Drawn::Sheet)
+                Sheet::draw(kind, &scene, &compiled, &evaluator, &self.options(), &mut run).map(Drawn::Sheet)
             }
             None => self.picture(&scene, &compiled, &evaluator, &mut run).map(Drawn::Picture),
         };
@@ -124,13 +127,13 @@ impl Render {
                 sheet.size()
             }
         };
-        if cli.quiet || out == Path::new("-") {
+        if global.quiet || out == Path::new("-") {
             return Ok(());
         }
         terminal::print(&format!("{}: {} x {} pixels\n", out.display(), size.width(), size.height()))
     }
 
-    /// What is drawn: the model, or one of its solids, opened up as is asked for.
+    /// The model to draw, or one of its solids, cut or exploded as requested.
     fn scene(&self) -> Result<Scene, Failure> {
         let cut: Option<Cut> = self.cut.as_deref().map(str::parse).transpose()?;
         let explosion: Option<Explosion> = self.explode.as_deref().map(str::parse).transpose()?;
@@ -138,7 +141,7 @@ impl Render {
         let opacities: Vec<Opacity> = opacities.collect::<Result<_, _>>()?;
         let mut scene = self.model.load()?;
         if let Some(name) = &self.subject.solid {
-            scene = Compiled::alone(&scene, name)?;
+            scene = scene.alone(name)?;
         }
         opacities.iter().try_for_each(|opacity| opacity.apply(&mut scene))?;
         scene = scene.seen();
@@ -151,7 +154,7 @@ impl Render {
         Ok(scene)
     }
 
-    /// What is on the sheet, if one is asked for.
+    /// The views of the sheet, if requested.
     fn sheet(&self) -> Option<SheetKind> {
         match self.view.as_deref() {
             Some(SHEET) => Some(SheetKind::Views),
@@ -165,16 +168,16 @@ impl Render {
         compiled: &Compiled,
         evaluator: &AnyEvaluator,
         run: &mut Run<'_>,
-    ) -> Result<Picture, rayweave::Error> {
-        let (camera, settings) = arrange(scene, compiled, &self.wishes())?;
+    ) -> Result<Picture, DrawError> {
+        let (camera, settings) = arrange(scene, compiled, &self.options())?;
         Picture::draw(self.kind.parse()?, evaluator, &camera, &settings, run)
     }
 
-    /// Where the picture goes.
+    /// Destination of the picture.
     fn out(&self) -> Result<PathBuf, Failure> {
         if self.sheet().is_some() && self.kind != "colour" {
             let (kind, why) = (&self.kind, "the pictures of sheets and legends are in colour");
-            return Err(Failure::Usage(format!("--kind {kind} on a sheet ({why}) leave it out?")));
+            return Err(Failure::Usage(format!("--kind {kind} on a sheet: {why}. Leave it out.")));
         }
         let Some(out) = &self.out else {
             let name = self.model.model.file_stem().unwrap_or_default();
@@ -187,16 +190,16 @@ impl Render {
         match is_png || out == Path::new("-") {
             true => Ok(out.clone()),
             false => Err(Failure::Usage(format!(
-                "{}: unknown picture format (pictures are written as .png)",
+                "{}: unknown picture format: pictures are written as .png.",
                 out.display()
             ))),
         }
     }
 
-    fn wishes(&self) -> Wishes {
+    fn options(&self) -> PictureOptions {
         let choice = |yes: bool, no: bool| (yes || no).then_some(yes);
         let style = |name: &str| STYLES.iter().find(|(own, _)| *own == name);
-        Wishes {
+        PictureOptions {
             size: self.size,
             view: self.view.as_deref().and_then(|name| name.parse().ok()),
             field_of_view: self.fov,

@@ -1,6 +1,6 @@
 //! `rayweave section`: what a plane, or a stack of planes, cuts out of a model.
 
-use crate::arguments::{Cli, ModelArguments, SubjectArguments, WithinArguments, point};
+use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments, WithinArguments, point};
 use crate::failure::Failure;
 use crate::terminal::{self, Unit};
 use crate::{drawing, interrupt};
@@ -9,15 +9,15 @@ use rayweave::scene::Scene;
 use rayweave::section::{
     By, CrossSection, SectionPlane, SectionSettings, Sweep, cross_sections, section_dxf, section_svg,
 };
-use rayweave::{Error, Vec3};
+use rayweave::{AnyEvaluator, Vec3};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Cut a model by a plane, or a stack of planes: areas, contours, pictures, DXF
 ///
-/// A true cross-section: its contours keep to within a tolerance of the surfaces. The table tells the area of each medium. A .svg or
-/// .png is a picture, filled by medium, with a legend; a .dxf has closed polylines on a layer for each medium, at the height of
-/// the plane. Of a stack a picture shows all planes (at most 100), and a .dxf holds all.
+/// Contours of true cross-sections keep to the surfaces within a tolerance. The table lists the area of each medium. A .svg or
+/// .png file is a picture, filled by medium, with a legend. A .dxf file has closed polylines on a layer for each medium, at the
+/// height of the plane. Pictures of a stack show at most 100 planes; a .dxf file holds all planes.
 #[derive(Args)]
 pub struct Section {
     #[command(flatten)]
@@ -29,7 +29,7 @@ pub struct Section {
     #[command(flatten)]
     within: WithinArguments,
 
-    /// The plane: xy, xz, yz, or a place along an axis, as z=0.5
+    /// Plane: xy, xz, yz, or a position along an axis, as z=0.5
     #[arg(long, value_name = "PLANE", default_value = "xy", value_parser = plane, conflicts_with_all = ["point", "normal"])]
     plane: SectionPlane,
 
@@ -41,35 +41,35 @@ pub struct Section {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     normal: Option<[f64; 3]>,
 
-    /// A stack begins at this place along the axis of the plane, or its normal from the point
+    /// First position of a stack along the axis of the plane, or along its normal from the point
     #[arg(long, value_name = "AT", allow_hyphen_values = true, requires = "to")]
     from: Option<f64>,
 
-    /// A stack ends at this place
+    /// Last position of a stack
     #[arg(long, value_name = "AT", allow_hyphen_values = true, requires = "from")]
     to: Option<f64>,
 
-    /// The distance of the planes of a stack
+    /// Distance between the planes of a stack
     #[arg(long, value_name = "LENGTH", requires = "from", conflicts_with = "count")]
     step: Option<f64>,
 
-    /// The number of planes of a stack, from its beginning to its end [default: 10]
+    /// Number of planes of a stack [default: 10]
     #[arg(long, value_name = "N", requires = "from", value_parser = clap::value_parser!(u32).range(2..))]
     count: Option<u32>,
 
-    /// Where to write: .svg, .png, .dxf. May be repeated
+    /// Output file: .svg, .png, .dxf. May be repeated
     #[arg(short, long, value_name = "OUT")]
     out: Vec<PathBuf>,
 
-    /// How far contours may be from the truth [default: 1/10000 of the larger side of the model in the plane]
+    /// Maximum distance of contours from the surfaces [default: 1/10000 of the larger side of the model in the plane]
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<f64>,
 
-    /// Sweep the plane by so many columns at least: what is thinner than their distance may be overlooked
+    /// Sweep the plane by at least this many columns: parts thinner than their distance may be overlooked
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=65536))]
     columns: u32,
 
-    /// Keep regions apart that are of one medium
+    /// Keep regions of one medium apart
     #[arg(long)]
     by_region: bool,
 
@@ -78,24 +78,25 @@ pub struct Section {
     json: bool,
 }
 
-/// A plane as an argument says it.
+/// Plane given by arguments.
 pub fn plane(text: &str) -> Result<SectionPlane, String> {
-    text.parse().map_err(|error: Error| error.to_string())
+    text.parse::<SectionPlane>().map_err(|error| error.to_string())
 }
 
 impl Section {
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         self.out.iter().try_for_each(|path| check(path))?;
         let planes = self.planes()?;
         let scene = self.model.load()?;
         let by = if self.by_region { By::Region } else { By::Medium };
-        let sweep = Sweep { threads: cli.threads, cancel: interrupt::token()? };
+        let sweep = Sweep { threads: global.threads, cancel: interrupt::token()? };
         let (tolerance, columns, within) = (self.tolerance, self.columns, self.within.bounds());
         let settings = SectionSettings { by, tolerance, columns, within, sweep };
-        let bar = terminal::progress_bar(Some(planes.len() as u64), Unit::Percent, cli.quiet);
+        let bar = terminal::progress_bar(Some(planes.len() as u64), Unit::Percent, global.quiet);
         let mut progress = |done: usize| bar.set_position(done as u64);
-        let (solid, evaluator) = (self.subject.solid.as_deref(), self.subject.evaluator.as_deref());
-        let found = cross_sections(&scene, solid, evaluator, &planes, &settings, &mut progress);
+        let solid = self.subject.solid.as_deref();
+        let make = AnyEvaluator::maker(self.subject.evaluator.as_deref());
+        let found = cross_sections(&scene, solid, make, &planes, &settings, &mut progress);
         bar.finish_and_clear();
         let found = found?;
         self.refuse_nothing(&scene, &found)?;
@@ -127,7 +128,7 @@ impl Section {
         Ok(plane.stack(from, to, step)?)
     }
 
-    /// A plane beside the model is a mistake.
+    /// Rejects planes that miss the model.
     fn refuse_nothing(&self, scene: &Scene, found: &[CrossSection]) -> Result<(), Failure> {
         if found.iter().any(|section| !section.parts.is_empty()) {
             return Ok(());
@@ -148,7 +149,7 @@ impl Section {
                 format!("it reaches from {} to {}", corner(bounds.lo), corner(bounds.hi))
             }
         };
-        Err(Failure::Input(format!("{}: {what} {verb} the model ({reach})", self.model.name())))
+        Err(Failure::Input(format!("{}: {what} {verb} the model: {reach}.", self.model.name())))
     }
 
     fn save(&self, path: &Path, found: &[CrossSection], unit: &str) -> Result<(), Failure> {
@@ -167,7 +168,7 @@ impl Section {
         let rows = found.iter().flat_map(|section| {
             section.parts.iter().map(|part| {
                 // as many digits as the tolerance can vouch for
-                let digits = |value: f64, error: f64| rayweave::render::axis::number(value, error);
+                let digits = |value: f64, error: f64| rayweave::draw::axis::format_number(value, error);
                 let area = digits(part.area, section.tolerance * part.perimeter);
                 let perimeter = digits(part.perimeter, 1e-3 * part.perimeter);
                 vec![
@@ -217,11 +218,11 @@ fn is_dxf(path: &Path) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case("dxf"))
 }
 
-/// Whether something can be written to a file of this name, before any work is done.
+/// Whether a file of this name can be written, before any work is done.
 fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();
-        Failure::Usage(format!("{path}: unknown format (sections are written as .svg, .png or .dxf)"))
+        Failure::Usage(format!("{path}: unknown format: sections are written as .svg, .png or .dxf."))
     };
     (is_dxf(path) || drawing::is_drawing(path)).then_some(()).ok_or_else(problem)
 }

@@ -34,7 +34,7 @@ fn list() -> String {
 fn page(name: &str) -> Result<String, Failure> {
     match manual(name) {
         Some(page) => Ok(format!("# {}\n\n{}\n", page.name, page.text.trim_end())),
-        // the library knows how to complain about an unknown name
+        // the library composes the message for an unknown name
         None => {
             Err(Failure::Usage(build(name, &[]).map_or_else(|error| error.to_string(), |_| name.to_owned())))
         }

@@ -1,11 +1,11 @@
 //! `rayweave trace`: a file of rays in, a table of crossings out.
 
-use crate::arguments::{Cli, ModelArguments, SubjectArguments, time};
+use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments, time};
 use crate::failure::Failure;
 use crate::interrupt::{self, Interruptible};
 use crate::terminal::{self, Unit};
 use clap::Args;
-use rayweave::files::{TraceOptions, trace_rays};
+use rayweave::hits::{TraceOptions, trace_rays};
 use rayweave::model::Limit;
 use rayweave::model::drive::Cancel;
 use rayweave::table::{RayReader, TableError};
@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 /// Trace a file of rays and write the table of their crossings
 ///
 /// Rays are CSV with the header ox,oy,oz,dx,dy,dz, or NPY of shape (N, 6). The table has the columns ray, crossing, t, x, y,
-/// z, nx, ny, nz, enters, surface, solid, medium_before, medium_after. Both are streamed: memory does not grow with the
-/// number of rays. The table appears under its name when it is complete.
+/// z, nx, ny, nz, enters, surface, solid, medium_before, medium_after. Both files are streamed: memory does not grow with the
+/// number of rays. The output file appears when it is complete.
 #[derive(Args)]
 pub struct Trace {
     #[command(flatten)]
@@ -27,15 +27,15 @@ pub struct Trace {
     #[command(flatten)]
     subject: SubjectArguments,
 
-    /// The rays, .csv or .npy; - is CSV from standard input
+    /// Rays: .csv or .npy; - reads CSV from standard input
     #[arg(long, value_name = "RAYS")]
     rays: PathBuf,
 
-    /// The table, .csv, .npy (with the names beside it) or .parquet if built so; - is CSV to standard output
+    /// Table: .csv, .npy (with a table of names) or .parquet (if built in); - writes CSV to standard output
     #[arg(short, long, value_name = "HITS")]
     out: PathBuf,
 
-    /// Only the first crossing of each ray after --t-min, which is then 0 if it is not given
+    /// Only the first crossing of each ray after --t-min, which defaults to 0 here
     #[arg(long)]
     nearest: bool,
 
@@ -49,15 +49,15 @@ pub struct Trace {
 }
 
 impl Trace {
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let query = self.query()?;
         let scene = self.model.load()?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let cancel = interrupt::token()?;
         let rays = open(&self.rays, &cancel).map_err(|error| input_failure(error, &cancel))?;
-        let options = TraceOptions { query, threads: cli.threads, cancel: cancel.clone() };
-        let bar = terminal::progress_bar(rays.progress().total, Unit::Bytes, cli.quiet);
+        let options = TraceOptions { query, threads: global.threads, cancel: cancel.clone() };
+        let bar = terminal::progress_bar(rays.progress().total, Unit::Bytes, global.quiet);
         let traced = trace_rays(&compiled, &evaluator, rays, &self.out, &options, |progress| {
             bar.set_position(progress.done)
         });
@@ -66,7 +66,7 @@ impl Trace {
             Err(_) if cancel.is_cancelled() => return Err(Failure::Cancelled),
             traced => traced?,
         };
-        if cli.quiet || self.out == Path::new("-") {
+        if global.quiet || self.out == Path::new("-") {
             return Ok(());
         }
         let (rays, crossings) = (summary.rays, summary.crossings);

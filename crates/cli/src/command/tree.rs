@@ -12,7 +12,7 @@ const MOST_TRANSFORMS: usize = 8;
 /// One line to come: a solid and how deep it stands.
 struct Branch {
     solid: Solid,
-    /// What stands before the line's own branch.
+    /// Text before the line's own branch.
     stem: String,
     depth: usize,
     is_last: bool,
@@ -68,7 +68,7 @@ fn grow(waiting: &mut Vec<Branch>, operands: Vec<Solid>, parent: &Branch, below:
 }
 
 impl Branch {
-    /// What stands before the branch's own text, and before that of its operands.
+    /// Text before the branch itself, and before its operands.
     fn twigs(&self) -> (&'static str, &'static str) {
         match (self.depth, self.is_last) {
             (0, _) => ("", ""),
@@ -94,8 +94,8 @@ impl Head {
         };
         let mut maps = Vec::new();
         while let (Node::Transformed(map, next), true) = (inner.node(), maps.len() < MOST_TRANSFORMS) {
-            let image = Solid::vacuum().apply(*map).to_string();
-            maps.push(image.trim_start_matches("vacuum").to_owned());
+            let image = Solid::empty().apply(*map).to_string();
+            maps.push(image.trim_start_matches("empty").to_owned());
             inner = next.clone();
         }
         maps.reverse();
@@ -110,13 +110,16 @@ impl Head {
 
 /// Whether a transform may be written right behind what the node is.
 fn is_word(node: &Node) -> bool {
-    matches!(node, Node::Vacuum | Node::Plenum | Node::Primitive(_) | Node::Named(..) | Node::Transformed(..))
+    matches!(
+        node,
+        Node::Empty | Node::Universe | Node::Primitive(_) | Node::Named(..) | Node::Transformed(..)
+    )
 }
 
 /// The node itself in a word or two.
 fn what(solid: &Solid) -> String {
     match solid.node() {
-        Node::Vacuum | Node::Plenum | Node::Primitive(_) => solid.to_string(),
+        Node::Empty | Node::Universe | Node::Primitive(_) => solid.to_string(),
         Node::Complement(_) => "complement".to_owned(),
         Node::Union(all) => format!("union of {}", all.len()),
         Node::Intersection(all) => format!("intersection of {}", all.len()),
@@ -128,7 +131,7 @@ fn what(solid: &Solid) -> String {
     }
 }
 
-/// What is drawn below a node.
+/// Lines below a node.
 fn operands(solid: &Solid) -> Vec<Solid> {
     match solid.node() {
         Node::Named(..) => vec![solid.clone()],

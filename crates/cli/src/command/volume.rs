@@ -1,18 +1,21 @@
 //! `rayweave volume`: how large and how heavy the regions of a model are.
 
-use crate::arguments::{Cli, ModelArguments, SamplingArguments, SubjectArguments, WithinArguments};
+use crate::arguments::{
+    GlobalArguments, ModelArguments, SamplingArguments, SubjectArguments, WithinArguments,
+};
 use crate::failure::Failure;
 use crate::{interrupt, interval, terminal};
 use clap::Args;
+use rayweave::AnyEvaluator;
 use rayweave::measure::{Estimate, RegionReport, SceneReport, Settings, measure_scene};
 use rayweave::scene::Scene;
 use serde_json::{Value, json};
 
 /// Measure volume, mass, centre, inertia and surface area of every region, with confidence intervals
 ///
-/// By stratified rays, until the volume of each region is as precise as asked. A region is what later regions leave of it;
-/// --solid measures a solid as if it were alone. The mass, in grams, needs a density (in g/cm^3) in the table of the medium.
-/// The inertia tensor, about the centre and for density 1, is in the JSON.
+/// Uses stratified rays until the volume of each region reaches the requested precision. A region excludes the parts that later
+/// regions take; --solid measures a solid alone. The mass, in grams, needs a density (in g/cm^3) in the table of the medium. The
+/// JSON output contains the inertia tensor, about the centre and for density 1.
 #[derive(Args)]
 pub struct Volume {
     #[command(flatten)]
@@ -33,7 +36,7 @@ pub struct Volume {
 }
 
 impl Volume {
-    pub fn run(&self, cli: &Cli) -> Result<(), Failure> {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let scene = self.model.load()?;
         let settings = Settings {
             precision: self.sampling.precision,
@@ -41,12 +44,13 @@ impl Volume {
             most_rays: self.sampling.rays,
             within: self.within.bounds(),
             seed: self.sampling.seed,
-            threads: cli.threads,
+            threads: global.threads,
             cancel: interrupt::token()?,
         };
-        let (solid, evaluator) = (self.subject.solid.as_deref(), self.subject.evaluator.as_deref());
-        let bar = terminal::counter("rays", cli.quiet);
-        let report = measure_scene(&scene, solid, evaluator, &settings, &mut |rays| bar.set_position(rays));
+        let solid = self.subject.solid.as_deref();
+        let make = AnyEvaluator::maker(self.subject.evaluator.as_deref());
+        let bar = terminal::counter("rays", global.quiet);
+        let report = measure_scene(&scene, solid, make, &settings, &mut |rays| bar.set_position(rays));
         bar.finish_and_clear();
         let report = report?;
         terminal::print(&match self.json {
@@ -61,7 +65,7 @@ impl Volume {
         let [unmet, vague] = [unmet, vague].map(|some| some.into_iter().map(name).collect::<Vec<_>>());
         if !unmet.is_empty() {
             let names = unmet.join(", ");
-            terminal::note(&format!("note: {names}: no ray met anything (measure a smaller box, --within?)"));
+            terminal::note(&format!("note: {names}: no ray met anything: measure a smaller box, --within?"));
         }
         if !vague.is_empty() {
             let (names, most) = (vague.join(", "), self.sampling.rays);

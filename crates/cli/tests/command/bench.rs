@@ -62,7 +62,7 @@ pub struct Bench {
     folder: PathBuf,
 }
 
-/// How a run ended.
+/// Outcome of a run.
 pub struct Done {
     pub code: i32,
     pub out: String,

@@ -56,7 +56,7 @@ fn trouble_is_2() {
     let bench = Bench::new();
     assert!(bench.fails(2, &["diff", "ball.toml", "none.toml"]).contains("none.toml"));
     bench.write("broken.toml", "rayweave = 1\n[solid.a]\nspere = {}");
-    assert!(bench.fails(2, &["diff", "broken.toml", "ball.toml"]).contains("did you mean `sphere`?"));
+    assert!(bench.fails(2, &["diff", "broken.toml", "ball.toml"]).contains("Did you mean `sphere`?"));
     assert!(
         bench
             .fails(2, &["diff", "ball.toml", "ball.toml", "--distance", "nan"])
@@ -65,6 +65,6 @@ fn trouble_is_2() {
     assert!(bench.fails(2, &["diff", "ball.toml", "ball.toml", "-o", "d.pdf"]).contains("d.pdf"));
     bench.write("floor.toml", "rayweave = 1\n[solid.f]\nhalf_space = { normal = [0, 0, 1], offset = 0 }");
     let failed = bench.fails(2, &["diff", "floor.toml", "ball.toml"]);
-    assert!(failed.contains("compare them within a box?"), "{failed}");
+    assert!(failed.contains("Compare them within a box."), "{failed}");
     bench.fails(2, &["diff", "ball.toml"]);
 }

@@ -166,9 +166,9 @@ fn settings_that_make_no_sense() {
         let message = fails(2, &["--spacing", "1", "--layer-height", bad]);
         assert!(message.starts_with("error: the layer height is "), "{message}");
     }
-    assert!(fails(2, &["--spacing", "1e-9", "--z", "1"]).contains("8.000e9 scan lines (at most 10000000"));
+    assert!(fails(2, &["--spacing", "1e-9", "--z", "1"]).contains("8.000e9 scan lines: at most 10000000"));
     assert!(
-        fails(2, &["--spacing", "1", "--layer-height", "1e-9"]).contains("2.000e9 layers (at most 1000000")
+        fails(2, &["--spacing", "1", "--layer-height", "1e-9"]).contains("2.000e9 layers: at most 1000000")
     );
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--phase", "2"]).contains("from 0 to 1"));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--angle", "inf"]).contains("the angle is inf"));
@@ -176,7 +176,7 @@ fn settings_that_make_no_sense() {
     assert!(fails(2, &["--spacing", "1", "--z", "1,nan"]).contains("height 1 of the layers is NaN"));
     assert!(fails(2, &["--spacing", "wide", "--z", "1"]).contains("`wide` is not a number"));
     assert!(fails(2, &["--z", "1"]).contains("--spacing"));
-    assert!(fails(2, &["--spacing", "1"]).contains("give --layer-height, or --z?"));
+    assert!(fails(2, &["--spacing", "1"]).contains("Give --layer-height, or --z."));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--layer-height", "1"]).contains("cannot be used with"));
 }
 
@@ -192,11 +192,11 @@ fn solids_that_cannot_be_filled() {
     let z = ["--z", "0.5"];
     assert_eq!(
         fails(3, "wall", &z),
-        "error: wall is unbounded in y (scan lines would never end) intersect it with a box?\n"
+        "error: wall is unbounded in y: scan lines would never end. Intersect it with a box.\n"
     );
     assert!(fails(3, "bar", &["--layer-height", "1"]).contains("bar is unbounded in z"));
-    assert!(fails(3, "none", &z).contains("none is empty (there is nothing to fill)"));
-    assert!(fails(2, "plat", &z).contains("did you mean `plate`?"));
+    assert!(fails(3, "none", &z).contains("none is empty: there is nothing to fill"));
+    assert!(fails(2, "plat", &z).contains("Did you mean `plate`?"));
     assert!(
         bench
             .fails(3, &["infill", "no.toml", "--spacing", "1", "--z", "1"])
@@ -219,7 +219,7 @@ fn regions_that_cannot_be_filled() {
     let message = fails(3, "contour,x,y\na,0,0\na,1,nan\na,1,b\n", &[]);
     assert_eq!(
         message,
-        "error: bad.csv:3: y is NaN (coordinates are finite)\nbad.csv:4: y is `b` (not a number)\n"
+        "error: bad.csv:3: y is NaN: coordinates are finite.\nbad.csv:4: y is `b`: not a number.\n"
     );
     let crossing = "contour,x,y\na,0,0\na,4,0\na,0,4\na,4,4\n";
     let message = fails(3, crossing, &[]);
@@ -228,7 +228,7 @@ fn regions_that_cannot_be_filled() {
         "{message}"
     );
     let backwards = "contour,x,y\na,0,0\na,0,4\na,4,0\n";
-    assert!(fails(3, backwards, &[]).contains("bad.csv:2: contour 0 goes around clockwise"));
+    assert!(fails(3, backwards, &[]).contains("bad.csv:2: contour 0 is clockwise"));
     assert!(fails(3, "contour,x,y\na,0,0\na,1,0\n", &[]).contains("the region is empty"));
     assert!(fails(3, "", &[]).contains("the file is empty"));
     assert!(bench.fails(3, &["infill", "no.csv", "--spacing", "1"]).contains("cannot read no.csv"));
@@ -236,7 +236,7 @@ fn regions_that_cannot_be_filled() {
         [("--z", "1"), ("--layer-height", "1"), ("--solid", "a"), ("--evaluator", "weave"), ("-D", "a=1")]
     {
         let message = fails(2, REGION, &[option, value]);
-        assert!(message.contains("is given for bad.csv (a region of the plane is one layer"), "{message}");
+        assert!(message.contains("is given for bad.csv: a region of the plane is one layer"), "{message}");
     }
 }
 
@@ -246,7 +246,7 @@ fn tables_and_pictures_that_cannot_be_written() {
     let fails = |code, options: &[&str]| {
         bench.fails(code, &[&["infill", "region.csv", "--spacing", "1"], options].concat())
     };
-    assert!(fails(2, &["-o", "t.txt"]).contains("unknown table format"));
+    assert!(fails(2, &["-o", "t.txt"]).contains("the table format is unknown"));
     assert!(fails(1, &["-o", "nowhere/t.csv"]).contains("the folder nowhere does not exist"));
     assert!(fails(1, &["--svg", "nowhere/t.svg"]).contains("the folder nowhere does not exist"));
 }

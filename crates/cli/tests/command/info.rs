@@ -120,7 +120,7 @@ fn how_a_model_is_prepared() {
         "leaves  2 of 5 are asked",
         "bounds  (-20, -10, -5) to (62, 10, 32) of all leaves",
         "        (-20, -10, -1) to (20, 10, 1) of what they are joined to",
-        "  hole_b/hole: it lies outside plate (A - B with disjoint bounds)",
+        "  hole_b/hole: it lies outside plate: A - B with disjoint bounds.",
         "  bolt: it is nowhere, as the bounds of lid and bolt/hole are disjoint",
     ] {
         assert!(text.lines().any(|found| found == line), "{line}\n{text}");
@@ -137,7 +137,7 @@ fn how_a_model_is_prepared_in_numbers() {
     let facts = bench.json(&["info", "plate.toml", "--explain", "--json"]);
     let model = &facts["preparation"][0];
     assert_eq!(model["unasked_leaves"], json!(["hole_b/hole", "lid", "bolt/hole"]));
-    assert_eq!(model["removed"][0]["replaced_by"], "plenum");
+    assert_eq!(model["removed"][0]["replaced_by"], "universe");
     let passes = model["passes"].as_array().unwrap();
     let names: Vec<_> = passes.iter().map(|pass| pass["pass"].as_str().unwrap()).collect();
     assert_eq!(names, ["positive", "flatten", "fold", "share", "prune"]);

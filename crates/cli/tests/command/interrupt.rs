@@ -29,7 +29,7 @@ fn wait_until(ready: impl Fn() -> bool) {
 }
 
 fn assert_cancelled(bench: &Bench, done: Done) {
-    assert_eq!((done.code, done.err.as_str()), (130, "error: cancelled (unfinished files are removed)\n"));
+    assert_eq!((done.code, done.err.as_str()), (130, "error: cancelled: unfinished files are removed.\n"));
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
 }
 

@@ -117,7 +117,10 @@ fn drawings_of_what_is_asked_for() {
     assert!(drawn("x=3").contains("section x = 3") && drawn("zx").contains("section y = 0"));
     assert!(bench.fails(2, &["optics", "plate.toml", "--layout", "a.pdf"]).contains(".svg or .png"));
     let unknown = bench.fails(2, &["optics", "plate.toml", "--spot", "a.svg", "--detector", "scren"]);
-    assert!(unknown.contains("no sheet is called `scren` (there is lens, screen)"), "{unknown}");
+    assert!(
+        unknown.contains("no sheet is called `scren`: the names are lens, screen. Did you mean `screen`?"),
+        "{unknown}"
+    );
     assert!(bench.fails(2, &["optics", "plate.toml", "--layout", "a.svg", "--plane", "q"]).contains("x=2.5"));
     let sheets = PLATE.find("[[optics.sheet]]").unwrap()..PLATE.find("[[optics.source]]").unwrap();
     let bare = PLATE.replace(&PLATE[sheets], "");
@@ -240,11 +243,11 @@ fn what_can_be_wrong() {
     let unknown = "unknown key `wavelenth_nm` in `optics.source`";
     fails(&PLATE.replace("wavelength_nm", "wavelenth_nm"), unknown, "bad.toml:31:1");
     let dark = &PLATE[..PLATE.find("[[optics.source]]").unwrap()];
-    fails(dark, "the model has no [[optics.source]] (without one there is no light)", "bad.toml");
+    fails(dark, "the model has no [[optics.source]]: without one there is no light.", "bad.toml");
     let glass = PLATE.replace("[[optics.source]]", "[optics.medium]\nplate = \"N-BK7\"\n[[optics.source]]");
     fails(
         &glass.replace("550", "5500"),
-        "the source shines at 5500 nm (the index of `N-BK7` is known from",
+        "the source emits at 5500 nm: the index of `N-BK7` is known from",
         ":33:17",
     );
     let twice = bench.fails(2, &["optics", "plate.toml", "--layout", "-", "--out", "-"]);
@@ -252,7 +255,9 @@ fn what_can_be_wrong() {
     let usage = bench.fails(2, &["optics", "plate.toml", "--json", "--out", "-"]);
     assert!(usage.contains("give the others files?"), "{usage}");
     assert!(bench.fails(2, &["optics", "plate.toml", "--branches", "none"]).contains("ideal"));
-    assert!(bench.fails(2, &["optics", "plate.toml", "-o", "table.txt"]).contains("unknown table format"));
+    assert!(
+        bench.fails(2, &["optics", "plate.toml", "-o", "table.txt"]).contains("the table format is unknown")
+    );
 }
 
 /// The model of the guide runs, says what the page says, and its quarter-wave films do what the closed form promises.

@@ -1,9 +1,8 @@
-//! What the command says about itself: help, shapes, schema, manual pages, completions.
+//! Help, shapes, schema, manual pages, completions.
 
 use crate::bench::Bench;
 
-const COMMANDS: [&str; 18] = [
-    "bench",
+const COMMANDS: [&str; 17] = [
     "render",
     "probe",
     "trace",
@@ -27,7 +26,9 @@ const COMMANDS: [&str; 18] = [
 fn help_and_version() {
     let bench = Bench::new();
     let help = bench.says(&["--help"]);
-    for command in COMMANDS {
+    // a feature that is off by default
+    let bench_command = cfg!(feature = "bench").then_some("bench");
+    for command in COMMANDS.into_iter().chain(bench_command) {
         assert!(help.contains(&format!("\n  {command} ")), "{command}: {help}");
         let own = bench.says(&[command, "--help"]);
         assert!(own.contains(&format!("Usage: rayweave {command}")), "{own}");
@@ -49,7 +50,7 @@ fn every_shape_has_a_page() {
         assert!(page.starts_with(&format!("# {name}\n")) && page.contains("| parameter |"), "{page}");
     }
     let message = bench.fails(2, &["shapes", "torrus"]);
-    assert!(message.contains("did you mean `torus`?"), "{message}");
+    assert!(message.contains("Did you mean `torus`?"), "{message}");
 }
 
 #[test]

@@ -163,7 +163,7 @@ fn wrong_views() {
     let fails = |options: &[&str]| bench.fails(2, &[&["render", "ball.toml"], options].concat());
     assert!(fails(&["--cut", "x"]).contains("neither < nor >"));
     assert!(fails(&["--explode", "up"]).contains("as in z:0.2"));
-    assert!(fails(&["--opacity", "glas=0.3"]).contains("did you mean `glass`?"));
+    assert!(fails(&["--opacity", "glas=0.3"]).contains("Did you mean `glass`?"));
     assert!(fails(&["--opacity", "glass=3"]).contains("from 0 to 1"));
     assert!(fails(&["--view", "sheet", "--kind", "depth"]).contains("are in colour"));
     assert!(fails(&["--view", "sheet", "--size", "40x40"]).contains("leave no room"));
@@ -172,7 +172,7 @@ fn wrong_views() {
 }
 
 #[test]
-fn wrong_wishes() {
+fn wrong_options() {
     let bench = Bench::new();
     let fails = |code, options: &[&str]| bench.fails(code, &[&["render", "ball.toml"], options].concat());
     assert!(fails(2, &["--size", "0x0"]).contains("0 x 0 pixels"));
@@ -180,7 +180,7 @@ fn wrong_wishes() {
     assert!(fails(2, &["--view", "above"]).contains("front, back, left, right, top, bottom, iso, sheet"));
     assert!(fails(2, &["--samples", "0"]).contains("1..=16"));
     assert!(fails(2, &["--fov", "180"]).contains("the field of view is 180 degrees"));
-    assert!(fails(2, &["--solid", "bell"]).contains("did you mean `ball`?"));
+    assert!(fails(2, &["--solid", "bell"]).contains("Did you mean `ball`?"));
     assert!(fails(2, &["-o", "out.gif"]).contains("pictures are written as .png"));
     assert!(fails(1, &["-o", "nowhere/out.png"]).contains("the folder nowhere does not exist"));
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);

@@ -56,7 +56,7 @@ fn pictures() {
     let bench = bench();
     let said = bench.says(&[&["thickness", "tank.toml", "-o", "t.png"], &VIEW[..]].concat());
     assert!(said.starts_with("t.png: white is where all comes through, 5 % where most is lost"), "{said}");
-    assert!(said.ends_with("(no medium has an attenuation: they weaken alike)\n"), "{said}");
+    assert!(said.ends_with("no medium has an attenuation: they weaken alike.\n"), "{said}");
     let said =
         bench.says(&[&["thickness", "tank.toml", "-o", "s.png", "--medium", "steel"], &VIEW[..]].concat());
     assert_eq!(said, "s.png: white is 4 cm of steel\n");
@@ -70,9 +70,9 @@ fn pictures() {
 fn refusals() {
     let bench = bench();
     let failed = bench.fails(2, &["thickness", "tank.toml", "-o", "t.png", "--medium", "steal"]);
-    assert!(failed.contains("did you mean `steel`?"), "{failed}");
+    assert!(failed.contains("Did you mean `steel`?"), "{failed}");
     let failed = bench.fails(2, &["thickness", "tank.toml", "-o", "t.csv", "--medium", "steel"]);
-    assert!(failed.contains("write a .png?"), "{failed}");
+    assert!(failed.contains("Write a .png."), "{failed}");
     bench.fails(2, &["thickness", "tank.toml", "-o", "t.jpg"]);
     assert!(!bench.files().iter().any(|name| name.starts_with("t.")), "{:?}", bench.files());
 }

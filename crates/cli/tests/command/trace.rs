@@ -87,7 +87,7 @@ fn nearest_and_windows() {
         .fails(2, &["trace", "ball.toml", "--rays", "rays.csv", "-o", "-", "--t-min", "2", "--t-max", "1"]);
     assert_eq!(
         message,
-        "error: the window is empty or reversed (t_min must be less than t_max) are its ends swapped?\n"
+        "error: the window is empty or reversed: t_min must be less than t_max. Are its ends swapped?\n"
     );
 }
 
@@ -153,8 +153,8 @@ fn bad_rays_are_named() {
     };
     let all = message(&format!("{RAYS}0,0,0,1,0,0\n0,nan,0,1,0,0\n0,0,0,0,0,-0\n0,0,0,1,x,0\n"));
     let lines: Vec<&str> = all.lines().collect();
-    assert_eq!(lines[0], "error: rays.csv:3: oy is NaN (a ray is six finite numbers)");
-    assert_eq!(lines[1], "rays.csv:4: dx, dy and dz are all 0 (a direction is a vector that is not zero)");
+    assert_eq!(lines[0], "error: rays.csv:3: oy is NaN: a ray is six finite numbers.");
+    assert_eq!(lines[1], "rays.csv:4: dx, dy and dz are all 0: a direction must be a nonzero vector.");
     assert!(lines[2].starts_with("rays.csv:5: dy"), "{all}");
     assert!(message("").starts_with("error: rays.csv: "), "{}", message(""));
     assert!(message("a,b\n1,2\n").contains("ox"), "{}", message("a,b\n1,2\n"));
@@ -177,15 +177,15 @@ fn files_that_cannot_be_opened() {
         |code, rays: &str, out: &str| bench.fails(code, &["trace", "ball.toml", "--rays", rays, "-o", out]);
     assert_eq!(
         fails(3, "none.csv", "hits.csv"),
-        "error: cannot read none.csv (there is no such file or folder)\n"
+        "error: cannot read none.csv: there is no such file or folder.\n"
     );
     std::fs::create_dir(bench.path("folder.csv")).unwrap();
     assert!(fails(3, "folder.csv", "hits.csv").contains("it is a folder"));
-    assert!(fails(2, "rays.txt", "hits.csv").contains("unknown format of rays"));
-    assert!(fails(2, "rays.csv", "hits.txt").contains("unknown table format"));
+    assert!(fails(2, "rays.txt", "hits.csv").contains("the ray file format is unknown"));
+    assert!(fails(2, "rays.csv", "hits.txt").contains("the table format is unknown"));
     assert_eq!(
         fails(1, "rays.csv", "nowhere/hits.csv"),
-        "error: cannot create nowhere/hits.csv (the folder nowhere does not exist; create it first)\n"
+        "error: cannot create nowhere/hits.csv: the folder nowhere does not exist. Create it first.\n"
     );
     assert!(fails(1, "rays.csv", "folder.csv").contains("it is a folder"));
 }

@@ -18,7 +18,7 @@ fn models_that_cannot_be_read() {
     let bench = Bench::new();
     let missing = bench.fails(3, &["info", "no-such-model.toml"]);
     assert!(
-        missing.starts_with("error: the model file cannot be read (there is no such file)\n"),
+        missing.starts_with("error: the model file cannot be read: there is no such file.\n"),
         "{missing}"
     );
     assert!(missing.contains("no-such-model.toml"), "{missing}");

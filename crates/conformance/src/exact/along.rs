@@ -6,7 +6,7 @@ use rayweave_math::{Affine, UNIT_ROUNDOFF};
 use rayweave_model::Ball;
 use rayweave_shape::Ray;
 
-/// The direction along which rays that lie in a surface are moved in thought.
+/// The direction along which rays that lie in a surface are perturbed.
 const W: [f64; 3] = [1.0, 0.7548776662466927, 0.5698402909980532];
 
 /// Pieces of a depth between one over this and this times the tolerance may be welded or not.
@@ -68,7 +68,7 @@ fn polynomial([a, b, c]: &[Dyadic; 3], t: &Dyadic) -> Dyadic {
 
 pub(super) fn delta(surface: &Surface, line: &Line, t: f64) -> f64 {
     let (o, d) = (line.ray.origin.length(), line.ray.direction.length());
-    64.0 * UNIT_ROUNDOFF * (o + t.abs() * d + surface.reach)
+    64.0 * UNIT_ROUNDOFF * (o + t.abs() * d + surface.magnitude)
 }
 
 /// The distance of the point at a time from a surface, to first order.
@@ -114,7 +114,7 @@ impl Along {
             return Ok(false);
         }
         let (a, b) = (middle - half, middle + half);
-        let length = (line.ray.origin.length() + surface.reach) / line.ray.direction.length();
+        let length = (line.ray.origin.length() + surface.magnitude) / line.ray.direction.length();
         let start = 0.0f64.clamp(a, b);
         let times = [a, b, start, (start - length).max(a), (start + length).min(b)];
         match times.into_iter().map(depth).fold(inner, f64::max) {

@@ -156,7 +156,7 @@ impl<'a> Work<'a> {
         let mut run: Vec<usize> = Vec::new();
         for change in (0..self.moments.len()).filter(|&k| self.is_change(k)) {
             if let Some(&last) = run.last()
-                && !self.hug(last, change)?
+                && !self.coincide(last, change)?
             {
                 crossings.extend(self.crossing(&run)?);
                 run.clear();
@@ -172,7 +172,7 @@ impl<'a> Work<'a> {
     fn beside(&self, k: usize, order: impl Iterator<Item = usize>) -> Result<usize, Doubt> {
         let mut last = k;
         for next in order.filter(|&k| self.moments[k].regions.0 != self.moments[k].regions.1) {
-            if self.is_change(next) || !self.hug(last.min(next), last.max(next))? {
+            if self.is_change(next) || !self.coincide(last.min(next), last.max(next))? {
                 break;
             }
             last = next;
@@ -195,7 +195,7 @@ impl<'a> Work<'a> {
     fn balanced_beside(&self, k: usize, order: impl Iterator<Item = usize>) -> Result<Vec<usize>, Doubt> {
         let mut found = Vec::new();
         for next in order.take_while(|&next| !self.is_change(next)).filter(|&next| self.is_balanced(next)) {
-            if !self.hug(k.min(next), k.max(next))? {
+            if !self.coincide(k.min(next), k.max(next))? {
                 break;
             }
             found.push(next);
@@ -204,7 +204,7 @@ impl<'a> Work<'a> {
     }
 
     /// True if the piece between two moments lies within the tolerance of the surfaces at both its ends.
-    fn hug(&self, i: usize, j: usize) -> Result<bool, Doubt> {
+    fn coincide(&self, i: usize, j: usize) -> Result<bool, Doubt> {
         let (a, b) = (&self.moments[i], &self.moments[j]);
         let times = self.samples(&a.root, &b.root);
         let deepest = |s: &usize| {

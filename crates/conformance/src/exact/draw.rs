@@ -68,8 +68,8 @@ fn tree(rng: &mut Random, leaves: usize) -> Tree {
 fn many(rng: &mut Random, a: Tree, b: Tree) -> Tree {
     let mut all = vec![a, b];
     match rng.below(4) {
-        0 => all.push(Tree::Vacuum),
-        1 => all.push(Tree::Plenum),
+        0 => all.push(Tree::Empty),
+        1 => all.push(Tree::Universe),
         2 => all.push(all[0].clone()),
         _ => all.push(placed_shape(rng)),
     }
@@ -282,8 +282,8 @@ pub fn ray(rng: &mut Random) -> Ray {
         14 => {
             direction[rng.below(3)] = 1.0;
             let axis = rng.below(3);
-            let aside = libm::ldexp(1.0, -(6 + rng.below(45) as i32));
-            return Ray::new(point + Vec3::AXES[axis] * aside, direction);
+            let perturbation = libm::ldexp(1.0, -(6 + rng.below(45) as i32));
+            return Ray::new(point + Vec3::AXES[axis] * perturbation, direction);
         }
         _ => {
             direction =

@@ -88,8 +88,8 @@ impl Exact {
 
     fn node(&mut self, tree: &Tree, place: &Place) -> Node {
         match tree {
-            Tree::Vacuum => Node::Constant(false),
-            Tree::Plenum => Node::Constant(true),
+            Tree::Empty => Node::Constant(false),
+            Tree::Universe => Node::Constant(true),
             Tree::Leaf(shape) => self.leaf(shape, place),
             Tree::Not(a) => Node::Not(Box::new(self.node(a, place))),
             Tree::Any(trees) => Node::Any(self.nodes(trees, place)),
@@ -121,7 +121,7 @@ impl Exact {
                 let matrix = carried(&facet.matrix, &place.local_from_world);
                 let anchor = place.world_from_local.point(facet.anchor);
                 let mut surface = Surface::new(matrix, anchor.length() + shortest * facet.size);
-                surface.reach = surface.distance().unwrap_or(surface.reach) + place.way;
+                surface.magnitude = surface.distance().unwrap_or(surface.magnitude) + place.way;
                 (self.surface(surface), facet.inside)
             })
             .collect();
@@ -136,7 +136,7 @@ impl Exact {
             self.surfaces.push(surface.clone());
             self.surfaces.len() - 1
         });
-        self.surfaces[k].reach = self.surfaces[k].reach.max(surface.reach);
+        self.surfaces[k].magnitude = self.surfaces[k].magnitude.max(surface.magnitude);
         k
     }
 }

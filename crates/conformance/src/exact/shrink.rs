@@ -37,7 +37,7 @@ fn smaller(tree: &Tree) -> Vec<Tree> {
         all
     };
     match tree {
-        Tree::Vacuum | Tree::Plenum | Tree::Leaf(_) => {}
+        Tree::Empty | Tree::Universe | Tree::Leaf(_) => {}
         Tree::Not(a) => all.extend(within(&|a| a.complement(), a)),
         Tree::Moved(map, a) => all.extend(within(&|a| a.moved(*map), a)),
         Tree::Placed(maps, a) => {

@@ -49,7 +49,7 @@ fn subject(parts: &[Part], frame: Affine, makers: &[Maker]) -> Result<Subject, S
     let numbered = compiled.prototypes().len() == 1;
     let mut exact = Exact::new(parts);
     // tolerances are those of where the engine's model stands
-    exact.surfaces.iter_mut().for_each(|s| s.reach += 2.0 * frame.translation.length());
+    exact.surfaces.iter_mut().for_each(|s| s.magnitude += 2.0 * frame.translation.length());
     let compiled = Arc::new(compiled);
     let evaluators = makers.iter().map(|make| make(compiled.clone())).collect();
     Ok(Subject { parts: parts.to_vec(), exact, evaluators, balls, frame, numbered })

@@ -12,7 +12,7 @@ pub struct Surface {
     rounded: [[f64; 4]; 4],
     /// Its size and distance from the origin plus the lengths of all translations on the way: what the
     /// tolerance counts.
-    pub reach: f64,
+    pub magnitude: f64,
 }
 
 /// A ray, taken as exactly the numbers that it consists of.
@@ -42,9 +42,9 @@ impl Line {
 
 impl Surface {
     /// From the matrix of the equation.
-    pub fn new(matrix: Matrix, reach: f64) -> Surface {
+    pub fn new(matrix: Matrix, magnitude: f64) -> Surface {
         let rounded = std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j].to_f64()));
-        Surface { matrix, rounded, reach }
+        Surface { matrix, rounded, magnitude }
     }
 
     /// True if both are the same surface, on whichever side the insides lie.

@@ -8,9 +8,9 @@ use rayweave_model::{Region, Solid};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tree {
     /// Nothing.
-    Vacuum,
+    Empty,
     /// All of space.
-    Plenum,
+    Universe,
     /// A shape.
     Leaf(Shape),
     /// The complement.
@@ -60,8 +60,8 @@ impl Tree {
     pub fn solid(&self) -> Solid {
         let all = |trees: &[Tree]| trees.iter().map(Tree::solid).collect::<Vec<_>>();
         match self {
-            Tree::Vacuum => Solid::vacuum(),
-            Tree::Plenum => Solid::plenum(),
+            Tree::Empty => Solid::empty(),
+            Tree::Universe => Solid::universe(),
             Tree::Leaf(shape) => shape.solid(),
             Tree::Not(a) => !a.solid(),
             Tree::Any(trees) => match &trees[..] {
@@ -85,7 +85,7 @@ impl Tree {
     /// The trees of which this one is made.
     pub fn operands(&self) -> Vec<&Tree> {
         match self {
-            Tree::Vacuum | Tree::Plenum | Tree::Leaf(_) => Vec::new(),
+            Tree::Empty | Tree::Universe | Tree::Leaf(_) => Vec::new(),
             Tree::Not(a) | Tree::Moved(_, a) | Tree::Placed(_, a) => vec![a],
             Tree::Any(trees) | Tree::All(trees) | Tree::Odd(trees) => trees.iter().collect(),
             Tree::Minus(a, b) => vec![a, b],

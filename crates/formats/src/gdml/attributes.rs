@@ -1,24 +1,26 @@
-//! Numbers from attributes: expressions times units, all problems told.
+//! Attribute values: expressions times units. All problems of a file are collected.
 
+use super::context::Context;
 use super::expression::{Fault, Names};
+use super::trouble::Place;
+use super::trouble::Trouble;
 use super::units::{self, Quantity};
-use super::xml::{Attribute, Element, Place};
-use super::{Context, Trouble};
+use super::xml::{Attribute, Element};
 use rayweave_math::Vec3;
 use rayweave_scene::Span;
 use rayweave_shape::primitive::ShapeError;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Elements that the loops of a file may stand for.
+/// Most elements that the loops of a file may generate.
 const MOST_STEPS: usize = 500_000;
 
-/// Why something could not be made.
+/// The reason why an element could not be read.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Failure {
-    /// What is wrong has been told.
+    /// The problem was reported already.
     Told,
-    /// It is legal, but not possible here; the reason.
+    /// Valid but unsupported; holds the reason.
     Refused(String),
 }
 
@@ -28,17 +30,17 @@ impl From<ShapeError> for Failure {
     }
 }
 
-/// A refusal for a reason.
+/// A refusal with a reason.
 pub(super) fn refused<T>(reason: impl Into<String>) -> Result<T, Failure> {
     Err(Failure::Refused(reason.into()))
 }
 
-/// The numbers that a file has given names to, and the problems met so far.
+/// Named values of a file, and the problems found so far.
 pub(super) struct Numbers<'c> {
     pub context: &'c mut Context,
     pub names: Names,
     pub positions: BTreeMap<String, Vec3>,
-    /// Angles about x, y and z, in degrees.
+    /// Rotations: angles about x, y and z, in degrees.
     pub rotations: BTreeMap<String, Vec3>,
     pub scales: BTreeMap<String, Vec3>,
     steps: usize,
@@ -56,31 +58,31 @@ impl<'c> Numbers<'c> {
         }
     }
 
-    /// Tells a problem.
+    /// Reports a problem.
     pub fn tell(&mut self, trouble: Trouble) -> Failure {
         self.context.error(trouble);
         Failure::Told
     }
 
-    /// An attribute that must be there.
+    /// A required attribute.
     pub fn need<'e>(&mut self, element: &'e Element, name: &str) -> Result<&'e Attribute, Failure> {
         element.attribute(name).ok_or_else(|| {
             let known = element.attributes.iter().map(|attribute| attribute.name.as_str());
             let unlike = |known: &&str| !["name", "lunit", "aunit"].contains(known);
-            let message = format!("`{}` has no attribute `{name}` (it is needed)", element.name);
-            let near = rayweave_scene::nearest(name, known.filter(unlike));
+            let message = format!("`{}` has no attribute `{name}`: it is needed.", element.name);
+            let near = rayweave_error::did_you_mean(name, known.filter(unlike));
             let slip = near.map(|near| format!(" is `{near}` meant for it?")).unwrap_or_default();
             self.tell(Trouble::new(message + &slip, element.place))
         })
     }
 
-    /// The name of an element, numbers in brackets replaced.
+    /// Name of an element, with bracketed expressions replaced by their values.
     pub fn name(&mut self, element: &Element) -> Result<String, Failure> {
         let attribute = self.need(element, "name")?;
         self.expanded(attribute)
     }
 
-    /// The name that an attribute refers to.
+    /// The name in a reference attribute.
     pub fn reference(&mut self, element: &Element, attribute: &str) -> Result<(String, Place), Failure> {
         let attribute = self.need(element, attribute)?;
         Ok((self.expanded(attribute)?, attribute.place))
@@ -93,10 +95,10 @@ impl<'c> Numbers<'c> {
         self.names.expand(&attribute.value).map_err(|fault| self.fault(fault, attribute))
     }
 
-    /// The value of an attribute.
+    /// Value of an attribute.
     pub fn value(&mut self, attribute: &Attribute) -> Result<f64, Failure> {
         match attribute.value.trim().parse::<f64>() {
-            // most are plain numbers; `inf` and `nan` are names
+            // fast path: most values are plain numbers; `inf` and `nan` would be names
             Ok(value) if value.is_finite() => Ok(value),
             _ => self.names.evaluate(&attribute.value).map_err(|fault| self.fault(fault, attribute)),
         }
@@ -116,18 +118,18 @@ impl<'c> Numbers<'c> {
         self.tell(trouble)
     }
 
-    /// A number that must be there.
+    /// A required number.
     pub fn number(&mut self, element: &Element, name: &str) -> Result<f64, Failure> {
         let attribute = self.need(element, name)?;
         self.value(attribute)
     }
 
-    /// A number, or another if it is not given.
+    /// An optional number with a default.
     pub fn number_or(&mut self, element: &Element, name: &str, default: f64) -> Result<f64, Failure> {
         element.attribute(name).map_or(Ok(default), |attribute| self.value(attribute))
     }
 
-    /// A whole number within a range.
+    /// An integer within a range.
     pub fn whole(&mut self, element: &Element, name: &str, least: i64, most: i64) -> Result<i64, Failure> {
         let attribute = self.need(element, name)?;
         let value = self.value(attribute)?;
@@ -135,13 +137,13 @@ impl<'c> Numbers<'c> {
             true => Ok(value as i64),
             false => {
                 let message =
-                    format!("`{name}` is {value} (it must be a whole number from {least} to {most})");
+                    format!("`{name}` is {value}: it must be a whole number from {least} to {most}.");
                 Err(self.tell(Trouble::new(message, attribute.place)))
             }
         }
     }
 
-    /// The factor of a unit, which may be an expression of units.
+    /// Factor of a unit, which may be an expression of units.
     pub fn unit(
         &mut self,
         element: &Element,
@@ -171,12 +173,12 @@ impl<'c> Numbers<'c> {
         })
     }
 
-    /// The factor of `lunit`.
+    /// Factor of `lunit`.
     pub fn length_unit(&mut self, element: &Element) -> Result<f64, Failure> {
         self.unit(element, "lunit", Quantity::Length, 1.0)
     }
 
-    /// Lengths that must be there, in millimetres.
+    /// Required lengths, in millimetres.
     pub fn lengths<const N: usize>(
         &mut self,
         element: &Element,
@@ -187,7 +189,7 @@ impl<'c> Numbers<'c> {
         scaled(values, unit?)
     }
 
-    /// Lengths that are 0 if they are not given.
+    /// Optional lengths, 0 by default, in millimetres.
     pub fn lengths_or_zero<const N: usize>(
         &mut self,
         element: &Element,
@@ -208,13 +210,13 @@ impl<'c> Numbers<'c> {
         let unit = unit?;
         if unit == 1.0 && value.abs() > 4.0 * PI {
             let message =
-                format!("`{name}` is {value} radians (more than two turns) is `aunit=\"deg\"` missing?");
+                format!("`{name}` is {value} radians: more than two turns. Is `aunit=\"deg\"` missing?");
             self.context.warn(Trouble::new(message, attribute.place));
         }
         Ok(degrees(value, unit))
     }
 
-    /// Angles in degrees that are 0 if they are not given.
+    /// Optional angles, 0 by default, in degrees.
     pub fn angles<const N: usize>(
         &mut self,
         element: &Element,
@@ -224,12 +226,12 @@ impl<'c> Numbers<'c> {
         scaled(values, 1.0)
     }
 
-    /// Does something for each child; those of a `<loop>` for each step of it.
+    /// Visits each child; those of a `<loop>` once per iteration.
     pub fn each(&mut self, parent: &Element, visit: &mut dyn FnMut(&mut Self, &Element)) {
         for child in &parent.children {
             match child.name.as_str() {
                 "loop" => {
-                    // what is wrong with it has been told
+                    // problems are reported inside
                     let _ = self.repeat(child, visit);
                 }
                 _ => visit(self, child),
@@ -254,7 +256,7 @@ impl<'c> Numbers<'c> {
         let step = self.number_or(element, "step", 1.0)?;
         if step <= 0.0 && from <= to {
             return Err(self.tell(Trouble::new(
-                "the step of the loop is not greater than 0 (it would not end)",
+                "the step of the loop is not greater than 0: it would not end.",
                 element.place,
             )));
         }
@@ -283,7 +285,8 @@ fn scaled<const N: usize>(values: [Result<f64, Failure>; N], unit: f64) -> Resul
     Ok(all)
 }
 
-/// An angle in degrees. What was a short decimal before it went through radians is that again, so that right angles are exact.
+/// An angle in degrees. Angles that were short decimals in degrees before a conversion to radians are restored, so that
+/// right angles are exact.
 pub(super) fn degrees(value: f64, unit: f64) -> f64 {
     let is_degrees = units::value("deg") == Some(unit);
     let degrees = if is_degrees { value } else { value * unit * (180.0 / PI) };

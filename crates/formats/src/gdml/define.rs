@@ -1,17 +1,18 @@
-//! `<define>`: names for numbers, vectors and matrices.
+//! `<define>`: named numbers, vectors and matrices.
 
 use super::attributes::{Failure, Numbers, degrees};
 use super::expression::Matrix;
+use super::trouble::Trouble;
+use super::units;
 use super::units::Quantity;
 use super::xml::Element;
-use super::{Trouble, units};
 use rayweave_math::{Affine, Vec3};
 use std::f64::consts::PI;
 
-/// Numbers of one matrix.
+/// Most numbers of a matrix.
 const MOST_VALUES: usize = 10_000_000;
 
-/// What a vector is for.
+/// The role of a vector: position, rotation or scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Position,
@@ -30,7 +31,7 @@ impl Role {
 }
 
 impl Numbers<'_> {
-    /// Reads a `<define>`; what cannot be read has been told.
+    /// Reads a `<define>`; problems are reported inside.
     pub fn define(&mut self, element: &Element) {
         self.each(element, &mut |numbers, child| {
             let _ = numbers.definition(child);
@@ -75,7 +76,7 @@ impl Numbers<'_> {
 
     fn set(&mut self, element: &Element, name: &str, value: f64) {
         if element.name == "constant" && self.names.is_set(name) {
-            let message = format!("the constant `{name}` is defined again (the later value holds)");
+            let message = format!("the constant `{name}` is defined again: the later value holds.");
             self.context.warn(Trouble::new(message, element.place));
         }
         self.names.set(name, value);
@@ -95,7 +96,7 @@ impl Numbers<'_> {
     fn matrix(&mut self, element: &Element) -> Result<(), Failure> {
         let name = self.name(element)?;
         let columns = self.whole(element, "coldim", 1, MOST_VALUES as i64)? as usize;
-        // some files of one value say `value`
+        // some files with a single value use `value`
         let attribute = match (element.attribute("values"), element.attribute("value")) {
             (None, Some(value)) => value,
             _ => self.need(element, "values")?,
@@ -107,7 +108,7 @@ impl Numbers<'_> {
         }
         if values.is_empty() || values.len() % columns != 0 {
             let message =
-                format!("the matrix `{name}` has {} values (they must fill rows of {columns})", values.len());
+                format!("the matrix `{name}` has {} values: they must fill rows of {columns}.", values.len());
             return Err(self.tell(Trouble::new(message, attribute.place)));
         }
         self.names.set_matrix(&name, Matrix { columns, values });
@@ -131,7 +132,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// A vector that stands here: millimetres, degrees or factors.
+    /// An inline vector: millimetres, degrees or factors.
     pub fn vector(&mut self, element: &Element, role: Role, default: Vec3) -> Result<Vec3, Failure> {
         let unit = match role {
             Role::Position => self.unit(element, "unit", Quantity::Length, 1.0),
@@ -151,7 +152,7 @@ impl Numbers<'_> {
         Ok(vector)
     }
 
-    /// A rotation of more than a turn in radians was probably meant in degrees.
+    /// Warns of a rotation of more than a turn in radians, which is probably in degrees.
     fn suspect(&mut self, element: &Element, role: Role, unit: f64) {
         let large = ["x", "y", "z"].iter().filter_map(|axis| element.attribute(axis));
         let large = large.filter_map(|attribute| attribute.value.trim().parse::<f64>().ok());
@@ -163,7 +164,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// A vector by its name, as `<positionref ref="name"/>` asks for it.
+    /// A vector by name, from `<positionref ref="name"/>` etc.
     pub fn vector_reference(&mut self, element: &Element, role: Role) -> Result<Vec3, Failure> {
         let (name, place) = self.reference(element, "ref")?;
         match self.map_of(role).get(&name) {
@@ -171,7 +172,7 @@ impl Numbers<'_> {
             None => {
                 let word = role.word();
                 let trouble = Trouble::new(
-                    format!("unknown {word} `{name}` (no <{word} name=\"{name}\"> before it)"),
+                    format!("unknown {word} `{name}`: no <{word} name=\"{name}\"> before it."),
                     place,
                 );
                 let known: Vec<String> = self.map_of(role).keys().cloned().collect();
@@ -180,7 +181,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// The vector that a child gives, by value (`position`) or by name (`positionref`), if there is such a child.
+    /// The optional vector of a child element, inline (`position`) or by name (`positionref`).
     pub fn child_vector(
         &mut self,
         element: &Element,
@@ -199,7 +200,7 @@ impl Numbers<'_> {
         Ok(found)
     }
 
-    /// Position and rotation among the children: `prefix` is empty, or `first` in boolean solids.
+    /// Position and rotation among the children. `prefix` is empty, or `first` in boolean solids.
     pub fn placement(&mut self, element: &Element, prefix: &str) -> Result<(Vec3, Vec3), Failure> {
         let position = self.child_vector(element, &format!("{prefix}position"), Role::Position);
         let rotation = self.child_vector(element, &format!("{prefix}rotation"), Role::Rotation);
@@ -220,13 +221,13 @@ fn role_default(role: Role) -> Vec3 {
     if role == Role::Scale { Vec3::ONE } else { Vec3::ZERO }
 }
 
-/// The words of a text, each with where it begins.
+/// The words of a text with their offsets.
 pub(super) fn words(text: &str) -> impl Iterator<Item = (&str, usize)> {
     text.split_whitespace()
         .map(move |word| (word, (word.as_ptr() as usize).wrapping_sub(text.as_ptr() as usize)))
 }
 
-/// The rotation of a GDML file, about x, then y, then z, by angles in degrees.
+/// The rotation of a GDML file: about x, then y, then z, by angles in degrees.
 pub(super) fn rotation(angles: Vec3) -> Affine {
     Affine::rotation(Vec3::X, angles.x)
         .then(&Affine::rotation(Vec3::Y, angles.y))
@@ -240,7 +241,7 @@ pub(super) fn inverse_rotation(angles: Vec3) -> Affine {
         .then(&Affine::rotation(Vec3::X, -angles.x))
 }
 
-/// The refractive index and other properties are given over photon energies; this is that of the sodium line.
+/// Photon energy of the sodium D line, at which refractive indices are evaluated.
 pub(super) fn sodium_energy() -> f64 {
     // h c = 1.239841984 eV um (CODATA 2018) at 0.5893 um
     1.239_841_984 / 0.589_3 * units::value("eV").unwrap_or(1e-6)

@@ -1,23 +1,23 @@
-//! Arithmetic in attributes: numbers, names, units, functions and elements of matrices.
+//! Arithmetic expressions in attributes: numbers, names, units, functions and matrix elements.
 //!
-//! The language is that of the evaluator in CLHEP, which Geant4 uses; its constants and units are those that Geant4 sets there
-//! (lengths in millimetres, angles in radians, energies in MeV). From weak to strong: `||`, `&&`, `== !=`, `< <= > >=`,
-//! `+ -`, `* /`, a sign, `^` or `**`; all join to the left, so that `2^3^2` is 64, and `-2^2` is -4. Comparisons are 1 or 0.
-//! `name[i, j]` is an element of a matrix, counted from 1.
+//! The language is that of the CLHEP evaluator, which Geant4 uses, with the constants and units that Geant4 sets
+//! (millimetres, radians, MeV). Operators from weak to strong: `||`, `&&`, `== !=`, `< <= > >=`, `+ -`, `* /`, a sign, `^`
+//! or `**`. All are left-associative, so that `2^3^2` is 64, and `-2^2` is -4. Comparisons yield 1 or 0. `name[i, j]` is a
+//! matrix element, with indices from 1.
 
 use super::units;
 use rayweave_scene::Span;
 use std::collections::BTreeMap;
 
-/// Parentheses and signs within one another.
+/// Maximal nesting depth of parentheses and signs.
 const DEEPEST: usize = 200;
 
-/// What is wrong with a text, and which part of it.
+/// A problem with an expression, and the part of it that is wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fault {
     pub span: Span,
     pub problem: String,
-    /// A name that nothing has, for a suggestion.
+    /// An undefined name, for a spelling suggestion.
     pub unknown: Option<String>,
 }
 
@@ -28,7 +28,7 @@ pub(super) struct Names {
     matrices: BTreeMap<String, Matrix>,
 }
 
-/// Numbers in rows and columns.
+/// A matrix of numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Matrix {
     pub columns: usize,
@@ -36,7 +36,7 @@ pub(super) struct Matrix {
 }
 
 impl Matrix {
-    /// An element by row and column, or by its number in a matrix of one column or one row, all from 1.
+    /// An element by row and column, or by a single index in a matrix with one column or one row; indices start at 1.
     fn element(&self, indices: &[f64]) -> Option<f64> {
         let whole = |index: f64| (index.fract() == 0.0 && index >= 1.0).then_some(index as usize - 1);
         let rows = self.values.len() / self.columns;
@@ -51,17 +51,17 @@ impl Matrix {
 }
 
 impl Names {
-    /// The value of a name: one that was set, a constant or a unit.
+    /// Value of a name: a variable of the file, a constant or a unit.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.values.get(name).copied().or_else(|| units::value(name))
     }
 
-    /// True if a name has been given a value by the file.
+    /// True if the file defines this name.
     pub fn is_set(&self, name: &str) -> bool {
         self.values.contains_key(name)
     }
 
-    /// Gives a name a value.
+    /// Defines a variable.
     pub fn set(&mut self, name: &str, value: f64) {
         self.values.insert(name.to_owned(), value);
     }
@@ -79,14 +79,14 @@ impl Names {
         self.matrices.iter()
     }
 
-    /// All names that have a value.
+    /// All defined names.
     pub fn all(&self) -> impl Iterator<Item = &str> {
         let own = self.values.keys().chain(self.matrices.keys()).map(|name| name.as_str() as &str);
         let functions = FUNCTIONS.iter().map(|(name, _)| -> &str { name });
         own.chain(units::names().map(|name| -> &str { name })).chain(functions)
     }
 
-    /// The value of a text.
+    /// Value of an expression.
     pub fn evaluate(&self, text: &str) -> Result<f64, Fault> {
         let mut parser = Parser { names: self, text, at: 0, depth: 0 };
         let value = parser.binary(0)?;
@@ -96,7 +96,7 @@ impl Names {
         }
     }
 
-    /// A name in which `[expression]` stands for a number, as the names of what a loop makes: `pixel[i]` is `pixel_3`.
+    /// Expands `[expression]` in a name, as used in loops: with i = 4, `pixel[i]` is `pixel_3`.
     pub fn expand(&self, name: &str) -> Result<String, Fault> {
         let Some((before, rest)) = name.split_once('[') else {
             return Ok(name.to_owned());
@@ -116,7 +116,7 @@ impl Names {
         let (mut expanded, mut at) = (before.to_owned(), base);
         for index in inside.split(',') {
             let value = self.evaluate(index).map_err(|fault| shifted(fault, at))?;
-            // Geant4 counts the elements of matrices from 1 and what it makes of them from 0
+            // Geant4 counts matrix elements from 1, but copies made in loops from 0
             expanded += &format!("_{}", (value as i64).saturating_sub(1));
             at += index.len() + 1;
         }
@@ -129,13 +129,13 @@ fn finite(value: f64, text: &str) -> Result<f64, Fault> {
     if value.is_finite() {
         return Ok(value);
     }
-    let problem = format!("`{}` is no finite number (the largest is about 1.8e308)", text.trim());
+    let problem = format!("`{}` is no finite number: the largest is about 1.8e308.", text.trim());
     Err(Fault { span: Span::new(0, text.len()), problem, unknown: None })
 }
 
 type Function = (usize, fn(&[f64]) -> f64);
 
-/// The functions with their numbers of arguments.
+/// Functions with their numbers of arguments.
 static FUNCTIONS: [(&str, Function); 18] = [
     ("abs", (1, |a| a[0].abs())),
     ("min", (2, |a| a[0].min(a[1]))),
@@ -157,10 +157,10 @@ static FUNCTIONS: [(&str, Function); 18] = [
     ("log10", (1, |a| libm::log10(a[0]))),
 ];
 
-/// A symbol, how strongly it binds, and what it does.
+/// An operator: symbol, precedence and function.
 type Infix = (&'static str, u8, fn(f64, f64) -> f64);
 
-/// The operators between two values, longest first.
+/// The binary operators, longest symbol first.
 const OPERATORS: [Infix; 14] = [
     ("||", 1, |a, b| truth(a != 0.0 || b != 0.0)),
     ("&&", 2, |a, b| truth(a != 0.0 && b != 0.0)),
@@ -178,7 +178,7 @@ const OPERATORS: [Infix; 14] = [
     ("^", 8, libm::pow),
 ];
 
-/// How strongly a sign binds.
+/// Precedence of a sign.
 const SIGN: u8 = 7;
 
 fn truth(value: bool) -> f64 {
@@ -199,7 +199,7 @@ impl<'a> Parser<'a> {
         self.text[self.at..].chars().next()
     }
 
-    /// Passes a text, if it comes next.
+    /// Consumes a symbol if it comes next.
     fn pass(&mut self, symbol: &str) -> bool {
         self.peek();
         let found = self.text[self.at..].starts_with(symbol);
@@ -282,7 +282,7 @@ impl<'a> Parser<'a> {
         match value.is_finite() {
             true => Ok(value),
             false => {
-                Err(self.fault(start, format!("{text} is too large (the largest number is about 1.8e308)")))
+                Err(self.fault(start, format!("{text} is too large: the largest number is about 1.8e308.")))
             }
         }
     }
@@ -308,7 +308,7 @@ impl<'a> Parser<'a> {
             true => Ok(apply(&arguments)),
             false => {
                 Err(self
-                    .fault(start, format!("`{name}` has {} arguments (it takes {count})", arguments.len())))
+                    .fault(start, format!("`{name}` has {} arguments: it takes {count}.", arguments.len())))
             }
         }
     }
@@ -326,7 +326,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// Values between the bracket that comes next and the one that closes it.
+    /// Values from the current bracket to its closing bracket.
     fn list(&mut self, close: char) -> Result<Vec<f64>, Fault> {
         self.at += 1;
         let mut values = vec![self.binary(0)?];
@@ -342,7 +342,7 @@ impl<'a> Parser<'a> {
 
     fn unknown(&self, name: &str, start: usize, what: &str) -> Fault {
         let problem = format!(
-            "unknown {what} `{name}` (no constant, variable, quantity or matrix before it, and no unit)"
+            "unknown {what} `{name}`: no constant, variable, quantity or matrix before it, and no unit."
         );
         Fault { span: Span::new(start, start + name.len()), problem, unknown: Some(name.to_owned()) }
     }
@@ -370,7 +370,7 @@ mod tests {
         names.evaluate(text).unwrap_or(f64::NAN)
     }
 
-    /// The values are those that Geant4 11.4.1 gives.
+    /// Values computed by Geant4 11.4.1.
     #[test]
     fn expressions_have_the_values_that_geant4_gives() {
         let table = [

@@ -1,16 +1,17 @@
-//! From the graph of volumes to regions.
+//! Volume hierarchy: conversion of the graph of logical volumes to regions.
 
+use super::context::Context;
+use super::graph::{Graph, Volume};
 use super::materials::Material;
-use super::structure::{Graph, Volume};
 use super::table::table;
-use super::{Context, NO_REGION, Trouble};
+use super::trouble::Trouble;
 use rayweave_math::Affine;
 use rayweave_model::Solid;
 use rayweave_scene::{Colour, Medium, Scene, SceneRegion, Table, Unit};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// The scene, with one region for each volume that is in the world.
+/// The scene, with one region per volume that is placed in the world.
 pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Option<(Scene, Table)> {
     let order = match order(graph, world) {
         Ok(order) => order,
@@ -49,18 +50,18 @@ pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Optio
     Some((scene, table))
 }
 
-/// True for a world that was put around the regions of a scene when it was written.
+/// True for a world that the writer added around the regions of a scene.
 fn is_room(world: &Volume) -> bool {
     world.auxiliary.iter().any(|tag| [tag.kind.as_str(), tag.value.as_str()] == NO_REGION)
 }
 
-/// The volumes within the world, mothers before all their daughters.
+/// The volumes in the world in topological order, mothers before their daughters.
 ///
 /// # Errors
 ///
-/// Volumes each of which is in the one before, the last and the first the same.
+/// A cycle: volumes each of which contains the next, with the first one repeated at the end.
 pub(super) fn order(graph: &Graph, world: usize) -> Result<Vec<usize>, Vec<usize>> {
-    // 0: not met, 1: on the way down to the current one, 2: done
+    // 0: not visited, 1: on the current path, 2: done
     let mut state = vec![0u8; graph.volumes.len()];
     let (mut way, mut done) = (vec![(world, 0)], Vec::new());
     state[world] = 1;
@@ -94,7 +95,7 @@ fn cycle(way: &[(usize, usize)], again: usize) -> Vec<usize> {
     ring.chain([again]).collect()
 }
 
-/// By the length of the longest way from the world, and as the file has them among equals.
+/// Sorts by the length of the longest path from the world, then by file order.
 fn by_depth(graph: &Graph, order: &[usize]) -> Vec<usize> {
     let mut depth = vec![0usize; graph.volumes.len()];
     for &mother in order {
@@ -110,17 +111,17 @@ fn by_depth(graph: &Graph, order: &[usize]) -> Vec<usize> {
 fn cycle_trouble(graph: &Graph, cycle: &[usize]) -> Trouble {
     let names: Vec<&str> = cycle.iter().map(|volume| graph.volumes[*volume].name.as_str()).collect();
     let place = graph.volumes[cycle[0]].place;
-    Trouble::new(format!("the volume `{}` contains itself ({})", names[0], names.join(" contains ")), place)
+    Trouble::new(format!("the volume `{}` contains itself: {}.", names[0], names.join(" contains ")), place)
 }
 
 /// A mother, and the maps of a daughter into it.
 type Mother = (usize, Arc<[Affine]>);
 
-/// Which volumes are placed where.
+/// Placements of all volumes in their mothers.
 pub(super) struct Ancestry {
-    /// For each volume its mothers, each with the maps of all its placements there.
+    /// Mothers of each volume, each with the maps of all placements in it.
     mothers: HashMap<usize, Vec<Mother>>,
-    /// The place of each volume in the order.
+    /// Rank of each volume in the order.
     rank: HashMap<usize, usize>,
     order: Vec<usize>,
 }
@@ -146,8 +147,8 @@ impl Ancestry {
         Ancestry { mothers, rank, order: order.to_vec() }
     }
 
-    /// All copies of a volume, in the frame of the world. Its solid goes up from mother to mother, and all ways that meet in one
-    /// go on as one, so that what has many copies of many copies stays small.
+    /// All copies of a volume, in the frame of the world. The copies are collected from mother to mother, and all paths
+    /// through the same mother are merged there, so that copies of copies take little memory.
     pub fn in_world(&self, graph: &Graph, volume: usize) -> Option<Solid> {
         let solid = graph.volumes[volume].solid()?.clone();
         let mut waiting = std::collections::BTreeMap::from([(self.rank[&volume], vec![solid])]);
@@ -162,7 +163,7 @@ impl Ancestry {
                 }
             }
         }
-        // a volume of which there are no copies
+        // a volume without copies
         None
     }
 }
@@ -175,7 +176,7 @@ fn copies(solid: &Solid, maps: &Arc<[Affine]>) -> Solid {
     }
 }
 
-/// Names that are taken, and for each how many have asked for it: many volumes of one name are common.
+/// Names in use, with a counter per base name, since many volumes may share a name.
 #[derive(Default)]
 struct Taken {
     names: HashSet<String>,
@@ -183,7 +184,7 @@ struct Taken {
 }
 
 impl Taken {
-    /// The first of name, name2, name3, .. that is free.
+    /// The first unused name of name, name2, name3, ...
     fn free(&mut self, name: &str) -> String {
         let name = if name.is_empty() { "volume" } else { name };
         let count = self.counts.entry(name.to_owned()).or_insert(0);
@@ -197,12 +198,16 @@ impl Taken {
     }
 }
 
-/// The media of the scene: that around the world, the materials, and one for volumes that name none.
+/// The media of the scene: the surroundings, the materials, and one for volumes without material.
 struct Media {
     list: Vec<Medium>,
-    /// The name of the medium of each material.
+    /// Name of the medium of each material.
     names: Vec<String>,
 }
+
+/// Auxiliary tag (kind and value) of a world that the writer added as the bounding box of a model; readers make no region
+/// of it.
+pub(crate) const NO_REGION: [&str; 2] = ["rayweave", "room"];
 
 /// The medium of volumes without material.
 pub(crate) const UNSPECIFIED: &str = "unspecified";
@@ -230,7 +235,7 @@ impl Media {
     }
 }
 
-/// The colour that a volume's tag `Color` gives, or one for each medium. The world is clear, to be seen through.
+/// Colour of a volume: the auxiliary tag `Color`, else a colour per medium. The world is transparent.
 fn colour(volume: &Volume, medium: u32, is_world: bool) -> Colour {
     let tag = volume.auxiliary.iter().find(|tag| tag.kind.eq_ignore_ascii_case("color"));
     let stated =

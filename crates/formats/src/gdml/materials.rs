@@ -1,10 +1,12 @@
-//! `<materials>`: what volumes are made of.
+//! `<materials>`: materials, elements and isotopes.
 
 use super::attributes::{Failure, Numbers};
+use super::define;
 use super::solids::bare;
+use super::trouble::Place;
+use super::trouble::Trouble;
 use super::units::{GRAM_PER_CM3, PA, Quantity};
-use super::xml::{Element, Place};
-use super::{Trouble, define};
+use super::xml::Element;
 use rayweave_scene::Medium;
 use std::collections::BTreeMap;
 
@@ -13,7 +15,7 @@ use std::collections::BTreeMap;
 pub(super) struct Materials {
     pub list: Vec<Material>,
     by_name: BTreeMap<String, usize>,
-    /// The elements and isotopes, for the table.
+    /// Elements and isotopes, for the table `[gdml]`.
     pub elements: Vec<Material>,
 }
 
@@ -25,39 +27,39 @@ pub(super) struct Material {
     pub tag: String,
     pub state: String,
     pub formula: String,
-    /// Names and values: density in g/cm3, temperature in K, pressure in Pa, Z, A in g/mol.
+    /// Numbers by name: density in g/cm3, temperature in K, pressure in Pa, Z, A in g/mol.
     pub numbers: Vec<(String, f64)>,
-    /// What it is made of: name, and fraction of the mass or number of atoms.
+    /// Composition: components with mass fractions or numbers of atoms.
     pub parts: Vec<Part>,
-    /// Properties by name, most of which depend on the photon's energy.
+    /// Properties by name, most of which depend on the photon energy.
     pub properties: Vec<(String, Property)>,
-    /// The refractive index, from the property `RINDEX`.
+    /// Refractive index, from the property `RINDEX`.
     pub index: Option<f64>,
 }
 
 /// The value of a property.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Property {
-    /// The name of a matrix.
+    /// Name of a matrix.
     Matrix(String),
-    /// A number that stands in the property itself.
+    /// An inline number.
     Number(f64),
 }
 
-/// A part of a material.
+/// A component of a material.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub name: String,
     pub amount: f64,
-    /// True for a number of atoms, false for a fraction of the mass.
+    /// True for a number of atoms, false for a mass fraction.
     pub is_count: bool,
 }
 
-/// The materials that Geant4 knows by itself begin with this.
+/// Prefix of the predefined (NIST) materials of Geant4.
 const BUILT_IN: &str = "G4_";
 
 impl Materials {
-    /// The number of a material, which is added if it is one that Geant4 knows by itself.
+    /// Index of a material; predefined materials of Geant4, and undefined ones, are added.
     pub fn find(&mut self, numbers: &mut Numbers, name: &str, place: Place) -> Option<usize> {
         if let Some(known) = self.by_name.get(name) {
             return Some(*known);
@@ -70,7 +72,7 @@ impl Materials {
             }));
         }
         let trouble =
-            Trouble::new(format!("unknown material `{name}` (there is none of this name before it)"), place);
+            Trouble::new(format!("unknown material `{name}`: there is none of this name before it."), place);
         numbers.context.warn(trouble.did_you_mean(name, self.by_name.keys().map(String::as_str)));
         Some(self.add(Material { name: name.to_owned(), tag: "material".to_owned(), ..Material::default() }))
     }
@@ -83,7 +85,7 @@ impl Materials {
     }
 }
 
-/// Reads a section of materials.
+/// Reads a `<materials>` section.
 pub(super) fn read(numbers: &mut Numbers, materials: &mut Materials, section: &Element) {
     numbers.each(section, &mut |numbers, element| match element.name.as_str() {
         "material" | "element" | "isotope" => {
@@ -122,7 +124,7 @@ fn material(numbers: &mut Numbers, element: &Element) -> Result<Material, Failur
     Ok(material)
 }
 
-/// Names, default units and what one of the unit that we keep is in GDML's.
+/// Quantities: name, default unit, and our unit in units of GDML.
 const QUANTITIES: [(&str, &str, &str, f64); 5] = [
     ("D", "density", "g/cm3", GRAM_PER_CM3),
     ("T", "temperature", "K", 1.0),
@@ -160,7 +162,7 @@ fn detail(numbers: &mut Numbers, material: &mut Material, child: &Element) -> Re
     Ok(())
 }
 
-/// `<property name=".." ref="matrix"/>`; some files give a `value` in place of `ref`.
+/// `<property name=".." ref="matrix"/>`; some files use `value` in place of `ref`.
 pub(super) fn property(numbers: &mut Numbers, child: &Element) -> Result<(String, Property), Failure> {
     let name = numbers.name(child)?;
     if let (None, Some(value)) = (child.attribute("ref"), child.attribute("value")) {
@@ -170,13 +172,13 @@ pub(super) fn property(numbers: &mut Numbers, child: &Element) -> Result<(String
     if numbers.names.matrix(&matrix).is_none() && !numbers.names.is_set(&matrix) {
         let known: Vec<String> = numbers.names.matrices().map(|(name, _)| name.clone()).collect();
         let trouble =
-            Trouble::new(format!("unknown matrix `{matrix}` (the property `{name}` has no value)"), place);
+            Trouble::new(format!("unknown matrix `{matrix}`: the property `{name}` has no value."), place);
         numbers.context.warn(trouble.did_you_mean(&matrix, known.iter().map(String::as_str)));
     }
     Ok((name, Property::Matrix(matrix)))
 }
 
-/// The refractive index that a property gives.
+/// Refractive index of a property.
 fn index(numbers: &Numbers, property: &Property) -> Option<f64> {
     match property {
         Property::Number(value) => Some(*value),
@@ -187,7 +189,7 @@ fn index(numbers: &Numbers, property: &Property) -> Option<f64> {
     }
 }
 
-/// The refractive index at the sodium line, interpolated over the energy and held beyond the ends.
+/// Refractive index at the sodium D line: linear interpolation over the energy, constant beyond the ends.
 fn index_of(values: &[f64], columns: usize) -> Option<f64> {
     if columns != 2 {
         return None;
@@ -205,12 +207,12 @@ fn index_of(values: &[f64], columns: usize) -> Option<f64> {
 }
 
 impl Material {
-    /// The medium of a scene, under a name that is free.
+    /// The medium of the scene for this material, under the given unused name.
     pub fn medium(&self, name: String) -> Medium {
         Medium { name, index: self.index, colour: None, numbers: self.numbers.clone() }
     }
 
-    /// The name for people.
+    /// The name without a pointer suffix.
     pub fn bare_name(&self) -> &str {
         bare(&self.name)
     }

@@ -1,14 +1,15 @@
-//! Optical surfaces: kept as they are, for the simulation of light.
+//! Optical surfaces: read and kept unchanged for optical simulation.
 
 use super::attributes::{Failure, Numbers};
+use super::context::Context;
 use super::expression::Matrix;
 use super::materials::{Property, property};
-use super::structure::Graph;
-use super::xml::{Element, Place};
-use super::{Context, Trouble};
+use super::trouble::Place;
+use super::trouble::Trouble;
+use super::xml::Element;
 use std::collections::BTreeMap;
 
-/// The optical surfaces of a model, what they are on, and the matrices that properties refer to.
+/// Optical surfaces of a model, their attachments, and the matrices of their properties.
 #[derive(Debug, Default)]
 pub(super) struct Surfaces {
     pub optical: Vec<Optical>,
@@ -20,13 +21,13 @@ pub(super) struct Surfaces {
 #[derive(Clone, Debug)]
 pub(super) struct Optical {
     pub name: String,
-    /// Words as the file says them: model, finish, type.
+    /// Model, finish and type, as in the file.
     pub words: Vec<(&'static str, String)>,
     pub value: Option<f64>,
     pub properties: Vec<(String, Property)>,
 }
 
-/// `<skinsurface>`, around a volume, or `<bordersurface>`, between two placements.
+/// A `<skinsurface>` around a volume, or a `<bordersurface>` between two placements.
 #[derive(Clone, Debug)]
 pub(super) struct Link {
     pub name: String,
@@ -38,12 +39,12 @@ pub(super) struct Link {
 }
 
 impl Surfaces {
-    /// Adds an `<opticalsurface>`; what is wrong with it has been told.
+    /// Adds an `<opticalsurface>`; problems are reported inside.
     pub fn add_optical(&mut self, numbers: &mut Numbers, element: &Element) {
         let _ = optical(numbers, element).map(|optical| self.optical.push(optical));
     }
 
-    /// Adds a `<skinsurface>` or `<bordersurface>`; what is wrong with it has been told.
+    /// Adds a `<skinsurface>` or `<bordersurface>`; problems are reported inside.
     pub fn add_link(&mut self, numbers: &mut Numbers, element: &Element) {
         let _ = link(numbers, element).map(|link| self.links.push(link));
     }
@@ -71,11 +72,11 @@ fn link(numbers: &mut Numbers, element: &Element) -> Result<Link, Failure> {
     Ok(Link { name: element.text("name").to_owned(), surface, is_skin, of, place: element.place })
 }
 
-/// Warns of links to surfaces and volumes that are not there.
-pub(super) fn check_links(context: &mut Context, graph: &Graph, volumes: &BTreeMap<String, usize>) {
-    for link in &graph.surfaces.links {
-        if graph.surfaces.optical.iter().all(|surface| surface.name != link.surface) {
-            let known = graph.surfaces.optical.iter().map(|surface| surface.name.as_str());
+/// Warns about attachments of undefined surfaces or volumes.
+pub(super) fn check_links(context: &mut Context, surfaces: &Surfaces, volumes: &BTreeMap<String, usize>) {
+    for link in &surfaces.links {
+        if surfaces.optical.iter().all(|surface| surface.name != link.surface) {
+            let known = surfaces.optical.iter().map(|surface| surface.name.as_str());
             let trouble = Trouble::new(format!("unknown optical surface `{}`", link.surface), link.place);
             context.warn(trouble.did_you_mean(&link.surface, known));
         }

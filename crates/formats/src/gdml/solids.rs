@@ -1,6 +1,5 @@
-//! `<solids>`: elements to solids.
+//! `<solids>`: GDML solids, including the boolean solids union, subtraction and intersection.
 
-use super::Trouble;
 use super::attributes::{Failure, Numbers, refused};
 use super::define::{Role, rotation};
 use super::shape::extruded::{Section, extruded};
@@ -8,33 +7,35 @@ use super::shape::faceted::*;
 use super::shape::round::*;
 use super::shape::twisted::{twisted, twisted_tube};
 use super::shape::{Made, Phi, cuboid};
-use super::xml::{Element, Name, Place};
+use super::trouble::Place;
+use super::trouble::Trouble;
+use super::xml::{Element, Name};
 use crate::LossKind;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use std::collections::BTreeMap;
 
-/// The solids of a file by name: `None` for those that are refused.
+/// The solids of a file by name; `None` for refused ones.
 #[derive(Debug, Default)]
 pub(super) struct Library {
     solids: BTreeMap<String, Option<Shape>>,
 }
 
-/// A solid, with its numbers where divisions need them.
+/// A solid, with the dimensions that divisions need.
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
     pub solid: Solid,
-    /// The element's name, as `box`.
+    /// Name of the element, e.g. `box`.
     pub tag: String,
     pub sizes: Sizes,
 }
 
-/// Numbers of a solid that divisions ask for.
+/// Dimensions of a solid that divisions need.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sizes {
     /// Lengths in millimetres and angles in degrees, by attribute.
     pub numbers: BTreeMap<&'static str, f64>,
-    /// Where the planes of a polycone or polyhedra are, in millimetres.
+    /// Heights of the planes of a polycone or polyhedra, in millimetres.
     pub heights: Vec<f64>,
 }
 
@@ -43,19 +44,19 @@ impl Sizes {
         self.numbers.extend(numbers);
     }
 
-    /// Those of a solid of revolution with planes.
+    /// Dimensions of a polycone or polyhedra.
     fn planes(&mut self, planes: &[ZPlane], phi: Phi) {
         self.heights = planes.iter().map(|plane| plane.z).collect();
         self.extend([("start", phi.start), ("delta", phi.delta)]);
     }
 
-    /// A number by its name, 0 if there is none.
+    /// A dimension by name, 0 if there is none.
     pub fn number(&self, name: &str) -> f64 {
         self.numbers.get(name).copied().unwrap_or(0.0)
     }
 }
 
-/// The tags of solids.
+/// Element names of solids.
 const TAGS: [&str; 34] = [
     "box",
     "tube",
@@ -94,25 +95,25 @@ const TAGS: [&str; 34] = [
 ];
 
 impl Library {
-    /// A solid that stands before; `Ok(None)` if it was refused.
+    /// A solid defined earlier; `Ok(None)` if it was refused.
     fn find(&self, numbers: &mut Numbers, name: &str, place: Place) -> Result<Option<Shape>, Failure> {
         match self.solids.get(name) {
             Some(found) => Ok(found.clone()),
             None => {
                 let trouble =
-                    Trouble::new(format!("unknown solid `{name}` (no solid before it has this name)"), place);
+                    Trouble::new(format!("unknown solid `{name}`: no solid before it has this name."), place);
                 Err(numbers.tell(trouble.did_you_mean(name, self.solids.keys().map(String::as_str))))
             }
         }
     }
 
-    /// The solid that `<element ref="name"/>` asks for; `None` if it was refused.
+    /// The solid in `<element ref="name"/>`; `None` if it was refused.
     pub fn of(&self, numbers: &mut Numbers, element: &Element) -> Result<Option<Shape>, Failure> {
         let (name, place) = numbers.reference(element, "ref")?;
         self.find(numbers, &name, place)
     }
 
-    /// Adds the solid of an element. One that is not possible is refused, with a warning.
+    /// Adds the solid of an element. An unsupported solid is refused with a warning.
     pub fn add(&mut self, numbers: &mut Numbers, element: &Element) {
         if !TAGS.contains(&element.name.as_str()) {
             let trouble =
@@ -127,7 +128,7 @@ impl Library {
             return;
         };
         if self.solids.contains_key(&name) {
-            let message = format!("a second solid `{name}` (the first one is used)");
+            let message = format!("a second solid `{name}`: the first one is used.");
             numbers.context.lose(LossKind::Dropped, &element.name, Trouble::new(message, element.place));
             return;
         }
@@ -151,10 +152,10 @@ impl Library {
         Ok(Shape { solid, tag: element.name.to_string(), sizes })
     }
 
-    /// The operand that a child names.
+    /// An operand of a boolean solid.
     fn operand(&self, numbers: &mut Numbers, element: &Element, child: &str, attribute: &str) -> Made {
         let Some(child) = element.child(child) else {
-            let message = format!("`{}` has no `{child}` (it is needed)", element.name);
+            let message = format!("`{}` has no `{child}`: it is needed.", element.name);
             return Err(numbers.tell(Trouble::new(message, element.place)));
         };
         let (name, place) = numbers.reference(child, attribute)?;
@@ -206,7 +207,7 @@ impl Library {
         }
     }
 
-    /// Of old files: a solid scaled by `sx sy sz`, turned by `rx ry rz` and moved by `dx dy dz`.
+    /// `<reflectedSolid>` of older files: a solid scaled by `sx sy sz`, rotated by `rx ry rz` and translated by `dx dy dz`.
     fn reflected(&self, numbers: &mut Numbers, element: &Element) -> Made {
         let (name, place) = numbers.reference(element, "solid")?;
         let Some(shape) = self.find(numbers, &name, place)? else {
@@ -222,14 +223,14 @@ impl Library {
     }
 }
 
-/// Keeps a solid, or tells why it is refused.
+/// The solid, or a refusal in the report.
 fn refuse_or_keep(numbers: &mut Numbers, element: &Element, made: Result<Shape, Failure>) -> Option<Shape> {
     match made {
         Ok(shape) => Some(shape),
         Err(Failure::Told) => None,
         Err(Failure::Refused(reason)) => {
             let name = element.text("name");
-            let trouble = Trouble::new(format!("the solid `{name}` is refused ({reason})"), element.place);
+            let trouble = Trouble::new(format!("the solid `{name}` is refused: {reason}."), element.place);
             numbers.context.lose(LossKind::Refused, &element.name, trouble);
             None
         }
@@ -241,7 +242,7 @@ fn placed(solid: &Solid, rotation: Affine, position: Vec3) -> Solid {
     if map == Affine::IDENTITY { solid.clone() } else { solid.apply(map) }
 }
 
-/// A name without the address that programs append to make it unique: `World0x55f3c0` is `World`.
+/// A name without the pointer suffix that programs append to make it unique: `World0x55f3c0` becomes `World`.
 pub(super) fn bare(name: &str) -> &str {
     match name.rfind("0x") {
         Some(at)
@@ -255,7 +256,7 @@ pub(super) fn bare(name: &str) -> &str {
     }
 }
 
-/// A solid that refers to no other.
+/// A solid without references to other solids.
 fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
     match e.name.as_str() {
         "box" => {
@@ -322,7 +323,7 @@ fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
     }
 }
 
-/// The sector of a solid, the whole turn if none is given.
+/// The sector of a solid; the full turn by default.
 fn sector(numbers: &mut Numbers, e: &Element) -> Result<Phi, Failure> {
     let start = numbers.angle(e, "startphi", 0.0);
     let delta = numbers.angle(e, "deltaphi", 360.0);
@@ -348,7 +349,7 @@ fn cut_tube_of(numbers: &mut Numbers, e: &Element) -> Made {
     cut_tube(rmin, rmax, z, sector(numbers, e)?, low, high)
 }
 
-/// The `<zplane>`s of a solid.
+/// The `<zplane>` elements of a solid.
 fn z_planes(numbers: &mut Numbers, e: &Element) -> Result<Vec<ZPlane>, Failure> {
     let unit = numbers.length_unit(e)?;
     let (mut planes, mut failure) = (Vec::new(), None);
@@ -370,7 +371,7 @@ fn z_plane(numbers: &mut Numbers, child: &Element, unit: f64) -> Result<ZPlane, 
     Ok(ZPlane { z: z? * unit, rmin: rmin? * unit, rmax: rmax? * unit })
 }
 
-/// Children that give two lengths each.
+/// Child elements with two lengths each.
 fn corners(
     numbers: &mut Numbers,
     e: &Element,
@@ -435,14 +436,14 @@ fn straight(x: [f64; 2], y: [f64; 2], z: f64) -> Trapezoid {
     Trapezoid { z, theta: 0.0, phi: 0.0, low: [y[0], x[0], x[0], 0.0], high: [y[1], x[1], x[1], 0.0] }
 }
 
-/// A vertex is a position that has been defined; `lunit` says nothing about it.
+/// A vertex: a defined position. `lunit` does not apply to it.
 fn vertex(numbers: &mut Numbers, e: &Element, name: &str) -> Result<Vec3, Failure> {
     let (name, place) = numbers.reference(e, name)?;
     match numbers.positions.get(&name) {
         Some(position) => Ok(*position),
         None => {
             let trouble = Trouble::new(
-                format!("unknown position `{name}` (no <position name=\"{name}\"> before it)"),
+                format!("unknown position `{name}`: no <position name=\"{name}\"> before it."),
                 place,
             );
             let known: Vec<String> = numbers.positions.keys().cloned().collect();
@@ -486,7 +487,7 @@ fn facets(numbers: &mut Numbers, e: &Element) -> Made {
     }
 }
 
-/// The corners of a facet; with `type="RELATIVE"` all but the first are counted from the first.
+/// Vertices of a facet; with `type="RELATIVE"` all but the first are relative to the first.
 fn facet(numbers: &mut Numbers, child: &Element) -> Result<Vec<Vec3>, Failure> {
     let count = if child.name == "triangular" { 3 } else { 4 };
     let mut corners = Vec::with_capacity(count);
@@ -552,7 +553,7 @@ fn twist(numbers: &mut Numbers, e: &Element) -> Made {
     let angle = numbers.angle(e, "PhiTwist", 0.0)?;
     let solid = twisted(&trapezoid, angle)?;
     let message = format!(
-        "the twisted solid `{}` is a stack of slices of at most 2 degrees (its corners are off by at most 1.6e-4 of their distance from the axis)",
+        "the twisted solid `{}` is a stack of slices of at most 2 degrees: its corners are off by at most 1.6e-4 of their distance from the axis.",
         e.text("name")
     );
     numbers.context.lose(LossKind::Approximated, &e.name, Trouble::new(message, e.place));
@@ -567,7 +568,8 @@ fn twisted_tubs(numbers: &mut Numbers, e: &Element) -> Made {
     twisted_tube(twist, rmin, rmax, z, if segments > 0.0 { total / segments } else { phi })
 }
 
-/// A solid of a paramvol's dimensions: the same kind as the volume's, with other numbers, whose names differ in part.
+/// A solid with the dimensions of a parameterised volume: the same kind as the solid of the volume, with partly different
+/// attribute names.
 pub(super) fn with_dimensions(numbers: &mut Numbers, dimensions: &Element) -> Option<Shape> {
     let tag = dimensions.name.strip_suffix("_dimensions")?;
     fn renamed(name: &str) -> &str {
@@ -607,7 +609,7 @@ pub(super) fn with_dimensions(numbers: &mut Numbers, dimensions: &Element) -> Op
     refuse_or_keep(numbers, &element, made)
 }
 
-/// A polyhedra whose radii are distances of edges from the axis: so Geant4 takes those of `polyhedra_dimensions`.
+/// A polyhedra whose radii are distances of edges from the axis, as Geant4 reads `polyhedra_dimensions`.
 fn polyhedra_to_corners(numbers: &mut Numbers, e: &Element) -> Made {
     let (mut planes, sides, phi) = (z_planes(numbers, e)?, sides(numbers, e)?, sector(numbers, e)?);
     let (_, cos) = sin_cos_degrees(0.5 * phi.delta.min(360.0) / f64::from(sides));

@@ -1,9 +1,9 @@
-//! The tree of volumes that the table `[gdml]` of a document tells, for who writes it back.
+//! The volume tree in the table `[gdml]` of a document, read back for the writer.
 
+use super::graph::{Daughter, Graph, Volume};
 use super::hierarchy::{Ancestry, order};
 use super::solids::{Shape, Sizes};
-use super::structure::{Daughter, Graph, Volume};
-use super::xml::Place;
+use super::trouble::Place;
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::{Node, Solid};
 use rayweave_scene::{Datum, Scene, Table};
@@ -12,14 +12,14 @@ use std::collections::HashMap;
 /// A volume of the tree.
 pub(crate) struct Told {
     pub name: String,
-    /// The number of its region; none of assemblies and of rooms.
+    /// Index of its region; `None` for assemblies and for the added world.
     pub region: Option<usize>,
-    /// In its own frame.
+    /// Solid in the frame of the volume.
     pub solid: Option<Solid>,
     pub daughters: Vec<Placed>,
 }
 
-/// Placements of a volume in another one.
+/// Placements of a volume in its mother.
 pub(crate) struct Placed {
     pub name: String,
     pub volume: usize,
@@ -27,8 +27,8 @@ pub(crate) struct Placed {
     pub maps: Vec<Affine>,
 }
 
-/// The volumes of a table, mothers first, if the regions of a scene are what comes of it: who has changed either the scene or the
-/// table has made them tell different things.
+/// The volumes of a table, mothers first. `None` if the regions of the scene are not those of the table, i.e. if one of
+/// them was edited.
 pub(crate) fn tree(table: &Table, scene: &Scene) -> Option<Vec<Told>> {
     let rows = rows(table, "volume");
     let numbers: HashMap<&str, usize> = rows.iter().zip(0..).map(|(row, k)| (text(row, "name"), k)).collect();
@@ -67,7 +67,7 @@ fn volume(
     })
 }
 
-/// The solid that a region is copies of: readers give it a name.
+/// The solid of the volume of which a region is the union of copies; importers give it a name.
 fn own(copies: &Solid) -> Solid {
     let mut solid = copies.clone();
     loop {
@@ -79,7 +79,7 @@ fn own(copies: &Solid) -> Solid {
     }
 }
 
-/// The graph that a reader would have made.
+/// The volume graph of the table, as an importer builds it.
 fn graph(told: &[Told]) -> Graph {
     let daughter = |placed: &Placed| Daughter {
         name: String::new(),
@@ -118,7 +118,7 @@ pub(crate) fn get<'t>(table: &'t Table, key: &str) -> Option<&'t Datum> {
     table.iter().find(|(name, _)| name.value == key).map(|(_, value)| &value.value)
 }
 
-/// A text of a table, or nothing.
+/// A string of a table, or "".
 pub(crate) fn text<'t>(table: &'t Table, key: &str) -> &'t str {
     match get(table, key) {
         Some(Datum::Text(text)) => text,
@@ -134,7 +134,7 @@ pub(crate) fn number(table: &Table, key: &str) -> Option<f64> {
     }
 }
 
-/// A list of a table, or an empty one.
+/// A list in a table, or an empty one.
 pub(crate) fn list<'t>(table: &'t Table, key: &str) -> &'t [rayweave_scene::Spanned<Datum>] {
     match get(table, key) {
         Some(Datum::List(list)) => list,
@@ -142,7 +142,7 @@ pub(crate) fn list<'t>(table: &'t Table, key: &str) -> &'t [rayweave_scene::Span
     }
 }
 
-/// The tables in a list of a table.
+/// The tables of a list in a table.
 pub(crate) fn rows<'t>(table: &'t Table, key: &str) -> Vec<&'t Table> {
     let row = |value: &'t rayweave_scene::Spanned<Datum>| match &value.value {
         Datum::Table(row) => Some(row),
@@ -151,7 +151,7 @@ pub(crate) fn rows<'t>(table: &'t Table, key: &str) -> Vec<&'t Table> {
     list(table, key).iter().filter_map(row).collect()
 }
 
-/// A vector, or the first three rows of a matrix.
+/// A translation vector, or the first three rows of a matrix, as a map.
 fn affine(map: &Datum) -> Option<Affine> {
     let Datum::List(values) = map else { return None };
     let value = |value: &rayweave_scene::Spanned<Datum>| match value.value {

@@ -1,76 +1,31 @@
-//! `<structure>`: volumes within volumes, as a graph.
+//! `<structure>`: logical volumes and their placements (physical volumes), as a graph.
 
 use super::attributes::{Failure, Numbers};
+use super::context::Context;
 use super::define::{Role, inverse_rotation};
-use super::materials::{self, Materials};
-use super::optical::{self, Surfaces};
-use super::solids::{Library, Shape, bare, with_dimensions};
-use super::units::Quantity;
-use super::xml::{self, Element, Place};
-use super::{Context, Trouble};
+use super::graph::{Auxiliary, Daughter, Graph, Volume};
+use super::materials;
+use super::optical;
+use super::solids::{Library, Shape, with_dimensions};
+use super::trouble::Place;
+use super::trouble::Trouble;
+use super::xml::{self, Element};
 use crate::LossKind;
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::Solid;
 use rayweave_scene::Source;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 mod copies;
+mod pending;
+mod row;
 
-/// Files within one another.
+use pending::{Copies, Pending};
+
+/// Maximal nesting depth of included files.
 const DEEPEST_FILE: usize = 20;
 
-/// All volumes of a file and of those that it includes.
-#[derive(Debug, Default)]
-pub(super) struct Graph {
-    pub volumes: Vec<Volume>,
-    pub materials: Materials,
-    pub surfaces: Surfaces,
-    pub auxiliary: Vec<Auxiliary>,
-    /// How many copies replicas and divisions have made.
-    copies: usize,
-    /// The volumes that included files gave, by path and name.
-    included: BTreeMap<(PathBuf, String), Option<usize>>,
-}
-
-/// A logical volume, or an assembly, which has no solid.
-#[derive(Clone, Debug)]
-pub(super) struct Volume {
-    pub name: String,
-    /// `None` for assemblies, and where it was refused.
-    pub shape: Option<Shape>,
-    /// The number of the material.
-    pub material: Option<usize>,
-    pub daughters: Vec<Daughter>,
-    /// The volume whose daughters are also in this one: its own number but for copies of other dimensions.
-    pub content: usize,
-    pub auxiliary: Vec<Auxiliary>,
-    pub place: Place,
-}
-
-/// Placements of a volume in its mother.
-#[derive(Clone, Debug)]
-pub(super) struct Daughter {
-    pub name: String,
-    pub volume: usize,
-    /// From the frame of the daughter to that of its mother, one for each copy.
-    pub maps: Vec<Affine>,
-    /// The number that the file gives to the first copy.
-    pub copy: Option<i64>,
-    pub place: Place,
-}
-
-/// A tag for the user's own use.
-#[derive(Clone, Debug)]
-pub(super) struct Auxiliary {
-    pub kind: String,
-    pub value: String,
-    pub unit: String,
-    pub children: Vec<Auxiliary>,
-}
-
-/// Reads a file, or text, into the graph and gives its outermost volume: the one that is asked for, or its world.
+/// Reads a file or text into the graph. Returns the requested volume, by default the world.
 pub(super) fn read_file(
     context: &mut Context,
     source: Arc<Source>,
@@ -85,7 +40,7 @@ pub(super) fn read_file(
         }
     };
     if root.name != "gdml" {
-        let message = format!("the file is no GDML (its outermost element is `{}`, not `gdml`)", root.name);
+        let message = format!("the file is no GDML: its outermost element is `{}`, not `gdml`.", root.name);
         context.error(Trouble::new(message, root.place));
         return None;
     }
@@ -104,36 +59,17 @@ pub(super) fn read_file(
     reader.top(&root, wanted)
 }
 
-/// Reads one file.
+/// Reader of one file.
 struct StructureReader<'c, 'g> {
     numbers: Numbers<'c>,
     graph: &'g mut Graph,
     library: Library,
-    /// The volumes of this file.
+    /// Volumes of this file by name.
     names: BTreeMap<String, usize>,
-    /// What refers to volumes, to be looked up when all are known.
+    /// References to volumes, resolved at the end.
     pending: Vec<Pending>,
-    /// The worlds of the setups: name of the setup, name of the volume.
+    /// Worlds of the setups: name of the setup, name of the volume, position.
     worlds: Vec<(String, String, Place)>,
-}
-
-/// A daughter whose volume is known by name only.
-struct Pending {
-    mother: usize,
-    daughter: usize,
-    name: String,
-    place: Place,
-    copies: Copies,
-}
-
-/// How the copies of a daughter are made once its volume is known.
-enum Copies {
-    /// As they stand in the graph.
-    Placed,
-    Replicas(copies::Row),
-    Divisions(copies::Row),
-    /// Each with its own dimensions.
-    Shapes(Vec<Option<Shape>>),
 }
 
 impl StructureReader<'_, '_> {
@@ -158,7 +94,7 @@ impl StructureReader<'_, '_> {
         let StructureReader { numbers, graph, library, .. } = self;
         numbers.each(section, &mut |numbers, element| match element.name.as_str() {
             "opticalsurface" => graph.surfaces.add_optical(numbers, element),
-            // positions and numbers are defined between solids, too, by some programs
+            // some programs write definitions between solids
             "define" => numbers.define(element),
             _ => library.add(numbers, element),
         });
@@ -174,13 +110,13 @@ impl StructureReader<'_, '_> {
     }
 
     fn structure(&mut self, section: &Element) {
-        // the closure needs all of the reader but its numbers, which run the loops
+        // the closure needs all of the reader except its numbers, which run the loops
         let StructureReader { numbers, graph, library, names, pending, .. } = self;
         numbers.each(section, &mut |numbers, element| {
             let mut builder = Builder { numbers, graph, library, names, pending };
             match element.name.as_str() {
                 "volume" | "assembly" => {
-                    // what is wrong with it has been told
+                    // problems are reported inside
                     let _ = builder.volume(element);
                 }
                 "skinsurface" | "bordersurface" => builder.graph.surfaces.add_link(builder.numbers, element),
@@ -196,13 +132,13 @@ impl StructureReader<'_, '_> {
         });
     }
 
-    /// Looks up all volumes that are referred to.
+    /// Resolves all references to volumes.
     fn resolve(&mut self) {
         for pending in std::mem::take(&mut self.pending) {
             let Some(&volume) = self.names.get(&pending.name) else {
                 let trouble = Trouble::new(
                     format!(
-                        "unknown volume `{}` (there is no volume or assembly of this name)",
+                        "unknown volume `{}`: there is no volume or assembly of this name.",
                         pending.name
                     ),
                     pending.place,
@@ -213,10 +149,10 @@ impl StructureReader<'_, '_> {
             self.graph.volumes[pending.mother].daughters[pending.daughter].volume = volume;
             copies::spread(self.numbers.context, self.graph, &pending, volume);
         }
-        optical::check_links(self.numbers.context, self.graph, &self.names);
+        optical::check_links(self.numbers.context, &self.graph.surfaces, &self.names);
     }
 
-    /// The outermost volume.
+    /// The top volume.
     fn top(&mut self, root: &Element, wanted: Option<&str>) -> Option<usize> {
         let default = self.worlds.iter().find(|(setup, ..)| setup == "Default").or(self.worlds.first());
         let (name, place) = match (wanted, default) {
@@ -227,7 +163,7 @@ impl StructureReader<'_, '_> {
         let found = self.names.get(&name).copied();
         if found.is_none() {
             let trouble = Trouble::new(
-                format!("unknown volume `{name}` (there is no volume or assembly of this name)"),
+                format!("unknown volume `{name}`: there is no volume or assembly of this name."),
                 place,
             );
             self.numbers.tell(trouble.did_you_mean(&name, self.names.keys().map(String::as_str)));
@@ -235,7 +171,7 @@ impl StructureReader<'_, '_> {
         found
     }
 
-    /// The one volume that is nowhere placed, in files that name no world.
+    /// The only volume without a placement, for files without a world.
     fn lonely(&mut self, root: &Element) -> Option<usize> {
         let mut placed = vec![false; self.graph.volumes.len()];
         for daughter in self.graph.volumes.iter().flat_map(|volume| &volume.daughters) {
@@ -243,7 +179,7 @@ impl StructureReader<'_, '_> {
         }
         let free: Vec<usize> = self.names.values().copied().filter(|volume| !placed[*volume]).collect();
         let what =
-            "the file names no world (<setup name=\"Default\" version=\"1.0\"><world ref=\"..\"/></setup>)";
+            "the file names no world: <setup name=\"Default\" version=\"1.0\"><world ref=\"..\"/></setup>.";
         match free.as_slice() {
             [only] => {
                 let message = format!(
@@ -261,7 +197,7 @@ impl StructureReader<'_, '_> {
     }
 }
 
-/// Adds volumes.
+/// Adds volumes to the graph.
 struct Builder<'a, 'c> {
     numbers: &'a mut Numbers<'c>,
     graph: &'a mut Graph,
@@ -274,7 +210,7 @@ impl Builder<'_, '_> {
     fn volume(&mut self, element: &Element) -> Result<(), Failure> {
         let name = self.numbers.name(element)?;
         if self.names.contains_key(&name) {
-            let message = format!("a second volume `{name}` (the first one is used)");
+            let message = format!("a second volume `{name}`: the first one is used.");
             self.numbers.context.lose(LossKind::Dropped, &element.name, Trouble::new(message, element.place));
             return Ok(());
         }
@@ -294,7 +230,7 @@ impl Builder<'_, '_> {
         let Builder { numbers, graph, library, names, pending } = self;
         numbers.each(element, &mut |numbers, child| {
             let mut builder = Builder { numbers, graph, library, names, pending };
-            // what is wrong with it has been told
+            // problems are reported inside
             let _ = builder.content(index, child);
         });
         Ok(())
@@ -306,7 +242,7 @@ impl Builder<'_, '_> {
                 let found = self.library.of(self.numbers, solid)?;
                 if found.is_none() {
                     let message = format!(
-                        "the volume `{}` is missing (its solid is refused; what is in it remains)",
+                        "the volume `{}` is missing: its solid is refused; what is in it remains.",
                         element.text("name")
                     );
                     self.numbers.context.warn(Trouble::new(message, element.place));
@@ -316,7 +252,7 @@ impl Builder<'_, '_> {
             None if element.name == "assembly" => Ok(None),
             None => {
                 let message =
-                    format!("the volume `{}` has no `solidref` (it is needed)", element.text("name"));
+                    format!("the volume `{}` has no `solidref`: it is needed.", element.text("name"));
                 Err(self.numbers.tell(Trouble::new(message, element.place)))
             }
         }
@@ -375,7 +311,7 @@ impl Builder<'_, '_> {
         self.refer(mother, element, daughter, Copies::Placed)
     }
 
-    /// `<volumeref>` of a daughter, to be looked up later.
+    /// Reads the `<volumeref>` of a daughter, to be resolved later.
     fn refer(
         &mut self,
         mother: usize,
@@ -384,7 +320,7 @@ impl Builder<'_, '_> {
         copies: Copies,
     ) -> Result<(), Failure> {
         let Some(reference) = element.child("volumeref") else {
-            let message = format!("the `{}` has no `volumeref` (it is needed)", element.name);
+            let message = format!("the `{}` has no `volumeref`: it is needed.", element.name);
             return Err(self.numbers.tell(Trouble::new(message, element.place)));
         };
         let (name, place) = self.numbers.reference(reference, "ref")?;
@@ -394,8 +330,8 @@ impl Builder<'_, '_> {
         Ok(())
     }
 
-    /// The map of a placement. GDML gives the rotation of the mother's frame as seen from the daughter: the inverse turns the
-    /// daughter. A scale, which may mirror, comes first.
+    /// Map of a placement. GDML gives the rotation of the mother's frame relative to the daughter, so that the inverse
+    /// rotates the daughter. A scale, which may be a reflection, is applied first.
     fn map(&mut self, element: &Element) -> Result<Affine, Failure> {
         let placement = self.numbers.placement(element, "");
         let scale = self.numbers.child_vector(element, "scale", Role::Scale)?.unwrap_or(Vec3::ONE);
@@ -403,12 +339,12 @@ impl Builder<'_, '_> {
         if scale.to_array().contains(&0.0) {
             return Err(self
                 .numbers
-                .tell(Trouble::new("a scale factor is 0 (a volume would be flat)", element.place)));
+                .tell(Trouble::new("a scale factor is 0: a volume would be flat.", element.place)));
         }
         Ok(Affine::scale(scale).then(&inverse_rotation(angles)).then(&Affine::translate(position)))
     }
 
-    /// The volume of another file; `None` if it has problems, which are told.
+    /// The volume of an included file; `None` if that has problems, which are reported.
     fn included(&mut self, file: &Element) -> Result<Option<usize>, Failure> {
         let attribute = self.numbers.need(file, "name")?;
         let path = self.numbers.context.files.beside(attribute.place.file, &attribute.value);
@@ -420,11 +356,11 @@ impl Builder<'_, '_> {
         let context = &mut *self.numbers.context;
         if context.open.contains(&path) || context.open.len() > DEEPEST_FILE {
             let message =
-                format!("the file {} includes itself (through {} files)", path.display(), context.open.len());
+                format!("the file {} includes itself: through {} files.", path.display(), context.open.len());
             return Err(self.numbers.tell(Trouble::new(message, attribute.place)));
         }
-        let source = super::source_of(&path).map_err(|reason| {
-            let message = format!("the file {} cannot be read ({reason})", path.display());
+        let source = super::source::source_of(&path).map_err(|reason| {
+            let message = format!("the file {} cannot be read: {reason}.", path.display());
             self.numbers.tell(Trouble::new(message, attribute.place))
         })?;
         let context = &mut *self.numbers.context;
@@ -439,46 +375,46 @@ impl Builder<'_, '_> {
         let count = self.numbers.whole(element, "number", 1, copies::MOST)?;
         let row = match (element.child("replicate_along_axis"), element.attribute("axis")) {
             (Some(along), _) => self.row_along(along)?,
-            // of old files
+            // syntax of older files
             (None, Some(_)) => self.row_of(element)?,
             (None, None) => {
                 return Err(self.numbers.tell(Trouble::new(
-                    "`replicavol` has no `replicate_along_axis` (it is needed)",
+                    "`replicavol` has no `replicate_along_axis`: it is needed.",
                     element.place,
                 )));
             }
         };
-        let row = copies::Row { count: count as usize, ..row };
+        let row = row::Row { count: count as usize, ..row };
         self.refer(mother, element, empty(mother, element), Copies::Replicas(row))
     }
 
-    /// `<replicate_along_axis>`: direction, width and offset as children.
-    fn row_along(&mut self, along: &Element) -> Result<copies::Row, Failure> {
-        let Some(axis) = along.child("direction").and_then(copies::direction) else {
+    /// `<replicate_along_axis>`: direction, width and offset as child elements.
+    fn row_along(&mut self, along: &Element) -> Result<row::Row, Failure> {
+        let Some(axis) = along.child("direction").and_then(row::direction) else {
             return Err(self
                 .numbers
-                .tell(Trouble::new("no direction (one of x, y, z, rho, phi is 1)", along.place)));
+                .tell(Trouble::new("no direction: one of x, y, z, rho, phi is 1.", along.place)));
         };
         let mut quantity = |name: &str| match along.child(name) {
             Some(child) => copies::quantity(self.numbers, child, axis, "value"),
             None => Ok(0.0),
         };
         let (width, offset) = (quantity("width")?, quantity("offset")?);
-        Ok(copies::Row { axis, count: 0, width, offset })
+        Ok(row::Row { axis, count: 0, width, offset })
     }
 
     /// Axis, width and offset as attributes.
-    fn row_of(&mut self, element: &Element) -> Result<copies::Row, Failure> {
+    fn row_of(&mut self, element: &Element) -> Result<row::Row, Failure> {
         let attribute = self.numbers.need(element, "axis")?;
-        let Some(axis) = copies::axis(&attribute.value) else {
+        let Some(axis) = row::axis(&attribute.value) else {
             let trouble = Trouble::new(format!("`{}` is no axis", attribute.value), attribute.place);
             return Err(self
                 .numbers
-                .tell(trouble.did_you_mean(&attribute.value, copies::AXES.map(|row| row.0))));
+                .tell(trouble.did_you_mean(&attribute.value, row::AXES.map(|row| row.0))));
         };
         let width = copies::quantity(self.numbers, element, axis, "width");
         let offset = copies::quantity(self.numbers, element, axis, "offset");
-        Ok(copies::Row { axis, count: 0, width: width?, offset: offset? })
+        Ok(row::Row { axis, count: 0, width: width?, offset: offset? })
     }
 
     fn divisions(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
@@ -487,7 +423,7 @@ impl Builder<'_, '_> {
             Some(_) => self.numbers.whole(element, "number", 0, copies::MOST)?,
             None => 0,
         };
-        let row = copies::Row { count: count as usize, ..row };
+        let row = row::Row { count: count as usize, ..row };
         self.refer(mother, element, empty(mother, element), Copies::Divisions(row))
     }
 
@@ -519,13 +455,13 @@ impl Builder<'_, '_> {
     }
 }
 
-/// A daughter whose copies are to come.
+/// A daughter without copies yet.
 fn empty(mother: usize, element: &Element) -> Daughter {
     let name = element.text("name").to_owned();
     Daughter { name, volume: mother, maps: Vec::new(), copy: None, place: element.place }
 }
 
-/// The auxiliary tags among the children.
+/// Auxiliary tags among the children.
 fn auxiliaries(element: &Element) -> Vec<Auxiliary> {
     let tags = element.children.iter().filter(|child| child.name == "auxiliary");
     tags.map(|tag| Auxiliary {
@@ -535,33 +471,4 @@ fn auxiliaries(element: &Element) -> Vec<Auxiliary> {
         children: auxiliaries(tag),
     })
     .collect()
-}
-
-impl Graph {
-    /// Volumes alone.
-    pub fn of(volumes: Vec<Volume>) -> Graph {
-        Graph { volumes, ..Graph::default() }
-    }
-
-    /// What is placed in a volume.
-    pub fn daughters(&self, volume: usize) -> &[Daughter] {
-        &self.volumes[self.volumes[volume].content].daughters
-    }
-}
-
-impl Volume {
-    /// The solid, if it has one.
-    pub fn solid(&self) -> Option<&Solid> {
-        self.shape.as_ref().map(|shape| &shape.solid)
-    }
-
-    /// The name for people.
-    pub fn bare_name(&self) -> &str {
-        bare(&self.name)
-    }
-}
-
-/// The quantity that a length or an angle along an axis is.
-fn measure(is_angle: bool) -> Quantity {
-    if is_angle { Quantity::Angle } else { Quantity::Length }
 }

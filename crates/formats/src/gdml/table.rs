@@ -1,12 +1,11 @@
-//! The table `[gdml]`: what a GDML file says beyond geometry, for those who need it later.
+//! The table `[gdml]` of a document: the non-geometric data of a GDML file.
 //!
-//! Keys: `world`, `volume` (a list: `name`, `region`, `material`, `daughters`, `auxiliary`), `material`, `element`, `matrix`,
-//! `surface`, `skin`, `border`, `auxiliary`. Energies are in MeV and lengths in millimetres, as Geant4 has them.
+//! Keys: `world`, `volume` (a list: `name`, `region`, `material`, `daughters`, `auxiliary`), `material`, `element`,
+//! `matrix`, `surface`, `skin`, `border`, `auxiliary`. Energies are in MeV and lengths in millimetres, as in Geant4.
 
+use super::graph::{Auxiliary, Daughter, Graph};
 use super::materials::{Material, Property};
 use super::optical::{Link, Optical};
-use super::structure::{Auxiliary, Daughter, Graph};
-use super::unplaced;
 use rayweave_math::Affine;
 use rayweave_scene::{Datum, Spanned, Table};
 use std::collections::HashMap;
@@ -42,7 +41,7 @@ pub(super) fn table(
     table.0
 }
 
-/// A table that is being filled; what is empty is left out.
+/// Builder of a table; empty values are omitted.
 #[derive(Default)]
 struct Rows(Table);
 
@@ -102,7 +101,7 @@ fn daughter_row(graph: &Graph, daughter: &Daughter) -> Datum {
     row.datum()
 }
 
-/// A translation as its vector, any other map as the first three rows of its matrix.
+/// A translation as a vector, any other map as the first three rows of its matrix.
 fn map(map: &Affine) -> Datum {
     match *map == Affine::translate(map.translation) {
         true => numbers(&map.translation.to_array()),
@@ -143,7 +142,7 @@ impl Rows {
             };
             let entry =
                 |(name, property): &(String, Property)| (name.as_str().into(), unplaced(datum(property)));
-            // a property that is given twice counts as the last one says
+            // of repeated properties the last one counts
             let last: HashMap<&str, usize> =
                 properties.iter().zip(0..).map(|((name, _), k)| (name.as_str(), k)).collect();
             let kept = properties.iter().zip(0..).filter(|((name, _), k)| last.get(name.as_str()) == Some(k));
@@ -182,4 +181,9 @@ fn auxiliary_row(tag: &Auxiliary) -> Datum {
     row.text("unit", &tag.unit);
     row.list("auxiliary", tag.children.iter().map(auxiliary_row));
     row.datum()
+}
+
+/// A value without a position in the text of a document.
+fn unplaced<T>(value: T) -> Spanned<T> {
+    value.into()
 }

@@ -1,7 +1,7 @@
-//! Units and constants, in the system that Geant4 sets: millimetres, nanoseconds, MeV, the charge of the electron, kelvin.
+//! Units and constants in Geant4's system: millimetres, nanoseconds, MeV, elementary charge, kelvin.
 //!
-//! Source: G. Barrand et al., CLHEP, `Evaluator/setSystemOfUnits` and `setStdMath`; the joule is that of the elementary charge
-//! 1.602176634e-19 C (SI 2019), which Geant4 has used since its release 10.6.
+//! Source: G. Barrand et al., CLHEP, `Evaluator/setSystemOfUnits` and `setStdMath`; the joule uses the elementary charge
+//! 1.602176634e-19 C (SI 2019), as Geant4 does since release 10.6.
 
 const PI: f64 = std::f64::consts::PI;
 const METRE: f64 = 1e3;
@@ -16,7 +16,7 @@ const NEWTON: f64 = JOULE / METRE;
 const PASCAL: f64 = NEWTON / (METRE * METRE);
 const TESLA: f64 = VOLT * SECOND / (METRE * METRE);
 
-/// What a unit measures.
+/// The physical quantity of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Quantity {
     Length,
@@ -137,22 +137,22 @@ const TABLE: &[(&str, f64, Quantity)] = &[
     ("candela", 1.0, Other),
 ];
 
-/// The value of a unit or a constant.
+/// Value of a unit or a constant.
 pub(super) fn value(name: &str) -> Option<f64> {
     row(name).map(|row| row.1)
 }
 
-/// The value of a unit of length or angle.
+/// Value of a unit of length or angle.
 pub(super) fn of(quantity: Quantity, name: &str) -> Option<f64> {
     row(name).filter(|row| row.2 == quantity).map(|row| row.1)
 }
 
-/// The units of a quantity, or all names.
+/// Names of all units and constants.
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
     TABLE.iter().map(|row| row.0)
 }
 
-/// The units of one quantity.
+/// Names of the units of one quantity.
 pub(super) fn names_of(quantity: Quantity) -> impl Iterator<Item = &'static str> {
     TABLE.iter().filter(move |row| row.2 == quantity).map(|row| row.0)
 }
@@ -161,7 +161,7 @@ fn row(name: &str) -> Option<&'static (&'static str, f64, Quantity)> {
     TABLE.iter().find(|row| row.0 == name)
 }
 
-/// The value in its unit as files give densities, temperatures and pressures: g/cm3, K, Pa.
+/// Value of the default unit of densities, g/cm3.
 pub(super) const GRAM_PER_CM3: f64 = 1e-3 * KILOGRAM / 1e3;
-/// Likewise.
+/// Value of the default unit of pressures, Pa.
 pub(super) const PA: f64 = PASCAL;

@@ -1,10 +1,11 @@
-//! XML as a tree of elements with places, entities resolved.
+//! XML as a tree of elements with positions and expanded entities.
 //!
-//! The syntax is read by `quick-xml`; this module adds the tree, the places, and the entities of a document type:
-//! `<!ENTITY name "text">` and `<!ENTITY name SYSTEM "file.xml">`, which is looked for beside the file that names it. Both may
-//! name others. What they expand to is limited, so that a few lines cannot ask for all memory ("billion laughs").
+//! The syntax is parsed by `quick-xml`. This module adds the tree, the positions, and the entities of a document type:
+//! `<!ENTITY name "text">` and `<!ENTITY name SYSTEM "file.xml">`, with the file relative to the one that declares it.
+//! Entities may refer to other entities. An entity expansion limit prevents short files from exhausting memory ("billion
+//! laughs").
 
-use super::Trouble;
+use super::trouble::{Place, Trouble};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Error, Reader};
 use rayweave_scene::{Diagnostic, Source, Span};
@@ -12,25 +13,18 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Elements within one another: GDML's own nest to about ten, and as many again for each entity.
+/// Maximal nesting depth of elements: those of GDML nest to about ten, multiplied by entities.
 const DEEPEST: usize = 200;
-/// References to entities on the way to one piece of text.
+/// Maximal nesting depth of entity references.
 const DEEPEST_ENTITY: usize = 20;
-/// References to entities altogether.
+/// Most entity references in a document.
 const MOST_REFERENCES: usize = 100_000;
-/// Bytes that texts of internal entities may take, every use counted.
+/// Entity expansion limit: bytes of internal entities, counting every use.
 const MOST_EXPANDED: usize = 16 << 20;
-/// Bytes of external entities, every use counted.
+/// Bytes of external entities, counting every use.
 const MOST_INCLUDED: usize = 64 << 20;
 
-/// A place in one of the texts that a document is made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Place {
-    pub file: u32,
-    pub span: Span,
-}
-
-/// The name of an element or attribute: all that are alike share one text.
+/// Name of an element or attribute; equal names share one allocation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Name(Arc<str>);
 
@@ -74,27 +68,27 @@ impl std::fmt::Display for Name {
 #[derive(Clone, Debug)]
 pub(super) struct Element {
     pub name: Name,
-    /// The opening tag.
+    /// Position of the opening tag.
     pub place: Place,
     pub attributes: Vec<Attribute>,
     pub children: Vec<Element>,
-    /// The text before the first child that is not blank.
+    /// The first text among the children that is not blank.
     pub content: Option<Box<Attribute>>,
 }
 
-/// An attribute with its value as meant, references replaced.
+/// An attribute with its expanded value.
 #[derive(Clone, Debug)]
 pub(super) struct Attribute {
     pub name: Name,
     pub value: String,
-    /// The value between its quotation marks.
+    /// Position of the value between its quotation marks.
     pub place: Place,
-    /// True if the value stands in the text as it is, so that places within it are known.
+    /// True if the value occurs unchanged in the text, so that positions within it are known.
     pub verbatim: bool,
 }
 
 impl Attribute {
-    /// A part of the value, which begins at a byte of it.
+    /// A part of the value, from a byte offset on.
     pub fn part(&self, text: &str, at: usize) -> Attribute {
         let start = self.place.span.start + at;
         let span = if self.verbatim { Span::new(start, start + text.len()) } else { self.place.span };
@@ -117,7 +111,7 @@ impl Element {
         self.attributes.iter().find(|attribute| attribute.name == name)
     }
 
-    /// The value of an attribute, or nothing.
+    /// Value of an attribute, or "".
     pub fn text(&self, name: &str) -> &str {
         self.attribute(name).map_or("", |attribute| attribute.value.as_str())
     }
@@ -128,7 +122,7 @@ impl Element {
     }
 }
 
-/// The texts that a document is made of.
+/// The texts of a document.
 #[derive(Debug, Default)]
 pub(super) struct Files {
     sources: Vec<Arc<Source>>,
@@ -140,7 +134,7 @@ impl Files {
         self.sources.len() as u32 - 1
     }
 
-    /// Puts a problem at its place.
+    /// Adds the position to a diagnostic.
     pub fn locate(&self, problem: Diagnostic, place: Place) -> Diagnostic {
         match self.sources.get(place.file as usize) {
             Some(source) => problem.at(source, place.span),
@@ -152,7 +146,7 @@ impl Files {
         self.sources.get(file as usize)?.path()
     }
 
-    /// The path of a file that another one names.
+    /// Path of a file named in another one, relative to that.
     pub fn beside(&self, file: u32, name: &str) -> PathBuf {
         let name = name.strip_prefix("file:").unwrap_or(name);
         let folder = self.path(file).and_then(|path| path.parent());
@@ -160,11 +154,11 @@ impl Files {
     }
 }
 
-/// The root element of a document.
+/// Parses a document and returns its root element.
 ///
 /// # Errors
 ///
-/// The first place where the text is not well-formed XML, an entity that cannot be resolved, or a limit that is passed.
+/// The first position where the text is not well-formed XML, an unresolved entity, or an exceeded limit.
 pub(super) fn read(files: &mut Files, source: Arc<Source>) -> Result<Element, Trouble> {
     let file = files.add(source.clone());
     let mut tree = Tree {
@@ -182,12 +176,12 @@ pub(super) fn read(files: &mut Files, source: Arc<Source>) -> Result<Element, Tr
     match roots.len() {
         1 => Ok(roots.remove(0)),
         0 => Err(Trouble::new(
-            "the file has no element (it is empty, or not XML)",
+            "the file has no element: it is empty, or not XML.",
             Place { file, span: Span::default() },
         )),
         _ => Err(Trouble::new(
             format!(
-                "a second element `{}` after the end of the first (a file is one element)",
+                "a second element `{}` after the end of the first: a file is one element.",
                 roots[1].name
             ),
             roots[1].place,
@@ -195,7 +189,7 @@ pub(super) fn read(files: &mut Files, source: Arc<Source>) -> Result<Element, Tr
     }
 }
 
-/// What an entity stands for.
+/// The replacement of an entity.
 #[derive(Clone)]
 enum Entity {
     Text(Arc<Source>),
@@ -205,10 +199,10 @@ enum Entity {
 struct Tree<'f> {
     files: &'f mut Files,
     entities: BTreeMap<String, (Entity, Place)>,
-    /// The names that have been met.
+    /// Interned names.
     names: HashMap<String, Name>,
     roots: Vec<Element>,
-    /// The elements that are not closed yet.
+    /// Stack of open elements.
     open: Vec<Element>,
     references: usize,
     expanded: usize,
@@ -216,7 +210,7 @@ struct Tree<'f> {
 }
 
 impl Tree<'_> {
-    /// Reads a text into the innermost open element.
+    /// Parses a text into the innermost open element.
     fn text(&mut self, file: u32, source: &Arc<Source>, depth: usize) -> Result<(), Trouble> {
         let text = source.text();
         let floor = self.open.len();
@@ -246,7 +240,7 @@ impl Tree<'_> {
             None => Ok(()),
             Some(element) => Err(Trouble::new(
                 format!(
-                    "the element `{}` is not closed (the text ends before `</{}>`)",
+                    "the element `{}` is not closed: the text ends before `</{}>`.",
                     element.name, element.name
                 ),
                 element.place,
@@ -257,14 +251,14 @@ impl Tree<'_> {
     fn start(&mut self, tag: &BytesStart, place: Place, depth: usize) -> Result<(), Trouble> {
         if self.open.len() >= DEEPEST {
             return Err(Trouble::new(
-                format!("more than {DEEPEST} elements within one another (GDML has no use for that)"),
+                format!("more than {DEEPEST} elements within one another: GDML has no use for that."),
                 place,
             ));
         }
         let mut attributes = Vec::new();
         for attribute in tag.attributes() {
             let attribute =
-                attribute.map_err(|error| Trouble::new(format!("the tag is malformed ({error})"), place))?;
+                attribute.map_err(|error| Trouble::new(format!("the tag is malformed: {error}."), place))?;
             let at = place.span.start + 1 + offset_in(tag, &attribute.value);
             let place = Place { file: place.file, span: Span::new(at, at + attribute.value.len()) };
             let value = self.unescaped(&attribute.value, place, depth)?;
@@ -272,7 +266,7 @@ impl Tree<'_> {
             let name = self.name(attribute.key.as_ref());
             attributes.push(Attribute { name, value, place, verbatim });
         }
-        // there are as many of them as elements, and memory is what limits the size of files
+        // attribute lists are as numerous as elements, and memory limits the size of files
         attributes.shrink_to_fit();
         let name = self.name(tag.name().as_ref());
         self.open.push(Element { name, place, attributes, children: Vec::new(), content: None });
@@ -310,7 +304,7 @@ impl Tree<'_> {
         }
     }
 
-    /// A reference in the content: what the entity says is read as if it stood there.
+    /// A reference in the content: parses the replacement text in its place.
     fn refer(&mut self, name: &str, place: Place, depth: usize) -> Result<(), Trouble> {
         if character(name).is_some() {
             return Ok(());
@@ -322,7 +316,7 @@ impl Tree<'_> {
                 source
             }
             Entity::File(path) => {
-                let source = Arc::new(super::source_of(&path).map_err(|reason| {
+                let source = Arc::new(super::source::source_of(&path).map_err(|reason| {
                     Trouble::new(
                         format!("the entity `{name}` cannot be read ({}: {reason})", path.display()),
                         place,
@@ -347,7 +341,7 @@ impl Tree<'_> {
         if depth >= DEEPEST_ENTITY {
             return Err(Trouble::new(
                 format!(
-                    "entities refer to one another more than {DEEPEST_ENTITY} deep (does one contain itself?)"
+                    "entities refer to one another more than {DEEPEST_ENTITY} deep: does one contain itself?"
                 ),
                 place,
             ));
@@ -363,7 +357,7 @@ impl Tree<'_> {
         match self.expanded > MOST_EXPANDED {
             true => Err(Trouble::new(
                 format!(
-                    "the entity `{name}` makes the text longer than {} MiB (entities that repeat one another?)",
+                    "the entity `{name}` makes the text longer than {} MiB: entities that repeat one another?",
                     MOST_EXPANDED >> 20
                 ),
                 place,
@@ -378,7 +372,7 @@ impl Tree<'_> {
             None => {
                 let known = self.entities.keys().map(String::as_str);
                 Err(Trouble::new(
-                    format!("unknown entity `&{name};` (no <!ENTITY {name} ..> declares it)"),
+                    format!("unknown entity `&{name};`: no <!ENTITY {name} ..> declares it."),
                     place,
                 )
                 .did_you_mean(name, known))
@@ -386,14 +380,14 @@ impl Tree<'_> {
         }
     }
 
-    /// The value of an attribute, references replaced.
+    /// Value of an attribute with expanded references.
     fn unescaped(&mut self, raw: &str, place: Place, depth: usize) -> Result<String, Trouble> {
         let (mut value, mut rest) = (String::with_capacity(raw.len()), raw);
         while let Some(at) = rest.find('&') {
             value += &rest[..at];
             let end = rest[at..].find(';').ok_or_else(|| {
                 Trouble::new(
-                    "a `&` without `;` in a value (it begins a reference) did you mean `&amp;`?",
+                    "a `&` without `;` in a value: it begins a reference. Did you mean `&amp;`?",
                     place,
                 )
             })?;
@@ -422,7 +416,7 @@ impl Tree<'_> {
         }
     }
 
-    /// Takes the entities of a document type; other declarations in it change nothing here.
+    /// Reads the entities of a document type; other declarations have no effect.
     fn declare(&mut self, declaration: &str, text: &str, file: u32) -> Result<(), Trouble> {
         let base = text.find(declaration).unwrap_or(0);
         let mut at = 0;
@@ -442,19 +436,19 @@ impl Tree<'_> {
                 }
                 _ => {
                     return Err(Trouble::new(
-                        "the declaration of an entity is malformed (<!ENTITY name \"text\"> or <!ENTITY name SYSTEM \"file\">)",
+                        "the declaration of an entity is malformed: <!ENTITY name \"text\"> or <!ENTITY name SYSTEM \"file\">.",
                         place,
                     ));
                 }
             };
-            // the first declaration of a name is the one that holds (XML 1.0, section 4.2)
+            // the first declaration of an entity is binding (XML 1.0, section 4.2)
             self.entities.entry(entity.0.to_owned()).or_insert((entity.1, place));
         }
         Ok(())
     }
 }
 
-/// The words of a declaration up to its `>`, each with whether it is quoted.
+/// The words of a declaration up to its `>`, each with a flag whether it is quoted.
 fn declaration_words(text: &str) -> Vec<(&str, bool)> {
     let (mut words, mut rest) = (Vec::new(), text.trim_start());
     while words.len() < 4 && !rest.is_empty() && !rest.starts_with('>') {
@@ -488,7 +482,7 @@ fn character(name: &str) -> Option<char> {
     }
 }
 
-/// Where a part of a text begins in it.
+/// Byte offset of a part of a text.
 fn offset_in(text: &str, part: &str) -> usize {
     let offset = (part.as_ptr() as usize).wrapping_sub(text.as_ptr() as usize);
     if offset <= text.len() { offset } else { 0 }
@@ -501,5 +495,5 @@ fn syntax_trouble(error: &Error, place: Place, at: usize, text: &str) -> Trouble
     } else {
         Span::new(at, at.max(place.span.end))
     };
-    Trouble::new(format!("the file is not well-formed XML ({error})"), Place { span, ..place })
+    Trouble::new(format!("the file is not well-formed XML: {error}."), Place { span, ..place })
 }

@@ -1,4 +1,4 @@
-//! Arguments by their names, with their types checked.
+//! Arguments by name, with type checks.
 
 use super::syntax::Node;
 use super::value::{Argument, Value};
@@ -6,10 +6,10 @@ use rayweave_math::Vec3;
 use rayweave_scene::{Diagnostic, Source};
 use std::sync::Arc;
 
-/// Why an item is refused.
+/// The reason why an item is refused.
 pub(super) type Refusal = Box<Diagnostic>;
 
-/// The arguments of an item. One that is missing, or `undef`, has its default.
+/// The arguments of an item. A missing or `undef` argument has its default.
 #[derive(Clone, Copy)]
 pub(super) struct Arguments<'a> {
     source: &'a Arc<Source>,
@@ -21,18 +21,18 @@ impl<'a> Arguments<'a> {
         Arguments { source, node }
     }
 
-    /// A warning about the item as a whole: what is wrong, and why.
+    /// A warning about the item as a whole, with the reason.
     pub fn refusal(&self, reason: &str) -> Refusal {
         let problem = Diagnostic::warning(format!("{}() is left out", self.node.name));
         Box::new(problem.why(reason).at(self.source, self.node.span))
     }
 
-    /// A warning that something else stands in the item's place.
+    /// A warning that the item was replaced by an approximation.
     pub fn approximation(&self, message: &str) -> Diagnostic {
         Diagnostic::warning(format!("{}() {message}", self.node.name)).at(self.source, self.node.span)
     }
 
-    /// The argument of a name, or the one that stands without a name in its place.
+    /// The argument with this name, or the unnamed one at its position.
     fn find(&self, name: &str) -> Option<&'a Argument> {
         let all = &self.node.arguments;
         let found = all.iter().find(|argument| argument.name == name).or_else(|| {
@@ -49,7 +49,7 @@ impl<'a> Arguments<'a> {
         Box::new(problem.why(reason).at(self.source, argument.span))
     }
 
-    /// A value of some type.
+    /// A value of some type, converted by the given function.
     pub fn get<T>(
         &self,
         name: &str,
@@ -78,7 +78,7 @@ impl<'a> Arguments<'a> {
         Ok(self.get(name, "true or false", truth)?.unwrap_or(default))
     }
 
-    /// N finite numbers, or one for all of them.
+    /// N finite numbers, or one number repeated N times.
     pub fn point<const N: usize>(&self, name: &str, default: f64) -> Result<[f64; N], Refusal> {
         let point = |value: &Value| match value {
             Value::Number(number) => number.is_finite().then_some([*number; N]),
@@ -96,12 +96,12 @@ pub(super) fn finite<const N: usize>(value: &Value) -> Option<[f64; N]> {
     all.iter().all(|number| number.is_finite()).then_some(all)
 }
 
-/// A point of space.
+/// A vector of three finite numbers.
 pub(super) fn vector(value: &Value) -> Option<Vec3> {
     finite::<3>(value).map(Vec3::from_array)
 }
 
-/// The names of arguments that may stand without them. OpenSCAD itself leaves out those of two items only.
+/// Names of the arguments that may be given by position. OpenSCAD itself omits the names of two items only.
 fn order(item: &str) -> &'static [&'static str] {
     match item {
         "multmatrix" => &["m"],

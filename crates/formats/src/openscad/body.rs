@@ -1,18 +1,19 @@
-//! What is below an item as one closed mesh of its facets, by the kernel for meshes: where something is cut, nothing less tells
-//! how far it reaches, what shadow it throws, or what its sums are.
+//! Subtrees as one closed mesh of their facets, with booleans by the mesh kernel. Bounding boxes, projections and Minkowski
+//! sums of items with differences or intersections need it.
 
 use super::arguments::{Arguments, Refusal};
-use super::boolean::Operation;
-use super::reader::Reader;
-use super::shell::{Shell, Start, fold};
+use super::fold::{Start, fold};
+use super::operation::Operation;
+use super::shell::Shell;
+use super::state::Reader;
 use crate::kernel::Body;
 use rayweave_math::Affine;
 use rayweave_mesh::{Mesh, RepairOptions};
 
-/// What the kernel makes: nothing, or a body.
+/// Result of a kernel operation: nothing, or a body.
 type Made = Result<Option<Body>, String>;
 
-/// The facets there, joined as they are.
+/// The union of the facets below `from`.
 pub(super) fn body(reader: &Reader, from: Start) -> Result<Option<Body>, Refusal> {
     let of_shells = |arguments: &Arguments, shells: &[Shell], map: &Affine| {
         let all: Result<Vec<_>, _> = shells.iter().map(|shell| of_shell(shell, map)).collect();
@@ -27,7 +28,7 @@ pub(super) fn body(reader: &Reader, from: Start) -> Result<Option<Body>, Refusal
 fn of_shell(shell: &Shell, map: &Affine) -> Made {
     let points = shell.vertices.iter().map(|p| map.point(*p)).collect();
     let mesh = Mesh::new(points, shell.triangles.clone()).map_err(|error| error.to_string())?;
-    let turned = mesh.repaired(&RepairOptions { weld: 0.0, fill: false });
+    let turned = mesh.repaired(&RepairOptions::default().with_fill(false));
     let (points, triangles) = turned.map_err(|error| error.to_string())?.0.into_parts();
     match triangles.is_empty() {
         true => Ok(None),
@@ -66,10 +67,10 @@ impl Shell {
     }
 }
 
-/// More pairs of facets than these take minutes to sum up.
+/// Most pairs of facets in a Minkowski sum; more take minutes.
 const MOST_PAIRS: usize = 20_000;
 
-/// The sum of what is below some nodes, in facets.
+/// The Minkowski sum of some nodes, in facets.
 pub(super) fn sum(
     reader: &Reader,
     arguments: &Arguments,
@@ -77,7 +78,7 @@ pub(super) fn sum(
 ) -> Result<Option<Body>, Refusal> {
     let mut all: Option<Body> = None;
     for &operand in operands {
-        // OpenSCAD takes nothing for a point at the origin
+        // OpenSCAD treats an empty operand as a point at the origin
         let Some(next) = body(reader, Start::Item(operand))? else { continue };
         all = match all {
             None => Some(next),
@@ -91,7 +92,7 @@ pub(super) fn sum(
     Ok(all)
 }
 
-/// Refuses what would take too long.
+/// Refuses sums that would take too long.
 fn check(arguments: &Arguments, a: &Body, b: &Body) -> Result<(), Refusal> {
     let count = |body: &Body| if body.is_convex() { 1 } else { body.triangle_count() };
     match count(a).saturating_mul(count(b)) > MOST_PAIRS {

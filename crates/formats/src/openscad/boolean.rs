@@ -1,23 +1,16 @@
-//! Union, difference and intersection of parts.
+//! Union, difference and intersection of coloured parts.
 
+use super::operation::Operation;
 use super::part::{Piece, union};
 use rayweave_model::Solid;
 use rayweave_scene::Colour;
 use std::collections::HashMap;
 
-/// More pieces than these are joined before something is cut from each of them, so that what is cut is not
-/// repeated too often.
+/// Number of pieces above which they are united before a difference or intersection, so that the other operands are not
+/// repeated for each piece.
 const MOST_CUT_PIECES: usize = 16;
 
-/// How parts are joined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Operation {
-    Union,
-    Difference,
-    Intersection,
-}
-
-/// Solids, joined: the difference is what is in the first and in none of the others.
+/// The boolean of solids; the difference is the first minus the union of the others.
 pub(super) fn join_solids(operation: Operation, mut solids: Vec<Solid>) -> Solid {
     match operation {
         _ if solids.len() == 1 => solids.remove(0),
@@ -25,13 +18,13 @@ pub(super) fn join_solids(operation: Operation, mut solids: Vec<Solid>) -> Solid
         Operation::Intersection => Solid::intersection(solids),
         Operation::Difference => {
             let others = solids.split_off(1.min(solids.len()));
-            solids.pop().map_or_else(Solid::vacuum, |first| first - union(others))
+            solids.pop().map_or_else(Solid::empty, |first| first - union(others))
         }
     }
 }
 
-/// Joins operands, of which there is one or more. Pieces keep their colours, those of the first operand where something
-/// is cut.
+/// The boolean of one or more operands. Pieces keep their colours; a difference or intersection has those of its first
+/// operand.
 pub(super) fn join<T: Clone>(
     operation: Operation,
     operands: Vec<Vec<Piece<T>>>,
@@ -43,7 +36,7 @@ pub(super) fn join<T: Clone>(
     }
 }
 
-/// The union: pieces of one colour become one.
+/// The union: pieces of the same colour are united.
 fn gather<T>(
     pieces: impl Iterator<Item = Piece<T>>,
     combine: &mut impl FnMut(Operation, Vec<T>) -> T,
@@ -61,7 +54,7 @@ fn gather<T>(
     groups.into_iter().map(joined).collect()
 }
 
-/// The union of bodies, of which there is one or more.
+/// The union of one or more bodies.
 fn one<T>(mut bodies: Vec<T>, combine: &mut impl FnMut(Operation, Vec<T>) -> T) -> T {
     match bodies.len() {
         1 => bodies.remove(0),
@@ -69,12 +62,12 @@ fn one<T>(mut bodies: Vec<T>, combine: &mut impl FnMut(Operation, Vec<T>) -> T) 
     }
 }
 
-/// All pieces as one.
+/// The union of all pieces.
 pub(super) fn whole<T>(pieces: Vec<Piece<T>>, combine: &mut impl FnMut(Operation, Vec<T>) -> T) -> T {
     one(pieces.into_iter().map(|piece| piece.body).collect(), combine)
 }
 
-/// The first operand, each piece of which is joined with the others as wholes.
+/// The first operand, with each piece combined with the other operands as wholes.
 fn cut_first<T: Clone>(
     operation: Operation,
     operands: Vec<Vec<Piece<T>>>,

@@ -1,22 +1,21 @@
-//! The convex hull of points of space.
+//! Convex hull of points in space.
 //!
-//! *Source*: the incremental ("beneath-beyond") construction, M. de Berg et al., *Computational Geometry*, chapter 11. Which
-//! side of a face a point is on is decided without rounding (Shewchuk 1997, crate `robust`), so that points in common planes
-//! and lines do no harm.
+//! *Source*: the incremental ("beneath-beyond") construction, M. de Berg et al., *Computational Geometry*, chapter 11. The
+//! orientation test is exact (Shewchuk 1997, crate `robust`), so that coplanar and collinear points are handled correctly.
 
 use rayweave_math::Vec3;
 use std::collections::{HashMap, HashSet};
 
-/// More points than these take longer than a reader should.
+/// Most points of a hull; more take too long.
 pub(super) const MOST_POINTS: usize = 20_000;
 
-/// The sign of the height of `p` over the plane through a triangle that goes round counter-clockwise seen from above.
+/// Signed height of `p` above the plane of a triangle that is counter-clockwise seen from above; the sign is exact.
 fn height(points: &[Vec3], [a, b, c]: [usize; 3], p: usize) -> f64 {
     let at = |k: usize| robust::Coord3D { x: points[k].x, y: points[k].y, z: points[k].z };
     -robust::orient3d(at(a), at(b), at(c), at(p))
 }
 
-/// The triangles of the hull, counter-clockwise seen from outside; `None` if all points lie in a plane.
+/// Triangles of the convex hull, counter-clockwise seen from outside; `None` if all points lie in a plane.
 pub(super) fn convex_hull(points: &[Vec3]) -> Option<Vec<[usize; 3]>> {
     let mut faces = first_faces(points)?;
     for p in 0..points.len() {
@@ -26,7 +25,7 @@ pub(super) fn convex_hull(points: &[Vec3]) -> Option<Vec<[usize; 3]>> {
         }
         let edges: HashSet<(usize, usize)> = seen.iter().flat_map(|face| edges(*face)).collect();
         faces = unseen;
-        // the edges beyond which the point sees nothing
+        // horizon: the boundary edges of the visible faces
         let mut horizon: Vec<_> = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).copied().collect();
         horizon.sort_unstable();
         faces.extend(horizon.into_iter().map(|(a, b)| [a, b, p]));
@@ -38,7 +37,7 @@ fn edges([a, b, c]: [usize; 3]) -> [(usize, usize); 3] {
     [(a, b), (b, c), (c, a)]
 }
 
-/// A tetrahedron of four of the points, as large as is easily found.
+/// An initial tetrahedron of four of the points, chosen large.
 fn first_faces(points: &[Vec3]) -> Option<Vec<[usize; 3]>> {
     let farthest = |measure: &dyn Fn(Vec3) -> f64| {
         (0..points.len()).max_by(|a, b| measure(points[*a]).total_cmp(&measure(points[*b])))
@@ -49,14 +48,14 @@ fn first_faces(points: &[Vec3]) -> Option<Vec<[usize; 3]>> {
     let c = farthest(&|p| along.cross(p - points[a]).length_squared())?;
     let normal = along.cross(points[c] - points[a]);
     let by_far = farthest(&|p| normal.dot(p - points[a]).abs())?;
-    // the rounded measure may be 0 for points that are not in the plane
+    // the rounded measure may be 0 for points outside the plane
     let mut candidates = std::iter::once(by_far).chain(0..points.len());
     let d = candidates.find(|d| height(points, [a, b, c], *d) != 0.0)?;
     let [b, c] = if height(points, [a, b, c], d) > 0.0 { [c, b] } else { [b, c] };
     Some(vec![[a, b, c], [a, d, b], [b, d, c], [c, d, a]])
 }
 
-/// The planes (a, b, c, d) of triangles, with unit normals; nearly equal ones as one that cuts nothing off.
+/// Planes (a, b, c, d) of triangles, with unit normals; nearly equal planes are merged into one that cuts nothing off.
 pub(super) fn planes(points: &[Vec3], faces: &[[usize; 3]]) -> Vec<[f64; 4]> {
     let size = points.iter().fold(0f64, |size, p| size.max(p.abs().max_element()));
     let mut planes: Vec<[f64; 4]> = Vec::new();
@@ -76,7 +75,7 @@ pub(super) fn planes(points: &[Vec3], faces: &[[usize; 3]]) -> Vec<[f64; 4]> {
     planes
 }
 
-/// The volume within triangles that enclose something.
+/// Volume enclosed by triangles.
 pub(super) fn volume(points: &[Vec3], faces: &[[usize; 3]]) -> f64 {
     let Some(origin) = faces.first().map(|face| points[face[0]]) else {
         return 0.0;
@@ -92,7 +91,7 @@ pub(super) fn volume(points: &[Vec3], faces: &[[usize; 3]]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A cube with points on its edges, on its faces and within it.
+    /// A cube with extra points on its edges, on its faces and inside.
     #[test]
     fn a_grid_of_points_is_a_cube() {
         let points: Vec<Vec3> =
@@ -121,7 +120,7 @@ mod tests {
         assert_eq!(convex_hull(&[]), None);
     }
 
-    /// Every point is behind every plane, and the volume is that of the ball in the limit.
+    /// Every point is behind every plane, and the volume converges to that of the ball.
     #[test]
     fn points_of_a_sphere() {
         let golden = 2.399_963_229_728_653;

@@ -1,51 +1,51 @@
-//! What is read from a drawing, SVG or DXF: closed chains and discs, and what was left out.
+//! Contents of an imported drawing (SVG, DXF): closed chains and discs, and the omitted entities.
 
 use super::facets::direction;
 use super::flat::Leaf;
 use rayweave_math::{Affine, Vec3};
-use rayweave_space::Point;
+use rayweave_polygon::Point;
 
-/// The largest file of a drawing in bytes.
+/// Largest drawing file in bytes.
 pub(super) const LARGEST: u64 = 64 << 20;
 
-/// More points than these take longer than a reader should.
+/// Most points of a drawing; more take too long.
 pub(super) const MOST_POINTS: usize = 1_000_000;
 
-/// Chords are off from their curves by at most this part of what is drawn.
+/// Chord tolerance: deviation of chords from their curve, relative to the size of the drawing.
 pub(super) const TOLERANCE: f64 = 1e-4;
 
-/// The regions of a drawing: it is their union.
+/// Regions of a drawing, whose union is the result.
 #[derive(Debug, Default)]
 pub(super) struct Drawing {
     pub leaves: Vec<(Leaf, Affine)>,
-    /// Curves that are chords here.
+    /// True if curves were approximated by chords.
     pub has_chords: bool,
-    /// Open chains that were closed by a straight line.
+    /// Number of open chains that were closed by a straight line.
     pub closed: usize,
-    /// What was left out: what it is, why, and in which line of the file.
+    /// Omitted entities: name, reason, and line in the file.
     pub refused: Vec<(String, String, usize)>,
 }
 
-/// The map of the plane that takes (x, y) to (a x + c y + e, b x + d y + f).
+/// The plane map that takes (x, y) to (a x + c y + e, b x + d y + f).
 pub(super) fn plane_map([a, b, c, d, e, f]: [f64; 6]) -> Affine {
     let rows = [[a, c, 0.0, e], [b, d, 0.0, f], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
     Affine::from_rows(&rows).unwrap_or(Affine::IDENTITY)
 }
 
-/// A shift in the plane.
-pub(super) fn shift([x, y]: Point<2>) -> Affine {
+/// A translation in the plane.
+pub(super) fn shift([x, y]: Point) -> Affine {
     Affine::translate(Vec3::new(x, y, 0.0))
 }
 
-/// The number of chords of an arc of so many degrees whose distance from the arc is at most `TOLERANCE` of the radius.
+/// Number of chords of an arc of the given angle (degrees) such that they deviate by at most `TOLERANCE` times the radius.
 pub(super) fn chords(degrees: f64) -> usize {
     // 1 - cos(step / 2) = TOLERANCE
     let step = 2.0 * libm::acos(1.0 - TOLERANCE).to_degrees();
     (degrees.abs() / step).ceil().clamp(2.0, 1e4) as usize
 }
 
-/// Points on an ellipse about the origin with the half axes along x and y, from one angle to another, both included.
-pub(super) fn arc(radii: Point<2>, from: f64, to: f64, pieces: usize) -> Vec<Point<2>> {
+/// Points on an axis-parallel ellipse about the origin with the given half axes, from one angle to another, both included.
+pub(super) fn arc(radii: Point, from: f64, to: f64, pieces: usize) -> Vec<Point> {
     let at = |k: usize| {
         let angle = from + (to - from) * k as f64 / pieces as f64;
         let [cos, sin] = direction(angle, 360);
@@ -54,8 +54,8 @@ pub(super) fn arc(radii: Point<2>, from: f64, to: f64, pieces: usize) -> Vec<Poi
     (0..=pieces).map(at).collect()
 }
 
-/// The points of a Bezier curve by its control points, without the first (P. de Casteljau).
-pub(super) fn curve<const N: usize>(control: [Point<2>; N], pieces: usize, points: &mut Vec<Point<2>>) {
+/// Points of a Bézier curve given by its control points, without the first (P. de Casteljau).
+pub(super) fn curve<const N: usize>(control: [Point; N], pieces: usize, points: &mut Vec<Point>) {
     for piece in 1..pieces {
         let t = piece as f64 / pieces as f64;
         let mut p = control;
@@ -69,11 +69,12 @@ pub(super) fn curve<const N: usize>(control: [Point<2>; N], pieces: usize, point
     points.push(control[N - 1]);
 }
 
-/// The number of chords of a Bezier curve that keeps them within a distance: the second derivative is at most n (n - 1) times
-/// the largest second difference of the control points, and a chord over `h` of the parameter is off by `h^2 / 8` of it.
-pub(super) fn pieces<const N: usize>(control: &[Point<2>; N], within: f64) -> usize {
+/// Number of chords of a Bézier curve for a given chord tolerance: the second derivative is at most n (n - 1) times the
+/// largest second difference of the control points, and a chord over a parameter interval `h` deviates by at most `h^2 / 8`
+/// of it.
+pub(super) fn pieces<const N: usize>(control: &[Point; N], within: f64) -> usize {
     let second =
-        |w: &[Point<2>]| libm::hypot(w[0][0] - 2.0 * w[1][0] + w[2][0], w[0][1] - 2.0 * w[1][1] + w[2][1]);
+        |w: &[Point]| libm::hypot(w[0][0] - 2.0 * w[1][0] + w[2][0], w[0][1] - 2.0 * w[1][1] + w[2][1]);
     let bend = control.windows(3).map(second).fold(0.0, f64::max) * ((N - 1) * (N - 2)) as f64;
     libm::sqrt(bend / (8.0 * within)).ceil().clamp(1.0, 1000.0) as usize
 }
@@ -81,10 +82,10 @@ pub(super) fn pieces<const N: usize>(control: &[Point<2>; N], within: f64) -> us
 #[cfg(test)]
 mod tests {
     use super::super::arguments::Arguments;
-    use super::super::boolean::Operation;
     use super::super::dxf::{self, DxfOptions};
     use super::super::facets::Fineness;
     use super::super::flat::Flats;
+    use super::super::operation::Operation;
     use super::super::region::{area, boundary};
     use super::super::svg::{self, SvgOptions};
     use super::super::syntax::parse;
@@ -93,7 +94,7 @@ mod tests {
     use std::f64::consts::PI;
     use std::sync::Arc;
 
-    /// The area of what is drawn.
+    /// Area of a drawing.
     fn area_of(drawing: Drawing, facets: bool) -> f64 {
         assert!(drawing.refused.is_empty(), "{:?}", drawing.refused);
         let source = Arc::new(Source::new(None, "group();".to_owned()));
@@ -124,7 +125,7 @@ mod tests {
         area_of(dxf::read(text, &options).expect("a drawing"), facets)
     }
 
-    /// The areas are those of what OpenSCAD 2021.01 exports.
+    /// The areas equal those of the exports of OpenSCAD 2021.01.
     #[test]
     fn svg_beside_openscad() {
         let cases = [
@@ -146,7 +147,7 @@ mod tests {
                 "<rect width=\"10\" height=\"10\" transform=\"rotate(45) skewX(10) scale(2,1) translate(1 2) matrix(1 0 0 1 2 3)\"/>",
                 200.0,
             ),
-            // two that overlap, a path over itself
+            // two that overlap, and a self-intersecting path
             ("<rect width=\"6\" height=\"6\"/><rect x=\"3\" y=\"3\" width=\"6\" height=\"6\"/>", 63.0),
             ("<path d=\"M0 9 h2 v1 h-2z M1 9 h1 v1 h-1z\"/>", 1.0),
         ];
@@ -182,7 +183,7 @@ mod tests {
         }
     }
 
-    /// Entities as pairs of codes and values.
+    /// A DXF entity as pairs of group codes and values.
     fn entity(name: &str, pairs: &[(u16, &str)]) -> String {
         let pairs: String = pairs.iter().map(|(code, value)| format!("{code}\n{value}\n")).collect();
         format!("0\n{name}\n{pairs}")
@@ -232,7 +233,7 @@ mod tests {
             [("0", "0"), ("0", "5"), ("5", "5"), ("5", "0")].map(|(x, y)| [(10, x), (20, y)]).concat();
         let spline =
             [entity("SPLINE", &[&[(71, "3")], &knots[..], &control].concat()), line([0, 0], [5, 0])].concat();
-        // entities, blocks, the area in closed form, and that of OpenSCAD 2021.01
+        // entities, blocks, the area in closed form, and the area in OpenSCAD 2021.01
         let cases = [
             (square(), String::new(), 100.0, Some(100.0)),
             (circle("0"), String::new(), 16.0 * PI, Some(48.332566)),

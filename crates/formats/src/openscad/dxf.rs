@@ -1,35 +1,36 @@
-//! Drawings in DXF, as OpenSCAD imports them: closed chains of lines and arcs, circles and ellipses; what lies in an odd number
-//! of them is inside. Arcs within polylines and splines are read too, which OpenSCAD 2021.01 leaves out.
+//! DXF drawings with the semantics of OpenSCAD's import: closed chains of lines and arcs, circles and ellipses, filled by
+//! the even-odd rule. Arcs within polylines (bulges) and splines are read as well; OpenSCAD 2021.01 omits them.
 //!
-//! *Source*: Autodesk, *DXF Reference*, chapters "ENTITIES section", "BLOCKS section": pairs of a code and a value, a line each.
+//! *Source*: Autodesk, *DXF Reference*, chapters "ENTITIES section", "BLOCKS section". A file is a sequence of pairs of a
+//! group code and a value, each on its own line.
 
 use super::drawing::{Drawing, MOST_POINTS, arc, chords, plane_map, shift};
 use super::facets::Fineness;
 use super::flat::{Leaf, image};
 use rayweave_math::{Affine, Vec3};
-use rayweave_space::Point;
+use rayweave_polygon::Point;
 use std::collections::HashMap;
 
-/// Ends of lines nearer than this are one point, as in OpenSCAD: 2^-10.
+/// Distance below which two line ends are the same point: 2^-10, as in OpenSCAD.
 const NEAR: f64 = 1.0 / 1024.0;
-/// How deep blocks may use each other.
+/// Maximal nesting depth of blocks.
 const DEEPEST: usize = 20;
-/// Blocks that are used, every time counted.
+/// Most block insertions, counting repetitions.
 const MOST_USES: usize = 100_000;
-/// Pieces of a spline between two knots.
+/// Chords of a spline per knot interval.
 const SPLINE_PIECES: usize = 128;
 
-/// How a drawing is read.
+/// Options for reading a DXF drawing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DxfOptions<'a> {
-    /// Round shapes in as many pieces as OpenSCAD makes of them.
+    /// Round shapes with the number of facets of OpenSCAD.
     pub facets: bool,
     pub fineness: Fineness,
-    /// Only this layer; all, if it is empty.
+    /// Name of the layer to read; all layers if it is empty.
     pub layer: &'a str,
 }
 
-/// An entity: its name, its line, and its pairs.
+/// An entity: name, line in the file, and pairs.
 #[derive(Debug)]
 struct Entity<'a> {
     name: &'a str,
@@ -42,7 +43,7 @@ impl Entity<'_> {
         self.pairs.iter().find(|pair| pair.0 == code).map_or("", |pair| pair.1)
     }
 
-    /// All numbers of a code; what is no finite number is 0.
+    /// All numbers with a group code; values that are not finite numbers count as 0.
     fn numbers(&self, code: u16) -> impl Iterator<Item = f64> {
         self.pairs.iter().filter(move |pair| pair.0 == code).map(|pair| parsed(pair.1))
     }
@@ -51,7 +52,7 @@ impl Entity<'_> {
         self.numbers(code).next().unwrap_or(default)
     }
 
-    fn point(&self, code: u16) -> Point<2> {
+    fn point(&self, code: u16) -> Point {
         [self.number(code, 0.0), self.number(code + 10, 0.0)]
     }
 }
@@ -60,7 +61,7 @@ fn parsed(text: &str) -> f64 {
     text.parse().ok().filter(|number: &f64| number.abs() < 1e100).unwrap_or(0.0)
 }
 
-/// The pairs of a file, with the lines of their codes.
+/// The pairs of a file, with the line number of each group code.
 fn pairs(text: &str) -> Result<Vec<(u16, &str, usize)>, String> {
     let mut lines = text.trim_start_matches('\u{feff}').lines().map(str::trim).enumerate();
     let mut all = Vec::new();
@@ -77,10 +78,10 @@ fn pairs(text: &str) -> Result<Vec<(u16, &str, usize)>, String> {
     Ok(all)
 }
 
-/// The entities outside of blocks, and those of each block with its base point.
+/// Entities outside of blocks, and those of each block with its base point.
 struct Content<'a> {
     entities: Vec<Entity<'a>>,
-    blocks: HashMap<&'a str, (Point<2>, Vec<Entity<'a>>)>,
+    blocks: HashMap<&'a str, (Point, Vec<Entity<'a>>)>,
 }
 
 fn content(text: &str) -> Result<Content<'_>, String> {
@@ -90,7 +91,7 @@ fn content(text: &str) -> Result<Content<'_>, String> {
         match (code, all.last_mut()) {
             (0, _) => all.push(Entity { name: value, line, pairs: Vec::new() }),
             (_, Some(entity)) => entity.pairs.push((code, value)),
-            // comments may stand first
+            // comments may precede the first section
             _ => {}
         }
     }
@@ -120,7 +121,7 @@ fn content(text: &str) -> Result<Content<'_>, String> {
     }
 }
 
-/// Reads a text; an error says what is wrong, and where.
+/// Reads a DXF text; an error holds the problem and its line.
 pub(super) fn read(text: &str, options: &DxfOptions) -> Result<Drawing, String> {
     let content = content(text)?;
     let mut reader = Reader {
@@ -139,12 +140,12 @@ pub(super) fn read(text: &str, options: &DxfOptions) -> Result<Drawing, String> 
 struct Reader<'a> {
     content: &'a Content<'a>,
     options: &'a DxfOptions<'a>,
-    /// Lines and arcs that are to be joined.
-    chains: Vec<Vec<Point<2>>>,
+    /// Lines and arcs to be joined.
+    chains: Vec<Vec<Point>>,
     /// Closed outlines.
-    leaves: Vec<Vec<Point<2>>>,
-    /// Circles and ellipses by their half axes and maps, with the number of their facets.
-    rounds: Vec<(Point<2>, Affine, usize)>,
+    leaves: Vec<Vec<Point>>,
+    /// Circles and ellipses: half axes, map and number of facets.
+    rounds: Vec<(Point, Affine, usize)>,
     points: usize,
     drawing: Drawing,
 }
@@ -161,7 +162,7 @@ impl<'a> Reader<'a> {
                     "its blocks use each other more than {DEEPEST} deep or {MOST_USES} times"
                 ));
             }
-            // those within a block are of the layer that uses it
+            // entities of a block are on the layer of the `INSERT`
             let is_wanted = |entity: &Entity| {
                 depth > 0 || self.options.layer.is_empty() || entity.text(8) == self.options.layer
             };
@@ -217,7 +218,7 @@ impl<'a> Reader<'a> {
             }
             "LWPOLYLINE" => self.polyline(&light(entity), entity.number(70, 0.0) as u32 & 1 == 1, map),
             "SPLINE" => self.spline(entity, map),
-            // what is no region
+            // entities without an area
             "POINT" | "TEXT" | "MTEXT" | "ATTRIB" | "ATTDEF" | "DIMENSION" | "LEADER" | "VIEWPORT"
             | "RAY" | "XLINE" | "CIRCLE" | "ARC" => Ok(()),
             name => {
@@ -236,13 +237,13 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn chain(&mut self, points: Vec<Point<2>>, map: &Affine) -> Result<(), String> {
+    fn chain(&mut self, points: Vec<Point>, map: &Affine) -> Result<(), String> {
         self.count(points.len())?;
         self.chains.push(points.into_iter().map(|p| image(map, p)).collect());
         Ok(())
     }
 
-    /// The pieces of an arc of so many degrees.
+    /// Number of chords of an arc of the given angle.
     fn pieces(&mut self, radius: f64, degrees: f64) -> usize {
         self.drawing.has_chords |= !self.options.facets;
         match self.options.facets {
@@ -254,8 +255,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// OpenSCAD gives an ellipse one piece more than a circle.
-    fn ellipse(&mut self, radii: Point<2>, map: &Affine, more: usize) -> Result<(), String> {
+    /// OpenSCAD divides an ellipse into one more piece than a circle.
+    fn ellipse(&mut self, radii: Point, map: &Affine, more: usize) -> Result<(), String> {
         let fragments = self.options.fineness.fragments(radii[0]) + more;
         if !self.options.facets {
             self.rounds.push((radii, *map, fragments));
@@ -268,7 +269,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn arc(&mut self, radii: Point<2>, from: f64, span: f64, map: &Affine) -> Result<(), String> {
+    fn arc(&mut self, radii: Point, from: f64, span: f64, map: &Affine) -> Result<(), String> {
         let pieces = self.pieces(radii[0], span);
         self.chain(arc(radii, from, from + span, pieces), map)
     }
@@ -288,15 +289,15 @@ impl<'a> Reader<'a> {
         self.chain(points, map)
     }
 
-    /// The points within an arc, whose bulge is the tangent of a quarter of its angle.
-    fn bulge(&mut self, from: &Vertex, to: Point<2>, points: &mut Vec<Point<2>>) {
+    /// Interior points of an arc; its bulge is the tangent of a quarter of its angle.
+    fn bulge(&mut self, from: &Vertex, to: Point, points: &mut Vec<Point>) {
         let angle = 4.0 * libm::atan(from.bulge);
         let chord = [to[0] - from.at[0], to[1] - from.at[1]];
-        // from the middle of the chord to the centre, in halves of the chord across it
-        let aside = 0.5 * (1.0 / from.bulge - from.bulge);
+        // distance from the chord's midpoint to the centre, in half chord lengths
+        let perturbation = 0.5 * (1.0 / from.bulge - from.bulge);
         let centre = [
-            from.at[0] + 0.5 * (chord[0] - aside * chord[1]),
-            from.at[1] + 0.5 * (chord[1] + aside * chord[0]),
+            from.at[0] + 0.5 * (chord[0] - perturbation * chord[1]),
+            from.at[1] + 0.5 * (chord[1] + perturbation * chord[0]),
         ];
         let [x, y] = [from.at[0] - centre[0], from.at[1] - centre[1]];
         let pieces = self.pieces(libm::hypot(x, y), angle.to_degrees());
@@ -309,7 +310,7 @@ impl<'a> Reader<'a> {
     fn spline(&mut self, entity: &Entity, map: &Affine) -> Result<(), String> {
         let degree = entity.number(71, 3.0) as usize;
         let knots: Vec<f64> = entity.numbers(40).collect();
-        let points: Vec<Point<2>> = entity.numbers(10).zip(entity.numbers(20)).map(|(x, y)| [x, y]).collect();
+        let points: Vec<Point> = entity.numbers(10).zip(entity.numbers(20)).map(|(x, y)| [x, y]).collect();
         let weights: Vec<f64> = entity.numbers(41).collect();
         let is_spline =
             (1..=20).contains(&degree) && points.len() > degree && knots.len() == points.len() + degree + 1;
@@ -337,7 +338,7 @@ impl<'a> Reader<'a> {
         self.chain(all, map)
     }
 
-    /// A circle alone stays round. Together with others it may be a hole, or have one, and is a chain of chords.
+    /// Keeps a single circle exactly round. Among other shapes it may be a hole or have one, and becomes a chain of chords.
     fn round_off(&mut self) {
         let rounds = std::mem::take(&mut self.rounds);
         if let [(radii, map, fragments)] = rounds[..]
@@ -356,7 +357,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Joins the chains to closed ones, which count by the even-odd rule together with the outlines.
+    /// Joins the chains into closed ones, which are filled together with the outlines by the even-odd rule.
     fn finish(mut self) -> Drawing {
         self.round_off();
         let (closed, open) = joined(std::mem::take(&mut self.chains));
@@ -371,9 +372,9 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A corner of a polyline, and how the way to the next one bends.
+/// A vertex of a polyline, with the bulge of the segment that follows.
 struct Vertex {
-    at: Point<2>,
+    at: Point,
     bulge: f64,
 }
 
@@ -383,7 +384,7 @@ impl Vertex {
     }
 }
 
-/// The corners of a `LWPOLYLINE`, whose bulges stand after the points that they belong to.
+/// Vertices of a `LWPOLYLINE`; each bulge follows its point.
 fn light(entity: &Entity) -> Vec<Vertex> {
     let mut vertices: Vec<Vertex> = Vec::new();
     for (code, text) in &entity.pairs {
@@ -397,8 +398,8 @@ fn light(entity: &Entity) -> Vec<Vertex> {
     vertices
 }
 
-/// Where an `INSERT` puts a block.
-fn placed(entity: &Entity, base: Point<2>) -> Affine {
+/// Transform of an `INSERT`.
+fn placed(entity: &Entity, base: Point) -> Affine {
     let scale = [entity.number(41, 1.0), entity.number(42, 1.0)];
     shift([-base[0], -base[1]])
         .then(&Affine::scale(Vec3::new(scale[0], scale[1], 1.0)))
@@ -406,8 +407,8 @@ fn placed(entity: &Entity, base: Point<2>) -> Affine {
         .then(&shift(entity.point(10)))
 }
 
-/// A point of a rational B-spline within a span of its knots (C. de Boor 1972), control points in homogeneous coordinates.
-fn de_boor(control: &[Vec3], knots: &[f64], degree: usize, span: usize, t: f64) -> Point<2> {
+/// A point of a rational B-spline within a knot span (C. de Boor 1972), with control points in homogeneous coordinates.
+fn de_boor(control: &[Vec3], knots: &[f64], degree: usize, span: usize, t: f64) -> Point {
     let mut d: Vec<Vec3> = control[span - degree..=span].to_vec();
     for r in 1..=degree {
         for j in (r..=degree).rev() {
@@ -419,9 +420,9 @@ fn de_boor(control: &[Vec3], knots: &[f64], degree: usize, span: usize, t: f64) 
     [d[degree].x / d[degree].z, d[degree].y / d[degree].z]
 }
 
-type Chains = Vec<Vec<Point<2>>>;
+type Chains = Vec<Vec<Point>>;
 
-/// Chains whose ends meet as one: those that are closed, and those that remain open. Polylines without points are none.
+/// Joins chains at common ends: closed chains, and those that remain open. Empty polylines are dropped.
 fn joined(mut chains: Chains) -> (Chains, Chains) {
     chains.retain(|chain| !chain.is_empty());
     let mut nodes = Nodes::default();
@@ -431,7 +432,7 @@ fn joined(mut chains: Chains) -> (Chains, Chains) {
     ends.iter().enumerate().for_each(|(k, pair)| pair.iter().for_each(|node| at[*node].push(k)));
     let mut used = vec![false; chains.len()];
     let (mut closed, mut open) = (Vec::new(), Vec::new());
-    // open ways begin at nodes where only one chain ends
+    // open chains start at nodes with only one chain end
     let single = (0..chains.len()).filter(|k| ends[*k].iter().any(|node| at[*node].len() == 1));
     for start in single.collect::<Vec<_>>().into_iter().chain(0..chains.len()) {
         if used[start] {
@@ -461,20 +462,20 @@ fn joined(mut chains: Chains) -> (Chains, Chains) {
     (closed, open)
 }
 
-/// Points that are one if they are near each other.
+/// Set of points that merges points near each other.
 #[derive(Default)]
 struct Nodes {
-    cells: HashMap<[i64; 2], Vec<(Point<2>, usize)>>,
+    cells: HashMap<[i64; 2], Vec<(Point, usize)>>,
     count: usize,
 }
 
 impl Nodes {
-    fn number(&mut self, p: Point<2>) -> usize {
+    fn number(&mut self, p: Point) -> usize {
         let cell = p.map(|x| (x / NEAR).floor().clamp(-9e15, 9e15) as i64);
         for dx in -1..=1 {
             for dy in -1..=1 {
                 let known = self.cells.get(&[cell[0] + dx, cell[1] + dy]).into_iter().flatten();
-                let near = |(q, _): &&(Point<2>, usize)| libm::hypot(p[0] - q[0], p[1] - q[1]) <= NEAR;
+                let near = |(q, _): &&(Point, usize)| libm::hypot(p[0] - q[0], p[1] - q[1]) <= NEAR;
                 if let Some((_, number)) = known.into_iter().find(near) {
                     return *number;
                 }

@@ -1,60 +1,23 @@
-//! `linear_extrude`: prisms, and pyramids where the region shrinks on its way up.
+//! Linear extrusion (`linear_extrude`) without twist: prisms, and pyramids where the region is scaled along the height.
 
 use super::arguments::{Arguments, Refusal};
 use super::boolean::join_solids;
+use super::extent::Way;
 use super::flat::{Flat, Flats, Leaf, simple};
 use super::mesh::Twist;
-use super::primitive::solid;
+use super::part::solid;
 use super::region::{filled_near, placed};
 use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
+use rayweave_polygon::Point;
+use rayweave_polygon::{HalfPlane, Operator, Polygons};
 use rayweave_shape::primitive::{BoxFromCorners, Convex, Cylinder, HalfSpace, Quadric};
-use rayweave_space::Point;
-use rayweave_space::polygon::{HalfPlane, Operator, Polygons};
 
-/// By how much the box around a pyramid stands off from it, as a part of the larger side.
+/// Margin of the box around a pyramid, relative to its larger side.
 const LOOSE: f64 = 1.0 / 64.0;
 
-/// From where to where, and by how much x and y grow on the way.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
-    pub bottom: f64,
-    pub top: f64,
-    pub scale: [f64; 2],
-}
-
-impl Way {
-    /// The way of a `linear_extrude`; `None` if its height is not positive.
-    pub fn of(arguments: &Arguments) -> Result<Option<Way>, Refusal> {
-        let height = arguments.number("height", 100.0)?;
-        if height <= 0.0 {
-            return Ok(None);
-        }
-        let bottom = if arguments.truth("center", false)? { -0.5 * height } else { 0.0 };
-        let scale: [f64; 2] = arguments.point("scale", 1.0)?;
-        Ok(Some(Way { bottom, top: bottom + height, scale: scale.map(|factor| factor.max(0.0)) }))
-    }
-
-    fn is_straight(&self) -> bool {
-        self.scale == [1.0; 2]
-    }
-
-    /// True if x and y grow alike.
-    pub fn is_even(&self) -> bool {
-        self.scale[0] == self.scale[1]
-    }
-
-    /// The factors of x and y at height z, as `(slope, constant)`.
-    fn factors(&self) -> [[f64; 2]; 2] {
-        self.scale.map(|factor| {
-            let slope = (factor - 1.0) / (self.top - self.bottom);
-            [slope, 1.0 - slope * self.bottom]
-        })
-    }
-}
-
-/// The solid over a region.
+/// Extrusion of a region.
 pub(super) fn extruded(
     arguments: &Arguments,
     flats: &Flats,
@@ -68,7 +31,7 @@ pub(super) fn extruded(
     flats.fold(flat, leaf, join_solids)
 }
 
-/// A leaf under a map, straight up.
+/// Straight extrusion of a mapped leaf.
 fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<Solid, Refusal> {
     let own = match leaf {
         Leaf::Disc { radius, .. } => {
@@ -82,7 +45,7 @@ fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<
                 parts.push(match simple(arguments, contour.clone()) {
                     Ok(None) => continue,
                     Ok(Some(polygons)) => prism_over(arguments, &polygons, way)?,
-                    // it crosses or touches itself: what is within it an odd number of times
+                    // a contour that crosses or touches itself: even-odd rule
                     Err(_) => tangled(arguments, contour, &Affine::IDENTITY, way)?,
                 });
             }
@@ -92,15 +55,15 @@ fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<
     Ok(if *map == Affine::IDENTITY { own } else { own.apply(*map) })
 }
 
-/// A contour that crosses or touches itself, as a mesh.
-fn tangled(arguments: &Arguments, contour: &[Point<2>], map: &Affine, way: &Way) -> Result<Solid, Refusal> {
+/// Extrusion of a contour that crosses or touches itself, as a mesh.
+fn tangled(arguments: &Arguments, contour: &[Point], map: &Affine, way: &Way) -> Result<Solid, Refusal> {
     Twist::plain(way).leaf(arguments, &Leaf::Outline(vec![contour.to_vec()]), map)
 }
 
-/// Inside an odd number of solids.
+/// Even-odd combination: inside an odd number of the solids.
 pub(super) fn odd(mut parts: Vec<Solid>) -> Solid {
     match parts.len() {
-        0 => Solid::vacuum(),
+        0 => Solid::empty(),
         1 => parts.remove(0),
         _ => Solid::symmetric_difference(parts),
     }
@@ -120,17 +83,17 @@ fn prism_over(arguments: &Arguments, polygons: &Polygons, way: &Way) -> Result<S
     polygons.extrude(lo, hi).map_err(|error| arguments.refusal(&error.to_string()))
 }
 
-/// The corners of a rectangle along the axes.
-fn rectangle(polygons: &Polygons) -> Option<[Point<2>; 2]> {
+/// The corners of an axis-parallel rectangle.
+fn rectangle(polygons: &Polygons) -> Option<[Point; 2]> {
     let bounds = polygons.corner_bounds();
     let mut contours = polygons.contours();
     let (contour, none) = (contours.next()?, contours.next());
-    let at_a_corner = |p: &Point<2>| (0..2).all(|k| p[k] == bounds[0][k] || p[k] == bounds[1][k]);
+    let at_a_corner = |p: &Point| (0..2).all(|k| p[k] == bounds[0][k] || p[k] == bounds[1][k]);
     (none.is_none() && contour.corners.len() == 4 && contour.corners.iter().all(at_a_corner))
         .then_some(bounds)
 }
 
-/// True for one contour whose half-planes meet in it: the formula is one intersection.
+/// True for a single convex contour: its formula is one intersection of half-planes.
 pub(super) fn is_convex(polygons: &Polygons) -> bool {
     polygons.fold(
         |_| true,
@@ -145,7 +108,7 @@ pub(super) fn half_planes(polygons: &Polygons) -> Vec<HalfPlane> {
     all
 }
 
-/// A formula of half-planes as a solid.
+/// A boolean formula of half-planes as a solid.
 pub(super) fn formula(
     polygons: &Polygons,
     mut wall: impl FnMut(HalfPlane) -> Result<Solid, Refusal>,
@@ -162,7 +125,7 @@ pub(super) fn formula(
     })
 }
 
-/// A leaf under a map that grows or shrinks on its way up.
+/// Scaled extrusion of a mapped leaf.
 fn pyramid(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<Solid, Refusal> {
     if let Leaf::Disc { radius, .. } = leaf
         && way.scale[0] == way.scale[1]
@@ -172,7 +135,7 @@ fn pyramid(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Resul
     let [lo, hi] = leaf.bounds(map);
     let mut contours = placed(arguments, leaf.contours(), map, (hi[0] - lo[0]).max(hi[1] - lo[1]))?;
     if contours.iter().any(|contour| simple(arguments, contour.clone()).is_err()) {
-        // where edges cross there must be a corner: walls between others than the crossing ones are curved
+        // crossings of edges must be vertices: walls other than those through the crossing are curved
         contours = filled_near(&contours, FillRule::EvenOdd);
     }
     let mut parts = Vec::new();
@@ -180,7 +143,7 @@ fn pyramid(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Resul
         let polygons = match simple(arguments, contour.clone()) {
             Ok(None) => continue,
             Ok(Some(polygons)) => polygons,
-            // plane walls, which triangles say exactly
+            // plane walls, which triangles represent exactly
             Err(_) if way.is_even() => {
                 parts.push(tangled(arguments, &contour, &Affine::IDENTITY, way)?);
                 continue;
@@ -193,10 +156,10 @@ fn pyramid(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Resul
     Ok(odd(parts))
 }
 
-/// A box that ends at the ends of the way and stands off on all other sides.
-fn around(arguments: &Arguments, [lo, hi]: [Point<2>; 2], way: &Way) -> Result<Solid, Refusal> {
+/// A box with the height range of the extrusion and a margin on all other sides.
+fn around(arguments: &Arguments, [lo, hi]: [Point; 2], way: &Way) -> Result<Solid, Refusal> {
     let margin = LOOSE * (hi[0] - lo[0]).max(hi[1] - lo[1]);
-    let end = |k: usize, p: Point<2>, sign: f64| {
+    let end = |k: usize, p: Point, sign: f64| {
         let [a, b] = [p[k], p[k] * way.scale[k]];
         sign * (sign * a).max(sign * b) + sign * margin
     };
@@ -204,7 +167,7 @@ fn around(arguments: &Arguments, [lo, hi]: [Point<2>; 2], way: &Way) -> Result<S
     solid(arguments, BoxFromCorners::new(corner(lo, -1.0, way.bottom), corner(hi, 1.0, way.top)))
 }
 
-/// `a x + b y < c` of the region at the bottom, grown: `a x / f + b y / g < c` with the factors f and g of x and y.
+/// The wall over `a x + b y < c`, scaled along z: `a x / f + b y / g < c` with the scale factors f and g of x and y.
 fn wall(arguments: &Arguments, half_plane: &HalfPlane, way: &Way) -> Result<Solid, Refusal> {
     let ([a, b], c) = (half_plane.normal, half_plane.offset);
     let [f, g] = way.factors();
@@ -223,11 +186,11 @@ fn wall(arguments: &Arguments, half_plane: &HalfPlane, way: &Way) -> Result<Soli
     solid(arguments, Quadric::new(matrix))
 }
 
-/// A disc under a map, of which all points keep their direction from the axis: a cone, perhaps an oblique one.
+/// Scaled extrusion of a mapped disc with equal scale in x and y: a right or oblique cone.
 fn cone(arguments: &Arguments, radius: f64, map: &Affine, way: &Way) -> Result<Solid, Refusal> {
     let inverse = map.inverse().map_err(|error| arguments.refusal(&error.to_string()))?;
     let [factor, _] = way.factors();
-    // the coordinates in the disc's own frame, and the factor, as linear forms of (x, y, z, 1)
+    // coordinates in the frame of the disc, and the scale factor, as linear forms of (x, y, z, 1)
     let form = |row: usize| {
         let (x, y) = (inverse.linear.x_axis[row], inverse.linear.y_axis[row]);
         let shift = inverse.translation[row];

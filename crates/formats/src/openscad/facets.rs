@@ -1,17 +1,17 @@
-//! How finely OpenSCAD divides round shapes, and where it puts their vertices.
+//! Tessellation of round shapes as in OpenSCAD: number of fragments and positions of vertices.
 
 use super::arguments::{Arguments, Refusal};
-use super::extrude::Way;
+use super::extent::Way;
 use rayweave_math::Vec3;
 use std::f64::consts::TAU;
 
-/// What OpenSCAD takes as no radius at all: 2^-20.
+/// Radius below which OpenSCAD treats a circle as a point: 2^-20.
 const GRID_FINE: f64 = 1.0 / 1_048_576.0;
 
-/// More fragments than these would ask for all memory.
+/// Most fragments of a circle; more would exhaust memory.
 const MOST_FRAGMENTS: f64 = 10_000.0;
 
-/// `$fn`, `$fa` (degrees) and `$fs` (length) of an item.
+/// Tessellation parameters of an item: `$fn`, `$fa` (degrees) and `$fs` (length).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fineness {
     count: f64,
@@ -32,7 +32,7 @@ impl Fineness {
         }
     }
 
-    /// The number of fragments of a full circle.
+    /// Number of fragments of a full circle.
     pub fn fragments(&self, radius: f64) -> usize {
         let fragments = match () {
             () if radius < GRID_FINE => 3.0,
@@ -42,8 +42,8 @@ impl Fineness {
         fragments.min(MOST_FRAGMENTS) as usize
     }
 
-    /// The number of slices of a `linear_extrude` that twists, or grows unequally, over a region that reaches so far along x
-    /// and y: at least three a turn; by `$fn`, or by the coarser of `$fa` and the lengths of the way of the farthest point.
+    /// Number of slices of a `linear_extrude` with twist or unequal scale, over a region with the given extents along x and
+    /// y: at least three per turn; from `$fn`, or from the coarser of `$fa` and `$fs` along the path of the farthest point.
     pub fn slices(&self, reach: [f64; 2], twist: f64, way: &Way) -> usize {
         let least = (twist / 120.0).ceil().max(1.0);
         let height = way.top - way.bottom;
@@ -67,8 +67,8 @@ impl Fineness {
     }
 }
 
-/// The length of the way in the plane of a point that turns by an angle while its distance grows by a factor: an arc, or
-/// a piece of a spiral of Archimedes.
+/// Path length, projected to the plane, of a point that rotates by an angle while its radius is scaled by a factor: an arc,
+/// or a piece of an Archimedean spiral.
 fn spiral(radius: f64, angle: f64, factor: f64) -> f64 {
     if factor == 1.0 {
         return radius * angle;
@@ -78,14 +78,14 @@ fn spiral(radius: f64, angle: f64, factor: f64) -> f64 {
     length(end) - length(end - angle)
 }
 
-/// The direction of fragment `k` of `n`, as (cos, sin).
+/// Direction of fragment `k` of `n`, as (cos, sin).
 pub(super) fn direction(k: f64, n: usize) -> [f64; 2] {
     let angle = 360.0 * k / n as f64;
     let (sin, cos) = rayweave_math::sin_cos_degrees(angle);
     [cos, sin]
 }
 
-/// The rings (radius, z) of a sphere, from the top down: none at the poles.
+/// Rings (radius, z) of a sphere, from the top down, none at the poles.
 pub(super) fn sphere_rings(radius: f64, fragments: usize) -> Vec<[f64; 2]> {
     let rings = fragments.div_ceil(2);
     let ring = |k: usize| {
@@ -96,19 +96,19 @@ pub(super) fn sphere_rings(radius: f64, fragments: usize) -> Vec<[f64; 2]> {
     (0..rings).map(ring).collect()
 }
 
-/// The planes (a, b, c, d) of the convex solid between rings (radius, z) of `fragments` vertices each, from the top down,
+/// Planes (a, b, c, d) of the convex solid between rings (radius, z) of `fragments` vertices each, from the top down,
 /// closed by flat faces at both ends. A ring may be a point.
 pub(super) fn ring_planes(rings: &[[f64; 2]], fragments: usize) -> Vec<[f64; 4]> {
     let (top, bottom) = (rings[0], rings[rings.len() - 1]);
     let mut planes = Vec::with_capacity(rings.len() * fragments);
-    // a point at the end has no face
+    // a ring that is a point has no face
     if top[0] > 0.0 {
         planes.push([0.0, 0.0, 1.0, top[1]]);
     }
     if bottom[0] > 0.0 {
         planes.push([0.0, 0.0, -1.0, -bottom[1]]);
     }
-    // from the axis to the middle of an edge
+    // distance from the axis to the midpoint of an edge
     let inner = direction(0.5, fragments)[0];
     for pair in rings.windows(2) {
         let [upper, lower] = [pair[0], pair[1]].map(|[radius, z]| [radius * inner, z]);
@@ -122,7 +122,7 @@ pub(super) fn ring_planes(rings: &[[f64; 2]], fragments: usize) -> Vec<[f64; 4]>
     planes
 }
 
-/// The vertices of rings.
+/// Vertices of rings.
 pub(super) fn ring_points(rings: &[[f64; 2]], fragments: usize) -> Vec<Vec3> {
     let mut points = Vec::with_capacity(rings.len() * fragments);
     for &[radius, z] in rings {

@@ -1,25 +1,25 @@
-//! Regions of the plane: outlines and discs under maps, joined by boolean operators. Nothing is cut into polygons:
-//! what is made of a region is made of its leaves and joined in the same way.
+//! Plane regions as boolean trees of mapped outlines and discs. They are not converted to polygons: an operation on a
+//! region (such as an extrusion) is applied to its leaves, and the results are combined by the same boolean tree.
 
 use super::arguments::{Arguments, Refusal, finite};
-use super::boolean::Operation;
 use super::facets::{Fineness, direction};
+use super::operation::Operation;
 use super::value::Value;
 use rayweave_math::{Affine, Vec3};
+use rayweave_polygon::Point;
+use rayweave_polygon::{PolygonError, Polygons, from_polygons};
 use rayweave_rootray::Side;
-use rayweave_space::Point;
-use rayweave_space::polygon::{PolygonError, Polygons, from_polygons};
 use std::cell::Cell;
 
-/// A region of the plane, by its number in [`Flats`].
+/// Index of a plane region in [`Flats`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Flat(u32);
 
-/// A region that is made of no other.
+/// A leaf of the boolean tree of a region.
 #[derive(Clone, Debug)]
 pub(super) enum Leaf {
-    /// Inside an odd number of closed chains of points.
-    Outline(Vec<Vec<Point<2>>>),
+    /// The even-odd region of closed chains of points.
+    Outline(Vec<Vec<Point>>),
     /// A disc about the origin, and the number of its facets.
     Disc { radius: f64, fragments: usize },
 }
@@ -31,17 +31,17 @@ enum Node {
     Moved(Affine, Flat),
 }
 
-/// All regions of a file.
+/// Arena of all plane regions of a file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Flats {
     nodes: Vec<Node>,
-    /// Discs have the facets of OpenSCAD.
+    /// True if discs are divided as in OpenSCAD.
     pub facets: bool,
-    /// Discs were taken by their chords since this was last asked for.
+    /// Set when a disc is approximated by chords; the reader resets it after each item.
     pub has_chords: Cell<bool>,
 }
 
-/// What is still to be done on a walk over a region.
+/// A pending step of a traversal of a region.
 enum Task {
     Visit(Flat, Affine),
     Join(Operation, usize),
@@ -65,12 +65,12 @@ impl Flats {
         self.add(Node::Join(operation, operands))
     }
 
-    /// The image under a map of the plane.
+    /// A region under a plane map.
     pub fn moved(&mut self, map: Affine, flat: Flat) -> Flat {
         self.add(Node::Moved(map, flat))
     }
 
-    /// What `make` makes of each leaf and its map, joined by `join` in the way in which the region is.
+    /// Folds the boolean tree: `make` converts each mapped leaf, `join` combines the results.
     pub fn fold<T>(
         &self,
         root: Flat,
@@ -95,12 +95,12 @@ impl Flats {
                 }
             }
         }
-        // the first task made the last one
+        // the first task produced the only remaining result
         Ok(made.swap_remove(0))
     }
 
-    /// A box around the region, from its leaves: lo, hi.
-    pub fn bounds(&self, flat: Flat) -> [Point<2>; 2] {
+    /// Bounding box of the leaves of the region: lo, hi.
+    pub fn bounds(&self, flat: Flat) -> [Point; 2] {
         let found = self.fold(
             flat,
             |leaf, map| Ok(leaf.bounds(map)),
@@ -113,7 +113,7 @@ impl Flats {
         found.unwrap_or(NOWHERE)
     }
 
-    /// True if the region is a union of its leaves, so that its hull is that of them.
+    /// True if the region is a union of its leaves; its convex hull is then the hull of the leaves.
     pub fn is_union(&self, flat: Flat) -> bool {
         let is_union =
             |operation, parts: Vec<bool>| operation == Operation::Union && parts.iter().all(|part| *part);
@@ -121,7 +121,7 @@ impl Flats {
     }
 }
 
-type Box2 = [Point<2>; 2];
+type Box2 = [Point; 2];
 
 pub(super) const NOWHERE: Box2 = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
 const EVERYWHERE: Box2 = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
@@ -134,8 +134,8 @@ fn overlap(a: Box2, b: Box2) -> Box2 {
     [[0, 1].map(|k| a[0][k].max(b[0][k])), [0, 1].map(|k| a[1][k].min(b[1][k]))]
 }
 
-/// The image of a point of the plane.
-pub(super) fn image(map: &Affine, p: Point<2>) -> Point<2> {
+/// The image of a plane point.
+pub(super) fn image(map: &Affine, p: Point) -> Point {
     let q = map.point(Vec3::new(p[0], p[1], 0.0));
     [q.x, q.y]
 }
@@ -155,8 +155,8 @@ impl Leaf {
         }
     }
 
-    /// The contours of the leaf, with those of a disc as OpenSCAD divides it.
-    pub fn contours(&self) -> Vec<Vec<Point<2>>> {
+    /// Contours of the leaf; a disc has the facets of OpenSCAD.
+    pub fn contours(&self) -> Vec<Vec<Point>> {
         match self {
             Leaf::Outline(contours) => contours.clone(),
             Leaf::Disc { radius, fragments } => {
@@ -167,8 +167,8 @@ impl Leaf {
     }
 }
 
-/// A contour alone as a region, whichever way round it goes; `None` if nothing of it has an area.
-pub(super) fn simple(arguments: &Arguments, mut contour: Vec<Point<2>>) -> Result<Option<Polygons>, Refusal> {
+/// A single contour of either orientation as a region; `None` if its area is zero.
+pub(super) fn simple(arguments: &Arguments, mut contour: Vec<Point>) -> Result<Option<Polygons>, Refusal> {
     let mut found = from_polygons(&[&contour], Side::Outside);
     if let Err(PolygonError::Orientation { .. }) = found {
         contour.reverse();
@@ -201,7 +201,7 @@ pub(super) fn circle(arguments: &Arguments, facets: bool) -> Result<Option<Leaf>
     Ok(Some(if facets { Leaf::Outline(disc.contours()) } else { disc }))
 }
 
-/// `polygon(points, paths)`: without paths the points are one. What lies in an odd number of paths is inside.
+/// `polygon(points, paths)`, filled by the even-odd rule; without paths all points form one path.
 pub(super) fn polygon(arguments: &Arguments) -> Result<Option<Leaf>, Refusal> {
     let points = arguments.get("points", "a list of points (x, y), all finite", points)?.unwrap_or_default();
     let paths = arguments.get("paths", "a list of lists of numbers of points", paths)?;
@@ -220,11 +220,11 @@ pub(super) fn polygon(arguments: &Arguments) -> Result<Option<Leaf>, Refusal> {
     Ok(Some(Leaf::Outline(contours)))
 }
 
-fn points(value: &Value) -> Option<Vec<Point<2>>> {
+fn points(value: &Value) -> Option<Vec<Point>> {
     value.list()?.iter().map(finite).collect()
 }
 
-/// Lists of whole numbers; one list alone is one path.
+/// Lists of vertex indices; a single flat list is one path.
 fn paths(value: &Value) -> Option<Vec<Vec<usize>>> {
     let path = |value: &Value| value.numbers()?.into_iter().map(index).collect::<Option<Vec<usize>>>();
     match value.list()?.first() {
@@ -233,7 +233,7 @@ fn paths(value: &Value) -> Option<Vec<Vec<usize>>> {
     }
 }
 
-/// The number of a point.
+/// A number as a point index.
 pub(super) fn index(number: f64) -> Option<usize> {
     ((0.0..4e9).contains(&number) && number.fract() == 0.0).then_some(number as usize)
 }

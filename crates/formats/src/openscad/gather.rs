@@ -1,22 +1,23 @@
-//! What a hull is the hull of: the points, balls and discs below an item.
+//! Generators of convex hulls: the points, balls and discs below a node.
 
 use super::arguments::{Arguments, Refusal, vector};
-use super::boolean::Operation;
-use super::extrude::Way;
+use super::extent::Way;
+use super::extrude::is_convex as is_one_cell;
 use super::facets::{Fineness, ring_points, sphere_rings};
-use super::flat::{Flat, Flats, Leaf, image};
+use super::flat::{Flat, Flats, Leaf, image, simple};
 use super::hull::Generator;
 use super::hull2::touching_points;
+use super::operation::Operation;
 use super::part::Part;
 use super::primitive::CylinderSizes;
-use super::reader::Reader;
 use super::region::boundary;
 use super::revolve::plane_similarity;
-use super::{mesh, sum, transform};
+use super::state::Reader;
+use super::{mesh, transform};
 use rayweave_math::{Affine, Vec3};
-use rayweave_space::Point;
+use rayweave_polygon::Point;
 
-/// Everything below a node. Joined parts count as what they are joined from, which is right for unions only.
+/// All generators below a node. Operands of booleans all count, which is right for unions only.
 pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Vec<Generator>, Refusal> {
     let mut found = Vec::new();
     let mut waiting = vec![(root, map)];
@@ -26,7 +27,7 @@ pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Ve
         }
         let node = &reader.tree.nodes[number];
         let arguments = Arguments::new(reader.source, node);
-        // a node is a map, names, numbers
+        // a node costs a map, names and numbers
         reader.spend(&arguments, 20)?;
         let mut inner = map;
         match node.name.as_str() {
@@ -47,7 +48,7 @@ pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Ve
     Ok(found)
 }
 
-/// The convex parts of which the item is the union, each by its generators.
+/// Decomposition of a node into a union of convex parts, each given by its generators.
 pub(super) fn convex_parts(reader: &Reader, root: usize) -> Result<Vec<Vec<Generator>>, Refusal> {
     let mut parts = Vec::new();
     let mut waiting = vec![(root, Affine::IDENTITY)];
@@ -71,13 +72,13 @@ pub(super) fn convex_parts(reader: &Reader, root: usize) -> Result<Vec<Vec<Gener
     Ok(parts)
 }
 
-/// Refuses what is not known to be convex.
+/// Refuses parts of a Minkowski sum that are not known to be convex.
 fn check_convex(reader: &Reader, number: usize, name: &str, arguments: &Arguments) -> Result<(), Refusal> {
     let is_convex = match name {
         "polyhedron" => mesh::is_convex(arguments)?,
         "linear_extrude" => match reader.extruded.get(&number) {
             None => true,
-            Some(flat) => sum::is_convex(arguments, &reader.flats, *flat)?,
+            Some(flat) => is_convex(arguments, &reader.flats, *flat)?,
         },
         _ => true,
     };
@@ -87,7 +88,7 @@ fn check_convex(reader: &Reader, number: usize, name: &str, arguments: &Argument
     }
 }
 
-/// The generators of an item without children.
+/// Generators of a leaf node.
 fn leaf(
     arguments: &Arguments,
     name: &str,
@@ -127,7 +128,7 @@ fn leaf(
     Ok(())
 }
 
-/// The factor of a map that keeps balls balls; matrices are printed with six digits.
+/// Scale factor of a similarity map, which keeps balls round. Tolerance: matrices are printed with six digits.
 pub(super) fn similarity(map: &Affine) -> Option<f64> {
     let columns = [map.linear.x_axis, map.linear.y_axis, map.linear.z_axis];
     let lengths = columns.map(Vec3::length);
@@ -138,7 +139,7 @@ pub(super) fn similarity(map: &Affine) -> Option<f64> {
     (equal && across && longest > 0.0).then(|| lengths.iter().sum::<f64>() / 3.0)
 }
 
-/// A ring (radius, z) under a similar map.
+/// A ring (radius, z) under a similarity map.
 fn disc([radius, z]: [f64; 2], factor: f64, map: &Affine, fragments: usize) -> Generator {
     let centre = map.point(Vec3::new(0.0, 0.0, z));
     let axis = map.vector(Vec3::Z).normalize();
@@ -165,7 +166,7 @@ fn polyhedron(arguments: &Arguments) -> Result<Vec<Vec3>, Refusal> {
     Ok(points.unwrap_or_default())
 }
 
-/// The two ends of a prism or a pyramid.
+/// Generators of a linear extrusion: its bottom and top.
 fn extruded(
     reader: &Reader,
     number: usize,
@@ -190,7 +191,7 @@ fn extruded(
                 None => {
                     let corners = Leaf::Disc { radius, fragments }.contours().concat();
                     let corners = if radius > 0.0 { corners } else { vec![[0.0; 2]] };
-                    let at = |p: Point<2>| Vec3::new(fx * (centre[0] + p[0]), fy * (centre[1] + p[1]), z);
+                    let at = |p: Point| Vec3::new(fx * (centre[0] + p[0]), fy * (centre[1] + p[1]), z);
                     found.extend(corners.into_iter().map(|p| Generator::point(map.point(at(p)))));
                 }
             }
@@ -199,18 +200,18 @@ fn extruded(
     Ok(())
 }
 
-/// A disc of the plane, with the number of its facets; a point, if its radius is 0.
-pub(super) type Round = (Point<2>, f64, usize);
+/// A disc of the plane with the number of its facets; radius 0 means a point.
+pub(super) type Round = (Point, f64, usize);
 
-/// The discs and points of which a region has the hull: those of its leaves or, if something is cut out of it, the corners of
-/// its boundary.
+/// Discs and points that generate the convex hull of a region: those of its leaves, or for differences and intersections
+/// the vertices of its boundary.
 pub(super) fn round(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Vec<Round>, Refusal> {
     if !flats.is_union(flat) {
         let contours = boundary(arguments, flats, flat)?;
         return Ok(contours.into_iter().flatten().map(|p| (p, 0.0, 1)).collect());
     }
     let of_leaf = |leaf: &Leaf, map: &Affine| {
-        let point = |p: &Point<2>| (image(map, *p), 0.0, 1);
+        let point = |p: &Point| (image(map, *p), 0.0, 1);
         Ok(match (leaf, plane_similarity(map)) {
             (Leaf::Disc { radius, fragments }, Some(factor)) => {
                 vec![(image(map, [0.0; 2]), factor * radius, *fragments)]
@@ -221,9 +222,9 @@ pub(super) fn round(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<
     flats.fold(flat, of_leaf, |_, parts| parts.concat())
 }
 
-/// The hull of discs and points of the plane: discs, and the polygon between them.
+/// Convex hull of discs and points of the plane: the union of the discs and of the polygon of tangent points.
 pub(super) fn hull_of_discs(flats: &mut Flats, discs: &[Round]) -> Part {
-    let bare: Vec<(Point<2>, f64)> = discs.iter().map(|(centre, radius, _)| (*centre, *radius)).collect();
+    let bare: Vec<(Point, f64)> = discs.iter().map(|(centre, radius, _)| (*centre, *radius)).collect();
     let mut parts = Vec::new();
     let corners = touching_points(&bare);
     if corners.len() >= 3 {
@@ -236,5 +237,40 @@ pub(super) fn hull_of_discs(flats: &mut Flats, discs: &[Round]) -> Part {
     match parts.is_empty() {
         true => Part::Empty,
         false => flats.join(Operation::Union, parts).into(),
+    }
+}
+
+/// The leaves of a union, with their maps.
+pub(super) fn leaves(
+    arguments: &Arguments,
+    flats: &Flats,
+    flat: Flat,
+) -> Result<Vec<(Leaf, Affine)>, Refusal> {
+    if !flats.is_union(flat) {
+        return Err(arguments.refusal("the boundary of what is cut out of something is not known"));
+    }
+    flats.fold(flat, |leaf, map| Ok(vec![(leaf.clone(), *map)]), |_, parts| parts.concat())
+}
+
+/// True if the region is a single convex leaf.
+pub(super) fn is_convex(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<bool, Refusal> {
+    match flats.is_union(flat) {
+        true => match &leaves(arguments, flats, flat)?[..] {
+            [(leaf, _)] => is_convex_leaf(arguments, leaf),
+            _ => Ok(false),
+        },
+        false => Ok(false),
+    }
+}
+
+pub(super) fn is_convex_leaf(arguments: &Arguments, leaf: &Leaf) -> Result<bool, Refusal> {
+    match leaf {
+        Leaf::Disc { .. } => Ok(true),
+        Leaf::Outline(contours) => match &contours[..] {
+            [contour] => {
+                Ok(simple(arguments, contour.clone())?.is_some_and(|polygons| is_one_cell(&polygons)))
+            }
+            _ => Ok(false),
+        },
     }
 }

@@ -1,32 +1,33 @@
-//! Hulls of balls, points and discs, as unions of convex solids.
+//! Convex hull of points, balls and discs (OpenSCAD `hull`), as a union of convex solids.
 //!
-//! The hull of balls is bounded by pieces of the balls, of the cones around two of them, and of planes that touch three or
-//! more. So it is the union of the balls, the frustums between each two that share such a plane, and the polyhedron whose
-//! vertices are the points where planes touch balls: each piece of a cone or a ball beyond the polyhedron belongs to a convex
-//! solid of which the rim of the piece is a part.
+//! The hull of balls is bounded by pieces of the balls, of cones tangent to two balls, and of planes tangent to three or
+//! more. It is the union of the balls, the frustums between pairs of balls that share such planes, and the polyhedron of
+//! the points where the planes touch the balls: each piece of a cone or ball outside the polyhedron lies in a convex solid
+//! that also contains the rim of the piece.
 
 use super::arguments::{Arguments, Refusal};
 use super::convex_hull::{MOST_POINTS, convex_hull, planes};
 use super::facets::{direction, ring_points, sphere_rings};
 use super::mesh::convex;
+use super::part::solid;
 use super::part::union;
-use super::primitive::solid;
 use rayweave_math::{Affine, Mat3, Vec3, any_perpendicular};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{Cone, Cylinder, Sphere};
 
-/// Differences below this part of the size count as rounding: numbers are printed with six digits.
+/// Relative tolerance for equality: numbers are printed with six digits.
 const NEAR: f64 = 1e-7;
 
-/// More balls than these of different sizes are taken by their facets: planes are looked for through each three.
+/// Most balls of different sizes with exact hulls, since every triple is tested for tangent planes; with more, balls are
+/// replaced by their facets.
 const MOST_BALLS: usize = 100;
 
-/// A convex thing of which hulls are made.
+/// A generator of a convex hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Generator {
-    /// A ball; a point, if the radius is 0.
+    /// A ball; radius 0 means a point.
     Ball { centre: Vec3, radius: f64, fragments: usize },
-    /// A disc across a unit vector.
+    /// A disc with a unit normal.
     Disc { centre: Vec3, axis: Vec3, radius: f64, fragments: usize },
 }
 
@@ -47,7 +48,7 @@ impl Generator {
         }
     }
 
-    /// The lower and the upper corner of the box around it.
+    /// Lower and upper corner of the bounding box.
     pub fn bounds(&self) -> [Vec3; 2] {
         let reach = match self {
             Generator::Ball { radius, .. } => Vec3::splat(*radius),
@@ -66,7 +67,7 @@ impl Generator {
         }
     }
 
-    /// The vertices that OpenSCAD would take, but for the angle at which they begin.
+    /// The vertices of OpenSCAD's tessellation, up to the starting angle.
     pub fn vertices(&self) -> Vec<Vec3> {
         match *self {
             Generator::Ball { centre, radius: 0.0, .. } => vec![centre],
@@ -87,13 +88,13 @@ impl Generator {
     }
 }
 
-/// A hull, and whether it is exact.
+/// A convex hull; `is_exact` is false if round generators were tessellated.
 pub(super) struct Hull {
     pub solid: Option<Solid>,
     pub is_exact: bool,
 }
 
-/// About how many steps a hull takes.
+/// Approximate number of steps to compute a hull.
 pub(super) fn cost(generators: &[Generator]) -> usize {
     let is_round = |g: &&Generator| matches!(g, Generator::Ball { radius, .. } if *radius > 0.0);
     let rounds = generators.iter().filter(is_round).count();
@@ -106,7 +107,7 @@ pub(super) fn cost(generators: &[Generator]) -> usize {
     points.saturating_mul(points).saturating_add(balls * generators.len() * balls)
 }
 
-/// The hull of generators; no solid if it has no volume.
+/// Convex hull of generators; without a solid if it has no volume.
 pub(super) fn hull(arguments: &Arguments, generators: &[Generator]) -> Result<Hull, Refusal> {
     let exact = match generators.iter().any(|g| matches!(g, Generator::Disc { .. })) {
         true => of_discs(arguments, generators)?,
@@ -120,7 +121,7 @@ pub(super) fn hull(arguments: &Arguments, generators: &[Generator]) -> Result<Hu
     Ok(Hull { solid: of_points(arguments, points)?, is_exact })
 }
 
-/// The convex polyhedron of points.
+/// Convex polyhedron of points.
 pub(super) fn of_points(arguments: &Arguments, points: Vec<Vec3>) -> Result<Option<Solid>, Refusal> {
     let points = distinct(points);
     if points.len() > MOST_POINTS {
@@ -148,7 +149,7 @@ struct Ball {
     radius: f64,
 }
 
-/// The hull of balls; `None` if it is not found in this way.
+/// Convex hull of balls; `None` if there are too many.
 fn of_balls(arguments: &Arguments, generators: &[Generator]) -> Result<Option<Solid>, Refusal> {
     let all: Vec<Ball> = generators.iter().map(|g| Ball { centre: g.centre(), radius: g.radius() }).collect();
     if all.iter().all(|ball| ball.radius == 0.0) {
@@ -171,7 +172,7 @@ fn of_balls(arguments: &Arguments, generators: &[Generator]) -> Result<Option<So
         }
         for (j, b) in balls.iter().enumerate().skip(i + 1) {
             let shared = touching.iter().filter(|plane| plane.balls.contains(&i) && plane.balls.contains(&j));
-            // without planes all centres are in a line
+            // without tangent planes all centres are collinear
             if touching.is_empty() || shared.count() >= 2 {
                 parts.extend(frustum(arguments, a, b)?);
             }
@@ -180,7 +181,7 @@ fn of_balls(arguments: &Arguments, generators: &[Generator]) -> Result<Option<So
     Ok(Some(union(parts)))
 }
 
-/// The balls that lie in no other one, each once.
+/// The balls that no other ball contains, without duplicates.
 fn outer(all: Vec<Ball>, near: f64) -> Vec<Ball> {
     let mut kept: Vec<Ball> = Vec::new();
     let within = |a: &Ball, b: &Ball| (a.centre - b.centre).length() + a.radius <= b.radius + near;
@@ -193,7 +194,7 @@ fn outer(all: Vec<Ball>, near: f64) -> Vec<Ball> {
     kept
 }
 
-/// A plane that touches three or more balls and has all others behind it.
+/// A supporting plane that touches three or more balls.
 struct Touching {
     normal: Vec3,
     balls: Vec<usize>,
@@ -213,7 +214,7 @@ fn planes_that_touch(balls: &[Ball], near: f64) -> Vec<Touching> {
     found
 }
 
-/// Adds the plane across a normal that touches ball `i`, if all others are behind it and it is new.
+/// Adds the plane with the given normal that touches ball `i`, if it supports all balls and is new.
 fn push(found: &mut Vec<Touching>, balls: &[Ball], normal: Vec3, i: usize, near: f64) {
     let reach = |ball: &Ball| normal.dot(ball.centre) + ball.radius;
     let offset = reach(&balls[i]);
@@ -227,11 +228,11 @@ fn push(found: &mut Vec<Touching>, balls: &[Ball], normal: Vec3, i: usize, near:
     found.push(Touching { normal, balls: touched });
 }
 
-/// The normals of both planes that touch three balls on one side: n . (c2 - c1) = r1 - r2 and so on.
+/// Normals of the two planes that touch three balls from the same side: n . (c2 - c1) = r1 - r2 etc.
 fn normals([a, b, c]: [&Ball; 3]) -> Vec<Vec3> {
     let (e, f) = (b.centre - a.centre, c.centre - a.centre);
     let across = e.cross(f);
-    // no plane is fixed by balls in a row
+    // collinear centres do not determine a plane
     if across.length() <= NEAR * e.length() * f.length() {
         return Vec::new();
     }
@@ -245,11 +246,11 @@ fn normals([a, b, c]: [&Ball; 3]) -> Vec<Vec3> {
     vec![within + up, within - up]
 }
 
-/// What lies between the circles where cones around two balls touch them: `None` if it is nothing.
+/// Frustum between the tangent circles of the cone around two balls; `None` if it has no volume.
 fn frustum(arguments: &Arguments, a: &Ball, b: &Ball) -> Result<Option<Solid>, Refusal> {
     let along = b.centre - a.centre;
     let distance = along.length();
-    // the sine of the cone's half angle
+    // sine of the half angle of the cone
     let sine = (a.radius - b.radius) / distance;
     let cosine = (1.0 - sine * sine).max(0.0).sqrt();
     let [r1, r2] = [a, b].map(|ball| ball.radius * cosine);
@@ -266,7 +267,7 @@ fn frustum(arguments: &Arguments, a: &Ball, b: &Ball) -> Result<Option<Solid>, R
     Ok(Some(centred.apply(upright(axis).then(&Affine::translate(middle)))))
 }
 
-/// A rotation that takes z to a unit vector.
+/// A rotation that takes z to the given unit vector.
 fn upright(axis: Vec3) -> Affine {
     if axis == Vec3::Z {
         return Affine::IDENTITY;
@@ -275,7 +276,7 @@ fn upright(axis: Vec3) -> Affine {
     Affine::from_linear(Mat3::from_cols(u, axis.cross(u), axis))
 }
 
-/// The hull of discs, points and balls where it is a frustum, or a prism over a hull of the plane; `None` elsewhere.
+/// Convex hull of parallel discs and points if it is a stack of frustums or a prism over a plane hull, else `None`.
 fn of_discs(arguments: &Arguments, generators: &[Generator]) -> Result<Option<Solid>, Refusal> {
     let axis = generators.iter().find_map(|g| match g {
         Generator::Disc { axis, .. } => Some(*axis),
@@ -295,8 +296,7 @@ fn of_discs(arguments: &Arguments, generators: &[Generator]) -> Result<Option<So
     }
 }
 
-/// The two heights along an axis between which everything is the same, if that is so: what stands at any height stands at
-/// both of them, too.
+/// The heights of the two ends of a prism along an axis, if every generator has a copy at both ends; else `None`.
 fn upright_discs(generators: &[Generator], axis: Vec3) -> Option<[f64; 2]> {
     let heights: Vec<f64> = generators.iter().map(|g| axis.dot(g.centre())).collect();
     let lo = heights.iter().copied().fold(f64::INFINITY, f64::min);
@@ -314,7 +314,7 @@ fn upright_discs(generators: &[Generator], axis: Vec3) -> Option<[f64; 2]> {
         .then_some([lo, hi])
 }
 
-/// The prism over the hull of discs in a plane: that of balls there, cut by the plane's neighbours.
+/// Prism over the plane hull of discs.
 fn prism(
     arguments: &Arguments,
     generators: &[Generator],
@@ -343,7 +343,7 @@ fn prism(
     Ok(Some(union(parts).apply(upright(axis))))
 }
 
-/// Discs and points on one axis: frustums between those on the hull of the profile.
+/// Convex hull of coaxial discs and points: frustums between neighbours on the upper hull of the profile.
 fn stack(arguments: &Arguments, generators: &[Generator], axis: Vec3) -> Result<Option<Solid>, Refusal> {
     let start = generators[0].centre();
     let size = generators.iter().fold(0f64, |size, g| size.max((g.centre() - start).length() + g.radius()));

@@ -1,29 +1,29 @@
-//! Hulls of discs and points in the plane.
+//! Convex hull of discs and points in the plane.
 
-use rayweave_space::Point;
+use rayweave_polygon::Point;
 
-/// About how many steps a hull takes.
-pub(super) fn cost(discs: &[(Point<2>, f64, usize)]) -> usize {
+/// Approximate number of steps to compute a hull.
+pub(super) fn cost(discs: &[(Point, f64, usize)]) -> usize {
     let round = discs.iter().filter(|disc| disc.1 > 0.0).count();
     discs.len().saturating_mul(1 + round.saturating_mul(discs.len()))
 }
 
-/// The points in which lines touch discs that have all others behind them, in order around the hull of the discs, which is
-/// the union of the polygon of these points and the discs. A disc of radius 0 is a point.
-pub(super) fn touching_points(discs: &[(Point<2>, f64)]) -> Vec<Point<2>> {
-    let points: Vec<Point<2>> = discs.iter().filter(|disc| disc.1 == 0.0).map(|disc| disc.0).collect();
+/// Tangent points of the convex hull of discs, in order: the points where supporting lines touch the discs. The hull is the
+/// union of the polygon of these points and the discs. A disc of radius 0 is a point.
+pub(super) fn touching_points(discs: &[(Point, f64)]) -> Vec<Point> {
+    let points: Vec<Point> = discs.iter().filter(|disc| disc.1 == 0.0).map(|disc| disc.0).collect();
     let points = corners(points);
-    let round: Vec<(Point<2>, f64)> = discs.iter().filter(|disc| disc.1 > 0.0).copied().collect();
+    let round: Vec<(Point, f64)> = discs.iter().filter(|disc| disc.1 > 0.0).copied().collect();
     if round.is_empty() {
         return points;
     }
-    let all: Vec<(Point<2>, f64)> = points.into_iter().map(|p| (p, 0.0)).chain(round).collect();
+    let all: Vec<(Point, f64)> = points.into_iter().map(|p| (p, 0.0)).chain(round).collect();
     let size = all.iter().fold(0f64, |size, (p, r)| size.max(p[0].abs()).max(p[1].abs()).max(*r));
     let mut touched = Vec::new();
     for (i, a) in all.iter().enumerate() {
         for b in all.iter().skip(i + 1) {
             for normal in normals(a, b) {
-                let reach = |(p, r): &(Point<2>, f64)| normal[0] * p[0] + normal[1] * p[1] + r;
+                let reach = |(p, r): &(Point, f64)| normal[0] * p[0] + normal[1] * p[1] + r;
                 let (most, near) = (reach(a), 1e-9 * size);
                 if all.iter().all(|disc| reach(disc) <= most + near) {
                     let on_line = all.iter().filter(|disc| reach(disc) >= most - near);
@@ -35,8 +35,8 @@ pub(super) fn touching_points(discs: &[(Point<2>, f64)]) -> Vec<Point<2>> {
     corners(touched)
 }
 
-/// The unit normals of the two lines that touch two discs on one side: n . (q - p) = r - s.
-fn normals((p, r): &(Point<2>, f64), (q, s): &(Point<2>, f64)) -> Vec<Point<2>> {
+/// Unit normals of the two lines that touch two discs from the same side: n . (q - p) = r - s.
+fn normals((p, r): &(Point, f64), (q, s): &(Point, f64)) -> Vec<Point> {
     let d = [q[0] - p[0], q[1] - p[1]];
     let length = libm::hypot(d[0], d[1]);
     let sine = (r - s) / length;
@@ -47,8 +47,8 @@ fn normals((p, r): &(Point<2>, f64), (q, s): &(Point<2>, f64)) -> Vec<Point<2>> 
     [1.0, -1.0].map(|side| [sine * u[0] - side * cosine * u[1], sine * u[1] + side * cosine * u[0]]).to_vec()
 }
 
-/// The corners of the convex hull of points, counter-clockwise (A. M. Andrew 1979).
-pub(super) fn corners(mut points: Vec<Point<2>>) -> Vec<Point<2>> {
+/// Vertices of the convex hull of points, counter-clockwise (monotone chain, A. M. Andrew 1979).
+pub(super) fn corners(mut points: Vec<Point>) -> Vec<Point> {
     points.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
     points.dedup();
     if points.len() < 3 {
@@ -60,9 +60,9 @@ pub(super) fn corners(mut points: Vec<Point<2>>) -> Vec<Point<2>> {
     [lower, upper].concat()
 }
 
-/// The chain that turns left all the way.
-fn chain<'a>(points: impl Iterator<Item = &'a Point<2>>) -> Vec<Point<2>> {
-    let mut kept: Vec<Point<2>> = Vec::new();
+/// The chain with left turns only.
+fn chain<'a>(points: impl Iterator<Item = &'a Point>) -> Vec<Point> {
+    let mut kept: Vec<Point> = Vec::new();
     for p in points {
         while let [.., a, b] = kept[..]
             && turn(a, b, *p) <= 0.0
@@ -74,8 +74,8 @@ fn chain<'a>(points: impl Iterator<Item = &'a Point<2>>) -> Vec<Point<2>> {
     kept
 }
 
-/// Positive if the way over three points turns left; the sign is exact.
-fn turn(a: Point<2>, b: Point<2>, c: Point<2>) -> f64 {
+/// Orientation of three points, positive for a left turn; the sign is exact.
+fn turn(a: Point, b: Point, c: Point) -> f64 {
     let [a, b, c] = [a, b, c].map(|p| robust::Coord { x: p[0], y: p[1] });
     robust::orient2d(a, b, c)
 }
@@ -100,10 +100,10 @@ mod tests {
         assert_eq!(drop.len(), 3);
         let h = 0.75f64.sqrt();
         for expected in [[0.5, h], [0.5, -h], [2.0, 0.0]] {
-            let near = |p: &Point<2>| (p[0] - expected[0]).hypot(p[1] - expected[1]) < 1e-14;
+            let near = |p: &Point| (p[0] - expected[0]).hypot(p[1] - expected[1]) < 1e-14;
             assert!(drop.iter().any(near), "{drop:?}");
         }
-        // one within the other
+        // a disc inside the other
         assert_eq!(touching_points(&[([0.0, 0.0], 3.0), ([1.0, 0.0], 1.0)]), [[0.0; 2]; 0]);
     }
 }

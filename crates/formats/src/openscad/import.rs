@@ -1,22 +1,22 @@
-//! `import`: meshes as solids, drawings as regions of the plane.
+//! `import`: mesh files as solids, SVG and DXF drawings as plane regions.
 
 use super::arguments::{Arguments, Refusal};
-use super::boolean::Operation;
 use super::drawing::{Drawing, LARGEST, TOLERANCE, shift};
 use super::dxf::{self, DxfOptions};
 use super::facets::Fineness;
 use super::flat::Flats;
+use super::operation::Operation;
 use super::part::Part;
 use super::shell::Shell;
 use super::svg::{self, SvgOptions};
 use super::value::Value;
 use crate::{LossKind, Report};
 use rayweave_math::{Affine, Vec3};
-use rayweave_mesh::files::{MeshFormat, ReadOptions, read};
+use rayweave_mesh_io::{MeshFormat, ReadOptions, read};
 use rayweave_scene::Source;
 use std::path::{Path, PathBuf};
 
-/// The file that an item names, beside the dump.
+/// Path of the file of an item, relative to the dump.
 pub(super) fn file(arguments: &Arguments, source: &Source) -> Result<PathBuf, Refusal> {
     let name = word(arguments, "file")?;
     let name = name.filter(|name| !name.is_empty()).ok_or_else(|| arguments.refusal("it names no file"))?;
@@ -28,7 +28,7 @@ pub(super) fn file(arguments: &Arguments, source: &Source) -> Result<PathBuf, Re
     }
 }
 
-/// An argument that is a text.
+/// A string argument.
 pub(super) fn word<'a>(arguments: &Arguments<'a>, name: &str) -> Result<Option<&'a str>, Refusal> {
     arguments.get(name, "a text", |value| match value {
         Value::Text(text) => Some(text.as_str()),
@@ -36,18 +36,18 @@ pub(super) fn word<'a>(arguments: &Arguments<'a>, name: &str) -> Result<Option<&
     })
 }
 
-/// The text of a file that is not too large.
+/// Text of a file of limited size.
 pub(super) fn text_of(arguments: &Arguments, path: &Path, largest: u64) -> Result<String, Refusal> {
     let unreadable = |error: std::io::Error| arguments.refusal(&format!("its file cannot be read: {error}"));
     if std::fs::metadata(path).map_err(unreadable)?.len() > largest {
         return Err(arguments.refusal(&format!("its file is larger than {} MiB", largest >> 20)));
     }
     let bytes = std::fs::read(path).map_err(unreadable)?;
-    // old drawings have names in other codes, which do not matter
+    // old drawings have names in other encodings, which do not matter
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// What a file holds.
+/// Contents of an imported file.
 pub(super) enum Imported {
     Drawing(Part),
     Mesh(Shell),
@@ -85,7 +85,7 @@ pub(super) fn import(
     }
 }
 
-/// The union of what is drawn.
+/// The union of the regions of a drawing.
 fn drawn(
     arguments: &Arguments,
     drawing: Result<Drawing, String>,
@@ -122,7 +122,7 @@ fn drawn(
     Ok(flats.moved(shift(middle), flat).into())
 }
 
-/// The solid within a mesh.
+/// The solid inside a mesh.
 fn mesh(arguments: &Arguments, path: &Path) -> Result<Shell, Refusal> {
     let format = MeshFormat::from_path(path);
     let format = format.ok_or_else(|| {

@@ -1,35 +1,35 @@
-//! Solids within triangles: `polyhedron`, twisted `linear_extrude`.
+//! Solids bounded by triangles: `polyhedron`, and `linear_extrude` with twist.
 //!
-//! Inside is what a line reaches after an odd number of crossings, so that faces may be cut into triangles as fans, which
-//! overlap where a face is not convex.
+//! Inside and outside follow the even-odd rule along a ray. Faces may therefore be triangulated as fans, whose triangles
+//! overlap if the face is not convex.
 
 use super::arguments::{Arguments, Refusal, vector};
 use super::boolean::join_solids;
 use super::convex_hull::{MOST_POINTS, convex_hull, planes, volume};
-use super::extrude::Way;
+use super::extent::Way;
 use super::facets::{Fineness, ring_points};
 use super::flat::{Flat, Flats, Leaf, image, index};
 use super::part::Part;
-use super::primitive::solid;
+use super::part::solid;
 use super::region::Contours;
 use super::shell::Shell;
 use super::value::Value;
 use crate::kernel::triangulated;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
+use rayweave_polygon::Point;
 use rayweave_shape::primitive::{Convex, Mesh};
-use rayweave_space::Point;
 
-/// More triangles than these of one item say that its numbers are not meant.
+/// Most triangles of an item; more indicate wrong numbers in the file.
 const MOST_TRIANGLES: usize = 20_000_000;
 
-/// More slices than these say the same.
+/// Most slices of an extrusion, for the same reason.
 const MOST_SLICES: f64 = 20_000.0;
 
-/// Coordinates are printed with six digits: a plane through three points may be off by this part of them.
+/// Relative tolerance for planes through three points: coordinates are printed with six digits.
 const DIGITS: f64 = 2e-5;
 
-/// A polyhedron of more faces is asked faster as a mesh, which has a hierarchy.
+/// Most faces of a convex solid of planes; larger polyhedra are faster as a mesh, which has a BVH.
 const MOST_PLANES: usize = 64;
 
 pub(super) fn within(
@@ -42,7 +42,7 @@ pub(super) fn within(
     solid(arguments, Mesh::new(&mesh))
 }
 
-/// The convex solid of planes or, where they are many, of triangles that say the same.
+/// A convex solid as an intersection of half-spaces or, if there are many, as a mesh.
 pub(super) fn convex(
     arguments: &Arguments,
     planes: Vec<[f64; 4]>,
@@ -55,7 +55,7 @@ pub(super) fn convex(
     within(arguments, vertices, triangles)
 }
 
-/// What lies between rings (radius, z) of so many vertices each, from the top down. A ring may be a point.
+/// The solid between rings (radius, z) of `fragments` vertices each, from the top down. A ring may be a point.
 pub(super) fn between_rings(rings: &[[f64; 2]], fragments: usize) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let count = |ring: &[f64; 2]| if ring[0] > 0.0 { fragments as u32 } else { 1 };
     let mut triangles = Vec::new();
@@ -76,7 +76,7 @@ pub(super) fn between_rings(rings: &[[f64; 2]], fragments: usize) -> (Vec<Vec3>,
     (ring_points(rings, fragments), triangles)
 }
 
-/// The points and the triangles of a `polyhedron`.
+/// Points and triangles of a `polyhedron`.
 pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>), Refusal> {
     let (points, faces) = points_and_faces(arguments)?;
     let triangles = faces.iter().flat_map(|face| cut(&points, face)).collect();
@@ -91,7 +91,7 @@ fn points_and_faces(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<Vec<usize>>
     let wanted = "a list of lists of numbers of points";
     let given = match arguments.get("faces", wanted, faces)? {
         Some(given) => given,
-        // as older dumps call them
+        // the name of the argument in older dumps
         None => arguments.get("triangles", wanted, faces)?.unwrap_or_default(),
     };
     if let Some(number) = given.iter().flatten().find(|number| **number >= points.len()) {
@@ -100,7 +100,7 @@ fn points_and_faces(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<Vec<usize>>
     Ok((points, given))
 }
 
-/// How many faces of a `polyhedron` are not plane, by more than the six digits of a dump leave open.
+/// Number of non-planar faces of a `polyhedron`, beyond the six-digit rounding of a dump.
 pub(super) fn bent_faces(arguments: &Arguments) -> Result<usize, Refusal> {
     let (points, faces) = points_and_faces(arguments)?;
     Ok(faces.iter().filter(|face| face.len() > 3 && is_bent(&points, face)).count())
@@ -116,7 +116,7 @@ fn is_bent(points: &[Vec3], face: &[usize]) -> bool {
     (0..face.len()).any(|k| normal.dot(from_first(k)).abs() > DIGITS * far)
 }
 
-/// `polyhedron(points, faces)`: planes if it is convex, triangles elsewhere.
+/// `polyhedron(points, faces)`: half-spaces if it is convex, else triangles.
 pub(super) fn polyhedron(arguments: &Arguments) -> Result<Part, Refusal> {
     let (points, triangles) = parts(arguments)?;
     if triangles.is_empty() {
@@ -129,7 +129,7 @@ pub(super) fn polyhedron(arguments: &Arguments) -> Result<Part, Refusal> {
     Ok(within(arguments, points, triangles)?.into())
 }
 
-/// True if a `polyhedron` fills the hull of its points.
+/// True if a `polyhedron` is the convex hull of its points.
 pub(super) fn is_convex(arguments: &Arguments) -> Result<bool, Refusal> {
     let (points, triangles) = parts(arguments)?;
     Ok(convex_planes(&points, &triangles).is_some())
@@ -140,20 +140,20 @@ fn faces(value: &Value) -> Option<Vec<Vec<usize>>> {
     value.list()?.iter().map(face).collect()
 }
 
-/// A face as triangles.
+/// Triangulation of a face.
 fn cut(points: &[Vec3], face: &[usize]) -> Vec<[usize; 3]> {
     match face.len() {
         0..3 => Vec::new(),
         3 => vec![[face[0], face[1], face[2]]],
         _ => {
             let corners: Vec<u32> = face.iter().map(|k| *k as u32).collect();
-            let (triangles, _) = rayweave_mesh::polygon_triangles(points, &corners);
+            let (triangles, _) = rayweave_mesh::triangulate_polygon(points, &corners);
             triangles.into_iter().map(|t| t.map(|k| k as usize)).collect()
         }
     }
 }
 
-/// The planes of a polyhedron that fills the hull of its points, if it does.
+/// The planes of a polyhedron that equals the convex hull of its points, else `None`.
 fn convex_planes(points: &[Vec3], triangles: &[[usize; 3]]) -> Option<Vec<[f64; 4]>> {
     if points.len() > MOST_POINTS {
         return None;
@@ -163,7 +163,7 @@ fn convex_planes(points: &[Vec3], triangles: &[[usize; 3]]) -> Option<Vec<[f64; 
     ((whole - own).abs() <= 1e-9 * whole).then(|| planes(points, &hull))
 }
 
-/// How a region turns on its way up, and in how many slices.
+/// Twist of a linear extrusion, and its number of slices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Twist {
     way: Way,
@@ -172,7 +172,8 @@ pub(super) struct Twist {
 }
 
 impl Twist {
-    /// The slices are those of OpenSCAD 2021.01: at least three a turn, and by `$fn`, or by the coarser of `$fa` and `$fs`.
+    /// The twist of an item, with the slices of OpenSCAD 2021.01: at least three per turn, from `$fn` or the coarser of
+    /// `$fa` and `$fs`.
     pub fn new(arguments: &Arguments, flats: &Flats, flat: Flat, way: &Way) -> Result<Twist, Refusal> {
         let degrees = arguments.number("twist", 0.0)?;
         let fineness = Fineness::of(arguments)?;
@@ -188,12 +189,12 @@ impl Twist {
         Ok(Twist { way: *way, degrees, slices })
     }
 
-    /// Straight up, or growing, in one slice.
+    /// An extrusion without twist, in one slice.
     pub fn plain(way: &Way) -> Twist {
         Twist { way: *way, degrees: 0.0, slices: 1 }
     }
 
-    /// The solid over a region.
+    /// Twisted extrusion of a region.
     pub fn solid(&self, arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Solid, Refusal> {
         flats.fold(flat, |leaf, map| self.leaf(arguments, leaf, map), join_solids)
     }
@@ -203,16 +204,16 @@ impl Twist {
         contours.iter_mut().flatten().for_each(|p| *p = image(map, *p));
         let (vertices, triangles) = self.towers(arguments, contours)?;
         match triangles.is_empty() {
-            true => Ok(Solid::vacuum()),
+            true => Ok(Solid::empty()),
             false => within(arguments, vertices, triangles),
         }
     }
 
-    /// The vertices and triangles over contours.
+    /// Vertices and triangles of the extrusions of contours.
     pub fn towers(
         &self,
         arguments: &Arguments,
-        contours: Vec<Vec<Point<2>>>,
+        contours: Vec<Vec<Point>>,
     ) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), Refusal> {
         self.check(arguments, contours.iter().map(Vec::len).sum())?;
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
@@ -222,8 +223,8 @@ impl Twist {
         Ok((vertices, triangles))
     }
 
-    /// What is over contours that do not cross, counter-clockwise around the region and clockwise around its holes: no
-    /// triangle goes through another.
+    /// Extrusion of contours that do not cross (outlines counter-clockwise, holes clockwise), as a mesh without
+    /// self-intersections.
     pub fn shell(&self, arguments: &Arguments, contours: Contours) -> Result<Shell, Refusal> {
         self.check(arguments, contours.iter().map(Vec::len).sum())?;
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
@@ -247,8 +248,8 @@ impl Twist {
         }
     }
 
-    /// Adds what is between the images of a contour at all heights.
-    fn tower(&self, contour: &[Point<2>], vertices: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
+    /// Adds the extrusion of a contour, with its ends.
+    fn tower(&self, contour: &[Point], vertices: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
         let (n, start) = (contour.len() as u32, vertices.len() as u32);
         if n < 3 {
             return;
@@ -261,9 +262,9 @@ impl Twist {
         }
     }
 
-    /// Each wall is cut along its shorter diagonal; of equal ones by the way round and the sense of the twist; and along the
-    /// longer one below an edge that has vanished: as OpenSCAD 2021.01 does it.
-    fn walls(&self, contour: &[Point<2>], vertices: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
+    /// Adds the walls over a contour. Each quadrilateral is divided along its shorter diagonal (for equal ones by
+    /// orientation and sense of the twist), and along the longer one below a vanishing edge, as in OpenSCAD 2021.01.
+    fn walls(&self, contour: &[Point], vertices: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
         let (n, start) = (contour.len() as u32, vertices.len() as u32);
         vertices.extend((0..=self.slices).flat_map(|slice| self.slice(contour, slice)));
         let tie = (signed_area(contour) > 0.0) == (self.degrees > 0.0);
@@ -282,20 +283,20 @@ impl Twist {
         }
     }
 
-    fn slice<'c>(&self, contour: &'c [Point<2>], slice: usize) -> impl Iterator<Item = Vec3> + use<'c> {
+    fn slice<'c>(&self, contour: &'c [Point], slice: usize) -> impl Iterator<Item = Vec3> + use<'c> {
         let t = slice as f64 / self.slices as f64;
         let (sin, cos) = sin_cos_degrees(-self.degrees * t);
         let [fx, fy] = self.way.scale.map(|factor| 1.0 + (factor - 1.0) * t);
         let z = self.way.bottom + (self.way.top - self.way.bottom) * t;
-        // turned, then scaled
+        // rotated, then scaled
         contour
             .iter()
             .map(move |p| Vec3::new(fx * (cos * p[0] - sin * p[1]), fy * (sin * p[0] + cos * p[1]), z))
     }
 }
 
-/// Outlines counter-clockwise, holes clockwise. A contour within an odd number of others is a hole.
-fn turned(mut contours: Vec<Vec<Point<2>>>) -> Vec<Vec<Point<2>>> {
+/// Orients outlines counter-clockwise and holes clockwise. A contour inside an odd number of others is a hole.
+fn turned(mut contours: Vec<Vec<Point>>) -> Vec<Vec<Point>> {
     let is_hole = |k: usize| {
         let others = contours.iter().enumerate().filter(|(other, _)| *other != k);
         contours[k].first().is_some_and(|p| others.filter(|(_, other)| is_within(other, p)).count() % 2 == 1)
@@ -309,31 +310,31 @@ fn turned(mut contours: Vec<Vec<Point<2>>>) -> Vec<Vec<Point<2>>> {
     contours
 }
 
-/// The edges of a closed chain of points.
-fn edges(contour: &[Point<2>]) -> impl Iterator<Item = (&Point<2>, &Point<2>)> {
+/// Edges of a closed chain of points.
+fn edges(contour: &[Point]) -> impl Iterator<Item = (&Point, &Point)> {
     contour.iter().zip(contour.iter().skip(1).chain(contour.first()))
 }
 
-/// Twice the area, negative for a contour that goes clockwise.
-fn signed_area(contour: &[Point<2>]) -> f64 {
+/// Twice the signed area, negative for a clockwise contour.
+fn signed_area(contour: &[Point]) -> f64 {
     edges(contour).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
 }
 
-/// True if a contour goes round a point an odd number of times.
-fn is_within(contour: &[Point<2>], p: &Point<2>) -> bool {
-    let crosses = |(a, b): &(&Point<2>, &Point<2>)| {
+/// True if a point is inside a contour by the even-odd rule.
+fn is_within(contour: &[Point], p: &Point) -> bool {
+    let crosses = |(a, b): &(&Point, &Point)| {
         (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
     };
     edges(contour).filter(crosses).count() % 2 == 1
 }
 
-/// How far apart two points are along the plane.
+/// Distance between the projections of two points onto the plane.
 fn flat_distance(p: Vec3, q: Vec3) -> f64 {
     (p - q).truncate().length()
 }
 
-/// Whether the first of two lengths is the shorter one; `None` if they differ by less than 10^-5 of their mean, which
-/// OpenSCAD 2021.01 takes for equal.
+/// Whether the first length is the shorter; `None` if they differ by less than 10^-5 of their mean, which OpenSCAD 2021.01
+/// treats as equal.
 fn shorter(a: f64, b: f64) -> Option<bool> {
     let differ = 2e5 * (a - b).abs() > a + b;
     differ.then_some(a < b)

@@ -1,10 +1,10 @@
-//! OpenSCAD's flattened dump, `.csg`: what `openscad -o model.csg model.scad` writes.
+//! OpenSCAD's flattened dump, `.csg`: the output of `openscad -o model.csg model.scad`.
 //!
-//! A dump holds no variables and no loops: items with arguments, in each other. Round shapes are truly round here, unless
-//! [`Options::facets`](crate::Options) asks for the facets that OpenSCAD makes of them.
+//! A dump has no variables and no loops, only nested items with arguments. Round shapes are exactly round unless
+//! [`Options::facets`](crate::Options) selects the facets of OpenSCAD.
 //!
 //! *Source*: the OpenSCAD user manual, chapters "CSG modelling", "Primitive solids", "2D primitives", "Transformations";
-//! vertices of faceted shapes as OpenSCAD 2021.01 places them.
+//! vertices of faceted shapes as in OpenSCAD 2021.01.
 
 mod arguments;
 mod body;
@@ -12,22 +12,27 @@ mod boolean;
 mod convex_hull;
 mod drawing;
 mod dxf;
+mod extent;
 mod extrude;
 mod facets;
 mod flat;
+mod fold;
 mod gather;
 mod hull;
 mod hull2;
 mod import;
 mod mesh;
 mod offset;
+mod operation;
 mod part;
 mod primitive;
+mod projection;
 mod reader;
 mod region;
 mod relief;
 mod revolve;
 mod shell;
+mod state;
 mod sum;
 mod svg;
 mod syntax;
@@ -40,13 +45,12 @@ use crate::{Options, Report};
 use rayweave_scene::{Diagnostics, Scene, Source};
 use std::sync::Arc;
 
-/// Reads a dump. What cannot be read of it is refused, and told in the report.
+/// Reads a dump. Unsupported items are refused and listed in the report.
 ///
 /// # Errors
 ///
-/// What keeps the text from being a dump at all: words out of place, braces that do not match, numbers beyond the range
-/// of `f64`.
+/// Syntax errors: misplaced tokens, unbalanced braces, numbers beyond the range of `f64`.
 pub fn read(source: &Arc<Source>, options: &Options) -> Result<(Scene, Report), Diagnostics> {
     let tree = syntax::parse(source)?;
-    Ok(reader::Reader::new(source, options, &tree).scene())
+    Ok(state::Reader::new(source, options, &tree).scene())
 }

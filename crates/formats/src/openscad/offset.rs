@@ -1,17 +1,17 @@
-//! `offset`: regions of the plane, grown or shrunk.
+//! Polygon offset (`offset`): plane regions grown or shrunk.
 
 use super::arguments::{Arguments, Refusal};
-use super::boolean::Operation;
 use super::drawing::shift;
 use super::facets::Fineness;
 use super::flat::{Flat, Flats, Leaf};
 use super::gather::hull_of_discs;
+use super::operation::Operation;
 use super::part::Part;
 use super::region::{Contours, Corner, boundary, offset as moved};
 use super::revolve::plane_similarity;
 use super::sum::flat_sum;
 
-/// `offset(r)` and `offset(delta, chamfer)`. What is truly round keeps discs at its corners.
+/// `offset(r)` and `offset(delta, chamfer)`. Without facets, round corners are exact discs.
 pub(super) fn offset(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Result<Part, Refusal> {
     let radius = arguments.number("r", 0.0)?;
     let delta = arguments.number("delta", 0.0)?;
@@ -45,7 +45,7 @@ pub(super) fn offset(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Re
     }
 }
 
-/// The region as it is or, if something is cut out of it, by its boundary.
+/// The region itself if it is a union, else a region made of its boundary.
 pub(super) fn plain(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Result<Flat, Refusal> {
     if flats.is_union(flat) {
         return Ok(flat);
@@ -54,7 +54,7 @@ pub(super) fn plain(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Res
     Ok(flats.leaf(Leaf::Outline(contours)))
 }
 
-/// A disc grown or shrunk, if the region is one.
+/// The offset of a region that is a single disc, else `None`.
 fn disc(flats: &mut Flats, flat: Flat, by: f64) -> Result<Option<Part>, Refusal> {
     let of_leaf = |leaf: &Leaf, map: &_| {
         Ok(match (leaf, plane_similarity(map)) {
@@ -73,7 +73,7 @@ fn disc(flats: &mut Flats, flat: Flat, by: f64) -> Result<Option<Part>, Refusal>
     Ok(Some(flats.moved(shift(centre), disc).into()))
 }
 
-/// What is farther than a distance from a boundary.
+/// The points of the region that are farther than a distance from its boundary.
 fn shrunk(flats: &mut Flats, contours: Contours, by: f64, fragments: usize) -> Part {
     let mut rims = Vec::new();
     for contour in &contours {

@@ -1,23 +1,25 @@
-//! What an item stands for.
+//! Geometry of an item: a solid, a plane region, or nothing.
 
+use super::arguments::{Arguments, Refusal};
 use super::flat::Flat;
 use rayweave_model::Solid;
 use rayweave_scene::Colour;
+use rayweave_shape::primitive::{Primitive, ShapeError};
 
 /// The geometry of an item.
 #[derive(Clone, Debug)]
 pub(super) enum Part {
-    /// Nothing.
+    /// An item without geometry.
     Empty,
-    /// What could not be read: it counts as if it did not stand there.
+    /// An item that could not be read; booleans treat it as absent.
     Refused,
-    /// A region of the plane in pieces of different colours; it is their union.
+    /// A plane region: the union of pieces of different colours.
     Flat(Vec<Piece<Flat>>),
-    /// A solid in pieces of different colours; it is their union.
+    /// A solid: the union of pieces of different colours.
     Solid(Vec<Piece<Solid>>),
 }
 
-/// A part of a solid or of a region of the plane, with its colour if it has one.
+/// A piece of a solid or of a plane region, with its colour if it has one.
 #[derive(Clone, Debug)]
 pub(super) struct Piece<T> {
     pub colour: Option<Colour>,
@@ -41,5 +43,16 @@ pub(super) fn union(mut solids: Vec<Solid>) -> Solid {
     match solids.len() {
         1 => solids.remove(0),
         _ => Solid::union(solids),
+    }
+}
+
+/// A primitive as a solid; invalid parameters become a refusal.
+pub(super) fn solid<S: Into<Primitive>>(
+    arguments: &Arguments,
+    shape: Result<S, ShapeError>,
+) -> Result<Solid, Refusal> {
+    match shape {
+        Ok(shape) => Ok(Solid::from(shape.into())),
+        Err(error) => Err(arguments.refusal(&error.to_string())),
     }
 }

@@ -1,25 +1,14 @@
-//! Cubes, spheres and cylinders.
+//! Primitive solids: `cube`, `sphere`, `cylinder`.
 
 use super::arguments::{Arguments, Refusal};
 use super::facets::{Fineness, ring_planes, sphere_rings};
 use super::mesh::{between_rings, convex};
-use super::part::Part;
+use super::part::{Part, solid};
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
-use rayweave_shape::primitive::{BoxFromCorners, Cone, Cylinder, Primitive, ShapeError, Sphere};
+use rayweave_shape::primitive::{BoxFromCorners, Cone, Cylinder, Sphere};
 
-/// A shape as a solid; what a shape says against its numbers is a refusal.
-pub(super) fn solid<S: Into<Primitive>>(
-    arguments: &Arguments,
-    shape: Result<S, ShapeError>,
-) -> Result<Solid, Refusal> {
-    match shape {
-        Ok(shape) => Ok(Solid::from(shape.into())),
-        Err(error) => Err(arguments.refusal(&error.to_string())),
-    }
-}
-
-/// `cube(size, center)`: nothing if a size is not positive.
+/// `cube(size, center)`: empty if a size is not positive.
 pub(super) fn cube(arguments: &Arguments) -> Result<Part, Refusal> {
     let size = Vec3::from_array(arguments.point("size", 1.0)?);
     if size.min_element() <= 0.0 {
@@ -29,7 +18,7 @@ pub(super) fn cube(arguments: &Arguments) -> Result<Part, Refusal> {
     Ok(solid(arguments, BoxFromCorners::new(lo, lo + size))?.into())
 }
 
-/// `sphere(r)`: nothing if the radius is not positive.
+/// `sphere(r)`: empty if the radius is not positive.
 pub(super) fn sphere(arguments: &Arguments, facets: bool) -> Result<Part, Refusal> {
     let radius = arguments.number("r", 1.0)?;
     if radius <= 0.0 {
@@ -42,12 +31,12 @@ pub(super) fn sphere(arguments: &Arguments, facets: bool) -> Result<Part, Refusa
     Ok(faceted(arguments, &sphere_rings(radius, fragments), fragments)?.into())
 }
 
-/// The convex solid between rings.
+/// Convex solid between rings.
 fn faceted(arguments: &Arguments, rings: &[[f64; 2]], fragments: usize) -> Result<Solid, Refusal> {
     convex(arguments, ring_planes(rings, fragments), || between_rings(rings, fragments))
 }
 
-/// The numbers of `cylinder(h, r1, r2, center)`.
+/// Dimensions of `cylinder(h, r1, r2, center)`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CylinderSizes {
     pub bottom: f64,
@@ -57,7 +46,7 @@ pub(super) struct CylinderSizes {
 }
 
 impl CylinderSizes {
-    /// `None` for one of no volume.
+    /// The dimensions of an item; `None` if its volume is zero.
     pub fn of(arguments: &Arguments) -> Result<Option<CylinderSizes>, Refusal> {
         let height = arguments.number("h", 1.0)?;
         let radius1 = arguments.number("r1", 1.0)?;
@@ -67,7 +56,7 @@ impl CylinderSizes {
         Ok(has_volume.then_some(CylinderSizes { bottom, radius1, radius2, height }))
     }
 
-    /// The rings (radius, z) from the top down.
+    /// The rings (radius, z), from the top down.
     pub fn rings(&self) -> [[f64; 2]; 2] {
         [[self.radius2, self.bottom + self.height], [self.radius1, self.bottom]]
     }
@@ -77,7 +66,7 @@ impl CylinderSizes {
     }
 }
 
-/// `cylinder(h, r1, r2, center)`: nothing if it has no volume.
+/// `cylinder(h, r1, r2, center)`: empty if its volume is zero.
 pub(super) fn cylinder(arguments: &Arguments, facets: bool) -> Result<Part, Refusal> {
     let Some(sizes) = CylinderSizes::of(arguments)? else {
         return Ok(Part::Empty);

@@ -1,82 +1,38 @@
-//! From the tree of a dump to a scene: every item after its children, without using the call stack for depth.
+//! Conversion of the syntax tree of a dump to a scene: bottom-up and without recursion.
 
 use super::arguments::{Arguments, Refusal};
 use super::body;
-use super::boolean::{Operation, join, join_solids, whole};
+use super::boolean::{join, join_solids, whole};
 use super::drawing::TOLERANCE;
-use super::extrude::{Way, extruded};
-use super::flat::{self, Flat, Flats, Leaf};
+use super::extent::Way;
+use super::extrude::extruded;
+use super::flat::{self, Flat, Leaf};
 use super::hull::Generator;
 use super::import::Imported;
 use super::mesh::Twist;
+use super::operation::Operation;
 use super::part::{Part, Piece};
 use super::revolve::Turn;
-use super::shell::{self, Shell};
-use super::syntax::{Node, Tree};
-use super::text::{Fonts, text};
-use super::{gather, hull, hull2, import, mesh, offset, primitive, region, relief, sum, transform};
-use crate::{LossKind, Options, Report};
+use super::shell::Shell;
+use super::state::Reader;
+use super::syntax::Node;
+use super::text::text;
+use super::{
+    gather, hull, hull2, import, mesh, offset, primitive, projection, region, relief, sum, transform,
+};
+use crate::{LossKind, Report};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
-use rayweave_scene::{
-    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit,
-};
-use std::cell::Cell;
-use std::collections::HashMap;
-use std::sync::Arc;
-
-pub(super) struct Reader<'a> {
-    pub source: &'a Arc<Source>,
-    pub options: &'a Options,
-    pub tree: &'a Tree,
-    /// Which nodes are there at all.
-    pub live: Vec<bool>,
-    /// What each node stands for, as far as it has been found out and not been used.
-    parts: Vec<Part>,
-    pub flats: Flats,
-    /// What is extruded by a node.
-    pub extruded: HashMap<usize, Flat>,
-    /// Which nodes lie below one that asks for their shells.
-    wanted: Vec<bool>,
-    /// The shells of such nodes where they are not simply made of arguments.
-    pub shells: HashMap<usize, Vec<Shell>>,
-    /// The maps of `resize`.
-    pub resized: HashMap<usize, Affine>,
-    fonts: Fonts,
-    /// What hulls have cost so far.
-    work: Cell<u64>,
-    pub report: Report,
-}
-
-/// The most steps of looking for hulls, about half a minute: hulls in hulls would take the square of their number.
-const MOST_WORK: u64 = 2_000_000_000;
+use rayweave_scene::{Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Unit};
 
 impl<'a> Reader<'a> {
-    pub fn new(source: &'a Arc<Source>, options: &'a Options, tree: &'a Tree) -> Reader<'a> {
-        Reader {
-            source,
-            options,
-            tree,
-            live: vec![true; tree.nodes.len()],
-            parts: vec![Part::Empty; tree.nodes.len()],
-            flats: Flats::new(options.facets),
-            extruded: HashMap::new(),
-            wanted: wanted(tree),
-            shells: HashMap::new(),
-            resized: HashMap::new(),
-            fonts: Fonts::new(&options.fonts),
-            work: Cell::new(0),
-            report: Report::default(),
-        }
-    }
-
-    /// The scene of all items: a region for each colour.
+    /// The scene of all items, with one region per colour.
     pub fn scene(mut self) -> (Scene, Report) {
         self.find_live();
         let mut roots = self.tree.nodes.iter().zip(&self.live);
         let root = roots.position(|(node, live)| node.modifiers.root && *live).unwrap_or(0);
         self.keep_below(root);
-        // children have greater numbers than their parents
+        // children have greater indices than their parents
         for number in (0..self.tree.nodes.len()).rev() {
             if self.live[number] {
                 self.parts[number] = self.part(number);
@@ -94,7 +50,7 @@ impl<'a> Reader<'a> {
         (scene(pieces), self.report)
     }
 
-    /// Which nodes are there at all: not those below a `*` or a `%`.
+    /// Marks the nodes that take part in the model: those that are not below a `*` or a `%`.
     fn find_live(&mut self) {
         for (number, node) in self.tree.nodes.iter().enumerate() {
             let modifiers = node.modifiers;
@@ -111,7 +67,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Leaves only what stands below a node.
+    /// Restricts the model to the subtree of a node.
     fn keep_below(&mut self, root: usize) {
         let mut below = vec![false; self.live.len()];
         below[root] = true;
@@ -134,7 +90,7 @@ impl<'a> Reader<'a> {
             Ok(part) => return part,
             Err(why) => self.report.add(LossKind::Refused, &item(node), *why),
         }
-        // those who walk over the items below them pass it by
+        // traversals of the subtree of an ancestor skip refused nodes
         self.live[number] = false;
         Part::Refused
     }
@@ -172,15 +128,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Counts steps, and refuses those beyond all that is reasonable.
-    pub fn spend(&self, arguments: &Arguments, steps: usize) -> Result<(), Refusal> {
-        self.work.set(self.work.get().saturating_add(steps as u64));
-        match self.work.get() > MOST_WORK {
-            true => Err(arguments.refusal("the hulls of the file, all together, would take too long")),
-            false => Ok(()),
-        }
-    }
-
     fn polyhedron(&mut self, arguments: &Arguments) -> Result<Part, Refusal> {
         let part = mesh::polyhedron(arguments)?;
         if mesh::bent_faces(arguments)? > 0 {
@@ -194,7 +141,7 @@ impl<'a> Reader<'a> {
         leaf.map_or(Part::Empty, |leaf| self.flats.leaf(leaf).into())
     }
 
-    /// The children, joined.
+    /// The boolean of the children of a node.
     pub fn joined(&mut self, node: &Node, operation: Operation) -> Part {
         let (mut solids, mut flats) = (Vec::new(), Vec::new());
         let (mut other_dimension, mut is_first) = (false, true);
@@ -202,11 +149,11 @@ impl<'a> Reader<'a> {
             let part = std::mem::replace(&mut self.parts[*child as usize], Part::Empty);
             let is_live = self.live[*child as usize];
             if matches!(part, Part::Empty) && !is_live {
-                // switched off, or in the background: the next one takes its place
+                // disabled or in the background: the next child takes its place
                 continue;
             }
             match (part, operation) {
-                // what the others are taken from, or would be
+                // without the first operand a difference is empty
                 (part @ (Part::Refused | Part::Empty), Operation::Difference) if is_first => return part,
                 (Part::Empty, Operation::Intersection) => return Part::Empty,
                 (Part::Refused | Part::Empty, _) => {}
@@ -221,7 +168,7 @@ impl<'a> Reader<'a> {
                 .why("the dimension of the first one counts, and the others are left out, as in OpenSCAD");
             self.report.add(LossKind::Dropped, &item(node), why.at(self.source, node.span));
             if operation == Operation::Intersection && !solids.is_empty() {
-                // what is left out of solids is nothing there
+                // the omitted operand is no solid, so the intersection is empty
                 return Part::Empty;
             }
         }
@@ -240,7 +187,7 @@ impl<'a> Reader<'a> {
         let part = self.joined(node, Operation::Union);
         let map = if matches!(part, Part::Flat(_)) { transform::of_the_plane(&map) } else { map };
         if map.inverse().is_err() && matches!(part, Part::Solid(_) | Part::Flat(_)) {
-            let why = arguments.approximation("leaves nothing (its matrix has no inverse: a scale of 0?)");
+            let why = arguments.approximation("leaves nothing: its matrix has no inverse: a scale of 0?");
             self.report.add(LossKind::Dropped, "multmatrix()", why);
             return Ok(Part::Empty);
         }
@@ -267,7 +214,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// All pieces of a region of the plane as one.
+    /// The union of the pieces of a plane region.
     fn whole(&mut self, pieces: Vec<Piece<Flat>>) -> Flat {
         let all = &mut self.flats;
         whole(pieces, &mut |operation, flats| all.join(operation, flats))
@@ -285,14 +232,14 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The region of the plane below a node, or the part that stands for it if there is none.
+    /// The profile below a node, or the resulting part if there is none.
     fn profile(
         &mut self,
         number: usize,
         node: &Node,
         arguments: &Arguments,
     ) -> Result<Result<Flat, Part>, Refusal> {
-        // older items name the drawing themselves
+        // older dumps name the drawing in the extrusion itself
         let part = match import::word(arguments, "file")? {
             Some("") | None => self.joined(node, Operation::Union),
             _ => self.import(number, arguments)?,
@@ -366,16 +313,16 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What a hull is the hull of: points where the parts are not made of convex things alone.
+    /// Generators of the hull of a node; the vertices of the facets if some part is not convex.
     fn generators(&self, number: usize) -> Result<Vec<Generator>, Refusal> {
         if let Ok(found) = gather::generators(self, number, Affine::IDENTITY) {
             return Ok(found);
         }
-        let points = shell::corner_points(self, number)?;
+        let points = projection::corner_points(self, number)?;
         Ok(points.into_iter().map(Generator::point).collect())
     }
 
-    /// Keeps the hulls of generators as shells, if somebody wants them.
+    /// Stores the hulls of generators as shells, if an ancestor needs them.
     fn keep(
         &mut self,
         number: usize,
@@ -390,7 +337,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The solid within a shell, which is kept if somebody wants it.
+    /// The solid inside a shell. The shell is stored if an ancestor needs it.
     fn within(&mut self, number: usize, arguments: &Arguments, shell: Shell) -> Result<Part, Refusal> {
         if self.wanted[number] {
             self.shells.insert(number, vec![shell.clone()]);
@@ -418,8 +365,8 @@ impl<'a> Reader<'a> {
             other => return Ok(other),
         }
         let contours = match arguments.truth("cut", false)? {
-            true => shell::section(self, number)?,
-            false => shell::shadow(self, number)?,
+            true => projection::section(self, number)?,
+            false => projection::shadow(self, number)?,
         };
         match contours.is_empty() {
             true => Ok(Part::Empty),
@@ -464,7 +411,7 @@ impl<'a> Reader<'a> {
             let all = all.iter().map(Generator::bounds);
             return Ok(all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]));
         }
-        let points = shell::corner_points(self, number)?;
+        let points = projection::corner_points(self, number)?;
         Ok(points.iter().map(|p| [*p; 2]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]))
     }
 
@@ -494,7 +441,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The sum of solids that are unions of convex parts.
+    /// Minkowski sum of unions of convex parts.
     fn sum_of_convex(
         &mut self,
         number: usize,
@@ -511,7 +458,7 @@ impl<'a> Reader<'a> {
         Ok(found.solid.map_or(Part::Empty, Part::from))
     }
 
-    /// The sum of any solids, in facets.
+    /// Minkowski sum of arbitrary solids, in facets.
     fn sum_of_facets(
         &mut self,
         number: usize,
@@ -524,11 +471,11 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The sum of regions of the plane: with discs kept, if all but the first are convex.
+    /// Minkowski sum of plane regions; discs stay exact if all operands but the first are convex.
     fn flat_sum(&mut self, arguments: &Arguments, operands: &[Flat]) -> Result<Part, Refusal> {
         let mut flat = operands[0];
         for other in &operands[1..] {
-            let part = match sum::is_convex(arguments, &self.flats, *other)? {
+            let part = match gather::is_convex(arguments, &self.flats, *other)? {
                 true => {
                     let discs = gather::round(arguments, &self.flats, *other)?;
                     let flat = offset::plain(arguments, &mut self.flats, flat)?;
@@ -556,7 +503,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Regions of the plane as plates of thickness 1, which is how OpenSCAD shows them.
+    /// Plane regions as plates of thickness 1, like in OpenSCAD's preview.
     fn plates(&mut self, pieces: &[Piece<Flat>]) -> Vec<Piece<Solid>> {
         let root = &self.tree.nodes[0];
         let arguments = Arguments::new(self.source, root);
@@ -575,27 +522,16 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The items whose parent, or one above it, asks for what bounds them.
-fn wanted(tree: &Tree) -> Vec<bool> {
-    let mut wanted = vec![false; tree.nodes.len()];
-    for (number, node) in tree.nodes.iter().enumerate() {
-        let asks =
-            wanted[number] || ["projection", "resize", "hull", "minkowski"].contains(&node.name.as_str());
-        node.children.iter().for_each(|child| wanted[*child as usize] = asks);
-    }
-    wanted
-}
-
 fn mapped<T>(pieces: Vec<Piece<T>>, mut map: impl FnMut(T) -> T) -> Vec<Piece<T>> {
     pieces.into_iter().map(|Piece { colour, body }| Piece { colour, body: map(body) }).collect()
 }
 
-/// What an item is called in reports.
+/// Name of a node in reports.
 fn item(node: &Node) -> String {
     format!("{}()", node.name)
 }
 
-/// A scene of pieces: a region for each, of a medium of its own.
+/// A scene with one region per piece, each with its own medium.
 fn scene(pieces: Vec<Piece<Solid>>) -> Scene {
     let names = names(&pieces);
     let mut media = vec![Medium { name: "world".to_owned(), ..Medium::default() }];
@@ -604,13 +540,13 @@ fn scene(pieces: Vec<Piece<Solid>>) -> Scene {
         media.push(Medium { name: name.clone(), ..Medium::default() });
         let palette = Colour::numbered(number);
         let (medium, colour) = (number as u32 + 1, piece.colour.unwrap_or(palette));
-        // as it is read back from a native file
+        // the same tree as after reading a native file
         let solid = piece.body.named(&name);
         regions.push(SceneRegion { name, solid, medium, colour });
     }
     let solids = regions.iter().map(|region| (region.name.clone(), region.solid.clone())).collect();
     Scene {
-        // a dump does not say its unit; those who print take it for this one
+        // a dump has no unit; 3D printing assumes millimetres
         unit: Unit::Millimetre,
         parameters: Vec::new(),
         solids,
@@ -623,7 +559,7 @@ fn scene(pieces: Vec<Piece<Solid>>) -> Scene {
     }
 }
 
-/// `model` for the piece without a colour, the colour for others.
+/// `model` for the piece without a colour, else the colour.
 fn names(pieces: &[Piece<Solid>]) -> Vec<String> {
     let name = |piece: &Piece<Solid>| match piece.colour {
         None => "model".to_owned(),

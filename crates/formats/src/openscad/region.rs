@@ -1,32 +1,32 @@
-//! Regions of the plane by their boundaries: booleans of polygons, and what is at a distance from them.
+//! Polygon booleans, offsets and Minkowski sums of plane regions given by their boundaries.
 //!
-//! The booleans are those of the crate `i_overlay`, which moves points to a grid of 2^-50 of the drawing or finer.
+//! The booleans are those of the crate `i_overlay`, which rounds points to a grid of 2^-50 of the drawing or finer.
 
 use super::arguments::{Arguments, Refusal};
-use super::boolean::Operation;
 use super::drawing::chords;
 use super::flat::{Flat, Flats, Leaf, NOWHERE, hull, image};
+use super::operation::Operation;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::simplify::SimplifyShape;
 use i_overlay::float::single::SingleFloatOverlay;
 use rayweave_math::Affine;
-use rayweave_space::Point;
+use rayweave_polygon::Point;
 use std::f64::consts::TAU;
 
 /// Closed chains of points.
-pub(super) type Contours = Vec<Vec<Point<2>>>;
+pub(super) type Contours = Vec<Vec<Point>>;
 
-/// More points than these take longer than a reader should.
+/// Most points of a region; more take too long.
 const MOST_POINTS: usize = 2_000_000;
 
-/// Points farther out than this cannot be told from infinity by what is done here: `i_overlay` takes none beyond 2^500.
+/// Largest coordinate: `i_overlay` accepts none beyond 2^500.
 const FARTHEST: f64 = 1e150;
 
-/// The grid of `i_overlay` as a part of what it is given.
+/// Grid of `i_overlay`, relative to the size of its input.
 const GRID: f64 = 1.0 / (1u64 << 50) as f64;
 
-/// What lies within contours by a rule, as outlines counter-clockwise and holes clockwise that do not cross.
+/// The region inside contours by a fill rule, as outlines counter-clockwise and holes clockwise that do not cross.
 pub(super) fn filled(
     arguments: &Arguments,
     contours: &Contours,
@@ -36,7 +36,7 @@ pub(super) fn filled(
     Ok(filled_near(contours, rule))
 }
 
-/// [`filled`] of contours that are known to pass [`is_near`].
+/// [`filled`] for contours that pass [`is_near`].
 pub(super) fn filled_near(contours: &Contours, rule: FillRule) -> Contours {
     match contours.iter().all(|contour| contour.len() < 3) {
         true => Vec::new(),
@@ -44,7 +44,7 @@ pub(super) fn filled_near(contours: &Contours, rule: FillRule) -> Contours {
     }
 }
 
-/// Regions without crossings, joined into one of the same kind.
+/// Boolean of regions without crossings.
 pub(super) fn join_contours(operation: Operation, operands: Vec<Contours>) -> Contours {
     let rule = match operation {
         Operation::Union => return filled_near(&operands.concat(), FillRule::NonZero),
@@ -67,7 +67,7 @@ fn overlaid(a: &Contours, b: &Contours, rule: OverlayRule) -> Contours {
     a.overlay_as::<i64>(b, rule, FillRule::NonZero).into_iter().flatten().collect()
 }
 
-/// The boundary of a region. Discs have their facets or, where they are truly round, chords: `Flats::has_chords` tells.
+/// Boundary of a region. Discs have their facets or, if they are exact, chords; this sets `Flats::has_chords`.
 pub(super) fn boundary(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Contours, Refusal> {
     let mut points = 0;
     let size = size_of_leaves(flats, flat)?;
@@ -88,14 +88,14 @@ pub(super) fn boundary(arguments: &Arguments, flats: &Flats, flat: Flat) -> Resu
     flats.fold(flat, outline, join_contours)
 }
 
-/// The larger side of the box around all leaves, also those that are cut away.
+/// Larger side of the bounding box of all leaves, including subtracted ones.
 pub(super) fn size_of_leaves(flats: &Flats, flat: Flat) -> Result<f64, Refusal> {
-    let hull = |_, all: Vec<[Point<2>; 2]>| all.into_iter().fold(NOWHERE, hull);
+    let hull = |_, all: Vec<[Point; 2]>| all.into_iter().fold(NOWHERE, hull);
     let [lo, hi] = flats.fold(flat, |leaf, map| Ok(leaf.bounds(map)), hull)?;
     Ok((hi[0] - lo[0]).max(hi[1] - lo[1]))
 }
 
-/// The contours of a leaf in their place, in a drawing of some size: refused if they are too far out, or if rounding loses one.
+/// Contours of a mapped leaf, in a drawing of the given size; refused if they are too far out, or if rounding removes one.
 pub(super) fn placed(
     arguments: &Arguments,
     mut contours: Contours,
@@ -114,51 +114,52 @@ pub(super) fn placed(
     Ok(contours)
 }
 
-/// How far points lie from the line through the first of them and the one farthest from it, and whether that is surely more than
-/// the rounding of numbers in text and of products makes of points on a line.
-fn width(points: &[Point<2>]) -> (f64, bool) {
+/// Largest distance of the points from the line through the first point and the one farthest from it, and whether that
+/// exceeds the rounding errors of decimal numbers and of products, i.e. whether the points are certainly not collinear.
+fn width(points: &[Point]) -> (f64, bool) {
     let Some(&first) = points.first() else { return (0.0, false) };
-    let from_first = |p: &Point<2>| [p[0] - first[0], p[1] - first[1]];
-    let length = |p: &Point<2>| libm::hypot(from_first(p)[0], from_first(p)[1]);
+    let from_first = |p: &Point| [p[0] - first[0], p[1] - first[1]];
+    let length = |p: &Point| libm::hypot(from_first(p)[0], from_first(p)[1]);
     let far = points.iter().copied().max_by(|p, q| length(p).total_cmp(&length(q))).unwrap_or(first);
     let [x, y] = from_first(&far);
-    let across = |p: &Point<2>| (x * from_first(p)[1] - y * from_first(p)[0]).abs();
-    // coordinates are off by u, their differences by u, and their products and the difference of them by u again
-    let sum = |p: &Point<2>, k: usize| p[k].abs() + first[k].abs();
-    let off = |p: &Point<2>| 4.0 * f64::EPSILON * (sum(&far, 0) * sum(p, 1) + sum(&far, 1) * sum(p, 0));
+    let across = |p: &Point| (x * from_first(p)[1] - y * from_first(p)[0]).abs();
+    // coordinates have a relative error of u, their differences too, and the products and their difference again u
+    let sum = |p: &Point, k: usize| p[k].abs() + first[k].abs();
+    let off = |p: &Point| 4.0 * f64::EPSILON * (sum(&far, 0) * sum(p, 1) + sum(&far, 1) * sum(p, 0));
     let width = points.iter().map(across).fold(0.0, f64::max) / length(&far);
     (width, points.iter().any(|p| across(p) > off(p)))
 }
 
-/// True if no point is too far out for `i_overlay`, which panics there.
-pub(super) fn is_near(contours: &[Vec<Point<2>>]) -> bool {
+/// True if all points are within the range of `i_overlay`, which panics beyond it.
+pub(super) fn is_near(contours: &[Vec<Point>]) -> bool {
     contours.iter().flatten().flatten().all(|x| x.abs() < FARTHEST)
 }
 
 /// Refuses contours that do not pass [`is_near`].
-pub(super) fn check_near(arguments: &Arguments, contours: &[Vec<Point<2>>]) -> Result<(), Refusal> {
+pub(super) fn check_near(arguments: &Arguments, contours: &[Vec<Point>]) -> Result<(), Refusal> {
     match is_near(contours) {
         true => Ok(()),
         false => Err(arguments.refusal("its points are too far out")),
     }
 }
 
-/// Corners whose edges turn by nearly 180 degrees are cut off: 1 + the cosine of the turn, for a reach of 10^6 times the distance.
+/// Mitre limit: corners whose edges turn by nearly 180 degrees are cut off. The value is 1 + the cosine of the turn, for a
+/// mitre length of 10^6 times the distance.
 const SHARPEST: f64 = 2e-12;
 
-/// What a corner becomes that the boundary turns away from.
+/// Join type at a corner that is convex towards the offset side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Corner {
-    /// Both edges go on until they meet.
+    /// Mitre: both edges are extended until they intersect.
     Sharp,
-    /// Cut off across its bisector at the distance of the edges.
+    /// Chamfer: cut across the bisector at the offset distance.
     Cut,
-    /// An arc in pieces, so many of a full turn.
+    /// Arc, with the number of pieces of a full turn.
     Round(usize),
 }
 
-/// The region grown by a distance, or shrunk if it is negative: every edge is moved, and what is wound around once or more is
-/// kept. Sharp corners reach at most a million times as far as the edges move, as in OpenSCAD.
+/// Polygon offset, inward for a negative distance: every edge is moved, and the points with a positive winding number are
+/// kept. Mitres are limited to a million times the distance, as in OpenSCAD.
 ///
 /// *Source*: X. Chen, S. McMains, "Polygon offsetting by computing winding numbers", ASME 2005; A. Johnson, *Clipper* 6.
 pub(super) fn offset(
@@ -172,7 +173,7 @@ pub(super) fn offset(
 }
 
 /// A contour with its edges moved to the right.
-fn moved(contour: &[Point<2>], by: f64, corner: Corner) -> Vec<Point<2>> {
+fn moved(contour: &[Point], by: f64, corner: Corner) -> Vec<Point> {
     let mut contour = contour.to_vec();
     contour.dedup();
     let n = contour.len();
@@ -194,12 +195,12 @@ fn moved(contour: &[Point<2>], by: f64, corner: Corner) -> Vec<Point<2>> {
     points
 }
 
-/// The points that stand for the corner `p` between edges with the normals `m` and `n`.
-fn around(p: Point<2>, m: Point<2>, n: Point<2>, by: f64, corner: Corner, points: &mut Vec<Point<2>>) {
-    let at = |u: Point<2>, by: f64| [p[0] + by * u[0], p[1] + by * u[1]];
+/// Adds the points that replace the corner `p` between edges with the normals `m` and `n`.
+fn around(p: Point, m: Point, n: Point, by: f64, corner: Corner, points: &mut Vec<Point>) {
+    let at = |u: Point, by: f64| [p[0] + by * u[0], p[1] + by * u[1]];
     let (sine, cosine) = (m[0] * n[1] - m[1] * n[0], m[0] * n[0] + m[1] * n[1]);
     if sine * by < 0.0 {
-        // the moved edges cross: the way over the corner winds what is between them the other way round
+        // the moved edges cross: the detour over the corner gives the area between them the opposite winding
         points.extend([at(m, by), p, at(n, by)]);
         return;
     }
@@ -226,8 +227,8 @@ fn around(p: Point<2>, m: Point<2>, n: Point<2>, by: f64, corner: Corner, points
     }
 }
 
-/// The sum of two regions: every sum of a point of one and a point of the other. Where the boundary of one does not meet the
-/// mirror image of the other, a whole component of one lies within the other, so that one of its points stands for it.
+/// Minkowski sum of two regions. If the boundary of one does not intersect the mirror image of the other, a whole component
+/// of one lies within the other, and one point of each component is enough.
 pub(super) fn sum(arguments: &Arguments, a: &Contours, b: &Contours) -> Result<Contours, Refusal> {
     let edges = |contours: &Contours| contours.iter().map(Vec::len).sum::<usize>();
     if edges(a).saturating_mul(edges(b)) > MOST_POINTS / 4 {
@@ -245,24 +246,24 @@ pub(super) fn sum(arguments: &Arguments, a: &Contours, b: &Contours) -> Result<C
             all.extend(region.iter().map(|contour| contour.iter().map(|p| plus(*p, first)).collect()));
         }
     }
-    // one by one counter-clockwise, so that nothing counts against another
+    // each contour is counter-clockwise, so that windings do not cancel
     filled(arguments, &all, FillRule::Positive)
 }
 
-fn plus(p: Point<2>, q: Point<2>) -> Point<2> {
+fn plus(p: Point, q: Point) -> Point {
     [p[0] + q[0], p[1] + q[1]]
 }
 
-fn edges_of(contour: &[Point<2>]) -> impl Iterator<Item = [Point<2>; 2]> {
+fn edges_of(contour: &[Point]) -> impl Iterator<Item = [Point; 2]> {
     (0..contour.len()).map(|k| [contour[k], contour[(k + 1) % contour.len()]])
 }
 
-/// The area that a contour goes round, negative if clockwise.
-pub(super) fn area(contour: &[Point<2>]) -> f64 {
+/// Signed area of a contour, negative if clockwise.
+pub(super) fn area(contour: &[Point]) -> f64 {
     0.5 * edges_of(contour).map(|[p, q]| p[0] * q[1] - p[1] * q[0]).sum::<f64>()
 }
 
-fn upright(mut contour: Vec<Point<2>>) -> Vec<Point<2>> {
+fn upright(mut contour: Vec<Point>) -> Vec<Point> {
     if area(&contour) < 0.0 {
         contour.reverse();
     }

@@ -1,4 +1,4 @@
-//! `surface`: what is below a map of heights.
+//! Height maps (`surface`): the solid below a grid of heights, from text or an image.
 
 use super::arguments::{Arguments, Refusal};
 use super::import::{file, text_of};
@@ -7,22 +7,22 @@ use rayweave_math::Vec3;
 use rayweave_scene::Source;
 use std::path::Path;
 
-/// The largest height map in bytes.
+/// Largest height map file in bytes.
 const LARGEST_MAP: u64 = 64 << 20;
 
-/// The most pixels of a picture, and the most bytes that its reader may ask for.
+/// Most pixels of an image, and most bytes that its decoder may allocate.
 const MOST_PIXELS: usize = 4_000_000;
 const MOST_BYTES: usize = 256 << 20;
 
-/// `surface(file, center, invert)`: what is below a map of heights, in text or as a picture.
+/// `surface(file, center, invert)`: the solid below a height map from a text or an image.
 pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, Refusal> {
     let path = file(arguments, source)?;
     let is_picture = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
     let mut rows = if is_picture { brightness(arguments, &path)? } else { heights(arguments, &path)? };
-    // the floor is at 0, or one below what is lower than 1
+    // the floor is at 0, or at the lowest height minus 1 if that height is below 1
     let lowest = rows.iter().flatten().copied().fold(1.0, f64::min);
     let (width, depth) = (rows.iter().map(Vec::len).max().unwrap_or(0), rows.len());
-    // rows that are too short end with zeros, which do not count for the floor
+    // short rows are padded with zeros, which do not lower the floor
     rows.iter_mut().for_each(|row| row.resize(width, 0.0));
     if width < 2 || depth < 2 {
         return Ok(Shell::default());
@@ -36,7 +36,7 @@ pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, R
     Ok(Shell { vertices, triangles, is_convex: false })
 }
 
-/// The brightness of a picture in percent, its lowest row first. With `invert` it is 1 - b for a byte b, as OpenSCAD has it.
+/// Brightness of an image in percent, lowest row first. With `invert` it is 1 - b for a byte b, as in OpenSCAD.
 fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
     let invert = arguments.truth("invert", false)?;
     let unreadable =
@@ -57,7 +57,7 @@ fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refus
     let height_of = |pixel: &[u8]| {
         let [r, g, b] =
             if samples < 3 { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] }.map(f64::from);
-        // the weights of ITU-R BT.709
+        // luma weights of ITU-R BT.709
         let value = 0.2126 * r + 0.7152 * g + 0.0722 * b;
         100.0 / 255.0 * if invert { 1.0 - value } else { value }
     };
@@ -65,7 +65,7 @@ fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refus
     Ok(bytes.chunks_exact(frame.line_size).take(height).map(row).rev().collect())
 }
 
-/// The rows of a map, the first of which is at y = 0, each as long as it is in the file.
+/// Rows of a text height map, the first at y = 0, each with its own length.
 fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
     let text = text_of(arguments, path, LARGEST_MAP)?;
     let mut rows: Vec<Vec<f64>> = Vec::new();
@@ -83,7 +83,7 @@ fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal>
     Ok(rows)
 }
 
-/// Four triangles for each square of the map, around its middle, walls, and a floor.
+/// Triangulation of a height map: four triangles per grid cell around its centre, walls and a floor.
 fn relief(rows: &[Vec<f64>], floor: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let (width, depth) = (rows[0].len(), rows.len());
     let at = |x: usize, y: usize, z: f64| Vec3::new(x as f64, y as f64, z);

@@ -1,43 +1,44 @@
-//! `rotate_extrude`: regions of the plane, turned about the z axis. Edges become cones, cylinders and planes, discs
-//! become tori.
+//! Rotate extrusion (`rotate_extrude`): solids of revolution about the z axis. Edges become cones, cylinders and planes,
+//! discs become tori.
 
 use super::arguments::{Arguments, Refusal};
-use super::boolean::{Operation, join_solids};
+use super::boolean::join_solids;
 use super::extrude::{formula, odd};
 use super::facets::Fineness;
 use super::flat::{Flat, Flats, Leaf, simple};
-use super::primitive::solid;
+use super::operation::Operation;
+use super::part::solid;
 use super::region::{Contours, boundary, filled_near, placed, size_of_leaves};
 use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees, unit_vector_degrees};
 use rayweave_model::Solid;
+use rayweave_polygon::HalfPlane;
+use rayweave_polygon::Point;
 use rayweave_shape::primitive::{BoxFromCorners, Cylinder, HalfSpace, Quadric, Sphere, Torus, Wedge};
-use rayweave_space::Point;
-use rayweave_space::polygon::HalfPlane;
 
-/// How far over the axis a region may reach by the rounding of its numbers, as a part of its size.
+/// Tolerance by which a region may cross the axis because of rounding, relative to its size.
 const OVER: f64 = 1e-6;
 
-/// What is turned, and how.
+/// A rotate extrusion of a region.
 pub(super) struct Turn<'a> {
     pub arguments: &'a Arguments<'a>,
     pub facets: bool,
-    /// Things that are not said exactly.
+    /// Parts that are not exact.
     pub approximations: Vec<&'static str>,
-    /// In degrees, from `start`, positive.
+    /// Angle of revolution in degrees from `start`, positive.
     angle: f64,
     start: f64,
-    /// The region on the side of positive x.
+    /// Map of the region to the side of positive x.
     map: Affine,
-    /// The largest distance from the axis, and the least and the greatest height.
+    /// Largest distance from the axis; `ends`: lowest and highest z.
     reach: f64,
     ends: [f64; 2],
-    /// That of all that the region is made of, for rounding.
+    /// Size of all leaves of the region, the reference for rounding errors.
     size: f64,
 }
 
 impl<'a> Turn<'a> {
-    /// `None` if nothing is turned, or by no angle.
+    /// The extrusion of a region; `None` if it is empty or the angle is 0.
     pub fn new(
         arguments: &'a Arguments<'a>,
         facets: bool,
@@ -51,7 +52,7 @@ impl<'a> Turn<'a> {
         }
         let over = OVER * (hi[0] - lo[0]);
         if lo[0] < -over && hi[0] > over {
-            // what is cut away, or has nothing in common, does not count
+            // the leaves may cross the axis where the region itself does not
             match corner_bounds(&boundary(arguments, flats, flat)?) {
                 Some(bounds) => [lo, hi] = bounds,
                 None => return Ok(None),
@@ -64,7 +65,7 @@ impl<'a> Turn<'a> {
             return Err(arguments.refusal("the region lies on both sides of the axis"));
         }
         let is_whole = angle.abs() >= 360.0;
-        // a whole turn begins on the other side
+        // OpenSCAD starts a full turn at 180 degrees
         let start = arguments.number("start", if is_whole { 180.0 } else { 0.0 })?;
         let (map, start) = match is_turned {
             true => (Affine::scale(Vec3::new(-1.0, 1.0, 1.0)), start + 180.0),
@@ -96,7 +97,7 @@ impl<'a> Turn<'a> {
         })
     }
 
-    /// A cylinder that stands off on all sides.
+    /// A cylinder around the solid, with a margin on all sides.
     fn around(&self) -> Result<Solid, Refusal> {
         let [lo, hi] = self.ends;
         let margin = 0.25 * self.reach.max(hi - lo);
@@ -116,7 +117,7 @@ impl<'a> Turn<'a> {
         self.contours(leaf, &map, |half_plane| turned_edge(arguments, &half_plane))
     }
 
-    /// The contours of a leaf under a map, each by its half-planes.
+    /// The contours of a mapped leaf, each as a formula of half-planes.
     fn contours(
         &self,
         leaf: &Leaf,
@@ -136,19 +137,19 @@ impl<'a> Turn<'a> {
         Ok(odd(parts))
     }
 
-    /// A disc turned about the axis.
+    /// A torus: a disc revolved about the axis.
     fn ring(&self, radius: f64, map: &Affine) -> Result<Solid, Refusal> {
         let (distance, height) = (map.translation.x, map.translation.y);
         let ring = match distance.abs() <= OVER * radius {
             true => solid(self.arguments, Sphere::new(radius))?,
             false if distance > 0.0 => solid(self.arguments, Torus::new(distance, radius))?,
-            false if distance + radius <= 0.0 => return Ok(Solid::vacuum()),
+            false if distance + radius <= 0.0 => return Ok(Solid::empty()),
             false => return Err(self.arguments.refusal("the middle of a disc lies beyond the axis")),
         };
         Ok(ring.translate([0.0, 0.0, height]))
     }
 
-    /// As OpenSCAD divides it: equal sectors, in each of which the region is pushed straight on.
+    /// Faceted revolution as in OpenSCAD: equal sectors, with a straight extrusion of the region in each.
     fn sectors(&mut self, flats: &Flats, flat: Flat) -> Result<Solid, Refusal> {
         let full = Fineness::of(self.arguments)?.fragments(self.reach) as f64;
         let count = (full * self.angle / 360.0).floor().max(1.0);
@@ -173,13 +174,13 @@ impl<'a> Turn<'a> {
         Ok((sector & self.slice(step)?).place(maps))
     }
 
-    /// What lies between the half-planes at 0 and `step` degrees, in a box.
+    /// The wedge between the half-planes at 0 and `step` degrees, cut by a box.
     fn slice(&self, step: f64) -> Result<Solid, Refusal> {
         let end = unit_vector_degrees(step + 90.0);
         let [lo, hi] = self.ends;
         let margin = 0.01 * self.reach.max(hi - lo);
         let far = self.reach + margin;
-        // a narrow sector has a narrow box, so that most rays pass it by
+        // a narrow sector gets a narrow box, so that most rays miss it
         let (sin, cos) = sin_cos_degrees(step);
         let [left, up] = if cos > 0.0 { [-margin, far * sin + margin] } else { [-far, far] };
         let corners = [Vec3::new(left, -margin, lo - margin), Vec3::new(far, up, hi + margin)];
@@ -191,28 +192,27 @@ impl<'a> Turn<'a> {
     }
 }
 
-/// The lowest and the highest coordinates; `None` of nothing.
-fn corner_bounds(contours: &Contours) -> Option<[Point<2>; 2]> {
+/// Lowest and highest coordinates; `None` if there are no points.
+fn corner_bounds(contours: &Contours) -> Option<[Point; 2]> {
     let mut points = contours.iter().flatten();
     let first = *points.next()?;
-    let grown = |[lo, hi]: [Point<2>; 2], p: &Point<2>| {
-        [[0, 1].map(|k| lo[k].min(p[k])), [0, 1].map(|k| hi[k].max(p[k]))]
-    };
+    let grown =
+        |[lo, hi]: [Point; 2], p: &Point| [[0, 1].map(|k| lo[k].min(p[k])), [0, 1].map(|k| hi[k].max(p[k]))];
     Some(points.fold([first, first], grown))
 }
 
-/// The factor of a map of the plane that keeps discs discs.
+/// Scale factor of a plane similarity map, which keeps discs round.
 pub(super) fn plane_similarity(map: &Affine) -> Option<f64> {
     let (x, y) = (map.linear.x_axis, map.linear.y_axis);
     let (length, other) = (libm::hypot(x.x, x.y), libm::hypot(y.x, y.y));
-    // matrices are printed with six digits
+    // tolerance: matrices are printed with six digits
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * length.max(other);
     let inner = (x.x * y.x + x.y * y.y) / length.max(other);
     (near(length, other) && near(inner, 0.0)).then_some(0.5 * (length + other))
 }
 
-/// `a r + b z < c` for r, the distance from the axis: within a cylinder, between planes, within one nappe of a cone, or
-/// without all that.
+/// The set `a r + b z < c` with r the distance from the axis: inside or outside of a cylinder, of one nappe of a cone, or
+/// of a slab.
 fn turned_edge(arguments: &Arguments, half_plane: &HalfPlane) -> Result<Solid, Refusal> {
     let ([a, b], c) = (half_plane.normal, half_plane.offset);
     if a == 0.0 {
@@ -231,10 +231,10 @@ fn within(arguments: &Arguments, slope: f64, radius: f64) -> Result<Solid, Refus
     if slope == 0.0 {
         return match radius > 0.0 {
             true => solid(arguments, Cylinder::new(radius, f64::INFINITY)),
-            false => Ok(Solid::vacuum()),
+            false => Ok(Solid::empty()),
         };
     }
-    // r^2 < (slope z + radius)^2 on the side of the apex where that is positive
+    // r^2 < (slope z + radius)^2 on the side of the apex where the right side is positive
     let (zz, z) = (-slope * slope, -slope * radius);
     let matrix =
         [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, zz, z], [0.0, 0.0, z, -radius * radius]];

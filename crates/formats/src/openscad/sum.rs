@@ -1,32 +1,31 @@
-//! `minkowski`: sums of convex things, as hulls of the sums of what they are the hulls of.
+//! Minkowski sum (`minkowski`) of convex parts: the convex hull of the sums of their generators.
 
 use super::arguments::{Arguments, Refusal};
-use super::boolean::Operation;
-use super::extrude::is_convex as is_one_cell;
-use super::flat::{Flat, Flats, Leaf, image, simple};
-use super::gather::{Round, hull_of_discs, round};
+use super::flat::{Flat, Flats, Leaf, image};
+use super::gather::{Round, hull_of_discs, is_convex_leaf, leaves, round};
 use super::hull::{Generator, cost as cost_of_hull, hull};
+use super::operation::Operation;
 use super::part::{Part, union};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 
-/// More parts than these come of unions of many parts only.
+/// Most pairs of convex parts; only unions of many parts have more.
 pub(super) const MOST_SUMS: usize = 2000;
 
-/// A sum of solids, and whether it is exact.
+/// A Minkowski sum; `is_exact` is false if round generators were tessellated.
 pub(super) struct Sum {
     pub solid: Option<Solid>,
     pub is_exact: bool,
-    /// The convex parts of which it is the union.
+    /// Decomposition of the sum into convex parts, given by their generators.
     pub parts: Vec<Vec<Generator>>,
 }
 
-/// How many sums of two convex parts it takes.
+/// Number of sums of two convex parts.
 pub(super) fn pairs(operands: &[Vec<Vec<Generator>>]) -> usize {
     operands.iter().map(Vec::len).fold(1, usize::saturating_mul)
 }
 
-/// About how many steps a sum takes.
+/// Approximate number of steps to compute a sum.
 pub(super) fn cost(operands: &[Vec<Vec<Generator>>]) -> usize {
     let of_all = |parts: &Vec<Vec<Generator>>| {
         parts.iter().map(|part| cost_of_hull(part)).fold(0, usize::saturating_add)
@@ -34,7 +33,7 @@ pub(super) fn cost(operands: &[Vec<Vec<Generator>>]) -> usize {
     operands.iter().map(of_all).fold(1, usize::saturating_mul)
 }
 
-/// The sum of solids, each of which is a union of convex parts.
+/// Minkowski sum of solids, each given as a union of convex parts.
 pub(super) fn sum(arguments: &Arguments, operands: Vec<Vec<Vec<Generator>>>) -> Result<Sum, Refusal> {
     let mut operands = operands.into_iter();
     let mut sums: Vec<Vec<Generator>> = operands.next().unwrap_or_default();
@@ -70,7 +69,7 @@ fn all_sums(a: &[Generator], b: &[Generator], is_exact: &mut bool) -> Vec<Genera
     sums
 }
 
-/// The sum of two, if it is one of the same kinds.
+/// The sum of two generators if it is a generator, else `None`.
 fn sum_of(a: &Generator, b: &Generator) -> Option<Generator> {
     let centre = a.centre() + b.centre();
     let radius = a.radius() + b.radius();
@@ -91,7 +90,7 @@ fn sum_of(a: &Generator, b: &Generator) -> Option<Generator> {
     }
 }
 
-/// The sum of a union of leaves and the hull of discs.
+/// Minkowski sum of a union of leaves with the convex hull of discs.
 pub(super) fn flat_sum(
     arguments: &Arguments,
     flats: &mut Flats,
@@ -105,7 +104,7 @@ pub(super) fn flat_sum(
             parts.push(hull_of_discs(flats, &round_sums(&discs, other)));
         }
         if let (Leaf::Outline(_), Some(first)) = (&leaf, other.first()) {
-            // what is far from its boundary
+            // the interior of the leaf, farther from the boundary
             let shift = Affine::translate(Vec3::new(first.0[0], first.0[1], 0.0));
             let own = flats.leaf(leaf);
             parts.push(flats.moved(map.then(&shift), own).into());
@@ -127,19 +126,7 @@ fn round_sums(a: &[Round], b: &[Round]) -> Vec<Round> {
     a.iter().flat_map(|x| b.iter().map(move |y| sum(x, y))).collect()
 }
 
-/// The leaves of a union, with their maps.
-pub(super) fn leaves(
-    arguments: &Arguments,
-    flats: &Flats,
-    flat: Flat,
-) -> Result<Vec<(Leaf, Affine)>, Refusal> {
-    if !flats.is_union(flat) {
-        return Err(arguments.refusal("the boundary of what is cut out of something is not known"));
-    }
-    flats.fold(flat, |leaf, map| Ok(vec![(leaf.clone(), *map)]), |_, parts| parts.concat())
-}
-
-/// A convex leaf as one set of discs and points; any other as its edges.
+/// A convex leaf as one set of discs and points; any other leaf as its edges.
 fn convex_pieces(arguments: &Arguments, leaf: &Leaf, map: &Affine) -> Result<Vec<Vec<Round>>, Refusal> {
     let mut flats = Flats::default();
     let own = flats.leaf(leaf.clone());
@@ -154,27 +141,4 @@ fn convex_pieces(arguments: &Arguments, leaf: &Leaf, map: &Affine) -> Result<Vec
         edges.extend(ends.map(|(a, b)| [*a, *b].map(|p| (image(map, p), 0.0, 1)).to_vec()));
     }
     Ok(edges)
-}
-
-/// True if the region is one convex leaf.
-pub(super) fn is_convex(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<bool, Refusal> {
-    match flats.is_union(flat) {
-        true => match &leaves(arguments, flats, flat)?[..] {
-            [(leaf, _)] => is_convex_leaf(arguments, leaf),
-            _ => Ok(false),
-        },
-        false => Ok(false),
-    }
-}
-
-fn is_convex_leaf(arguments: &Arguments, leaf: &Leaf) -> Result<bool, Refusal> {
-    match leaf {
-        Leaf::Disc { .. } => Ok(true),
-        Leaf::Outline(contours) => match &contours[..] {
-            [contour] => {
-                Ok(simple(arguments, contour.clone())?.is_some_and(|polygons| is_one_cell(&polygons)))
-            }
-            _ => Ok(false),
-        },
-    }
 }

@@ -1,8 +1,9 @@
-//! Drawings in SVG, as OpenSCAD imports them: what closed shapes enclose, painted or not, and strokes where a shape is open.
+//! SVG drawings with the semantics of OpenSCAD's import: the interiors of closed shapes, painted or not, and the strokes of
+//! open ones.
 //!
-//! *Source*: W3C, *Scalable Vector Graphics (SVG) 1.1*, chapters 7 to 9; where a page lies, and how many pieces curves have with
-//! facets, as in OpenSCAD 2021.01. What is hidden (`display`, `visibility`) and what is only defined is not there, and `use` is
-//! followed, as SVG says it and OpenSCAD does not.
+//! *Source*: W3C, *Scalable Vector Graphics (SVG) 1.1*, chapters 7 to 9. The position of the page and the number of chords
+//! with facets are those of OpenSCAD 2021.01. As in SVG, but not in OpenSCAD, hidden elements (`display`, `visibility`) and
+//! definitions are skipped, and `use` is followed.
 
 use super::drawing::{Drawing, MOST_POINTS, TOLERANCE, arc, chords, curve, pieces, plane_map};
 use super::flat::Leaf;
@@ -11,7 +12,7 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::mesh::float::stroke::offset::StrokeOffset;
 use i_overlay::mesh::float::style::{LineCap, LineJoin, StrokeStyle};
 use rayweave_math::Affine;
-use rayweave_space::Point;
+use rayweave_polygon::Point;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::HashMap;
 use std::str::FromStr;
@@ -20,25 +21,25 @@ use svgtypes::{
 };
 use svgtypes::{Transform, ViewBox};
 
-/// Coordinates and widths of strokes beyond this are not drawn.
+/// Largest coordinate and stroke width that are drawn.
 const FARTHEST: f64 = 1e100;
-/// How deep elements may lie in each other, uses counted.
+/// Maximal nesting depth of elements, counting each `use`.
 const DEEPEST: usize = 100;
-/// The most elements, those that are used counted every time.
+/// Most elements, counting each `use`.
 const MOST_ELEMENTS: usize = 200_000;
-/// The pieces of a full ellipse and of a curve with facets.
+/// Number of chords with facets: of a full ellipse, and of a curve.
 const FACETS: (usize, usize) = (40, 20);
 
-/// How a drawing is read.
+/// Options for reading an SVG drawing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SvgOptions {
-    /// Curves in as many pieces as OpenSCAD makes of them.
+    /// Curves with the number of chords of OpenSCAD.
     pub facets: bool,
     /// Pixels per inch, positive.
     pub dpi: f64,
 }
 
-/// An element that is still to be read, with what it has from those around it.
+/// An element to be read, with its inherited properties.
 struct Task<'a, 'input> {
     node: Node<'a, 'input>,
     map: Affine,
@@ -46,7 +47,7 @@ struct Task<'a, 'input> {
     depth: usize,
 }
 
-/// What elements have from those around them.
+/// Inherited properties.
 #[derive(Clone, Copy, Debug)]
 struct Style {
     width: f64,
@@ -64,13 +65,13 @@ struct Reader<'a, 'input> {
     document: &'a Document<'input>,
     named: HashMap<&'a str, Node<'a, 'input>>,
     options: SvgOptions,
-    /// The distance by which chords may be off, in units of the drawing.
+    /// Chord tolerance in units of the drawing.
     within: f64,
     points: usize,
     drawing: Drawing,
 }
 
-/// Reads a text; an error says what is wrong, and where.
+/// Reads an SVG text; an error holds the problem and its line.
 pub(super) fn read(text: &str, options: SvgOptions) -> Result<Drawing, String> {
     let limits = ParsingOptions { allow_dtd: true, nodes_limit: 4_000_000, entity_resolver: None };
     check_depth(text)?;
@@ -89,7 +90,7 @@ pub(super) fn read(text: &str, options: SvgOptions) -> Result<Drawing, String> {
     Ok(reader.drawing)
 }
 
-/// Refuses nesting so deep that reading it would use up the call stack: more opening than closing tags.
+/// Refuses nesting (opening minus closing tags) that would overflow the call stack of the XML parser.
 fn check_depth(text: &str) -> Result<(), String> {
     let (mut depth, bytes) = (0usize, text.as_bytes());
     for (k, _) in text.match_indices('<') {
@@ -122,13 +123,13 @@ fn millimetres(length: Length, dpi: f64) -> Option<f64> {
     Some(factor * length.number).filter(|length| length.is_finite() && *length > 0.0)
 }
 
-/// The map from the drawing to the plane, y upward, and the larger side of the page in units of the drawing.
+/// Map from the drawing to the plane, with y upward, and the larger side of the page in units of the drawing.
 fn page(root: Node, dpi: f64) -> (Affine, f64) {
     let given = |name| root.attribute(name).and_then(|text| Length::from_str(text).ok());
     let length = |name| given(name).and_then(|length| millimetres(length, dpi));
     let (width, height) = (length("width"), length("height"));
     let Some(view) = root.attribute("viewBox").and_then(|text| ViewBox::from_str(text).ok()) else {
-        // without it a unit is a millimetre, but the page still is as high as it says
+        // without a view box the unit is a millimetre; the height of the page still applies
         let top = height.unwrap_or(0.0);
         return (plane_map([1.0, 0.0, 0.0, -1.0, 0.0, top]), width.unwrap_or(100.0).max(top));
     };
@@ -142,12 +143,12 @@ fn page(root: Node, dpi: f64) -> (Affine, f64) {
     let (x, y) = shares(align);
     let left = x * (width - scale[0] * view.w);
     let above = y * (height - scale[1] * view.h);
-    // the box's y counts with the other sign, as in OpenSCAD
+    // the sign of the view box's y is inverted, as in OpenSCAD
     let map = [scale[0], 0.0, 0.0, -scale[1], left - scale[0] * view.x, height - above - scale[1] * view.y];
     (plane_map(map), view.w.max(view.h))
 }
 
-/// How much of the room that is left over is on the left and above.
+/// Shares of the unused space on the left and above.
 fn shares(align: Align) -> (f64, f64) {
     match align {
         Align::None | Align::XMinYMin => (0.0, 0.0),
@@ -162,7 +163,7 @@ fn shares(align: Align) -> (f64, f64) {
     }
 }
 
-/// What `style` says of a property or, if it does not, the attribute of its name.
+/// Value of a property from `style`, else from the attribute of the same name.
 fn property<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
     let of_style = node.attribute("style").into_iter().flat_map(|style| style.split(';'));
     let mut pairs = of_style.filter_map(|pair| pair.split_once(':'));
@@ -227,7 +228,7 @@ impl<'a, 'input> Reader<'a, 'input> {
             }
             "path" => self.path(node, &map, style),
             "text" | "image" | "foreignObject" => self.refuse(node, "only shapes are read"),
-            // definitions, names, what is not drawn
+            // definitions, metadata, elements that are not drawn
             _ => Ok(()),
         }
     }
@@ -238,7 +239,7 @@ impl<'a, 'input> Reader<'a, 'input> {
         Ok(())
     }
 
-    /// What a `use` names, moved.
+    /// Adds the element that a `use` refers to, translated.
     fn follow(&mut self, task: Task<'a, 'input>, waiting: &mut Vec<Task<'a, 'input>>) -> Result<(), String> {
         let Task { node, map, style, depth } = task;
         let name =
@@ -299,7 +300,7 @@ impl<'a, 'input> Reader<'a, 'input> {
         self.drawing.has_chords |= !self.options.facets;
         let centres =
             [[x + w - rx, y + h - ry], [x + rx, y + h - ry], [x + rx, y + ry], [x + w - rx, y + ry]];
-        let corner = |(k, c): (usize, &Point<2>)| {
+        let corner = |(k, c): (usize, &Point)| {
             let points = arc([rx, ry], 90.0 * k as f64, 90.0 * (k + 1) as f64, pieces);
             points.into_iter().map(|p| [c[0] + p[0], c[1] + p[1]]).collect::<Vec<_>>()
         };
@@ -307,9 +308,9 @@ impl<'a, 'input> Reader<'a, 'input> {
     }
 
     fn path(&mut self, node: Node, map: &Affine, style: Style) -> Result<(), String> {
-        let mut chains: Vec<(Vec<Point<2>>, bool)> = Vec::new();
+        let mut chains: Vec<(Vec<Point>, bool)> = Vec::new();
         for segment in SimplifyingPathParser::from(node.attribute("d").unwrap_or_default()) {
-            // as SVG has it: a path is drawn up to its first error
+            // SVG error handling: a path is drawn up to its first error
             let Ok(segment) = segment else {
                 self.refuse(node, "a part of its path cannot be read")?;
                 break;
@@ -322,7 +323,7 @@ impl<'a, 'input> Reader<'a, 'input> {
     fn segment(
         &mut self,
         segment: SimplePathSegment,
-        chains: &mut Vec<(Vec<Point<2>>, bool)>,
+        chains: &mut Vec<(Vec<Point>, bool)>,
     ) -> Result<(), String> {
         if let SimplePathSegment::MoveTo { x, y } = segment {
             chains.push((vec![[x, y]], false));
@@ -356,11 +357,11 @@ impl<'a, 'input> Reader<'a, 'input> {
     fn chains(
         &mut self,
         node: Node,
-        chains: Vec<(Vec<Point<2>>, bool)>,
+        chains: Vec<(Vec<Point>, bool)>,
         map: &Affine,
         style: Style,
     ) -> Result<(), String> {
-        let is_finite = |(chain, _): &(Vec<Point<2>>, bool)| is_near(std::slice::from_ref(chain));
+        let is_finite = |(chain, _): &(Vec<Point>, bool)| is_near(std::slice::from_ref(chain));
         if !chains.iter().all(is_finite) {
             return self.refuse(node, "its numbers are too large");
         }
@@ -378,7 +379,7 @@ impl<'a, 'input> Reader<'a, 'input> {
 }
 
 impl SvgOptions {
-    fn pieces<const N: usize>(&self, control: &[Point<2>; N], within: f64) -> usize {
+    fn pieces<const N: usize>(&self, control: &[Point; N], within: f64) -> usize {
         if self.facets { FACETS.1 } else { pieces(control, within) }
     }
 }
@@ -395,9 +396,9 @@ impl Style {
         Style { width: width.map_or(self.width, |width| width.number), cap }
     }
 
-    /// What a pen draws along an open chain; nothing if it is farther away or wider than can be drawn.
-    fn stroke(&self, chain: Vec<Point<2>>) -> Contours {
-        // the kernel panics at what its integers cannot be scaled to
+    /// The stroke of an open chain; empty if it is beyond the range of `i_overlay`.
+    fn stroke(&self, chain: Vec<Point>) -> Contours {
+        // the library panics if it cannot scale the coordinates to integers
         let is_far = |length: &f64| length.is_nan() || length.abs() > FARTHEST;
         if self.width <= 0.0 || is_far(&self.width) || chain.iter().flatten().any(is_far) {
             return Contours::new();

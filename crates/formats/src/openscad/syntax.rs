@@ -1,18 +1,18 @@
-//! From words to a tree, without using the call stack for depth.
+//! Parser: tokens to a syntax tree, without recursion.
 
 use super::token::{Token, Tokens};
 use super::value::{Argument, Value};
 use rayweave_scene::{Diagnostic, Diagnostics, Source, Span};
 use std::sync::Arc;
 
-/// How deep lists may lie in lists: a matrix is a list of lists.
+/// Maximal nesting depth of lists; a matrix is a list of lists.
 const DEEPEST_LIST: usize = 16;
 
-/// The most nodes and the most values: a file with more says that it is no dump, or asks for all memory.
+/// Most nodes, and most values: a file with more is not a dump, and would exhaust memory.
 const MOST_NODES: usize = 4_000_000;
 const MOST_VALUES: usize = 32_000_000;
 
-/// What stands before a name: `%` not there, `#` there, `*` not at all, `!` nothing else.
+/// Modifier characters before a name: `%` background, `#` highlight, `*` disabled, `!` root.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Modifiers {
     pub background: bool,
@@ -20,28 +20,28 @@ pub(super) struct Modifiers {
     pub root: bool,
 }
 
-/// An item `name(arguments) { children }`.
+/// A node `name(arguments) { children }`.
 #[derive(Debug)]
 pub(super) struct Node {
     pub name: String,
-    /// Where the name stands.
+    /// Position of the name.
     pub span: Span,
     pub modifiers: Modifiers,
     pub arguments: Vec<Argument>,
-    /// The numbers of the children, which are greater than that of the node.
+    /// Indices of the children, greater than that of the node.
     pub children: Vec<u32>,
 }
 
-/// All items of a file, each before its children: node 0 is a group of everything.
+/// All nodes of a file, each before its children. Node 0 is a group of everything.
 #[derive(Debug)]
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
 }
 
-/// An item whose children are being read.
+/// A node whose children are being parsed.
 struct Open {
     node: u32,
-    /// The brace that opened it; `None` if it takes the one item that follows.
+    /// The opening brace; `None` if the node takes the single item that follows.
     brace: Option<Span>,
 }
 
@@ -51,15 +51,15 @@ struct Parser<'a> {
     nodes: Vec<Node>,
     open: Vec<Open>,
     values: usize,
-    /// Numbers that are too large, which do not keep from reading on.
+    /// Numbers out of range, which do not stop the parser.
     problems: Vec<Diagnostic>,
 }
 
-/// Reads the text of a dump.
+/// Parses the text of a dump.
 ///
 /// # Errors
 ///
-/// All numbers that are too large, or the first word that is out of place.
+/// All numbers out of range, or the first unexpected token.
 pub(super) fn parse(source: &Arc<Source>) -> Result<Tree, Diagnostics> {
     let root = Node {
         name: "group".to_owned(),
@@ -85,7 +85,7 @@ pub(super) fn parse(source: &Arc<Source>) -> Result<Tree, Diagnostics> {
     }
 }
 
-/// The problem is boxed, since the way without one is the common one.
+/// The error is boxed to keep the common result small.
 type Step<T> = Result<T, Box<Diagnostic>>;
 
 impl Parser<'_> {
@@ -93,7 +93,7 @@ impl Parser<'_> {
         Box::new(Diagnostic::error(message).why(reason).at(self.source, span))
     }
 
-    /// The next word, which must be there.
+    /// The next token, or an error at the end of the text.
     fn need(&mut self, wanted: &str) -> Step<(Token, Span)> {
         match self.tokens.next() {
             Some((Token::Bad(reason), span)) => {
@@ -124,7 +124,7 @@ impl Parser<'_> {
         }
     }
 
-    /// The whole text.
+    /// Parses the whole text.
     fn items(&mut self) -> Step<()> {
         loop {
             let (token, span) = if self.open.len() > 1 {
@@ -142,7 +142,7 @@ impl Parser<'_> {
         }
     }
 
-    /// One item up to its children, or the end of a list of children.
+    /// Parses an item up to its children, or the end of a list of children.
     fn item(&mut self, mut token: Token, mut span: Span) -> Step<()> {
         match token {
             Token::Mark('}') => return self.close(span),
@@ -167,7 +167,7 @@ impl Parser<'_> {
             (Token::Mark('{'), brace) => self.open.push(Open { node, brace: Some(brace) }),
             (Token::Mark('}'), span) => return Err(self.unexpected("`;`, `{` or an item", span)),
             (_, span) => {
-                // the one child of an item without braces: its first word is read once more, by the loop
+                // single child without braces: the loop reads its first token again
                 self.open.push(Open { node, brace: None });
                 self.tokens = Tokens::after(self.source.text(), span.start);
             }
@@ -187,7 +187,7 @@ impl Parser<'_> {
         Ok(number)
     }
 
-    /// An item is complete; so are those that wait for this one.
+    /// Completes a node, and those that waited for this child only.
     fn finish(&mut self) {
         while self.open.last().is_some_and(|open| open.brace.is_none()) {
             self.open.pop();
@@ -203,7 +203,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// The arguments up to the closing parenthesis.
+    /// Arguments up to the closing parenthesis.
     fn arguments(&mut self) -> Step<Vec<Argument>> {
         let mut arguments = Vec::new();
         let (mut token, mut span) = self.need("`)`")?;
@@ -218,7 +218,7 @@ impl Parser<'_> {
         Ok(arguments)
     }
 
-    /// `name = value`, or a value alone, which gets the name "".
+    /// `name = value`, or a value alone, which has the name "".
     fn argument(&mut self, token: Token, span: Span) -> Step<Argument> {
         let (name, first) = match token {
             Token::Name(name) if !is_word(&name) => {
@@ -231,7 +231,7 @@ impl Parser<'_> {
         Ok(Argument { name, value, span: span.to(end) })
     }
 
-    /// A value, of which the first word has been read. Lists in lists are kept on a stack of their own.
+    /// A value after its first token. Nested lists use a stack of their own.
     fn value(&mut self, (mut token, mut span): (Token, Span)) -> Step<(Value, Span)> {
         let mut lists: Vec<Vec<Value>> = Vec::new();
         loop {
@@ -250,7 +250,7 @@ impl Parser<'_> {
                 }
                 token => self.scalar(token, span)?,
             };
-            // the value is complete: so may be the lists that it ends
+            // a complete value may also end the lists around it
             loop {
                 let Some(list) = lists.last_mut() else {
                     return Ok((value, span));
@@ -269,7 +269,7 @@ impl Parser<'_> {
         }
     }
 
-    /// A value that is no list.
+    /// A value other than a list.
     fn scalar(&mut self, token: Token, span: Span) -> Step<Value> {
         self.values += 1;
         if self.values > MOST_VALUES {
@@ -301,7 +301,7 @@ impl Parser<'_> {
         }
     }
 
-    /// The number; a problem is noted if it is too large.
+    /// The number; a problem is recorded if it is out of range.
     fn in_range(&mut self, number: f64, span: Span) -> f64 {
         if !number.is_finite() {
             let found = self.source.slice(span).to_owned();
@@ -312,7 +312,7 @@ impl Parser<'_> {
     }
 }
 
-/// True for the names that are values.
+/// True for names that are values.
 fn is_word(name: &str) -> bool {
     ["true", "false", "undef", "inf", "nan"].contains(&name)
 }

@@ -1,8 +1,8 @@
-//! `text`: the outlines of glyphs, one after the other.
+//! Text (`text`): glyph outlines along a line.
 //!
-//! Letters stand as OpenSCAD 2021.01 places them: chosen and moved by HarfBuzz (here its port), an em is the size over 0.72, curves
-//! are divided by the same rule. It moves outlines to a grid of its own ("hinting") by up to 1/32 of a unit, which is not done
-//! here.
+//! Positions are those of OpenSCAD 2021.01: a port of HarfBuzz does the shaping, an em is the size divided by 0.72, and
+//! curves have the same number of chords. OpenSCAD also hints glyphs, i.e. rounds outlines to a grid, by up to 1/32 of a
+//! unit; that is not reproduced.
 
 use super::arguments::{Arguments, Refusal};
 use super::facets::Fineness;
@@ -10,33 +10,33 @@ use super::flat::Leaf;
 use super::value::Value;
 use fontdb::{Database, Family, ID, Query, Style, Weight};
 use harfrust::{Direction, FontRef, GlyphBuffer, Language, Script, ShapeOptions, ShaperData, UnicodeBuffer};
-use rayweave_space::Point;
+use rayweave_polygon::Point;
 use std::path::PathBuf;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
-/// An em, over the size of a text: points of 1/72 inch at 100 dots an inch.
+/// Em per text size: points of 1/72 inch at 100 dots per inch.
 const EM: f64 = 100.0 / 72.0;
 
-/// By how much OpenSCAD sets letters nearer to each other, and to the edges that they are aligned by, than their outlines ask.
+/// Factor by which OpenSCAD reduces advances and alignment offsets relative to the outlines.
 const TIGHT: f64 = 1.0 / 1.024;
 
-/// Fonts that stand for one that is not there, in this order.
+/// Substitutes for a missing font, in order of preference.
 const STAND_INS: [&str; 5] = ["Liberation Sans", "Arimo", "Arial", "Helvetica", "DejaVu Sans"];
 
-/// The font that OpenSCAD takes where none is named.
+/// The default font of OpenSCAD.
 const DEFAULT: &str = "Liberation Sans";
 
-/// Longer texts are no letters on a part.
+/// Most characters of a text.
 const MOST_LETTERS: usize = 10_000;
 
-/// The fonts that texts may have, looked for when the first text is met.
+/// Font databases, loaded at the first text.
 pub(super) struct Fonts {
     paths: Vec<PathBuf>,
     given: Option<Database>,
     system: Option<Database>,
 }
 
-/// The leaves of a text, and what stands for its font if it is not there.
+/// Leaves of a text, and the name of the substitute if its font is missing.
 pub(super) struct Letters {
     pub leaves: Vec<Leaf>,
     pub stand_in: Option<String>,
@@ -54,7 +54,7 @@ impl Fonts {
             for path in paths {
                 match path.is_dir() {
                     true => database.load_fonts_dir(path),
-                    // a file that is no font has none
+                    // a file that is not a font contributes none
                     false => database.load_font_file(path).unwrap_or(()),
                 }
             }
@@ -70,7 +70,7 @@ impl Fonts {
         })
     }
 
-    /// The font of a name, or one that stands for it, with its name: of those given first.
+    /// A font by name, or a substitute with its name. Given font files have priority over system fonts.
     fn find(&mut self, wanted: &Wanted) -> Option<(&Database, ID, Option<String>)> {
         let names = std::iter::once(wanted.family.as_str()).chain(STAND_INS);
         for name in names {
@@ -87,7 +87,7 @@ impl Fonts {
     }
 }
 
-/// `Family:style=Bold Italic`.
+/// A font specification `Family:style=Bold Italic`.
 struct Wanted {
     family: String,
     weight: Weight,
@@ -117,7 +117,7 @@ impl Wanted {
     }
 }
 
-/// The words and numbers of a text.
+/// Text and layout parameters of an item.
 struct Setting<'a> {
     text: &'a str,
     size: f64,
@@ -127,7 +127,7 @@ struct Setting<'a> {
     direction: &'a str,
     script: &'a str,
     language: &'a str,
-    /// How many pieces a curve has.
+    /// Number of chords of a curve.
     pieces: usize,
 }
 
@@ -179,11 +179,11 @@ fn word(value: &Value) -> Option<&str> {
 }
 
 impl Setting<'_> {
-    /// The glyphs and their places, as the font asks for them.
+    /// Glyphs and positions after shaping.
     fn shaped(&self, font: &FontRef) -> GlyphBuffer {
         let mut buffer = UnicodeBuffer::new();
         buffer.push_str(self.text);
-        // what is not said, or not known, is told by the letters
+        // the characters determine whatever is missing or unknown
         buffer.guess_segment_properties();
         if let Ok(direction) = self.direction.parse::<Direction>() {
             buffer.set_direction(direction);
@@ -197,7 +197,7 @@ impl Setting<'_> {
         ShaperData::new(font).shaper(font).build().shape(buffer, ShapeOptions::new())
     }
 
-    /// The outlines in place.
+    /// The outlines in their positions.
     fn leaves(&self, face: &Face, glyphs: &GlyphBuffer) -> Vec<Leaf> {
         let unit = self.size * EM / f64::from(face.units_per_em());
         let start = self.start(face, glyphs);
@@ -213,9 +213,8 @@ impl Setting<'_> {
         leaves
     }
 
-    /// Where the first letter stands, in units of the font: the text is aligned by its advances along a line, and by its boxes
-    /// across it.
-    fn start(&self, face: &Face, glyphs: &GlyphBuffer) -> Point<2> {
+    /// Position of the first glyph in font units: alignment uses advances along the line and bounding boxes across it.
+    fn start(&self, face: &Face, glyphs: &GlyphBuffer) -> Point {
         let boxes = || {
             glyphs.glyph_infos().iter().filter_map(|info| face.glyph_bounding_box(glyph_id(info.glyph_id)))
         };
@@ -254,44 +253,44 @@ impl Setting<'_> {
         }
     }
 
-    /// A glyph moved by a vector in units of the font; `None` for a blank.
-    fn outline(&self, face: &Face, glyph: GlyphId, unit: f64, by: Point<2>) -> Option<Leaf> {
+    /// A glyph outline translated by a vector in font units; `None` for a blank.
+    fn outline(&self, face: &Face, glyph: GlyphId, unit: f64, by: Point) -> Option<Leaf> {
         let mut pen = Pen { scale: unit, by, pieces: self.pieces, contours: Vec::new() };
         face.outline_glyph(glyph, &mut pen)?;
         (!pen.contours.is_empty()).then_some(Leaf::Outline(pen.contours))
     }
 }
 
-/// Glyphs have numbers of 16 bits; 0 is the sign for one that is missing.
+/// A glyph index of 16 bits; 0 is the index of the missing glyph.
 fn glyph_id(number: u32) -> GlyphId {
     GlyphId(u16::try_from(number).unwrap_or(0))
 }
 
-/// Takes the outline of a glyph as chains of points.
+/// Collects the outline of a glyph as chains of points.
 struct Pen {
     scale: f64,
-    by: Point<2>,
+    by: Point,
     pieces: usize,
-    contours: Vec<Vec<Point<2>>>,
+    contours: Vec<Vec<Point>>,
 }
 
 impl Pen {
-    fn at(&self, x: f32, y: f32) -> Point<2> {
+    fn at(&self, x: f32, y: f32) -> Point {
         [self.scale * (f64::from(x) + self.by[0]), self.scale * (f64::from(y) + self.by[1])]
     }
 
-    fn push(&mut self, p: Point<2>) {
+    fn push(&mut self, p: Point) {
         if let Some(contour) = self.contours.last_mut() {
             contour.push(p);
         }
     }
 
-    fn last(&self) -> Point<2> {
+    fn last(&self) -> Point {
         self.contours.last().and_then(|contour| contour.last()).copied().unwrap_or_default()
     }
 
-    /// A Bézier curve by its control points, the first of which is where the pen is (de Casteljau).
-    fn curve<const N: usize>(&mut self, control: [Point<2>; N]) {
+    /// Adds a Bézier curve given by its control points, the first of which is the current point (de Casteljau).
+    fn curve<const N: usize>(&mut self, control: [Point; N]) {
         for piece in 1..self.pieces {
             let t = piece as f64 / self.pieces as f64;
             let mut points = control;
@@ -303,7 +302,7 @@ impl Pen {
             }
             self.push(points[0]);
         }
-        // exactly, so that a contour ends where it began
+        // the exact end point, so that contours close
         self.push(control[N - 1]);
     }
 }

@@ -1,23 +1,23 @@
-//! The words of a dump.
+//! Lexer: tokens of a dump.
 
 use rayweave_scene::Span;
 
-/// A word.
+/// A token.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Token {
     /// A name, with `$` for special variables.
     Name(String),
-    /// A number; infinite where it was written too large.
+    /// A number; infinite if it is out of range.
     Number(f64),
-    /// A text, without its quotation marks.
+    /// A string, without its quotation marks.
     Text(String),
     /// One of `( ) [ ] { } , ; = % # * ! -`.
     Mark(char),
-    /// What begins no word, or a word that does not end; the reason.
+    /// An invalid or unterminated token, with the reason.
     Bad(&'static str),
 }
 
-/// Cuts a text into words.
+/// Token iterator over a text.
 pub(super) struct Tokens<'a> {
     text: &'a str,
     at: usize,
@@ -25,17 +25,17 @@ pub(super) struct Tokens<'a> {
 
 impl<'a> Tokens<'a> {
     pub fn new(text: &'a str) -> Tokens<'a> {
-        // some editors begin a text with a byte order mark
+        // some editors write a byte order mark at the start
         let at = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         Tokens { text, at }
     }
 
-    /// The words from a place on, which is that of a word.
+    /// The tokens from an offset on, which must be the start of a token.
     pub fn after(text: &'a str, at: usize) -> Tokens<'a> {
         Tokens { text, at }
     }
 
-    /// The place after the last word.
+    /// The position after the last token.
     pub fn place(&self) -> Span {
         Span::new(self.at, self.at)
     }
@@ -44,12 +44,12 @@ impl<'a> Tokens<'a> {
         self.text.get(self.at..).unwrap_or_default()
     }
 
-    /// The bytes from here on that fulfil a condition.
+    /// Number of bytes from here on that satisfy a condition.
     fn run(&self, is_part: impl Fn(u8) -> bool) -> usize {
         self.rest().bytes().take_while(|byte| is_part(*byte)).count()
     }
 
-    /// Goes past blanks and comments; false if a comment does not end.
+    /// Skips blanks and comments; false if a comment is not terminated.
     fn skip(&mut self) -> bool {
         loop {
             self.at += self.run(|byte| byte.is_ascii_whitespace());

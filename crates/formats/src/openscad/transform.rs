@@ -1,4 +1,4 @@
-//! Maps and colours.
+//! Transforms (`multmatrix`, `resize`) and colours.
 
 use super::arguments::{Arguments, Refusal, finite};
 use super::value::Value;
@@ -10,14 +10,14 @@ pub(super) fn matrix(arguments: &Arguments) -> Result<Affine, Refusal> {
     let wanted = "4 rows of 4 finite numbers";
     let given = arguments.get("m", wanted, rows)?;
     let rows = given.unwrap_or(Affine::IDENTITY.to_rows());
-    // OpenSCAD divides by the last number
+    // OpenSCAD divides by the last entry
     let divided = rows.map(|row| row.map(|number| number / rows[3][3]));
     Affine::from_rows(&divided)
         .filter(Affine::is_finite)
         .ok_or_else(|| arguments.refusal("its last row is not 0, 0, 0, 1: this map is not affine"))
 }
 
-/// The rows of a matrix; those that are not there are those of the identity.
+/// The rows of a matrix; missing entries are those of the identity.
 fn rows(value: &Value) -> Option<[[f64; 4]; 4]> {
     let mut rows = Affine::IDENTITY.to_rows();
     let given = value.list()?;
@@ -30,8 +30,8 @@ fn rows(value: &Value) -> Option<[[f64; 4]; 4]> {
     Some(without_noise(rows))
 }
 
-/// Entries that can only be rounding are 0, the cosine of 90 degrees among them: parts of 10^14 of the others that turn and
-/// stretch, and ways of 10^-12, where OpenSCAD takes points for one that are nearer than 2^-20.
+/// Sets entries that can only be rounding errors to 0, such as the cosine of 90 degrees: linear entries below 10^-14 of the
+/// others, and translations below 10^-12 (OpenSCAD merges points closer than 2^-20).
 fn without_noise(mut rows: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
     let largest = rows[..3].iter().flat_map(|row| &row[..3]).fold(0f64, |most, x| most.max(x.abs()));
     for row in &mut rows[..3] {
@@ -43,7 +43,7 @@ fn without_noise(mut rows: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
     rows
 }
 
-/// The colour of `color(c)`, `None` if it gives none (as it does when its own argument was no colour).
+/// The colour of `color(c)`; `None` if there is none, e.g. after an invalid argument in the program.
 pub(super) fn colour(arguments: &Arguments) -> Result<Option<Colour>, Refusal> {
     let wanted = "4 numbers from 0 to 1";
     let channels: Option<[f64; 4]> = arguments.get("c", wanted, finite)?;
@@ -55,15 +55,15 @@ pub(super) fn colour(arguments: &Arguments) -> Result<Option<Colour>, Refusal> {
     Ok(channels.filter(|channels| channels.iter().all(|c| *c >= 0.0)).map(colour))
 }
 
-/// What a map does to the plane z = 0, seen from above.
+/// Restriction of a map to the plane z = 0, projected along z.
 pub(super) fn of_the_plane(map: &Affine) -> Affine {
     let [x, y, _, _] = map.to_rows();
     let rows = [[x[0], x[1], 0.0, x[3]], [y[0], y[1], 0.0, y[3]], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
     Affine::from_rows(&rows).unwrap_or(Affine::IDENTITY)
 }
 
-/// The map of `resize(newsize, auto)` for something of a size in two or three dimensions: a new size of 0 keeps the old one or,
-/// with `auto`, follows the largest new one.
+/// The map of `resize(newsize, auto)` for a bounding box in two or three dimensions: a new size of 0 keeps the old one or,
+/// with `auto`, scales like the largest new one.
 pub(super) fn resizing(arguments: &Arguments, size: &[f64]) -> Result<Affine, Refusal> {
     let new: [f64; 3] = arguments.get("newsize", "3 finite numbers", finite)?.unwrap_or([0.0; 3]);
     let truth = |value: &Value| match value {

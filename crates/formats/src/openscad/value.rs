@@ -1,8 +1,8 @@
-//! The values of arguments.
+//! Values of arguments.
 
 use rayweave_scene::Span;
 
-/// A value; lists may hold lists, to the depth that the parser allows.
+/// A value; lists nest to the depth that the parser allows.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
     Undefined,
@@ -27,7 +27,7 @@ impl Value {
         }
     }
 
-    /// All numbers of a list of numbers.
+    /// The numbers of a list of numbers, else `None`.
     pub fn numbers(&self) -> Option<Vec<f64>> {
         self.list()?.iter().map(Value::number).collect()
     }

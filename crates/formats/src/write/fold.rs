@@ -1,59 +1,59 @@
-//! One walk over a solid for all writers: from the shapes up, without a complement.
+//! Bottom-up traversal of a solid for all writers, with complements eliminated.
 
 use super::WriteError;
 use rayweave_math::{Affine, Bounds};
 use rayweave_model::{Node, Solid};
 use rayweave_shape::primitive::Primitive;
 
-/// The most shapes and operators of one region: every copy of a solid is written out.
+/// Most shapes and operators of a region; every copy of a solid counts.
 const MOST: usize = 1_000_000;
 
-/// What joins two parts or more.
+/// An operation on two or more parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Operation {
     Union,
     Intersection,
-    /// The first less all others.
+    /// The first part minus all others.
     Difference,
 }
 
-/// Makes parts of a file.
+/// Builder of the parts of a file.
 pub(super) trait Builder {
     type Part: Clone;
 
-    /// A box that holds the whole model.
+    /// A box that contains the whole model.
     fn clip(&self) -> Bounds;
 
-    /// That box as a part.
+    /// The clip box as a part.
     fn everything(&mut self) -> Self::Part;
 
-    /// A shape under a map, as far as the box reaches; `None` for nothing.
+    /// A transformed shape, exact within the clip box; `None` if it is empty.
     fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<Self::Part>, WriteError>;
 
-    /// At least two parts as one; `None` if nothing is left.
+    /// The boolean of two or more parts; `None` if it is empty.
     fn join(&mut self, by: Operation, parts: Vec<Self::Part>) -> Result<Option<Self::Part>, WriteError>;
 
-    /// The region that is being written, for messages.
+    /// Name of the region that is being written, for messages.
     fn region(&self) -> String;
 }
 
-/// What is known of a part outside of the box, where infinite shapes have been cut off somewhere.
+/// State of a part outside of the clip box, where infinite shapes may have been cut off.
 #[derive(Clone, Copy)]
 struct Outside {
-    /// It is as it should be.
+    /// True if the part equals the solid there.
     is_exact: bool,
-    /// There is nothing.
+    /// True if the part is empty there.
     is_empty: bool,
 }
 
 const NOTHING: Outside = Outside { is_exact: true, is_empty: true };
 
-/// A part, or nothing.
+/// A part or nothing, and its state outside of the clip box.
 type Known<P> = (Option<P>, Outside);
 
 enum Task<'s> {
     Enter(&'s Solid, Affine),
-    /// Joins the last so many parts.
+    /// Combines the given number of most recent parts.
     Join(Join, usize),
 }
 
@@ -64,7 +64,7 @@ enum Join {
     Complement,
 }
 
-/// A solid as a part; `None` if it is nothing.
+/// A solid as a part; `None` if it is empty.
 pub(super) fn fold<B: Builder>(solid: &Solid, builder: &mut B) -> Result<Option<B::Part>, WriteError> {
     let mut tasks = vec![Task::Enter(solid, Affine::IDENTITY)];
     let mut parts: Vec<Known<B::Part>> = Vec::new();
@@ -109,12 +109,12 @@ fn outside(join: Join, mut operands: impl ExactSizeIterator<Item = Outside>) -> 
         Join::Plain(Operation::Union) | Join::Symmetric => all,
         Join::Plain(Operation::Intersection) => Outside { is_empty: any.is_empty, ..all },
         Join::Plain(Operation::Difference) => Outside { is_empty: first.is_empty, ..all },
-        // the box less something
+        // a complement is the clip box minus the operand
         Join::Complement => Outside { is_exact: false, is_empty: true },
     }
 }
 
-/// The part of a node without operands; for others the work is put on the stack.
+/// The part of a node without operands; other nodes push tasks for theirs.
 fn enter<'s, B: Builder>(
     solid: &'s Solid,
     place: Affine,
@@ -122,8 +122,8 @@ fn enter<'s, B: Builder>(
     tasks: &mut Vec<Task<'s>>,
 ) -> Result<Option<Known<B::Part>>, WriteError> {
     let join = match solid.node() {
-        Node::Vacuum => return Ok(Some((None, NOTHING))),
-        Node::Plenum => return Ok(Some(everything(builder))),
+        Node::Empty => return Ok(Some((None, NOTHING))),
+        Node::Universe => return Ok(Some(everything(builder))),
         Node::Intersection(all) if all.is_empty() => return Ok(Some(everything(builder))),
         Node::Primitive(shape) => {
             let bounds = shape.lower().bounds;
@@ -196,7 +196,7 @@ fn plain<B: Builder>(
     if parts.len() < 2 { Ok(parts.pop()) } else { builder.join(by, parts) }
 }
 
-/// `a ^ b ^ ...`, one after the other: what is in the first and not in the second, or the other way round.
+/// Symmetric difference of several operands, pairwise: (a - b) | (b - a).
 fn symmetric<B: Builder>(
     parts: impl Iterator<Item = B::Part>,
     builder: &mut B,

@@ -1,12 +1,14 @@
-//! GDML, the exchange format of Geant4.
+//! GDML writer: solids, materials, and logical and physical volumes.
 //!
-//! *Source*: the schema of GDML 3.1.6 and the GDML User's Guide 2.7, as for [`crate::gdml`], which reads what is written here.
+//! *Source*: the schema of GDML 3.1.6 and the GDML User's Guide 2.7, as for the reader [`crate::gdml`], which reads this
+//! output.
 //!
-//! All lengths are millimetres. Where the scene was a GDML file, and its table `[gdml]` still tells the same regions, its volumes
-//! lie in one another as they did; else each region is a volume of its own in a world, with the later regions cut out of it,
-//! because volumes must not overlap. Materials, properties and optical surfaces come from that table, too. Boxes, balls, ellipsoids, tubes, cones, rings and paraboloids are Geant4's own solids where the map
-//! keeps them so, with a scale along the axes of the shape as a `scaledSolid`; half-spaces are boxes as large as the world; other
-//! shapes with plane faces are `tessellated` exactly, and what is left within the tolerance.
+//! All lengths are in millimetres. If the scene came from a GDML file and its table `[gdml]` still describes the same
+//! regions, the file has the same volume hierarchy. Otherwise each region is a volume placed in a world, with the later
+//! regions subtracted from it, because volumes must not overlap. Materials, properties and optical surfaces also come from
+//! the table. Boxes, balls, ellipsoids, tubes, cones, tori and paraboloids are Geant4 solids if their map allows it, with a
+//! `scaledSolid` for a scale along the axes of the shape; half-spaces are boxes as large as the world; other shapes with
+//! plane faces are exact `tessellated` solids, and all others are tessellated within the tolerance.
 
 use super::facets::{self, Request, number};
 use super::fold::{Builder, Operation, fold};
@@ -18,35 +20,19 @@ use rayweave_math::{Affine, Bounds, Mat3, Vec3, any_perpendicular};
 use rayweave_mesh::Mesh;
 use rayweave_scene::{Datum, Foreign};
 use rayweave_shape::primitive::{Primitive, Value};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::fmt::Write as _;
 
 mod materials;
+mod names;
 mod tree;
+mod writer;
 
-/// Columns of a map that are perpendicular to this part of their lengths are taken to be.
+use names::Names;
+use writer::{Part, Structure, Writer, place_text};
+
+/// Relative tolerance for perpendicular columns of a map.
 const PERPENDICULAR: f64 = 1e-12;
-
-/// A solid of the file in its own frame, and a rotation and translation.
-#[derive(Clone)]
-struct Part {
-    solid: String,
-    place: Affine,
-}
-
-struct Writer<'m, 's> {
-    model: &'m Model<'s>,
-    remarks: &'m mut Remarks,
-    region: usize,
-    /// Millimetres in the unit of the scene.
-    scale: f64,
-    clip: Bounds,
-    defines: String,
-    solids: String,
-    count: usize,
-    /// The regions that were written.
-    known: HashMap<usize, Option<Part>>,
-}
 
 pub(super) fn write(
     model: &Model,
@@ -96,45 +82,8 @@ pub(super) fn write(
     .into_bytes())
 }
 
-/// The elements of a structure, and the name of its world.
-struct Structure {
-    volumes: String,
-    world: String,
-}
-
 const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gdml xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" \
 xsi:noNamespaceSchemaLocation=\"http://service-spi.web.cern.ch/service-spi/app/releases/GDML/schema/gdml.xsd\">\n";
-
-/// The names in the file: letters, digits and underscores, each once.
-struct Names {
-    media: Vec<String>,
-    regions: Vec<String>,
-    world: String,
-}
-
-impl Names {
-    fn new(model: &Model) -> Names {
-        let mut taken = HashSet::new();
-        let mut free = |name: &str| {
-            let name = plain(name);
-            let numbered = (2..).map(|k| format!("{name}_{k}"));
-            let mut all = std::iter::once(name.clone()).chain(numbered);
-            let name = all.find(|name| !taken.contains(name)).unwrap_or_default();
-            taken.insert(name.clone());
-            name
-        };
-        let media = model.scene.media.iter().map(|medium| free(&format!("m_{}", medium.name))).collect();
-        let regions = model.scene.regions.iter().map(|region| free(&region.name)).collect();
-        Names { media, regions, world: free("World") }
-    }
-}
-
-/// A name that XML and Geant4 take, which cuts names at `0x`.
-fn plain(name: &str) -> String {
-    let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    let plain = plain.replace("0x", "0_x");
-    if plain.starts_with(|c: char| c.is_ascii_alphabetic()) { plain } else { format!("r_{plain}") }
-}
 
 /// Attributes with lengths in millimetres.
 fn lengths<const N: usize>(all: [(&str, f64); N]) -> String {
@@ -144,43 +93,12 @@ fn lengths<const N: usize>(all: [(&str, f64); N]) -> String {
 
 const WHOLE_TURN: &str = " startphi=\"0\" deltaphi=\"360\" aunit=\"deg\"";
 
-/// Position and rotation as elements; nothing for those that change nothing. Booleans give the rotation of the second
-/// solid, placements that of the frame.
-fn place_text(place: &Affine, is_placement: bool) -> (String, String) {
-    let t = place.translation;
-    let position = match t == Vec3::ZERO {
-        true => String::new(),
-        false => format!("\n        <position x=\"{:?}\" y=\"{:?}\" z=\"{:?}\" unit=\"mm\"/>", t.x, t.y, t.z),
-    };
-    let turned = if is_placement { place.linear.transpose() } else { place.linear };
-    let [x, y, z] = angles(&turned);
-    let rotation = match [x, y, z] == [0.0; 3] {
-        true => String::new(),
-        false => format!("\n        <rotation x=\"{x:?}\" y=\"{y:?}\" z=\"{z:?}\" unit=\"deg\"/>"),
-    };
-    (position, rotation)
-}
-
-/// The angles in degrees about x, then y, then z that make a rotation.
-fn angles(r: &Mat3) -> [f64; 3] {
-    let (cx, cy, cz) = (r.x_axis, r.y_axis, r.z_axis);
-    let cosine = libm::hypot(cx.x, cx.y);
-    let y = libm::atan2(-cx.z, cosine);
-    let (x, z) = match cosine > 1e-9 {
-        true => (libm::atan2(cy.z, cz.z), libm::atan2(cx.y, cx.x)),
-        // the other two turn about one axis
-        false => (libm::atan2(-cz.y, cy.y), 0.0),
-    };
-    // no zero is negative
-    [x, y, z].map(|angle| angle.to_degrees() + 0.0)
-}
-
 impl Writer<'_, '_> {
     fn failed(&self, why: String) -> WriteError {
         WriteError::Kernel { region: self.region(), why }
     }
 
-    /// Writes a solid of one element and gives its name.
+    /// Writes a solid of one element and returns its name.
     fn solid(&mut self, tag: &str, attributes: &str) -> String {
         let name = self.name();
         let _ = writeln!(self.solids, "    <{tag} name=\"{name}\"{attributes}/>");
@@ -192,7 +110,7 @@ impl Writer<'_, '_> {
         format!("s{}", self.count)
     }
 
-    /// A volume for each region, with the later ones cut out of it, in a world around them.
+    /// One volume per region, with the later ones subtracted, in a world around them.
     fn flat(&mut self, names: &Names, media: &[String]) -> Result<Structure, WriteError> {
         let (mut volumes, mut placements, model) = (String::new(), String::new(), self.model);
         for (number, region) in model.regions() {
@@ -220,7 +138,7 @@ impl Writer<'_, '_> {
         Ok(Structure { volumes, world: name.clone() })
     }
 
-    /// A box around the origin that holds the whole model.
+    /// A box about the origin that contains the whole model.
     fn room(&mut self) -> String {
         let half = self.clip.lo.abs().max(self.clip.hi.abs());
         self.solid("box", &lengths([("x", 2.0 * half.x), ("y", 2.0 * half.y), ("z", 2.0 * half.z)]))
@@ -238,7 +156,7 @@ impl Writer<'_, '_> {
         Ok(Some(part))
     }
 
-    /// A region before anything is cut out of it, written once.
+    /// A region before subtractions, written once.
     fn whole(&mut self, number: usize) -> Result<Option<Part>, WriteError> {
         if let Some(known) = self.known.get(&number) {
             return Ok(known.clone());
@@ -260,7 +178,7 @@ impl Writer<'_, '_> {
     /// A boolean of two solids, in the frame of the first.
     fn pair(&mut self, tag: &str, first: &Part, second: &Part) -> Part {
         let name = self.name();
-        // a rotation has an inverse
+        // rotations are invertible
         let inverse = first.place.inverse().unwrap_or(Affine::IDENTITY);
         let (position, rotation) = place_text(&second.place.then(&inverse), false);
         let _ = writeln!(
@@ -277,7 +195,7 @@ impl Writer<'_, '_> {
         Part { solid, place: Affine::translate(bounds.centre()) }
     }
 
-    /// A solid of Geant4 for a shape, if there is one: its element, its place in the frame of the shape, and how it is scaled.
+    /// The Geant4 solid of a shape, if there is one: element, position in the frame of the shape, and scale.
     fn own(&mut self, shape: &Primitive, place: &Affine) -> Option<Part> {
         let (turn, s) = decomposed(&place.linear)?;
         let is_round = (s.x - s.y).abs() <= PERPENDICULAR * s.x;
@@ -300,7 +218,7 @@ impl Writer<'_, '_> {
                 ("eltube", lengths([("dx", s.x * r), ("dy", s.y * r), ("dz", 0.5 * s.z * h)]))
             }
             _ => {
-                // round about z, and then as it is scaled
+                // a solid of revolution about z, scaled afterwards
                 let own = if is_round { s } else { Vec3::ONE };
                 scaled = (!is_round).then_some(s);
                 let (tag, text, up) = self.revolved(shape, own)?;
@@ -323,7 +241,7 @@ impl Writer<'_, '_> {
         Some(Part { solid, place })
     }
 
-    /// Solids of revolution, scaled along and across z: the element, and how far up along z its middle is.
+    /// A solid of revolution, scaled along and across z: the element, and the height of its centre.
     fn revolved(&self, shape: &Primitive, s: Vec3) -> Option<(&'static str, String, f64)> {
         let number = |name: &str| number(shape, name).filter(|number| number.is_finite());
         let tube = |inner: f64, outer: f64, height: f64| {
@@ -356,7 +274,7 @@ impl Writer<'_, '_> {
         })
     }
 
-    /// The part of the box below a plane, as a larger box.
+    /// The part of the clip box below a plane, as a rotated larger box.
     fn half_space(&mut self, normal: Vec3, offset: f64) -> Option<Part> {
         let length = normal.length();
         let (normal, offset) = (normal / length, offset / length);
@@ -406,7 +324,8 @@ fn radii(shape: &Primitive) -> Option<Vec3> {
     })
 }
 
-/// A map as a rotation after a scale along the axes, for shapes that a mirror across y leaves as they are; `None` if it shears.
+/// Decomposition of a map into a scale along the axes and a rotation, for shapes that are symmetric in y; `None` if it
+/// shears.
 fn decomposed(linear: &Mat3) -> Option<(Mat3, Vec3)> {
     let flip = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
     let columns = [linear.x_axis, flip * linear.y_axis, linear.z_axis];
@@ -463,7 +382,7 @@ impl Builder for Writer<'_, '_> {
             return Ok(Some(parts.iter().fold(first, |rest, part| self.pair("subtraction", &rest, part))));
         }
         let tag = if by == Operation::Union { "union" } else { "intersection" };
-        // two by two, so that nothing is deep
+        // pairwise, to limit the nesting depth
         while parts.len() > 1 {
             parts = parts
                 .chunks(2)

@@ -1,91 +1,41 @@
-//! Scenes as files of other programs.
+//! Writing scenes in the formats of other programs.
 //!
-//! [`write`] says a scene in any [`Format`], exactly where the format has the shape, else by triangles within a tolerance, and
-//! tells what was approximated, dropped or said in another way. Formats other than the native one know no complement, nothing
-//! without an end and no order of regions. So, within a box that holds the whole model, every infinite shape is cut to that box, a
-//! complement is the box less the shape, and from every region the later ones are cut out that come near to it. None of this
-//! changes what is inside.
+//! [`write`] writes a scene in any [`Format`]. Shapes that the format has are exact, others are triangulated within a
+//! tolerance; remarks list what was approximated, dropped or expressed differently. Formats other than the native one have
+//! no complements, no unbounded solids and no priority of regions. Therefore infinite shapes are cut to a box around the
+//! whole model, a complement becomes that box minus the shape, and each region has the later regions that come near it
+//! subtracted. None of this changes the solid.
 
+mod error;
 mod facets;
 mod fold;
 mod gdml;
-
 mod model;
 mod openscad;
+mod options;
 mod remark;
 mod triangles;
 
+pub use error::WriteError;
+pub use options::WriteOptions;
 pub use remark::{Remark, RemarkKind};
 
 use crate::Format;
 use model::Model;
-use rayweave_mesh::files::FileError;
-use rayweave_model::CompileError;
 use rayweave_scene::{Body, Document, Layout, Scene};
 use remark::Remarks;
 
-/// How a scene is written.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WriteOptions {
-    /// The greatest distance, in the unit of the scene, between a curved face and the triangles that stand for it; greater
-    /// than 0. If it is not given, a five-thousandth of the diagonal of the box around the model.
-    pub tolerance: Option<f64>,
-    /// Text, where meshes may be text or binary (STL, PLY).
-    pub text: bool,
-}
-
-/// A file, and what it does not say as the scene did.
+/// A written file, with remarks on differences from the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Written {
-    /// The file.
+    /// Contents of the file.
     pub bytes: Vec<u8>,
-    /// What was approximated, dropped or said in another way.
+    /// Everything that was approximated, dropped or expressed differently.
     pub remarks: Vec<Remark>,
 }
 
-/// Why a scene cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum WriteError {
-    /// The tolerance is not a length.
-    #[error("the tolerance is {0} (it must be finite and greater than 0)")]
-    Tolerance(f64),
-    /// A solid cannot be compiled.
-    #[error(transparent)]
-    Compile(#[from] CompileError),
-    /// A region has no end.
-    #[error(
-        "region `{region}` has no end (files of the format {format} cannot say that) can it be cut with a box?"
-    )]
-    Unbounded {
-        /// The region.
-        region: String,
-        /// The format.
-        format: Format,
-    },
-    /// A region becomes too long a text, or too many triangles.
-    #[error("region `{region}` becomes too large ({why}) does a greater tolerance help?")]
-    TooLarge {
-        /// The region.
-        region: String,
-        /// What there would be too many of.
-        why: String,
-    },
-    /// The booleans of triangles failed.
-    #[error("the triangles of region `{region}` cannot be combined ({why})")]
-    Kernel {
-        /// The region.
-        region: String,
-        /// What the kernel says.
-        why: String,
-    },
-    /// The writer of meshes failed.
-    #[error(transparent)]
-    File(#[from] FileError),
-}
-
-/// Writes a scene in a format. `stated` is what a native file said, if the scene comes from one: in the native format that is
-/// kept, parameters and tables of others included.
+/// Writes a scene in a format. `stated` is the document of the scene, if there is one: the native format keeps it, with
+/// parameters and foreign tables.
 ///
 /// # Errors
 ///
@@ -115,7 +65,8 @@ pub fn write(
     Ok(Written { bytes, remarks: remarks.finish() })
 }
 
-/// The document as it was stated or, where that names files that may not be beside the new one, with what they hold.
+/// The original document or, if it names other files, which may not be present beside the new one, a document with their
+/// contents.
 fn native(scene: &Scene, stated: Option<&Document>) -> Written {
     let mut remarks = Remarks::default();
     let document = match stated {
@@ -123,7 +74,7 @@ fn native(scene: &Scene, stated: Option<&Document>) -> Written {
         Some(stated) => {
             remarks.add(RemarkKind::Changed, "files that the model names are now in its text");
             if !stated.parameters.is_empty() {
-                remarks.add(RemarkKind::Dropped, "parameters (their values are in their places)");
+                remarks.add(RemarkKind::Dropped, "parameters: their values are in their places.");
             }
             let heading = stated.heading.clone();
             Document { foreign: stated.foreign.clone(), heading, ..Document::from_scene(scene) }

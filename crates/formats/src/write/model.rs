@@ -1,4 +1,4 @@
-//! A scene as writers need it: finite, and with what is cut out of each region.
+//! The scene prepared for writers: a finite bounding box, and the regions to subtract from each region.
 
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError, WriteOptions};
@@ -7,19 +7,19 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_model::Program;
 use rayweave_scene::{Scene, SceneRegion, Unit};
 
-/// The part of the size of a model by which its box is grown, so that no face lies in a face of the box.
+/// Margin of the clip box relative to the size of the model, so that no face of the model lies in a face of the box.
 const MARGIN: f64 = 0.125;
 
-/// The part of the diagonal of a model that is the tolerance if none is given.
+/// Default tolerance relative to the diagonal of the model.
 const USUAL_TOLERANCE: f64 = 2e-4;
 
-/// A scene with what all writers ask of it.
+/// A scene with the derived data that all writers need.
 pub(super) struct Model<'s> {
     pub scene: &'s Scene,
-    /// Holds all regions with room around them.
+    /// Clip box: contains all regions, with a margin.
     pub clip: Bounds,
     pub tolerance: f64,
-    /// For each region the numbers of the later ones that come near to it.
+    /// For each region the indices of the later regions whose boxes overlap its own.
     pub later: Vec<Vec<usize>>,
 }
 
@@ -38,60 +38,60 @@ impl<'s> Model<'s> {
             return Err(WriteError::Tolerance(tolerance));
         }
         let later = later(&boxes);
-        // a flat region has no size in some direction
+        // a flat region has no extent in some direction
         let clip = whole.grown(MARGIN * diagonal);
         Ok(Model { scene, clip, tolerance, later })
     }
 
-    /// The regions that are more than the world, with their numbers.
+    /// The regions with a medium other than the world's, with their indices.
     pub fn regions(&self) -> impl Iterator<Item = (usize, &'s SceneRegion)> {
         self.scene.regions.iter().enumerate().filter(|(_, region)| region.medium != 0)
     }
 
-    /// Millimetres in the unit of the scene, for formats that are in millimetres or say no unit, which are read as such.
+    /// Millimetres per unit of the scene, for formats that use millimetres or have no unit.
     pub fn millimetres(&self) -> f64 {
         self.scene.unit.metres() / Unit::Millimetre.metres()
     }
 
-    /// A remark on lengths that are written in millimetres in place of the unit of the scene.
+    /// Adds a remark if lengths are converted to millimetres.
     pub fn tell_unit(&self, remarks: &mut Remarks) {
         if self.scene.unit != Unit::Millimetre {
             remarks.add(RemarkKind::Changed, format!("lengths in {} are in mm", self.scene.unit));
         }
     }
 
-    /// A remark on what is cut out of regions.
+    /// Adds a remark on subtracted regions.
     pub fn tell_cuts(&self, remarks: &mut Remarks) {
         if self.later.iter().any(|list| !list.is_empty()) {
             remarks.add(RemarkKind::Changed, "regions have the later ones cut out that come near to them");
         }
     }
 
-    /// Remarks on what no format but the native one holds.
+    /// Adds remarks on data that only the native format holds.
     pub fn tell_pictures(&self, remarks: &mut Remarks) {
         let scene = self.scene;
         let all = [
             (scene.camera.is_some(), "the camera"),
             (!scene.lights.is_empty(), "lights"),
             (scene.render != Default::default(), "how pictures are drawn"),
-            (!scene.parameters.is_empty(), "parameters (their values are in their places)"),
+            (!scene.parameters.is_empty(), "parameters: their values are in their places."),
         ];
         for (_, what) in all.into_iter().filter(|(is_there, _)| *is_there) {
             remarks.add(RemarkKind::Dropped, what);
         }
     }
 
-    /// Remarks on media, in formats that have none.
+    /// Adds a remark on media, for formats without media.
     pub fn tell_media(&self, remarks: &mut Remarks) {
         let has_numbers =
             self.scene.media.iter().any(|medium| medium.index.is_some() || !medium.numbers.is_empty());
         if has_numbers {
-            remarks.add(RemarkKind::Dropped, "numbers of media (index, density and others)");
+            remarks.add(RemarkKind::Dropped, "numbers of media: index, density and others.");
         }
     }
 }
 
-/// For each box the later ones that meet it.
+/// For each box the indices of the later boxes that overlap it.
 fn later(boxes: &[Bounds]) -> Vec<Vec<usize>> {
     let meets = |i: usize, j: usize| {
         let both = boxes[i].intersection(&boxes[j]);

@@ -1,9 +1,9 @@
-//! OpenSCAD's flattened language, which OpenSCAD reads as a program and [`crate::openscad`] as a dump.
+//! OpenSCAD writer: the flattened language, which OpenSCAD reads as a program and [`crate::openscad`] as a dump.
 //!
-//! Boxes, balls, cylinders, cones and rings are OpenSCAD's own, under `multmatrix`; what has plane faces is a `polyhedron`. Round
-//! shapes are truly round for who reads them so; `$fn` says how many facets keep within the tolerance. Others are `polyhedron`s
-//! of triangles. Regions are the children of the file, each with its colour; where the scene is not in millimetres, which is what
-//! OpenSCAD's numbers usually are, each is scaled to them.
+//! Boxes, balls, cylinders, cones and tori are OpenSCAD items under `multmatrix`; shapes with plane faces are
+//! `polyhedron`s. Round shapes stay exactly round for readers that support it; `$fn` is the number of facets that keeps
+//! within the tolerance. Other shapes are `polyhedron`s of triangles. The regions are the top-level items of the file, each
+//! with its colour. If the scene is not in millimetres, the usual unit of OpenSCAD, each region is scaled to millimetres.
 
 use super::facets::{self, Request, number};
 use super::fold::{Builder, Operation, fold};
@@ -16,7 +16,7 @@ use rayweave_scene::Colour;
 use rayweave_shape::primitive::{Primitive, Value};
 use std::collections::{BTreeSet, HashMap};
 
-/// The most bytes of a file: what is shared is written out each time.
+/// Most bytes of a file; shared parts are repeated.
 const MOST_BYTES: usize = 256 << 20;
 
 /// A part of the file.
@@ -30,7 +30,7 @@ struct Writer<'m, 's> {
     remarks: &'m mut Remarks,
     region: usize,
     pieces: Vec<Piece>,
-    /// The parts that regions are.
+    /// The part of each region written so far.
     known: HashMap<usize, Option<usize>>,
 }
 
@@ -57,7 +57,7 @@ pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, Wri
     }
     model.tell_unit(writer.remarks);
     let names: BTreeSet<_> = model.regions().map(|(_, region)| region.colour.to_string()).collect();
-    writer.remarks.add(RemarkKind::Dropped, "names of regions, media and faces (regions keep their colours)");
+    writer.remarks.add(RemarkKind::Dropped, "names of regions, media and faces: regions keep their colours.");
     if names.len() < model.regions().count() {
         writer.remarks.add(RemarkKind::Changed, "regions of one colour are one");
     }
@@ -72,7 +72,7 @@ impl Writer<'_, '_> {
         self.pieces.len() - 1
     }
 
-    /// A region less the later ones that come near to it.
+    /// A region minus the later ones that come near it.
     fn carved(&mut self, number: usize) -> Result<Option<usize>, WriteError> {
         let Some(first) = self.solid(number)? else {
             return Ok(None);
@@ -84,7 +84,7 @@ impl Writer<'_, '_> {
         if parts.len() > 1 { self.join(Operation::Difference, parts) } else { Ok(parts.pop()) }
     }
 
-    /// A region before anything is cut out of it.
+    /// A region before subtractions.
     fn solid(&mut self, number: usize) -> Result<Option<usize>, WriteError> {
         if let Some(known) = self.known.get(&number) {
             return Ok(*known);
@@ -99,7 +99,7 @@ impl Writer<'_, '_> {
         fold(&self.model.scene.regions[number].solid, self)
     }
 
-    /// Writes a part and all parts of it, with a tab for each level from a first one on.
+    /// Writes a part and its descendants, indented by a tab per level.
     fn print(&self, part: usize, level: usize, text: &mut String) -> Result<(), WriteError> {
         let mut waiting = vec![(Some(part), level)];
         while let Some((part, depth)) = waiting.pop() {
@@ -121,9 +121,9 @@ impl Writer<'_, '_> {
         Ok(())
     }
 
-    /// How many facets a circle of this radius in the frame of the shape has.
+    /// Number of facets of a circle with the given radius in the frame of the shape.
     fn fragments(&self, place: &Affine, radius: f64) -> usize {
-        let request = 0.5 * self.model.tolerance / place.similarity().unwrap_or(place.stretch());
+        let request = 0.5 * self.model.tolerance / place.similarity().unwrap_or(place.linear_norm());
         facets::circle_count(radius, request).unwrap_or(facets::MOST_AROUND)
     }
 
@@ -147,7 +147,7 @@ impl Writer<'_, '_> {
                 let (inner, outer, height) =
                     (number("inner_radius")?, number("outer_radius")?, number("height")?);
                 let body = cylinder(outer, outer, height);
-                // longer than the body, so that no face of the bore lies in one of the body
+                // longer than the body, so that the ends of the bore lie outside of it
                 match inner > 0.0 {
                     true => format!("difference() {{ {body} {} }}", cylinder(inner, inner, 1.5 * height)),
                     false => body,
@@ -165,7 +165,7 @@ impl Writer<'_, '_> {
         })
     }
 
-    /// A ball, scaled along the axes.
+    /// An ellipsoid: a ball scaled along the axes.
     fn ellipsoid(&self, shape: &Primitive, place: &Affine) -> Option<String> {
         let radii = shape.arguments().into_iter().find_map(|(_, value)| match value {
             Value::Vector(radii) => <[f64; 3]>::try_from(radii).ok(),
@@ -255,7 +255,7 @@ fn cuboid(bounds: &Bounds) -> String {
     under(&Affine::translate(bounds.lo), &cube)
 }
 
-/// Faces turn clockwise there, seen from outside.
+/// OpenSCAD faces are clockwise seen from outside.
 fn polyhedron(mesh: &Mesh) -> String {
     let points: Vec<String> = mesh.vertices().iter().map(|p| vector(*p)).collect();
     let faces: Vec<String> = mesh.triangles().iter().map(|[a, b, c]| format!("[{a}, {c}, {b}]")).collect();

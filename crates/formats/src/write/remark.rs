@@ -1,15 +1,15 @@
-//! What a file does not say as the scene did.
+//! Remarks on differences between a written file and the scene.
 
 use std::fmt;
 
-/// The sorts of remarks.
+/// Kinds of remarks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RemarkKind {
-    /// The same solid in other words.
+    /// The same solid, expressed differently.
     Changed,
-    /// Something near to it.
+    /// An approximation of the solid.
     Approximated,
-    /// Something that is no part of the geometry is gone.
+    /// Something other than geometry is missing.
     Dropped,
 }
 
@@ -23,14 +23,14 @@ impl fmt::Display for RemarkKind {
     }
 }
 
-/// Something that was written in another way, once or several times.
+/// A difference, counted over all its occurrences.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remark {
-    /// What became of it.
+    /// Kind of the difference.
     pub kind: RemarkKind,
-    /// What it is, in words.
+    /// Description.
     pub what: String,
-    /// How many there are.
+    /// Number of occurrences.
     pub count: usize,
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for Remark {
     }
 }
 
-/// Collects remarks, in the order in which they were first made.
+/// Collects remarks in order of first occurrence.
 #[derive(Debug, Default)]
 pub(super) struct Remarks {
     all: Vec<Remark>,

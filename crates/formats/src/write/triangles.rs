@@ -1,4 +1,4 @@
-//! Scenes as meshes: each region a closed mesh, within the tolerance.
+//! Mesh writer: each region as a closed triangle mesh within the tolerance.
 
 use super::facets::{self, Request};
 use super::fold::{Builder, Operation, fold};
@@ -8,10 +8,10 @@ use super::{RemarkKind, WriteError, WriteOptions};
 use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::Mesh;
-use rayweave_mesh::files::{MeshFormat, WriteOptions as MeshOptions, write_parts};
+use rayweave_mesh_io::{MeshFormat, WriteOptions as MeshOptions, write_objects};
 use rayweave_shape::primitive::Primitive;
 
-/// Builds bodies of triangles.
+/// Builder of triangle bodies.
 struct Triangulator<'m, 's> {
     model: &'m Model<'s>,
     region: usize,
@@ -72,12 +72,12 @@ fn joined(by: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, String> {
     }
 }
 
-/// The solid of a region before anything is cut out of it.
+/// The solid of a region before subtractions.
 fn solid(model: &Model, region: usize) -> Result<Option<Body>, WriteError> {
     fold(&model.scene.regions[region].solid, &mut Triangulator { model, region })
 }
 
-/// The meshes of all regions, with their names.
+/// Meshes of all regions, with their names.
 pub(super) fn meshes(model: &Model) -> Result<Vec<(String, Body)>, WriteError> {
     let count = model.scene.regions.len();
     let solids: Vec<Option<Body>> =
@@ -96,8 +96,8 @@ pub(super) fn meshes(model: &Model) -> Result<Vec<(String, Body)>, WriteError> {
     Ok(bodies)
 }
 
-/// All regions as one body: each is added as it is, so that no two bodies share a face that was cut, and what is of the medium of the
-/// world is taken away.
+/// All regions as one body: the solids are united before any subtraction, so that no coincident cut faces arise, and
+/// regions of the world's medium are subtracted.
 fn whole(model: &Model) -> Result<Option<Body>, WriteError> {
     let mut together = Vec::new();
     for (number, region) in model.scene.regions.iter().enumerate() {
@@ -121,7 +121,7 @@ pub(super) fn write(
     let is_plain =
         matches!(format, MeshFormat::Ply | MeshFormat::Off) || format == MeshFormat::Stl && !options.text;
     let bodies = if is_plain && model.regions().count() > 1 {
-        remarks.add(RemarkKind::Dropped, "what tells regions apart (they are one body)");
+        remarks.add(RemarkKind::Dropped, "what tells regions apart: they are one body.");
         whole(model)?.into_iter().map(|body| (String::new(), body)).collect()
     } else {
         model.tell_cuts(remarks);
@@ -144,7 +144,7 @@ pub(super) fn write(
     }
     let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
     let mut bytes = Vec::new();
-    write_parts(&parts, format, MeshOptions { text: options.text }, &mut bytes)?;
+    write_objects(&parts, format, MeshOptions::default().with_text(options.text), &mut bytes)?;
     Ok(bytes)
 }
 
@@ -166,8 +166,7 @@ fn tell(model: &Model, format: MeshFormat, options: &WriteOptions, remarks: &mut
     model.tell_pictures(remarks);
 }
 
-/// A point in the unit and the axes of the format: glTF is in metres with y up, others are in millimetres, by what they say or by
-/// what is usual.
+/// A point in the unit and axes of the format: metres with y up for glTF, else millimetres.
 fn in_format(p: Vec3, format: MeshFormat, model: &Model) -> Vec3 {
     match format {
         MeshFormat::Gltf | MeshFormat::Glb => Vec3::new(p.x, p.z, -p.y) * model.scene.unit.metres(),

@@ -1,4 +1,4 @@
-//! Files of others, and files in files.
+//! GDML files of other programs, and files that include files.
 
 use super::skip;
 use rayweave_formats::{Imported, LossKind, Options, load};
@@ -10,7 +10,7 @@ fn read(path: &Path) -> Imported {
         .unwrap_or_else(|problems| panic!("{}: {problems}", path.display()))
 }
 
-/// The files with their numbers of volumes that are placed in the world.
+/// Files with their numbers of volumes placed in the world.
 const FILES: [(&str, usize); 20] = [
     ("8x8SiPM_w_CSI_optial_grease.gdml", 7),
     ("cmse.gdml", 20),
@@ -34,7 +34,7 @@ const FILES: [(&str, usize); 20] = [
     ("znenv.gdml", 15),
 ];
 
-/// Where real files lie that are no part of the repository.
+/// Folder of real files, which are not part of the repository.
 fn folder() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/gdml");
     if !folder.is_dir() {
@@ -57,7 +57,7 @@ fn files_of_others_are_read_and_compile() {
     }
 }
 
-/// A folder of its own for a test.
+/// A temporary folder for a test.
 fn scratch(name: &str, files: &[(&str, &str)]) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("rayweave-gdml-{name}-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
@@ -89,7 +89,7 @@ fn files_include_files_and_themselves_are_refused() {
     let folder = scratch("include", &[("part.gdml", PART), ("main.gdml", &twice), ("ring.gdml", &ring)]);
     let imported = read(&folder.join("main.gdml"));
     let names: Vec<&str> = imported.scene.regions.iter().map(|region| region.name.as_str()).collect();
-    // asked for by its name it is read once more, as Geant4 does
+    // a volume requested by name is read once more, as in Geant4
     assert_eq!(names, ["World", "Part", "Inner", "Inner2"]);
     let problems = load(folder.join("ring.gdml"), None, &[], &Options::default()).unwrap_err();
     assert!(problems.iter().next().unwrap().message().contains("includes itself"), "{problems}");
@@ -107,7 +107,7 @@ fn entities_may_be_files() {
         &[("main.gdml", &text), ("solids.xml", "<box name=\"a\" x=\"1\" y=\"1\"\n z=\"1\"/>")],
     );
     assert_eq!(read(&folder.join("main.gdml")).scene.regions.len(), 1);
-    // a problem in the other file is told there
+    // a problem in an included file is reported with its position there
     std::fs::write(folder.join("solids.xml"), "<box name=\"a\" x=\"1\" y=\"1\"\n z=\"one\"/>").unwrap();
     let problems = load(folder.join("main.gdml"), None, &[], &Options::default()).unwrap_err();
     let problem = problems.iter().next().unwrap();

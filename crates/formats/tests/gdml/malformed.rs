@@ -1,11 +1,11 @@
-//! Files that are wrong: told where, all at once, soon.
+//! Malformed GDML files: all problems are reported at once, with positions, in limited time.
 
 use super::{model, parse};
 
 const WORLD: &str = "<volume name=\"World\"><materialref ref=\"Al\"/><solidref ref=\"b\"/></volume>";
 const BOX: &str = "<box name=\"b\" x=\"1\" y=\"1\" z=\"1\"/>";
 
-/// The messages with their lines and columns.
+/// Messages with lines and columns.
 fn problems(text: &str) -> Vec<(usize, usize, String)> {
     let problems = match parse(text) {
         Ok(_) => panic!("read: {text}"),
@@ -40,13 +40,13 @@ fn all_problems_are_told_at_once_with_their_places() {
     says(2, "`mn` is no unit of length");
     says(3, "`box` has no attribute `y`");
     says(4, "unknown name `widht`");
-    says(4, "did you mean `width`?");
+    says(4, "Did you mean `width`?");
     says(5, "unknown solid `bb`");
     says(6, "unknown volume `Wrld`");
-    says(6, "did you mean `World`?");
+    says(6, "Did you mean `World`?");
 }
 
-/// Every beginning of a file is an error (the end tag is missing), and none takes long or panics.
+/// Every proper prefix of a file is an error (the end tag is missing), in limited time and without a panic.
 #[test]
 fn truncated_files_are_errors() {
     let text = model("<constant name=\"a\" value=\"2*cm\"/>", BOX, WORLD);
@@ -81,10 +81,10 @@ fn volumes_that_contain_themselves_are_refused() {
     };
     let found = problems(&model("", BOX, &(inner("World", "A") + &inner("A", "B") + &inner("B", "A"))));
     assert_eq!(found.len(), 1);
-    assert!(found[0].2.contains("`A` contains itself (A contains B contains A)"), "{}", found[0].2);
+    assert!(found[0].2.contains("`A` contains itself: A contains B contains A."), "{}", found[0].2);
 }
 
-/// "Billion laughs": a few lines that would be gigabytes.
+/// "Billion laughs": a few lines that would expand to gigabytes.
 #[test]
 fn entities_have_limits() {
     let mut declarations = "<!ENTITY l0 \"<constant name='a' value='1'/>\">".to_owned();
@@ -101,7 +101,7 @@ fn entities_have_limits() {
     let ring = "<!DOCTYPE gdml [<!ENTITY a \"&b;\"><!ENTITY b \"&a;\">]><gdml>&a;</gdml>";
     assert!(problems(ring)[0].2.contains("does one contain itself?"));
     let found = problems("<!DOCTYPE gdml [<!ENTITY part \"\">]>\n<gdml>&prt;</gdml>");
-    assert!(found[0].2.contains("did you mean `part`?"), "{}", found[0].2);
+    assert!(found[0].2.contains("Did you mean `part`?"), "{}", found[0].2);
     assert!(
         problems("<!DOCTYPE gdml [<!ENTITY f SYSTEM \"nowhere.xml\">]><gdml>&f;</gdml>")[0]
             .2
@@ -117,7 +117,7 @@ fn loops_end() {
     assert!(problems(&model(&long, BOX, WORLD))[0].2.contains("more than 500000 elements"));
 }
 
-/// Millions of faces from a few lines are refused before they are made.
+/// Millions of faces from a few lines are refused before they are allocated.
 #[test]
 fn faces_of_polyhedra_have_a_limit() {
     let planes = "<loop for=\"i\" from=\"0\" to=\"1000\"><zplane z=\"i\" rmax=\"1\"/></loop>";
@@ -130,11 +130,11 @@ fn faces_of_polyhedra_have_a_limit() {
 fn missing_worlds_and_references() {
     let text = model("", BOX, WORLD);
     let without = |part: &str| text.replace(part, "");
-    // the only volume is the world, then
+    // then the only volume is the world
     assert_eq!(parse(&without("<world ref=\"World\"/>")).unwrap().scene.regions.len(), 1);
     assert!(problems(&without("<solidref ref=\"b\"/>"))[0].2.contains("no `solidref`"));
     let found = problems(&text.replace("<world ref=\"World\"/>", "<world ref=\"Wold\"/>"));
-    assert!(found[0].2.contains("did you mean `World`?"), "{}", found[0].2);
+    assert!(found[0].2.contains("Did you mean `World`?"), "{}", found[0].2);
     let unknown = text.replace("materialref ref=\"Al\"", "materialref ref=\"Aluminium\"");
     let imported = parse(&unknown).unwrap();
     assert!(imported.scene.warnings.iter().any(|warning| warning.message().contains("unknown material")));
@@ -145,10 +145,10 @@ fn degrees_that_are_read_as_radians_are_suspected() {
     let tube = "<tube name=\"b\" rmax=\"1\" z=\"1\" deltaphi=\"360\"/>";
     let imported = parse(&model("", tube, WORLD)).unwrap();
     let warning = imported.scene.warnings.iter().next().unwrap();
-    assert!(warning.message().contains("is `aunit=\"deg\"` missing?"), "{}", warning.message());
+    assert!(warning.message().contains("Is `aunit=\"deg\"` missing?"), "{}", warning.message());
 }
 
-/// Any byte of a file changed, left out or doubled: an answer or an error, but no panic.
+/// Every byte of a file changed, removed or duplicated: a result or an error, but no panic.
 #[test]
 fn damaged_files_do_no_harm() {
     let text = model("<constant name=\"a\" value=\"2*(3+cm)\"/>", BOX, WORLD).into_bytes();

@@ -1,4 +1,4 @@
-//! Every kind of solid against Geant4.
+//! Every kind of GDML solid, against Geant4.
 
 use super::{model, parse, volume};
 use rayweave_formats::LossKind;
@@ -10,12 +10,11 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 const FILE: &str = include_str!("solids.gdml");
-/// By Geant4 11.4.1, through geant4-pybind 0.1.3: for each solid its `GetCubicVolume`, and rays with the times that
-/// `DistanceToIn` and `DistanceToOut` give in turn.
+/// Reference data of Geant4 11.4.1, through geant4-pybind 0.1.3: `GetCubicVolume` of each solid, and rays with the
+/// alternating results of `DistanceToIn` and `DistanceToOut`.
 const RAYS: &str = include_str!("solids.csv");
 
-/// Solids whose faces are approximated here, with the largest error in millimetres: 1.6e-4 of the distance from the axis,
-/// along rays that meet them at an angle.
+/// Approximated solids, with a largest error in millimetres: 1.6e-4 of the distance from the axis, for rays at an angle.
 const APPROXIMATED: [&str; 3] = ["v_tbox1", "v_ttrd1", "v_ttrap1"];
 
 fn solids() -> HashMap<String, Solid> {
@@ -64,7 +63,7 @@ fn rays_cross_where_geant4_says() {
 #[test]
 fn volumes_are_those_of_geant4() {
     let solids = solids();
-    // what Geant4 gives for these is an estimate from random points, or not what its rays say (see docs/reference/formats.md)
+    // for these Geant4 estimates volumes from random points, or contradicts its own rays (see docs/reference/formats.md)
     let estimated = ["v_union1", "v_sub1", "v_int1", "v_mu1"];
     for line in RAYS.lines().filter_map(|line| line.strip_prefix("# v_")) {
         let (name, theirs) = line.split_once(" volume ").unwrap();
@@ -79,7 +78,7 @@ fn volumes_are_those_of_geant4() {
     }
 }
 
-/// A solid of one kind, by its attributes.
+/// A solid of one kind, from its attributes.
 fn one(solid: &str) -> rayweave_formats::Imported {
     let volume = "<volume name=\"World\"><materialref ref=\"Al\"/><solidref ref=\"s\"/></volume>";
     parse(&model("", solid, volume)).unwrap_or_else(|problems| panic!("{problems}"))
@@ -115,7 +114,7 @@ fn planes_of_no_height_and_no_thickness_are_passed_over() {
     assert!((found / (8.0 * std::f64::consts::PI) - 1.0).abs() < 2e-3, "{found}");
 }
 
-/// Sections of a polycone share their planes: no ray along, across or at a slant leaves between them.
+/// Sections of a polycone share their planes: no ray passes between them, at any angle.
 #[test]
 fn stacks_have_no_seams() {
     let planes: String = (0..=10)
@@ -123,7 +122,7 @@ fn stacks_have_no_seams() {
         .collect();
     let imported = one(&format!("<polycone name=\"s\" lunit=\"cm\">{planes}</polycone>"));
     let program = Arc::new(Program::compile(&imported.scene.regions[0].solid).unwrap());
-    // rays through the walls between the radii that every section has
+    // rays through the walls between the radii that all sections have in common
     let rays = (0..20_000).map(|k| {
         let (angle, lean) = (0.001 * f64::from(k), f64::from(k % 100) * 1e-2);
         let (sin, cos) = angle.sin_cos();
@@ -148,7 +147,7 @@ fn angles_beyond_the_pole_are_the_pole() {
     assert!((volume(&program, 200) / expected - 1.0).abs() < 2e-3);
 }
 
-/// A box of 2 x 2 x 2 with a pyramid of height 1 taken out of its top, in facets.
+/// A cube of side 2 with a pyramid of height 1 removed from its top, in facets.
 #[test]
 fn facets_that_are_not_convex_are_a_mesh() {
     let corners = [

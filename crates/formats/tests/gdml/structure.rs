@@ -1,4 +1,4 @@
-//! Volumes in volumes.
+//! GDML volume hierarchies: placements, replicas, divisions, parameterised volumes.
 
 use super::{along, model, parse};
 use rayweave_formats::LossKind;
@@ -9,7 +9,7 @@ use rayweave_shape::Ray;
 use rayweave_trace::Weave;
 use std::sync::Arc;
 
-/// A volume by name, solid and content.
+/// A volume element with a name, a solid and further content.
 fn volume(name: &str, solid: &str, content: &str) -> String {
     format!("<volume name=\"{name}\"><materialref ref=\"Al\"/><solidref ref=\"{solid}\"/>{content}</volume>")
 }
@@ -51,7 +51,7 @@ fn daughters_carve_their_mothers() {
     assert_eq!(names(&along(&imported, [-100.0, 0.1, 0.2], [1.0, 0.0, 0.0])), expected);
 }
 
-/// The places of the small cube's middle are those that Geant4 11.4.1 gives for this file.
+/// The positions of the small cube's centre are those of Geant4 11.4.1 for this file.
 #[test]
 fn rotations_are_those_of_the_mothers_frame() {
     let turned = "<physvol><volumeref ref=\"Arm\"/><position x=\"10\" y=\"20\" z=\"30\"/>\
@@ -74,15 +74,15 @@ fn rotations_are_those_of_the_mothers_frame() {
 
 const TIP: [f64; 3] = [24.77211629518312, 6.295220222429869, 52.22529170584472];
 
-/// Volumes turned, mirrored, in assemblies, as replicas, divisions and copies with dimensions of their own, by Geant4 11.4.1 (its
-/// `G4Navigator`, through geant4-pybind 0.1.3).
+/// Rotated and reflected placements, assemblies, replicas, divisions and parameterised copies, against `G4Navigator` of
+/// Geant4 11.4.1 (through geant4-pybind 0.1.3).
 #[test]
 fn media_along_rays_are_those_of_geant4() {
     media_are_those_of(include_str!("structure.gdml"), include_str!("structure.csv"), 300);
 }
 
-/// Divisions of parallelepipeds, polycones, polyhedra and along radii, replicas along the radius of a cone, polycones whose planes
-/// go back, and parameterised polycones and polyhedra, by the same.
+/// Divisions of parallelepipeds, polycones, polyhedra and along radii, replicas along the radius of a cone, polycones with
+/// non-monotonic z, and parameterised polycones and polyhedra, against the same.
 #[test]
 fn media_in_pieces_are_those_of_geant4() {
     media_are_those_of(include_str!("copies.gdml"), include_str!("copies.csv"), 150);
@@ -116,9 +116,9 @@ fn media_are_those_of(file: &str, rays: &str, count: usize) {
     }
 }
 
-/// The volume of all regions whose names begin in one way, from a grid of rays.
+/// Volume of all regions whose names have a prefix, from a grid of rays.
 fn volume_of(imported: &rayweave_formats::Imported, name: &str) -> f64 {
-    // each of a medium of its own, since only changes of the medium are crossings
+    // a medium per region, since only changes of the medium are crossings
     let mut regions = imported.scene.model_regions();
     regions.iter_mut().zip(1..).for_each(|(region, medium)| region.medium = medium);
     let program = Arc::new(Program::compile_regions(&regions).unwrap());
@@ -140,7 +140,7 @@ fn volume_of(imported: &rayweave_formats::Imported, name: &str) -> f64 {
     length * (2.0 * half / count as f64).powi(2)
 }
 
-/// Each mother's volume by its formula, which the pieces have together and none of which is left to the mother.
+/// The total volume of the slices equals the volume of the mother by its formula, and nothing is left of the mother.
 #[test]
 fn pieces_fill_their_mother() {
     let half_turn = std::f64::consts::PI;
@@ -177,7 +177,7 @@ fn pieces_fill_their_mother() {
     }
 }
 
-/// Axis, width and offset were attributes of `replicavol` once.
+/// In older files axis, width and offset are attributes of `replicavol`.
 #[test]
 fn old_replicas_are_read() {
     let row = "<replicavol axis=\"kXAxis\" number=\"4\" width=\"20\" offset=\"0\" unit=\"mm\"><volumeref ref=\"Slice\"/></replicavol>";
@@ -187,7 +187,7 @@ fn old_replicas_are_read() {
     assert_eq!(names(&hits), [(0.0, "World"), (60.0, "Slice"), (140.0, "World"), (200.0, "-")]);
 }
 
-/// As pyg4ometry writes them: the width of copies around an axis in millimetres, which Geant4 takes for radians.
+/// The syntax of pyg4ometry: the width of copies around an axis in millimetres, which Geant4 treats as radians.
 #[test]
 fn angles_in_millimetres_are_radians() {
     let wheel = |unit: &str| {
@@ -205,7 +205,7 @@ fn angles_in_millimetres_are_radians() {
     assert_eq!(radians.scene.warnings.iter().count(), 0);
 }
 
-/// A loop whose range is empty has no steps, in whichever direction it would go.
+/// A loop with an empty range has no iterations, whatever the sign of its step.
 #[test]
 fn loops_without_steps_stand_for_nothing() {
     let down = "<loop for=\"i\" from=\"3\" to=\"1\" step=\"-1\"><physvol><volumeref ref=\"Slice\"/></physvol></loop>";
@@ -250,7 +250,7 @@ fn replicas_and_divisions_fill_their_mothers() {
     let cores: Vec<f64> = hits.iter().filter(|(_, name)| name == "Core").map(|(t, _)| t - 100.0).collect();
     assert_eq!(cores, [-23.5, -8.5, 6.5, 21.5]);
 
-    // a division makes pieces of its own where the volume's solid is none
+    // a division creates its own slices if the solid of the volume is not a slice
     let divided = "<divisionvol axis=\"kXAxis\" number=\"5\" unit=\"mm\" width=\"4\" offset=\"0\"><volumeref ref=\"Core\"/></divisionvol>";
     let structure = [volume("Core", "cube", ""), volume("World", "slab", divided)];
     let imported = parse(&model("", BOXES, &structure.concat())).unwrap();
@@ -339,7 +339,7 @@ fn what_light_needs_is_kept_in_a_table() {
     let index = imported.scene.media[1].index.unwrap();
     // 2.1039 eV on the line from (1 eV, 1.5) to (3 eV, 1.7)
     assert!((index - 1.610_392_836).abs() < 1e-6, "{index}");
-    // the table is read back as it was written
+    // the table survives a round trip
     let toml = imported.document().to_toml();
     let (document, scene) = rayweave_scene::parse(&toml).unwrap_or_else(|problems| panic!("{problems}"));
     assert_eq!(document.foreign("gdml"), imported.document().foreign("gdml"));
@@ -351,7 +351,7 @@ fn what_light_needs_is_kept_in_a_table() {
     assert_eq!(keys, ["world", "volume", "material", "matrix", "surface", "skin"]);
 }
 
-/// Addresses are taken off names, which then are numbered where they are equal.
+/// Pointer suffixes are removed from names, and equal names are numbered.
 #[test]
 fn volumes_of_one_name_are_numbered() {
     let mut text = String::new();
@@ -365,7 +365,7 @@ fn volumes_of_one_name_are_numbered() {
     assert_eq!((names[0], names[1], names[2], names[3000]), ("World", "Pixel", "Pixel2", "Pixel3000"));
 }
 
-/// A million million copies are a few lines, and as few maps.
+/// A million million copies take a few lines of the file and as few maps.
 #[test]
 fn copies_of_copies_take_no_more_room() {
     let mut text = volume("L0", "cube", "");
@@ -378,11 +378,11 @@ fn copies_of_copies_take_no_more_room() {
     text += &volume("World", "big", "<physvol><volumeref ref=\"L6\"/></physvol>");
     let imported = parse(&model("", BOXES, &text)).unwrap();
     assert_eq!(imported.scene.regions.len(), 2);
-    // so many cannot be numbered; that is told, and nothing is tried before
+    // too many to be numbered: that is an error, before any work is done
     assert!(Program::compile_regions(&imported.scene.model_regions()).is_err());
 }
 
-/// Twenty kinds of boards at four thousand places.
+/// Twenty kinds of boards at four thousand positions.
 #[test]
 fn many_placements_stay_small() {
     let mut text = String::new();
@@ -404,7 +404,7 @@ fn many_placements_stay_small() {
     let imported = parse(&text).unwrap();
     assert_eq!(imported.scene.regions.len(), 21);
     let program = Program::compile_regions(&imported.scene.model_regions()).unwrap();
-    // the model, and the one solid that all of them have
+    // the model, and the one solid that they all share
     assert_eq!(program.prototypes().len(), 2);
     assert_eq!(program.prototypes()[0].placements, 4001);
 }

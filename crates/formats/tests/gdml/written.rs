@@ -1,4 +1,4 @@
-//! Files that are read, written and read again: the same regions, tree, materials and surfaces.
+//! GDML round trips: the same regions, volume tree, materials and surfaces after writing and reading.
 
 use super::parse;
 use rayweave_formats::{Format, Imported, WriteOptions, Written, write};
@@ -18,7 +18,7 @@ fn again(written: &Written) -> Imported {
     parse(std::str::from_utf8(&written.bytes).unwrap()).unwrap()
 }
 
-/// Names of regions and where they begin, along rays through the first region, which holds all others.
+/// Names of regions and their starts, along rays through the first region, which contains all others.
 fn partitions(imported: &Imported) -> Vec<Vec<(f64, String)>> {
     let mut regions = imported.scene.model_regions();
     regions.iter_mut().zip(1..).for_each(|(region, medium)| region.medium = medium);
@@ -51,7 +51,7 @@ fn same_partitions(one: &Imported, two: &Imported) {
     };
     let (one, two) = (partitions(one), partitions(two));
     let different = one.iter().zip(&two).filter(|(a, b)| !near(a, b)).count();
-    // rays that graze may differ by a crossing
+    // grazing rays may differ by a crossing
     assert!(different <= 2, "{different} of {}", one.len());
 }
 
@@ -107,7 +107,7 @@ const OPTICAL: &str = r##"<?xml version="1.0"?><gdml><define><matrix name="n" co
 <userinfo><auxiliary auxtype="Region" auxvalue="fine"/></userinfo>
 <setup name="Default" version="1.0"><world ref="World"/></setup></gdml>"##;
 
-/// Composition, properties, surfaces, names and tags come back word for word, number for number.
+/// Composition, properties, surfaces, names and tags are preserved exactly.
 #[test]
 fn the_table_is_written_back() {
     let first = parse(OPTICAL).unwrap();
@@ -122,7 +122,7 @@ fn the_table_is_written_back() {
     same_partitions(&first, &second);
 }
 
-/// Properties that are numbers become matrices of one number, of materials and of surfaces.
+/// Numeric properties of materials and of surfaces become matrices of one number.
 #[test]
 fn numbers_of_properties_are_kept() {
     let rough = "<property name=\"SURFACEROUGHNESS\" value=\"0.25\"/></opticalsurface>";
@@ -137,7 +137,7 @@ fn numbers_of_properties_are_kept() {
     assert!(text.find("<matrix name=\"shine").unwrap() < text.find("</define>").unwrap());
 }
 
-/// A table that tells other regions than the scene has is not believed; what it says of materials is.
+/// The volume tree of a table that does not match the regions is ignored; its materials are used.
 #[test]
 fn what_was_changed_is_written_flat() {
     let mut imported = parse(OPTICAL).unwrap();

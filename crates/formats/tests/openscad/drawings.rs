@@ -1,4 +1,4 @@
-//! Drawings beside a dump, by closed forms and beside OpenSCAD.
+//! Imported drawings (SVG, DXF), against closed forms and against OpenSCAD.
 
 use crate::folder::Folder;
 use crate::measure::volume;
@@ -13,7 +13,7 @@ fn svg(head: &str, body: &str) -> String {
 
 const PAGE: &str = "width=\"100mm\" height=\"100mm\" viewBox=\"0 0 100 100\"";
 
-/// Boxes of what OpenSCAD 2021.01 makes of pages with and without sizes, units and view boxes.
+/// Bounding boxes of OpenSCAD 2021.01 for pages with and without sizes, units and view boxes.
 #[test]
 fn svg_pages() {
     let two = "<rect width=\"10\" height=\"10\"/><rect x=\"190\" y=\"90\" width=\"10\" height=\"10\"/>";
@@ -27,9 +27,9 @@ fn svg_pages() {
             ", center = true",
             [-50.0, -25.0, 50.0, 25.0],
         ),
-        // a unit is a millimetre without a view box
+        // without a view box the unit is a millimetre
         ("width=\"100\" height=\"50\"", pill, ", dpi = 72", [10.0, 17.6389 - 40.0, 90.0, 17.6389 - 30.0]),
-        // a pixel without a size
+        // without a size the unit is a pixel
         ("viewBox=\"10 0 200 100\"", pill, ", dpi = 25.4", [0.0, 60.0, 80.0, 70.0]),
     ];
     let folder = Folder::new("pages");
@@ -43,7 +43,7 @@ fn svg_pages() {
     }
 }
 
-/// Entities as pairs of codes and values.
+/// A DXF entity as pairs of group codes and values.
 fn entity(name: &str, pairs: &[(u16, &str)]) -> String {
     let pairs: String = pairs.iter().map(|(code, value)| format!("{code}\n{value}\n")).collect();
     format!("0\n{name}\n{pairs}")
@@ -63,7 +63,7 @@ fn dxf(entities: &str, blocks: &str) -> String {
     )
 }
 
-/// As older dumps say it.
+/// The syntax of older dumps.
 #[test]
 fn extrusions_that_name_a_drawing() {
     let folder = Folder::new("older");
@@ -75,14 +75,14 @@ fn extrusions_that_name_a_drawing() {
     let bounds = folder.bounds(
         "linear_extrude(height = 1) import(file = \"b.dxf\", layer = \"bar\", origin = [10, 20], scale = 2);",
     );
-    // as OpenSCAD 2021.01 has it
+    // value of OpenSCAD 2021.01
     assert_eq!([bounds.lo.x, bounds.lo.y, bounds.hi.x, bounds.hi.y], [-18.0, -36.0, -2.0, -20.0]);
     let text = "rotate_extrude(file = \"a.dxf\", origin = [-5, 0], scale = 1);";
-    // Pappus
+    // Pappus's theorem
     assert!((volume(&folder.read(text).scene, 200) / (2000.0 * PI) - 1.0).abs() < 2e-3);
 }
 
-/// A drawing that cannot be read is refused with its reason, and the rest of the dump is there.
+/// A drawing that cannot be read is refused with its reason, and the rest of the dump is read.
 #[test]
 fn damaged_drawings() {
     let nested = format!("<svg>{}", "<g>".repeat(100_000));

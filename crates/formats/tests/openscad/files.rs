@@ -1,4 +1,4 @@
-//! OpenSCAD's own examples beside its own answers, where the files are there.
+//! Examples of OpenSCAD, against its own results; skipped if the files are missing.
 
 use crate::folder::Folder;
 use crate::measure::volume;
@@ -6,8 +6,8 @@ use crate::skip;
 use rayweave_formats::{LossKind, Options, load};
 use std::path::{Path, PathBuf};
 
-/// The example, and the volume of what OpenSCAD 2021.01 (Debian 12) exports as STL from the same dump; of the flat examples it is
-/// the area.
+/// Example, and the volume of the STL export of OpenSCAD 2021.01 (Debian 12) from the same dump; for plane examples the
+/// area.
 const VOLUMES: [(&str, f64); 22] = [
     ("CSG-modules", 3346.9065),
     ("LetterBlock", 11528.998),
@@ -33,15 +33,15 @@ const VOLUMES: [(&str, f64); 22] = [
     ("union", 23750.0),
 ];
 
-/// Hinting moves letters of `recursion` by 4e-4 of their area; the rest is the sampling.
+/// Relative tolerance: hinting changes the area of the letters of `recursion` by 4e-4; the rest is sampling error.
 const NEAR: f64 = 1e-3;
 
-/// The examples that name files which are not beside them, and how many items are refused for that.
+/// Examples that name missing files, with the number of items refused for that reason.
 const WITHOUT_FILES: [(&str, usize); 5] =
     [("example008", 5), ("example010", 2), ("example012", 1), ("example016", 4), ("surface", 2)];
 
-/// What the letters of the volumes above were set in, as files and as the name that dumps get instead of their own: what stands for
-/// a font that is not there differs from machine to machine.
+/// Font of the reference volumes, as files and as the name that replaces the one in the dumps, since substitutes differ
+/// between machines.
 const FONTS: [&str; 2] = [
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
     "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf",

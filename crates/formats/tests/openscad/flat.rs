@@ -1,4 +1,4 @@
-//! Regions of the plane and what is made of them, by closed forms.
+//! Plane regions and their extrusions, against closed forms.
 
 use crate::measure::{check_volume, losses, read, volume, whole};
 use rayweave_formats::LossKind;
@@ -16,12 +16,12 @@ fn prisms() {
     check_volume(&over("square(size = [2, 3], center = true);"), false, 30.0, NEAR);
     check_volume(&over("circle($fn = 7, r = 2);"), false, 20.0 * PI, NEAR);
     check_volume(&over("circle($fn = 8, r = 2);"), true, 5.0 * 8.0 * 2f64.sqrt(), NEAR);
-    // a plate with a hole, whichever way round its paths go, and a path in the hole
+    // a plate with a hole, with paths of both orientations, and a path inside the hole
     let points = "points = [[0, 0], [6, 0], [6, 6], [0, 6], [1, 1], [5, 1], [5, 5], [1, 5], [2, 2], [2, 3], [3, 3], [3, 2]]";
     let plate =
         format!("polygon({points}, paths = [[0, 1, 2, 3], [4, 5, 6, 7], [8, 9, 10, 11]], convexity = 1);");
     check_volume(&over(&plate), false, 5.0 * (36.0 - 16.0 + 1.0), NEAR);
-    // one that is not convex, clockwise
+    // not convex, clockwise
     check_volume(
         &over("polygon(points = [[0, 0], [2, 2], [0, 6], [6, 0]], paths = undef);"),
         false,
@@ -74,13 +74,14 @@ fn pyramids() {
     );
 }
 
-/// Two triangles of area 4 that meet where the contour crosses itself; a section at t has them times both factors.
+/// Two triangles of area 4 that share the point where the contour crosses itself; a section at t has their area times both
+/// factors.
 #[test]
 fn pyramids_over_contours_that_cross_themselves() {
     let bow = "polygon(points = [[-2, -2], [2, 2], [2, -2], [-2, 2]], paths = undef);";
     let cases = [("[0, 1]", 36.0), ("[3, 1]", 144.0), ("[1, 1]", 72.0), ("[0.5, 0.5]", 72.0 * 1.75 / 3.0)];
     for facets in [false, true] {
-        // facets are slices, whose sides are not those of the solid
+        // facets are slices, which do not approximate the sides of the solid
         for (scale, expected) in cases.into_iter().skip(if facets { 2 } else { 0 }) {
             check_volume(
                 &format!("linear_extrude(height = 9, scale = {scale}) {bow}"),
@@ -90,7 +91,7 @@ fn pyramids_over_contours_that_cross_themselves() {
             );
         }
     }
-    // five points, within it twice: what is wound around twice is a hole
+    // a pentagram, filled by the even-odd rule: points of winding number 2 are a hole
     let star = "polygon(points = [[0, 3], [2, -3], [-3, 1], [3, 1], [-2, -3]], paths = undef);";
     let [straight, uneven] = ["[1, 1]", "[3, 1]"].map(|scale| {
         volume(&whole(&format!("linear_extrude(height = 9, scale = {scale}) {star}"), false), 300)
@@ -98,17 +99,17 @@ fn pyramids_over_contours_that_cross_themselves() {
     assert!((uneven / straight - 2.0).abs() < NEAR, "{uneven} {straight}");
 }
 
-/// Pappus: the area times the way of its centroid.
+/// Pappus's theorem: the area times the path length of its centroid.
 #[test]
 fn solids_of_revolution() {
-    // of discs on both sides of the axis one half is cut away
+    // discs on both sides of the axis, with one half subtracted
     let discs = "difference() { group() { multmatrix([[1, 0, 0, -3.5], [0, 1, 0, 1.5], [0, 0, 1, 0], [0, 0, 0, 1]]) circle($fn = 16, r = 1.5); \
                  multmatrix([[1, 0, 0, 3.5], [0, 1, 0, 1.5], [0, 0, 1, 0], [0, 0, 0, 1]]) circle($fn = 16, r = 1.5); } \
                  multmatrix([[1, 0, 0, SIDE], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) square([100, 100], center = true); }";
     for side in ["50", "-50"] {
         let text = format!("rotate_extrude($fn = 16) {}", discs.replace("SIDE", side));
         check_volume(&text, false, 2.0 * PI * PI * 3.5 * 2.25, NEAR);
-        // that of OpenSCAD 2021.01
+        // value of OpenSCAD 2021.01
         check_volume(&text, true, 147.6, NEAR);
     }
     let both = discs.replace("SIDE", "200");
@@ -133,7 +134,7 @@ fn solids_of_revolution() {
     // an hourglass of cones with a straight bore: frustums less a cylinder
     let glass = "rotate_extrude() polygon(points = [[1, -3], [4, -3], [2, 0], [4, 3], [1, 3]]);";
     check_volume(glass, false, 2.0 * PI * (16.0 + 8.0 + 4.0) - 6.0 * PI, NEAR);
-    // half a disc is a ball
+    // half a disc makes a ball
     let half = "rotate_extrude() intersection() { circle(r = 3); multmatrix([[1, 0, 0, 0], [0, 1, 0, -5], [0, 0, 1, 0], [0, 0, 0, 1]]) square([9, 10]); }";
     check_volume(half, false, 36.0 * PI, NEAR);
     // 24 sectors
@@ -174,13 +175,13 @@ fn hulls_of_the_plane_and_offsets() {
     check_volume(&over("offset(r = -1) square([4, 5], center = true);"), false, 12.0, NEAR);
     check_volume(&over("offset(delta = 1) square([4, 5], center = true);"), false, 84.0, NEAR);
     check_volume(&over("offset(delta = -1) square([4, 5], center = true);"), false, 12.0, NEAR);
-    // an angle of two bars: the notch of the inner corner stays sharp, the five outer ones are round
+    // an L-shape: its reentrant corner stays sharp, the five convex ones become round
     let angle = "polygon(points = [[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4]])";
     let grown = 7.0 + 16.0 * 0.5 + 5.0 * PI * 0.0625 - 0.25;
     check_volume(&over(&format!("offset(r = 0.5) {angle};")), false, 2.0 * grown, NEAR);
     check_volume(&over("minkowski() { square(3); circle(r = 1); }"), false, 2.0 * (9.0 + 12.0 + PI), NEAR);
     check_volume(&over("minkowski() { square(3); square([1, 2]); }"), false, 40.0, NEAR);
-    // what is cut out keeps its distance too: a plate with a hole grows outward and inward
+    // holes are offset too: a plate with a hole grows outward and inward
     let plate = "difference() { square(10, center = true); square(4, center = true); }";
     check_volume(&over(&format!("offset(delta = 1) {{ {plate} }}")), false, 2.0 * (144.0 - 4.0), NEAR);
     check_volume(&over(&format!("offset(r = 1) {{ {plate} }}")), false, 2.0 * (140.0 + PI - 4.0), NEAR);
@@ -193,12 +194,12 @@ fn hulls_of_the_plane_and_offsets() {
         NEAR,
     );
     check_volume(&over("offset(delta = 3) circle(r = 2);"), false, 50.0 * PI, NEAR);
-    // the sum of two frames: the hole of the larger one shrinks
+    // Minkowski sum of two frames: the hole of the larger one shrinks
     let frame = "difference() { square(2, center = true); square(1, center = true); }";
     check_volume(&over(&format!("minkowski() {{ {plate} {frame} }}")), false, 2.0 * (144.0 - 4.0), NEAR);
     check_volume(&over(&format!("minkowski() {{ {angle}; {angle}; }}")), false, 2.0 * 37.0, NEAR);
     check_volume(&over(&format!("hull() {{ {plate} }}")), false, 200.0, NEAR);
-    // chamfers cut each corner by a triangle of the height sqrt(2) - 1
+    // chamfers cut off a triangle of height sqrt(2) - 1 at each corner
     let cut = (2f64.sqrt() - 1.0).powi(2);
     check_volume(
         &over("offset(delta = 1, chamfer = true) square(2);"),

@@ -1,11 +1,11 @@
-//! Folders for dumps and what stands beside them.
+//! Temporary folders with dumps and the files that these name.
 
 use rayweave_formats::{Imported, Options, load};
 use rayweave_math::Bounds;
 use rayweave_model::Program;
 use std::path::PathBuf;
 
-/// A folder of its own, removed at the end.
+/// A temporary folder, removed when dropped.
 pub struct Folder(pub PathBuf);
 
 impl Folder {
@@ -19,7 +19,7 @@ impl Folder {
         std::fs::write(self.0.join(name), text).expect("a file");
     }
 
-    /// Reads a dump that stands in the folder.
+    /// Reads a dump in the folder.
     pub fn read(&self, text: &str) -> Imported {
         self.read_with(text, &Options::default())
     }
@@ -30,7 +30,7 @@ impl Folder {
             .unwrap_or_else(|problems| panic!("{text}\n{problems}"))
     }
 
-    /// The box around a dump.
+    /// Bounding box of a dump.
     pub fn bounds(&self, text: &str) -> Bounds {
         let scene = self.read(text).scene;
         Program::compile_regions(&scene.model_regions()).expect("the solids compile").bounds()

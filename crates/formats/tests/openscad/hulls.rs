@@ -1,4 +1,4 @@
-//! Hulls and sums of solids, by Steiner's formula and other closed forms.
+//! Convex hulls and Minkowski sums of solids, against Steiner's formula and other closed forms.
 
 use crate::measure::{check_volume, losses};
 use rayweave_formats::LossKind;
@@ -10,7 +10,7 @@ fn moved(x: f64, y: f64, z: f64) -> String {
     format!("multmatrix([[1, 0, 0, {x}], [0, 1, 0, {y}], [0, 0, 1, {z}], [0, 0, 0, 1]])")
 }
 
-/// The volume of what is nearer than r to a box.
+/// Volume of the points within distance r of a box.
 fn rounded(a: f64, b: f64, c: f64, r: f64) -> f64 {
     a * b * c + 2.0 * r * (a * b + b * c + c * a) + PI * r * r * (a + b + c) + 4.0 / 3.0 * PI * r.powi(3)
 }
@@ -34,7 +34,7 @@ fn rounded_boxes() {
         5.0 * (6.0 + 10.0 + PI),
         NEAR,
     );
-    // a sum distributes over unions
+    // the Minkowski sum distributes over unions
     let two =
         format!("minkowski() {{ union() {{ cube(1); {} cube(1); }} sphere(r = 1); }}", moved(9.0, 0.0, 0.0));
     check_volume(&two, false, 2.0 * rounded(1.0, 1.0, 1.0, 1.0), NEAR);
@@ -44,7 +44,7 @@ fn rounded_boxes() {
 fn hulls_of_few_balls() {
     let two = |r: f64| format!("hull() {{ sphere(r = 1); {} sphere(r = {r}); }}", moved(0.0, 0.0, 4.0));
     check_volume(&two(1.0), false, 4.0 / 3.0 * PI + 4.0 * PI, NEAR);
-    // a ball and a point: the cone that touches it, and the rest of the ball
+    // a ball and a point: the tangent cone and the rest of the ball
     let (sine, cosine) = (0.25, (1.0f64 - 0.0625).sqrt());
     let cone = PI / 3.0 * cosine * cosine * (4.0 - sine);
     let height = 1.0 + sine;
@@ -62,7 +62,7 @@ fn hulls_of_few_balls() {
         moved(0.0, 4.0, 0.0)
     );
     check_volume(&three, false, 2.0 * 6.0 + PI / 2.0 * 12.0 + 4.0 / 3.0 * PI, NEAR);
-    // one ball within the other
+    // a ball inside the other
     check_volume("hull() { sphere(r = 2); cube(1); }", false, 32.0 / 3.0 * PI, NEAR);
 }
 
@@ -76,11 +76,11 @@ fn hulls_of_points_and_discs() {
     );
     let rods = |x: f64| moved(x, 0.0, 0.0) + " cylinder(h = 3, r1 = 1, r2 = 1);";
     check_volume(&format!("hull() {{ {} {} }}", rods(0.0), rods(4.0)), false, 3.0 * (PI + 8.0), NEAR);
-    // coaxial discs: a cylinder and a frustum; what stands between is within
+    // coaxial discs: a cylinder and a frustum; discs in between lie inside
     let disc = |z: f64, r: f64| moved(0.0, 0.0, z) + &format!(" cylinder(h = 1, r1 = {r}, r2 = {r});");
     let stack = format!("hull() {{ {} {} {} }}", disc(0.0, 2.0), disc(3.0, 0.5), disc(6.0, 1.0));
     check_volume(&stack, false, PI * (4.0 + 6.0 / 3.0 * (4.0 + 2.0 + 1.0)), NEAR);
-    // lying, and extruded
+    // axis along x, and extruded
     let lying = "multmatrix([[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]])";
     check_volume(
         &format!("hull() {{ {lying} {{ {} {} }} }}", rods(0.0), rods(4.0)),
@@ -97,7 +97,7 @@ fn hulls_of_points_and_discs() {
         3.0 * (PI + 8.0),
         NEAR,
     );
-    // discs that lean against each other have the hull of their facets
+    // discs that are not parallel: the hull of their facets
     let leaning = format!("hull() {{ {} {lying} {} }}", rods(0.0), rods(5.0));
     let (approximated, messages) = losses(&leaning, LossKind::Approximated);
     assert!(approximated == 1 && messages.contains("hull of the facets"), "{messages}");

@@ -1,4 +1,4 @@
-//! OpenSCAD's dumps: what is read is the solid that was said.
+//! OpenSCAD dumps: the solid that is read equals the one in the file.
 
 mod drawings;
 mod files;

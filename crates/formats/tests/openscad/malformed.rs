@@ -1,4 +1,4 @@
-//! Damaged files: an error that says where, no panic, no hang.
+//! Damaged dumps: an error with a position, no panic, no hang.
 
 use crate::measure::read;
 use rayweave_formats::{Format, LossKind, Options, parse};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 const MODEL: &str = "group() {\n\tdifference() {\n\t\tcube(size = [30, 30.5, 3e1], center = true);\n\t\t#multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -5], [0, 0, 0, 1]]) {\n\t\t\tsphere($fn = 0, r = 20);\n\t\t}\n\t\ttext(text = \"a\\\"b\");\n\t}\n}\n";
 
-/// The message of the first problem, with its place.
+/// Message of the first problem, with its position.
 fn problem(text: &str) -> (String, Option<(usize, usize)>) {
     let problems = parse(text, Format::OpenScad, &[], &Options::default()).expect_err(text);
     let first = problems.iter().next().expect("there is one");
@@ -17,7 +17,7 @@ fn problem(text: &str) -> (String, Option<(usize, usize)>) {
 fn cut_off_at_every_byte() {
     for end in (0..MODEL.len()).filter(|end| MODEL.is_char_boundary(*end)) {
         let read = parse(&MODEL[..end], Format::OpenScad, &[], &Options::default());
-        // nothing, and everything but the last line end, are whole
+        // the empty text and the text without its last line end are valid
         assert_eq!(read.is_ok(), end == 0 || end == MODEL.len() - 1, "{}", &MODEL[..end]);
     }
 }
@@ -74,7 +74,7 @@ fn deep_nesting_uses_no_call_stack() {
     worker.expect("a thread").join().expect("no overflow");
 }
 
-/// Hulls in hulls are refused before they take the square of their number.
+/// Deeply nested hulls are refused before they take quadratic time.
 #[test]
 fn deep_hulls_end() {
     let text = format!("{}cube(1);", "hull() ".repeat(100_000));
@@ -84,7 +84,7 @@ fn deep_hulls_end() {
     assert!(report.warnings().to_string().contains("would take too long"));
 }
 
-/// Numbers that ask for all memory are refused, with the item that they stand in.
+/// Huge counts, which would exhaust memory, are refused with their item.
 #[test]
 fn huge_counts() {
     for (text, message) in [
@@ -112,7 +112,7 @@ fn damaged_bytes_never_panic() {
             characters[at] = alphabet[rng.random_range(0..alphabet.len())];
         }
         let text: String = characters.into_iter().collect();
-        // either way is fine: it must come back
+        // either result is fine, as long as the call returns
         let _ = parse(&text, Format::OpenScad, &[], &Options::default());
     }
     assert!(start.elapsed() < Duration::from_secs(60));
@@ -126,7 +126,7 @@ fn parameters_are_refused() {
     assert!(problems.to_string().contains("have no parameters"), "{problems}");
 }
 
-/// What the crate for booleans of the plane panics at, or rounds away.
+/// Coordinates at which `i_overlay` panics or loses points.
 #[test]
 fn points_that_are_too_far_out_are_refused() {
     let thin = |far: &str| format!("polygon(points = [[0, 0], [{far}, 4], [4, 0], [0, 4]], paths = undef);");
@@ -150,7 +150,7 @@ fn points_that_are_too_far_out_are_refused() {
         assert!(report.warnings().to_string().contains(why), "{text}\n{}", report.warnings());
         assert!(first.first.line_column().is_some(), "{text}");
     }
-    // what is small beside the drawing, but not lost
+    // small relative to the drawing, but not lost
     assert!(
         read("rotate_extrude() polygon(points = [[0, 0], [1e9, 4], [4, 0], [0, 4]]);", false)
             .report

@@ -1,4 +1,4 @@
-//! Volumes of what was read, by rays.
+//! Volumes of imported models, measured by rays.
 
 use rayweave_formats::{Format, Imported, LossKind, Options, parse};
 use rayweave_math::Vec3;
@@ -8,28 +8,28 @@ use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 use std::sync::Arc;
 
-/// Reads a text, which must be a dump.
+/// Reads a text that must be a dump.
 pub fn read(text: &str, facets: bool) -> Imported {
     let options = Options { facets, ..Options::default() };
     parse(text, Format::OpenScad, &[], &options).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
 }
 
-/// Reads a text of which nothing is lost.
+/// Reads a text without losses.
 pub fn whole(text: &str, facets: bool) -> Scene {
     let imported = read(text, facets);
     assert!(imported.report.is_empty(), "{text}\n{}", imported.report.warnings());
     imported.scene
 }
 
-/// The number of losses of a kind, and all messages.
+/// Number of losses of a kind, and all messages.
 pub fn losses(text: &str, kind: LossKind) -> (usize, String) {
     let report = read(text, false).report;
     (report.count(kind), report.warnings().to_string())
 }
 
-/// The volume of all regions together, by `side`^2 rays along a skew axis, at the points of a Fibonacci lattice (Niederreiter,
-/// Random Number Generation and Quasi-Monte Carlo Methods, 1992, section 5): rows of a square grid would lie along the strokes of
-/// letters. The rays are skew so that no face of a model of everyday is parallel to them.
+/// Volume of all regions together, by `side`^2 rays along a skew axis through the points of a Fibonacci lattice
+/// (Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, 1992, section 5). Rows of a square grid would be
+/// parallel to the strokes of letters. The axis is skew so that no face of a typical model is parallel to it.
 pub fn volume(scene: &Scene, side: usize) -> f64 {
     let program = Arc::new(Program::compile_regions(&scene.model_regions()).expect("the solids compile"));
     let bounds = program.bounds();
@@ -41,7 +41,7 @@ pub fn volume(scene: &Scene, side: usize) -> f64 {
     let w = Vec3::new(0.131, 0.277, 1.0).normalize();
     let u = w.cross(Vec3::X).normalize();
     let v = w.cross(u);
-    // the shadow of the box lies within a rectangle
+    // the projection of the box lies within a rectangle
     let (wide, high) = (half.dot(u.abs()), half.dot(v.abs()));
     let at = |part: f64| 2.0 * part - 1.0;
     let (count, golden) = ((side * side) as f64, (5.0_f64.sqrt() - 1.0) / 2.0);
@@ -68,7 +68,7 @@ pub fn volume(scene: &Scene, side: usize) -> f64 {
     length * 4.0 * wide * high / count
 }
 
-/// Compares the volume of a dump with what it should be, to a part.
+/// Compares the volume of a dump with the expected one, with a relative tolerance.
 pub fn check_volume(text: &str, facets: bool, expected: f64, tolerance: f64) {
     let found = volume(&whole(text, facets), 300);
     assert!((found - expected).abs() <= tolerance * expected, "{text}: {found} instead of {expected}");

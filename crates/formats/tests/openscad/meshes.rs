@@ -1,4 +1,4 @@
-//! Solids within triangles: twisted ones, those of points and faces, and those of files beside a dump.
+//! Solids bounded by triangles: twisted extrusions, polyhedra, and imported mesh files.
 
 use crate::folder::Folder;
 use crate::measure::{check_volume, losses, read, volume};
@@ -8,7 +8,7 @@ const NEAR: f64 = 1e-3;
 
 #[test]
 fn polyhedra_that_are_not_convex_and_contours_that_cross_themselves() {
-    // a box with a pyramid cut out of its floor; the roof is one face
+    // a box with a pyramid subtracted from its floor; the roof is one face
     let dented = "polyhedron(points = [[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [2, 2, 1], [0, 0, 4], [4, 0, 4], [4, 4, 4], [0, 4, 4]], \
                   faces = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4], [8, 7, 6, 5], [0, 5, 6, 1], [1, 6, 7, 2], [2, 7, 8, 3], [3, 8, 5, 0]]);";
     check_volume(dented, false, 64.0 - 16.0 / 3.0, NEAR);
@@ -31,7 +31,7 @@ fn polyhedra_that_are_not_convex_and_contours_that_cross_themselves() {
     assert!(refused == 1 && messages.contains("polyhedron()"), "{messages}");
 }
 
-/// The volumes are those of what OpenSCAD 2021.01 exports.
+/// Volumes of the exports of OpenSCAD 2021.01.
 #[test]
 fn twisted_solids() {
     let cases = [
@@ -56,7 +56,7 @@ fn twisted_solids() {
         let (approximated, messages) = losses(text, LossKind::Approximated);
         assert!(approximated == 1 && messages.contains("twisted in slices"), "{messages}");
     }
-    // it turns clockwise on its way up: at the top the bar lies along y, and passed x = y < 0 on the way
+    // clockwise twist: at the top the bar is on the negative y axis, and in between at x > 0, y < 0
     let bar = read(
         "linear_extrude(height = 2, twist = 90, $fn = 180) multmatrix([[1, 0, 0, 4], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) square(1, center = true);",
         true,
@@ -90,7 +90,7 @@ fn files_beside_the_dump() {
     std::fs::write(folder.0.join("part.off"), TETRAHEDRON).expect("a file");
     std::fs::write(folder.0.join("open.off"), TETRAHEDRON.replace("4 4 0", "4 3 0").replace("3 2 0 3\n", ""))
         .expect("a file");
-    // two rows of two squares: the middle of a square is the mean of its corners, the floor 1 below the lowest point
+    // two rows of two cells: the centre of a cell is the mean of its corners, the floor is 1 below the lowest point
     std::fs::write(folder.0.join("map.dat"), "# heights\n1 2 3 5\n2 2 4 1\n\n0 1 0 2\n").expect("a file");
     let measured = |text: &str| {
         let imported = folder.read(text);
@@ -98,11 +98,11 @@ fn files_beside_the_dump() {
         volume(&imported.scene, 300)
     };
     assert!((measured("import(file = \"part.off\", convexity = 1);") / 6.0 - 1.0).abs() < NEAR);
-    // the same as OpenSCAD 2021.01 exports
+    // volume of the export of OpenSCAD 2021.01
     assert!(
         (measured("surface(file = \"map.dat\", center = false, invert = false);") / 18.5 - 1.0).abs() < NEAR
     );
-    // the floor is at 0 below heights of 1 and more; rows that are too short end with zeros
+    // the floor is at 0 for heights of 1 and more; short rows are padded with zeros
     for (map, expected) in [("5 5 5\n5 5 5\n5 5 5\n", 20.0), ("9 6 7\n6 8 9\n5 3 2\n2\n", 29.5)] {
         std::fs::write(folder.0.join("high.dat"), map).expect("a file");
         assert!((measured("surface(file = \"high.dat\");") / expected - 1.0).abs() < 2.0 * NEAR, "{map}");
@@ -122,8 +122,8 @@ fn files_beside_the_dump() {
     }
 }
 
-/// Pictures as maps of heights. The volumes are those of what OpenSCAD 2021.01 exports: grey, colours, and grey with alpha,
-/// which does not count.
+/// Images as height maps, with the volumes of the exports of OpenSCAD 2021.01: grey, colour, and grey with alpha, which is
+/// ignored.
 #[test]
 fn pictures_of_heights() {
     let grey = [0u8, 100, 200, 50, 150, 255];

@@ -1,4 +1,4 @@
-//! Sections, shadows, sizes, and hulls of what is cut: by closed forms, and beside OpenSCAD.
+//! Sections, projections, bounding boxes, and hulls of differences: against closed forms and against OpenSCAD.
 
 use crate::folder::Folder;
 use crate::measure::{check_volume, losses, read, volume};
@@ -12,7 +12,7 @@ fn moved(x: f64, y: f64, z: f64) -> String {
     format!("multmatrix([[1, 0, 0, {x}], [0, 1, 0, {y}], [0, 0, 1, {z}], [0, 0, 0, 1]])")
 }
 
-/// The volume under a projection of height 1, with what is approximated.
+/// Volume of a projection extruded to height 1, and the approximations.
 fn projected(cut: bool, text: &str, facets: bool) -> f64 {
     let text = format!("linear_extrude(height = 1) projection(cut = {cut}) {{ {text} }}");
     let imported = read(&text, facets);
@@ -31,10 +31,10 @@ fn sections() {
         "difference() { cube(10, center = true); cylinder(h = 20, r1 = 3, r2 = 3, center = true); }";
     check(true, drilled, false, 100.0 - 9.0 * PI);
     check(true, &format!("{} sphere(r = 5);", moved(1.0, 2.0, 3.0)), false, 16.0 * PI);
-    // a face in the plane counts, from above and from below
+    // a face in the plane counts, from either side
     check(true, "cube([2, 3, 4]);", false, 6.0);
     check(true, &format!("{} cube([2, 3, 4]);", moved(0.0, 0.0, -4.0)), false, 6.0);
-    // a ring of a torus, and a prism on its side
+    // an annulus from a torus, and a prism on its side
     check(true, &format!("rotate_extrude() {} circle(r = 1);", moved(4.0, 0.0, 0.0)), false, 16.0 * PI);
     let lying = "multmatrix([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]) linear_extrude(height = 6, center = true) square([4, 2], center = true);";
     check(true, lying, false, 24.0);
@@ -64,7 +64,7 @@ fn shadows() {
     let edge = "multmatrix([[0.70710678, 0, 0.70710678, 0], [0, 1, 0, 0], [-0.70710678, 0, 0.70710678, 0], [0, 0, 0, 1]]) cube(2, center = true);";
     check(false, edge, false, 4.0 * 2f64.sqrt());
     check(false, &format!("cube(2); {} cube([2, 2, 9]);", moved(1.0, 0.0, 5.0)), false, 6.0);
-    // through a hole that goes all the way light falls, through another it does not
+    // projections: a through hole stays open, a blind hole does not
     let plate = "cube([10, 10, 2]);";
     let hole = |z: f64| format!("{} cylinder(h = 4, r1 = 2, r2 = 2);", moved(5.0, 5.0, z));
     check(false, &format!("difference() {{ {plate} {} }}", hole(-1.0)), false, 100.0 - 4.0 * PI);
@@ -93,21 +93,21 @@ fn sizes() {
         10.0 * PI,
         NEAR,
     );
-    // what is cut out in the middle does not make it smaller
+    // a subtraction in the middle leaves the bounding box unchanged
     check_volume(
         "resize(newsize = [5, 5, 5]) difference() { cube(10); multmatrix([[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, -1], [0, 0, 0, 1]]) cube([8, 8, 12]); }",
         false,
         125.0 * 0.36,
         NEAR,
     );
-    // what is cut off does
+    // a subtraction at the end makes it smaller
     check_volume(
         "resize(newsize = [5, 5, 5]) difference() { cube(10); cube([11, 11, 5]); }",
         false,
         125.0,
         NEAR,
     );
-    // the facets of a sphere do not reach its poles, in OpenSCAD neither
+    // the facets of a sphere do not reach its poles, as in OpenSCAD
     let box_of = |text: &str, facets| {
         let scene = read(text, facets).scene;
         Program::compile_regions(&scene.model_regions()).expect("the solids compile").bounds()
@@ -125,14 +125,14 @@ fn hulls_of_anything() {
     folder.write("part.off", "OFF\n4 4 0\n0 0 0\n3 0 0\n0 3 0\n0 0 4\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
     let hull = folder.read("hull() { import(file = \"part.off\"); cube(1); }");
     assert!(hull.report.is_empty(), "{}", hull.report.warnings());
-    // the cube lies within: 4 x + 4 y + 3 z is 11 at its corner, and 12 on the face
+    // the cube lies inside: 4 x + 4 y + 3 z is 11 at its corner and 12 on the face
     assert!((volume(&hull.scene, 200) / 6.0 - 1.0).abs() < NEAR);
-    // what is cut out within does not matter
+    // a cavity does not change the hull
     check_hull(
         "difference() { cube(10); multmatrix([[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, -1], [0, 0, 0, 1]]) cube([8, 8, 12]); }",
         1000.0,
     );
-    // two of four corners of a square are gone
+    // two of the four corners of a square are removed
     check_hull(
         "difference() { cube([10, 10, 1]); multmatrix([[1, 0, 0, 5], [0, 1, 0, 5], [0, 0, 1, -1], [0, 0, 0, 1]]) cube([9, 9, 3]); }",
         100.0 - 12.5,
@@ -149,7 +149,7 @@ fn check_hull(text: &str, expected: f64) {
     check_volume(&format!("hull() {{ {text} }}"), false, expected, 2.0 * NEAR);
 }
 
-/// An L of a cube of 3 less one of 2, in the corner of the axes, as high as it is told.
+/// An L-shape: a cube of 3 minus one of 2, with its corner at the origin and the given height.
 fn angle(height: f64) -> String {
     format!(
         "difference() {{ cube([3, 3, {height}]); {} cube([2, 2, {}]); }}",
@@ -160,25 +160,25 @@ fn angle(height: f64) -> String {
 
 #[test]
 fn sums_of_what_is_not_convex() {
-    // the two arms grow by the same on all sides
+    // both arms grow equally on all sides
     check_volume(
         &format!("minkowski() {{ {} cube(0.5); }}", angle(1.0)),
         false,
         1.5 * (3.5 * 3.5 - 2.0 * 2.0),
         NEAR,
     );
-    // the second operand is far from the origin, and the first is the convex one
+    // the second operand is far from the origin, and the first one is convex
     let far = format!("minkowski() {{ {} cube(0.5); {} }}", moved(20.0, -7.0, 3.0), angle(1.0));
     check_volume(&far, false, 1.5 * (3.5 * 3.5 - 2.0 * 2.0), NEAR);
-    // an L and itself: two bars of 6 by 2 and the square of 4 by 4 in their corner
+    // an L-shape plus itself: two bars of 6 by 2 and a square of 4 by 4 in their corner
     let both = format!("minkowski() {{ {} {} }}", angle(1.0), angle(1.0));
     check_volume(&both, false, 2.0 * (24.0 - 4.0 + 4.0), NEAR);
-    // a hollow that the other operand does not fill, and one that it does
+    // a cavity that the other operand does not fill, and one that it fills
     let hollow = "difference() { cube(10, center = true); cube(6, center = true); }";
     let grown = |by: f64| format!("minkowski() {{ {hollow} cube({by}, center = true); }}");
     check_volume(&grown(2.0), false, 12f64.powi(3) - 4f64.powi(3), NEAR);
     check_volume(&grown(7.0), false, 17f64.powi(3), NEAR);
-    // the first within the second, whose facets do not meet
+    // the first operand fits inside the second without contact of their facets
     let shell = "difference() { cube(9, center = true); cube(8, center = true); }";
     let small = "difference() { cube(1, center = true); cube([0.5, 0.5, 3], center = true); }";
     check_volume(&format!("minkowski() {{ {shell} {small} }}"), false, 1000.0 - 343.0, NEAR);

@@ -1,11 +1,11 @@
-//! Solids by closed forms.
+//! Primitive solids and transforms, against closed forms.
 
 use crate::measure::{check_volume, losses, read, volume, whole};
 use rayweave_formats::LossKind;
 use rayweave_scene::Colour;
 use std::f64::consts::PI;
 
-/// One part in a thousand, for the sums over rays.
+/// Relative tolerance of volumes by rays.
 const NEAR: f64 = 1e-3;
 
 #[test]
@@ -24,7 +24,7 @@ fn primitives_are_round_or_faceted() {
     let hexagon = 1.5 * 3f64.sqrt() * 25.0;
     check_volume("cylinder($fn = 6, h = 10, r1 = 5, r2 = 5);", true, 10.0 * hexagon, NEAR);
     check_volume("cylinder($fn = 6, h = 9, r1 = 0, r2 = 5, center = true);", true, 3.0 * hexagon, NEAR);
-    // two frustums and a prism of 4 sides: rings at 30, 90 and 150 degrees of a ball with $fn = 5 are of 5 sides
+    // two frustums and a prism of 4 sides: the rings of a ball with $fn = 5 are at 30, 90 and 150 degrees and have 5 sides
     let area = |radius: f64| 2.5 * (0.4 * PI).sin() * radius * radius;
     let (small, height) = (0.5, 3f64.sqrt() / 2.0);
     let frustum = height / 3.0 * (area(1.0) + area(small) + (area(1.0) * area(small)).sqrt());
@@ -51,7 +51,7 @@ fn booleans_and_maps() {
         128.0,
         NEAR,
     );
-    // sheared and mirrored: the volume is that of the determinant
+    // sheared and mirrored: the volume scales with the determinant
     check_volume(
         "multmatrix([[-2, 1, 0, 5], [0, 3, 1, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) sphere(r = 1);",
         false,
@@ -74,7 +74,7 @@ fn nothing_where_openscad_makes_nothing() {
         assert_eq!(volume(&read(text, false).scene, 10), 0.0, "{text}");
     }
     check_volume("difference() { cube(2); group(); }", false, 8.0, NEAR);
-    // what is switched off does not stand there at all: the next one is what the others are taken from
+    // a disabled child counts as absent: the next one becomes the first operand
     for off in ["*", "%"] {
         let rest = read(&format!("difference() {{ {off}cube(9); cube(2); cube(1); }}"), false).scene;
         assert!((volume(&rest, 100) / 7.0 - 1.0).abs() < 2e-2, "{off}");
@@ -110,7 +110,7 @@ fn colours_are_regions_and_the_outer_one_wins() {
     let expected =
         [("colour_ff0000", Colour::new(255, 0, 0)), ("colour_0000ff80", blue), ("model", Colour::PALETTE[2])];
     assert_eq!(regions, expected);
-    // each piece is cut, and keeps its colour
+    // each piece is cut and keeps its colour
     let cut = whole(
         "difference() { group() { color([1, 0, 0, 1]) cube(2); color([0, 1, 0, 1]) multmatrix([[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) cube(2); } cube([9, 9, 1]); }",
         false,
@@ -131,7 +131,7 @@ fn what_cannot_be_read_counts_as_not_there() {
 
 #[test]
 fn rounding_in_matrices_is_none() {
-    // OpenSCAD's test issue13 has the first, and every quarter turn the second
+    // OpenSCAD's test issue13 has the first value, and every quarter turn the second
     check_volume(
         "cube([10, 10, 5]); multmatrix([[1, 0, 0, 5], [0, 1, 0, 5], [0, 0, 1, -3.33067e-16], [0, 0, 0, 1]]) cube([5, 10, 10]);",
         false,

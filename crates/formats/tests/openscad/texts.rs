@@ -1,4 +1,4 @@
-//! Where letters stand.
+//! Glyph positions of texts.
 
 use super::folder::Folder;
 use super::skip;
@@ -6,8 +6,8 @@ use std::path::Path;
 
 const FONTS: [&str; 2] = ["DejaVuSans.ttf", "DejaVuSerif.ttf"];
 
-/// The boxes of texts of size 10 as OpenSCAD 2021.01 writes them to SVG: x and y from, x and y to. Kerning, two blanks,
-/// ligatures and spacing, letters from the right that join, lines that go down.
+/// Bounding boxes of texts of size 10 in the SVG export of OpenSCAD 2021.01: lower x and y, upper x and y. The cases cover
+/// kerning, two blanks, ligatures and spacing, joining right-to-left letters, and vertical lines.
 const TEXTS: [(&str, &str, [f64; 4]); 8] = [
     ("AVATAR", r#"script = "Latn""#, [0.10849, 0.0, 50.8071, 10.1248]),
     (
@@ -39,20 +39,20 @@ const TEXTS: [(&str, &str, [f64; 4]); 8] = [
     ("To.", r#"script = "Latn", font = "DejaVu Serif""#, [0.13559, -0.198395, 19.0337, 10.1248]),
 ];
 
-/// OpenSCAD moves outlines to a grid of 1/2170 of the size ("hinting"), on either side of a letter.
+/// OpenSCAD's hinting rounds outlines to a grid of 1/2170 of the size, on either side of a letter.
 const GRID: f64 = 2.0 * 10.0 / 2170.0;
 
 #[test]
 fn letters_stand_where_openscad_puts_them() {
     let folder = Path::new("/usr/share/fonts/truetype/dejavu");
     if let Some(missing) = FONTS.iter().find(|font| !folder.join(font).is_file()) {
-        skip::tell(&format!("{missing} is not among the fonts of the system (Debian: fonts-dejavu-core)"));
+        skip::tell(&format!("{missing} is not among the fonts of the system: Debian: fonts-dejavu-core."));
         return;
     }
     let dumps = Folder::new("texts");
     for (text, rest, expected) in TEXTS {
         let font = if rest.contains("font") { "" } else { r#", font = "DejaVu Sans""# };
-        // boxes of hulls are those of their corners
+        // the hull of the corners has the same bounding box
         let bounds =
             dumps.bounds(&format!(r#"hull() {{ text(text = "{text}", size = 10, {rest}{font}); }}"#));
         let found = [bounds.lo.x, bounds.lo.y, bounds.hi.x, bounds.hi.y];

@@ -1,10 +1,10 @@
-//! Tests that cannot run here say so.
+//! Reports of skipped tests.
 
 use std::io::Write;
 
-/// Tells why a test, or a part of it, does not run: past the harness, which shows nothing of tests that pass. `cargo xtask test` counts
+/// Prints why a test, or a part of it, was skipped, bypassing the capture of the test harness. `cargo xtask test` counts
 /// these lines.
 pub fn tell(why: &str) {
-    // the harness may have begun a line; where nobody listens there is nobody to tell
+    // the harness may have started a line; a closed output is ignored
     let _ = writeln!(std::io::stdout(), "\nSKIPPED: {why}");
 }

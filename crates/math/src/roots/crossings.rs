@@ -1,4 +1,4 @@
-//! The answer of every solver: a side at the start and the times of the sign changes.
+//! Sign changes of a function of time: the result of every root solver.
 
 /// The sign of a function of time at its start and the finite times at which the sign changes.
 ///
@@ -17,8 +17,8 @@ impl<const N: usize> Crossings<N> {
         Crossings { starts_negative: negative, count: 0, times: [0.0; N] }
     }
 
-    /// From the sign at -inf and the times of the sign changes in increasing order, of which at most `N` are
-    /// looked at. Equal times cancel in pairs, -inf changes the sign at the start, +inf and NaN end the list.
+    /// Builds the list from the sign at -inf and the times of the sign changes in increasing order; times after the first `N` are
+    /// ignored. Equal times cancel in pairs, -inf changes the sign at the start, +inf and NaN end the list.
     #[inline]
     pub fn new(starts_negative: bool, times: &[f64]) -> Self {
         let mut answer = Self::constant(starts_negative);
@@ -32,14 +32,14 @@ impl<const N: usize> Crossings<N> {
     #[inline]
     fn push(&mut self, t: f64) {
         let count = usize::from(self.count);
-        // one zero only: times are compared and sorted by value
+        // adding 0 turns -0 into 0: times are compared by value and ordered by their bits
         let t = t + 0.0;
         if t == f64::NEG_INFINITY {
             self.starts_negative = !self.starts_negative;
         } else if count > 0 && self.times[count - 1] == t {
             self.count -= 1;
         } else if t.is_finite() {
-            self.times[count] = t + 0.0; // no negative zero: times are ordered by their bits, too
+            self.times[count] = t + 0.0;
             self.count += 1;
         }
     }
@@ -62,19 +62,19 @@ impl<const N: usize> Crossings<N> {
         self.starts_negative ^ (passed % 2 == 1)
     }
 
-    /// The same for the negated function.
+    /// The sign changes of the negated function.
     #[inline]
     pub fn negated(mut self) -> Self {
         self.starts_negative = !self.starts_negative;
         self
     }
 
-    /// Later by `by`. Times that become equal by rounding cancel in pairs.
+    /// All times shifted by `by`. Times that rounding makes equal cancel in pairs.
     pub fn shifted(&self, by: f64) -> Self {
         self.mapped(|t| t + by)
     }
 
-    /// With all times multiplied by a factor > 0.
+    /// All times multiplied by a factor > 0.
     pub fn scaled(&self, factor: f64) -> Self {
         self.mapped(|t| t * factor)
     }
@@ -84,7 +84,7 @@ impl<const N: usize> Crossings<N> {
         Crossings::new(self.starts_negative, &times[..usize::from(self.count)])
     }
 
-    /// With room for `M >= N` times; the ones that do not fit would be lost, so smaller `M` is not allowed.
+    /// The same list with a capacity of `M >= N` times. A smaller `M`, which would lose times, does not compile.
     #[inline]
     pub fn widen<const M: usize>(&self) -> Crossings<M> {
         const { assert!(M >= N) };

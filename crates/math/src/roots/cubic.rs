@@ -1,16 +1,15 @@
-//! Sign changes of a cubic.
+//! Cubic solver: real roots at which a cubic polynomial changes sign.
 //!
 //! *Source* and *guarantee*: [isolate](super::isolate); extrema by [`quadratic()`]. Times are within 4 ulp of
 //! the exact roots of the given coefficients unless they are nearly triple. Coefficients may be any finite
 //! numbers.
 //!
-//! *Degenerate answers*: `c3 == 0` is the quadratic. A NaN or an infinite coefficient gives a constant that
-//! is not negative.
+//! *Degenerate cases*: `c3 == 0` is the quadratic. A NaN or infinite coefficient gives a nonnegative constant.
 
 use super::isolate::sign_changes;
 use super::{Crossings, quadratic};
 
-/// Where `c0 + c1 t + c2 t^2 + c3 t^3` changes sign.
+/// The sign changes of `c0 + c1 t + c2 t^2 + c3 t^3`.
 pub fn cubic(c0: f64, c1: f64, c2: f64, c3: f64) -> Crossings<3> {
     if c3 == 0.0 {
         return quadratic(c2, 0.5 * c1, c0).widen();
@@ -49,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn degenerate_polynomials_have_the_documented_answers() {
+    fn degenerate_polynomials_have_the_documented_results() {
         assert_eq!(cubic(-1.0, 0.0, 1.0, 0.0).times(), [-1.0, 1.0]);
         assert_eq!(cubic(0.0, 0.0, 0.0, 2.0), Crossings::new(true, &[0.0]));
         assert_eq!(cubic(0.0, -1.0, 0.0, 1.0).times(), [-1.0, 0.0, 1.0]);

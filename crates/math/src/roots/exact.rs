@@ -1,4 +1,4 @@
-//! Sums and products with their rounding errors.
+//! Error-free transformations: sums and products of `f64` with their exact rounding errors (double-double parts).
 //!
 //! *Source*: T. J. Dekker, "A floating-point technique for extending the available precision", Numer. Math.
 //! 18 (1971), with G. W. Veltkamp's splitting; D. E. Knuth, TAOCP 2, 4.2.2 (two-sum); W. Kahan's
@@ -8,7 +8,7 @@
 //! level gives the same bits. `two_sum` is exact unless it overflows. `two_product` is exact if the factors
 //! are below 2^996 in magnitude and the product is 0 or above 2^-916 (its error is then a normal number).
 //!
-//! *Degenerate answers*: infinities and NaN go through as NaN.
+//! *Degenerate cases*: infinities and NaN give NaN.
 
 /// The rounded sum of two numbers and its exact error: `a + b = sum + error`.
 pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
@@ -25,18 +25,18 @@ pub fn two_product(a: f64, b: f64) -> (f64, f64) {
     (product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
 }
 
-/// A number as the sum of two with at most 26 significant bits each, whose products are exact.
+/// Splits a number into two of at most 26 significant bits each, whose products are exact (Veltkamp).
 fn split(a: f64) -> (f64, f64) {
     let shifted = 134_217_729.0 * a; // 2^27 + 1
     let high = shifted - (shifted - a);
     (high, a - high)
 }
 
-/// `a b - c d` within 2 ulp of the exact value, however much of it cancels; in particular its sign is right
-/// and it is 0 only where the products are equal (in the range of [`two_product`]).
+/// `a b - c d` within 2 ulp of the exact value under any cancellation, in the range of [`two_product`]. The sign is exact, and
+/// the result is 0 only if the products are equal.
 ///
-/// The four parts of the two exact products are summed from the outside in: where the leading parts cancel
-/// their difference is exact (Sterbenz), where they do not the other parts are below its rounding.
+/// The four parts of the two exact products are summed leading parts first. If the leading parts cancel, their difference is
+/// exact (Sterbenz); if not, the other parts are below its rounding.
 pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let (p, p_error) = two_product(a, b);
     let (q, q_error) = two_product(c, d);

@@ -1,22 +1,21 @@
-//! Sign changes of a polynomial between its extrema: what `cubic` and `quartic` share.
+//! Root isolation by extrema: sign changes of a polynomial between its extrema, for [`cubic()`](super::cubic()) and
+//! [`quartic()`](super::quartic()).
 //!
 //! *Source*: C. Yuksel, "High-Performance Polynomial Root Finding for Graphics", Proc. ACM Comput. Graph.
 //! Interact. Tech. 5 (2022): between neighbouring extrema a polynomial is monotonic and changes sign at most
 //! once. Values are computed by the compensated Horner scheme of S. Graillat, P. Langlois, N. Louvet
-//! ("Compensated Horner Scheme", 2005), as if in twice the precision.
+//! ("Compensated Horner Scheme", 2005), as if in doubled precision.
 //!
-//! *Guarantee*: the sign changes are in order and their number has the right parity, whatever is rounded,
-//! because they follow from the signs at a list of points. The sign at an extremum is right unless the value
-//! is below about `u^2` times the sum of the magnitudes of the terms. No coefficient or root over- or
-//! underflows on the way: each value is computed with the terms scaled by powers of two.
+//! *Guarantee*: the sign changes are in order and their number has the right parity under any rounding, because they
+//! follow from the signs at a list of points. The sign at an extremum is right unless the value is below about `u^2` times the
+//! sum of the magnitudes of the terms. No intermediate result over- or underflows: the terms are scaled by powers of two.
 //!
-//! *Degenerate answers*: a polynomial that is 0 at an extremum has a double root there, which is no sign
-//! change.
+//! *Degenerate cases*: a polynomial that is 0 at an extremum has a double root there, which is not a sign change.
 
 use super::{Crossings, two_product, two_sum};
 
-/// Sign changes of a polynomial `c[0] + c[1] t + ...`, all coefficients finite and the last not 0, with its
-/// extrema in increasing order.
+/// Sign changes of the polynomial `c[0] + c[1] t + ...` with the given extrema in increasing order. All coefficients are finite,
+/// the last one is not 0.
 pub(super) fn sign_changes<const M: usize, const N: usize>(c: &[f64; M], extrema: &[f64]) -> Crossings<N> {
     let starts_negative = (c[M - 1] < 0.0) ^ M.is_multiple_of(2);
     let bound = bound(c);
@@ -36,7 +35,7 @@ pub(super) fn sign_changes<const M: usize, const N: usize>(c: &[f64; M], extrema
     Crossings::new(starts_negative, &times[..count])
 }
 
-/// Fujiwara's bound of all roots, `2 max |c_i / c_n|^(1 / (n - i))`, rounded up to a power of two.
+/// Fujiwara's bound of the magnitude of all roots, `2 max |c_i / c_n|^(1 / (n - i))`, rounded up to a power of two.
 fn bound<const M: usize>(c: &[f64; M]) -> f64 {
     let degree = M - 1;
     let exponent = |i: usize| libm::frexp(c[i]).1;
@@ -47,10 +46,10 @@ fn bound<const M: usize>(c: &[f64; M]) -> f64 {
     libm::ldexp(2.0, largest.unwrap_or(0)).min(f64::MAX)
 }
 
-/// Value and slope of a polynomial, times a power of two that depends on the point.
+/// Value of a polynomial at a point, times a power of two that depends on the point, and its Newton step.
 struct Terms {
     value: f64,
-    /// Newton's step: value / slope.
+    /// The Newton step: value / slope.
     step: f64,
 }
 
@@ -66,7 +65,7 @@ impl Terms {
     }
 }
 
-/// The value at t, rounded once if it is not tiny against its terms.
+/// The value at t by the compensated Horner scheme: rounded once unless it is tiny compared to its terms.
 fn value<const M: usize>(c: &[f64; M], t: f64) -> f64 {
     let (mut sum, mut error) = (c[M - 1], 0.0);
     for &next in c[..M - 1].iter().rev() {
@@ -82,8 +81,8 @@ fn slope<const M: usize>(c: &[f64; M], t: f64) -> f64 {
     (1..M).rev().fold(0.0, |sum, i| sum * t + i as f64 * c[i])
 }
 
-/// The sign change in a bracket: Newton's steps, or the middle where they leave the bracket or hardly shorten
-/// it.
+/// The sign change in a bracket, by Newton's method safeguarded by bisection: a step that leaves the bracket or hardly shortens
+/// it is replaced by the middle.
 fn root<const M: usize>(c: &[f64; M], mut lo: f64, mut hi: f64, negative: bool) -> f64 {
     let mut t = middle(lo, hi);
     while lo < t && t < hi {
@@ -103,7 +102,7 @@ fn root<const M: usize>(c: &[f64; M], mut lo: f64, mut hi: f64, negative: bool) 
     t
 }
 
-/// The middle; by exponent where the ends differ much in size, so that roots near 0 are reached, too.
+/// The midpoint; the geometric mean if the ends differ much in magnitude, so that bisection reaches roots near 0.
 fn middle(lo: f64, hi: f64) -> f64 {
     if lo < 0.0 && hi > 0.0 {
         return 0.0;

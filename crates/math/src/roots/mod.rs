@@ -1,11 +1,10 @@
-//! Where a polynomial changes sign.
+//! Polynomial root finding: the real roots of quadratics, cubics and quartics at which the sign changes.
 //!
-//! A solver answers with [`Crossings`]: the sign of the polynomial far to the left and the finite times at
-//! which it changes, in increasing order. A double root is no change of sign and is not reported, and a root
-//! beyond the range of `f64` counts as already passed (towards -inf) or never reached (towards +inf).
+//! A solver returns [`Crossings`]: the sign of the polynomial at -inf and the finite times at which it changes, in increasing
+//! order. Double roots do not change the sign and are not reported. A root beyond the range of `f64` counts as passed (towards
+//! -inf) or as never reached (towards +inf).
 //!
-//! Each file's header says where its method comes from, what it guarantees, and what it answers in degenerate
-//! cases.
+//! The header of each file gives the source of its method, its guarantee, and its results in degenerate cases.
 
 mod crossings;
 pub mod cubic;

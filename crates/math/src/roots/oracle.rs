@@ -1,15 +1,15 @@
-//! Exact arithmetic for the tests of the solvers.
+//! Exact rational arithmetic as the oracle of the solvers' tests.
 
 use dashu::base::Sign;
 use dashu::rational::RBig;
 use rand::{RngExt, rngs::ChaCha8Rng};
 
-/// The number itself.
+/// The exact value of a number.
 pub fn exact(x: f64) -> RBig {
     RBig::try_from(x).expect("a finite number")
 }
 
-/// A number at most `ulps` representable numbers away.
+/// A random number at most `ulps` representable numbers away.
 pub fn near(x: f64, ulps: i64, rng: &mut ChaCha8Rng) -> f64 {
     step(x, rng.random_range(-ulps..=ulps))
 }
@@ -19,18 +19,18 @@ pub fn step(x: f64, ulps: i64) -> f64 {
     f64::from_bits((x.to_bits() as i64 + ulps) as u64)
 }
 
-/// A number of either sign between 10^-decades and 10^decades, evenly in the exponent.
+/// A random number of either sign between 10^-decades and 10^decades, uniform in the exponent.
 pub fn wide(decades: f64, rng: &mut ChaCha8Rng) -> f64 {
     let size = libm::exp10(rng.random_range(-decades..decades));
     if rng.random() { size } else { -size }
 }
 
-/// The polynomial with coefficients `c[0] + c[1] t + ...` at t.
+/// The value of the polynomial `c[0] + c[1] t + ...` at t.
 pub fn value(coefficients: &[f64], t: &RBig) -> RBig {
     coefficients.iter().rev().fold(RBig::ZERO, |sum, &c| sum * t + exact(c))
 }
 
-/// -1, 0 or 1.
+/// The sign: -1, 0 or 1.
 pub fn sign(x: &RBig) -> i32 {
     match (x == &RBig::ZERO, x.sign()) {
         (true, _) => 0,
@@ -44,7 +44,7 @@ pub fn sign_changes_within(c: &[f64], starts_negative: bool, times: &[f64], ulps
     let mut negative = starts_negative;
     for (k, &t) in times.iter().enumerate() {
         if t.abs() < 1e-290 {
-            return; // an ulp is no measure there
+            return; // ulps are not a relative measure there
         }
         let (lo, hi) = (step(t, -ulps), step(t, ulps));
         let (lo, hi) = (lo.min(hi), lo.max(hi));

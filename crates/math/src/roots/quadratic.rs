@@ -1,20 +1,20 @@
-//! Sign changes of a quadratic.
+//! Quadratic solver: real roots at which a quadratic polynomial changes sign.
 //!
 //! *Source*: W. Kahan, "On the Cost of Floating-Point Computation Without Extra-Precise Arithmetic" (2004);
 //! the discriminant is a compensated difference of products.
 //!
 //! *Guarantee*: each time is within 4 ulp of the exact root of the polynomial with the given (rounded)
-//! coefficients, also next to a double root, and whether there are roots is decided by the exact sign of
-//! the discriminant. Nothing overflows or underflows on the way: coefficients may be any finite numbers. A
-//! factor 2^k on all coefficients changes no bit; a factor on t scales the times exactly.
+//! coefficients, also next to a double root. The exact sign of the discriminant decides whether there are roots. No
+//! intermediate result over- or underflows: coefficients may be any finite numbers. A factor 2^k on all coefficients changes no
+//! bit; a power of two as a factor on t scales the times exactly.
 //!
-//! *Degenerate answers*: `a == 0` is the linear case, `a == half_b == 0` the constant of `c`'s sign. A double
-//! root is no sign change, nor are two roots that round to the same number. A time beyond the range of f64
-//! is dropped, at -inf it changes the sign at the start. A NaN gives a constant that is not negative.
+//! *Degenerate cases*: `a == 0` is the linear case, `a == half_b == 0` a constant with the sign of `c`. A double root is not a
+//! sign change, nor are two roots that round to the same number. A time beyond the range of f64 is dropped; at -inf it changes
+//! the sign at the start. A NaN gives a nonnegative constant.
 
 use super::{Crossings, difference_of_products};
 
-/// Where `a t^2 + 2 half_b t + c` changes sign.
+/// The sign changes of `a t^2 + 2 half_b t + c`.
 pub fn quadratic(a: f64, half_b: f64, c: f64) -> Crossings<2> {
     if a == 0.0 {
         return linear(half_b, 0.5 * c);
@@ -29,7 +29,7 @@ pub fn quadratic(a: f64, half_b: f64, c: f64) -> Crossings<2> {
     quadratic_scaled(a, half_b, c)
 }
 
-/// Where `b t + c` changes sign.
+/// The sign changes of `b t + c`.
 fn linear(b: f64, c: f64) -> Crossings<2> {
     if b == 0.0 || b.is_nan() {
         return Crossings::constant(c < 0.0);
@@ -37,15 +37,15 @@ fn linear(b: f64, c: f64) -> Crossings<2> {
     Crossings::new(b > 0.0, &[-c / b])
 }
 
-/// True where the square and its error are normal numbers: 0 or 2^-450 <= |x| <= 2^450.
+/// True if the square and its rounding error are normal numbers: 0 or 2^-450 <= |x| <= 2^450.
 fn in_fast_range(x: f64) -> bool {
     const LEAST: f64 = f64::from_bits((1023 - 450) << 52);
     const LARGEST: f64 = f64::from_bits((1023 + 450) << 52);
     x == 0.0 || (LEAST..=LARGEST).contains(&x.abs())
 }
 
-/// `q = -(b + sign(b) sqrt(discriminant))`, in which nothing cancels; the roots are q / a and c / q.
-/// `None` if there are no two real roots.
+/// `q = -(b + sign(b) sqrt(discriminant))`, a sum without cancellation; the roots are q / a and c / q. `None` if there are no
+/// two real roots.
 fn far_part(half_b: f64, discriminant: f64) -> Option<f64> {
     (discriminant > 0.0).then(|| -(half_b + discriminant.sqrt().copysign(half_b)))
 }
@@ -54,7 +54,7 @@ fn ordered(starts_negative: bool, t: f64, s: f64) -> Crossings<2> {
     Crossings::new(starts_negative, &[t.min(s), t.max(s)])
 }
 
-/// The same with the exponents apart, for coefficients whose products would overflow or underflow.
+/// The quadratic with exponents handled separately, for coefficients whose products would over- or underflow.
 fn quadratic_scaled(a: f64, half_b: f64, c: f64) -> Crossings<2> {
     if !(a.is_finite() && half_b.is_finite() && c.is_finite()) {
         return Crossings::constant(a < 0.0);
@@ -83,7 +83,7 @@ mod tests {
     use dashu::rational::RBig;
     use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 
-    /// Exact: number of sign changes by the discriminant, place by the sign on both sides of each time.
+    /// Checks exactly: the number of sign changes by the discriminant, each time by the signs on both sides of it.
     fn check(a: f64, half_b: f64, c: f64) {
         let got = quadratic(a, half_b, c);
         let discriminant = exact(half_b) * exact(half_b) - exact(a) * exact(c);
@@ -122,14 +122,14 @@ mod tests {
         assert_eq!(quadratic(1e300, 0.0, -1e300).times(), [-1.0, 1.0]);
         assert_eq!(quadratic(1e-300, 0.0, -4e-300).times(), [-2.0, 2.0]);
         assert_eq!(quadratic(tiny, -1.5 * tiny, 2.0 * tiny).times(), [1.0, 2.0]);
-        // the far root is beyond f64: already passed, so the sign at the start is the one after it
+        // the far root is beyond the range of f64 and counts as passed: the sign at the start is the one after it
         let passed = quadratic(1e-300, 1e200, 1e200);
         assert!(passed.starts_negative());
         assert_eq!(passed.times(), [-0.5]);
     }
 
     #[test]
-    fn degenerate_polynomials_have_the_documented_answers() {
+    fn degenerate_polynomials_have_the_documented_results() {
         assert_eq!(quadratic(0.0, 1.0, -2.0), Crossings::new(true, &[1.0]));
         assert_eq!(quadratic(0.0, -1.0, -2.0), Crossings::new(false, &[-1.0]));
         assert_eq!(quadratic(0.0, 0.0, -1.0), Crossings::constant(true));

@@ -1,18 +1,17 @@
-//! Sign changes of a quartic.
+//! Quartic solver: real roots at which a quartic polynomial changes sign.
 //!
 //! *Source* and *guarantee*: [isolate](super::isolate); extrema by [`cubic()`]. Times are within 4 ulp of the
-//! exact roots of the given coefficients unless three or four of them nearly coincide; nearly double roots
-//! are told from none as far as doubled precision sees. (Algorithms that factor the quartic, such as A. G.
-//! Orellana, C. De Michele, ACM Algorithm 1010 (2020), are faster and decide nearly double roots in single
-//! precision only.) Coefficients may be any finite numbers.
+//! exact roots of the given coefficients unless three or four of them nearly coincide. Nearly double roots are distinguished
+//! from none within doubled precision. (Algorithms that factor the quartic, such as A. G. Orellana, C. De Michele, ACM
+//! Algorithm 1010 (2020), are faster, but distinguish nearly double roots within working precision only.) Coefficients may
+//! be any finite numbers.
 //!
-//! *Degenerate answers*: `c4 == 0` is the cubic. A NaN or an infinite coefficient gives a constant that is
-//! not negative.
+//! *Degenerate cases*: `c4 == 0` is the cubic. A NaN or infinite coefficient gives a nonnegative constant.
 
 use super::isolate::sign_changes;
 use super::{Crossings, cubic};
 
-/// Where `c0 + c1 t + c2 t^2 + c3 t^3 + c4 t^4` changes sign.
+/// The sign changes of `c0 + c1 t + c2 t^2 + c3 t^3 + c4 t^4`.
 pub fn quartic(c0: f64, c1: f64, c2: f64, c3: f64, c4: f64) -> Crossings<4> {
     if c4 == 0.0 {
         return cubic(c0, c1, c2, c3).widen();
@@ -72,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn degenerate_polynomials_have_the_documented_answers() {
+    fn degenerate_polynomials_have_the_documented_results() {
         assert_eq!(quartic(4.0, 0.0, -5.0, 0.0, 1.0).times(), [-2.0, -1.0, 1.0, 2.0]);
         assert_eq!(quartic(-1.0, 0.0, 0.0, 0.0, 1.0).times(), [-1.0, 1.0]);
         assert_eq!(quartic(1.0, 0.0, -2.0, 0.0, 1.0), Crossings::constant(false));

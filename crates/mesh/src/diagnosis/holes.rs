@@ -1,18 +1,18 @@
-//! Closed ways along edges that have one triangle.
+//! Holes: closed loops of boundary edges, which belong to one triangle only.
 
 use crate::Mesh;
 use crate::topology::{EdgeUse, by_edge};
 use rayweave_math::Vec3;
 use std::collections::BTreeMap;
 
-/// A closed way along edges that have one triangle.
+/// A hole: a closed loop of edges that belong to one triangle only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hole {
     /// The number of edges.
     pub edges: usize,
-    /// The length of all edges.
+    /// The total length of the edges.
     pub length: f64,
-    /// The mean of its corners.
+    /// The mean of the corners.
     pub centre: Vec3,
 }
 
@@ -25,44 +25,45 @@ impl Hole {
     }
 }
 
-/// The rims of all holes, each as the corners in the order in which a lid turns.
+/// The boundary loops of all holes, with corners in the order that orients a cap consistently with the mesh.
 ///
-/// Where rims touch in a vertex they are told apart in some way. What is no closed way, at a rim whose triangles do not turn
-/// alike, is left out.
-pub(crate) fn holes(mesh: &Mesh, uses: &[EdgeUse]) -> Vec<Vec<u32>> {
+/// Loops that touch in a vertex are separated arbitrarily. Chains that do not close, where neighbouring triangles have
+/// inconsistent orientations, are left out.
+pub(crate) fn boundary_loops(mesh: &Mesh, uses: &[EdgeUse]) -> Vec<Vec<u32>> {
     debug_assert!(uses.len() <= 3 * mesh.triangles().len());
     let mut next: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for edge in by_edge(uses).filter(|edge| edge.len() == 1) {
         let [a, b] = edge[0].ends;
-        // a lid turns against the triangle at the rim
+        // a cap runs along the edge in the direction opposite to the triangle's
         let (from, to) = if edge[0].forward { (b, a) } else { (a, b) };
         next.entry(from).or_default().push(to);
     }
-    let mut rims = Vec::new();
+    let mut loops = Vec::new();
     while let Some((&start, _)) = next.first_key_value() {
-        rims.extend(follow(start, &mut next));
+        loops.extend(follow(start, &mut next));
     }
-    rims
+    loops
 }
 
-/// Takes edges from a start on until a vertex is met again, which closes a rim; what led there is given back.
+/// Removes edges from a start on until a vertex repeats, which closes a loop; puts the edges before the loop back.
 fn follow(start: u32, next: &mut BTreeMap<u32, Vec<u32>>) -> Option<Vec<u32>> {
-    let mut way = vec![start];
-    let mut places = BTreeMap::from([(start, 0)]);
+    let mut path = vec![start];
+    let mut positions = BTreeMap::from([(start, 0)]);
     loop {
-        let last = *way.last()?;
+        let last = *path.last()?;
         let to = take(last, next)?;
-        if let Some(&place) = places.get(&to) {
-            for pair in way[..=place].windows(2) {
+        if let Some(&position) = positions.get(&to) {
+            for pair in path[..=position].windows(2) {
                 next.entry(pair[0]).or_default().push(pair[1]);
             }
-            return Some(way.split_off(place));
+            return Some(path.split_off(position));
         }
-        places.insert(to, way.len());
-        way.push(to);
+        positions.insert(to, path.len());
+        path.push(to);
     }
 }
 
+/// Removes and returns the end of an edge from a vertex.
 fn take(from: u32, next: &mut BTreeMap<u32, Vec<u32>>) -> Option<u32> {
     let ends = next.get_mut(&from)?;
     let to = ends.pop();

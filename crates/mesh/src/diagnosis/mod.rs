@@ -1,4 +1,4 @@
-//! What is wrong with a mesh, where, and how often.
+//! Mesh diagnosis: open and non-manifold edges, holes, self-intersections, duplicates, orientation and shells.
 
 pub(crate) mod holes;
 mod intersections;
@@ -14,12 +14,12 @@ pub use holes::Hole;
 pub use intersections::Intersection;
 pub use shells::Component;
 
-/// How many there are of something, and the first of them.
+/// The number of defects of one kind, and the first of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Findings<T> {
-    /// All of them.
+    /// The number of all defects.
     pub count: usize,
-    /// The first, at most [`Findings::KEPT`].
+    /// The first defects, at most [`Findings::MAX_KEPT`].
     pub first: Vec<T>,
 }
 
@@ -30,17 +30,17 @@ impl<T> Default for Findings<T> {
 }
 
 impl<T> Findings<T> {
-    /// How many are kept.
-    pub const KEPT: usize = 1000;
+    /// The maximal length of [`Findings::first`].
+    pub const MAX_KEPT: usize = 1000;
 
-    /// True if there are none.
+    /// True if there are no defects of this kind.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
     fn add(&mut self, finding: T) {
         self.count += 1;
-        if self.first.len() < Self::KEPT {
+        if self.first.len() < Self::MAX_KEPT {
             self.first.push(finding);
         }
     }
@@ -54,46 +54,47 @@ impl<T> FromIterator<T> for Findings<T> {
     }
 }
 
-/// What was found. Equal points count as one, so numbers of vertices are those of [`Mesh::welded`]; triangles have the
-/// numbers of the mesh.
+/// The result of a diagnosis. Equal points count as one vertex, so that vertex indices refer to [`Mesh::welded`]; triangle
+/// indices refer to the mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Diagnosis {
-    /// Triangles in all.
+    /// The number of triangles.
     pub triangles: usize,
-    /// Different points.
+    /// The number of distinct vertices.
     pub vertices: usize,
-    /// Edges with an odd number of triangles: with one of them, nothing is inside.
+    /// The number of edges with an odd number of triangles. If there are any, the inside is not defined.
     pub open_edges: usize,
-    /// Closed ways along edges that have one triangle.
+    /// Closed loops of edges that belong to one triangle only.
     pub holes: Findings<Hole>,
-    /// The middles of edges with three triangles or more.
-    pub crowded_edges: Findings<Vec3>,
-    /// Points at which parts of the mesh meet that have no edge there in common.
-    pub pinched_vertices: Findings<Vec3>,
-    /// Triangles that turn other than the most of their component.
+    /// The midpoints of edges with three or more triangles.
+    pub non_manifold_edges: Findings<Vec3>,
+    /// Vertices shared by parts of the mesh that have no common edge there.
+    pub non_manifold_vertices: Findings<Vec3>,
+    /// Triangles oriented unlike the majority of their component.
     pub flipped: Findings<u32>,
-    /// Triangles whose corners lie on one line, or are not three.
+    /// Triangles with collinear or coinciding corners.
     pub degenerate: Findings<u32>,
     /// Pairs of triangles with the same corners.
     pub duplicates: Findings<[u32; 2]>,
-    /// Pairs of triangles that go through each other.
+    /// Pairs of triangles that intersect each other.
     pub crossings: Findings<Intersection>,
-    /// Pairs of triangles in one plane that have an area in common.
+    /// Pairs of coplanar triangles that overlap.
     pub overlaps: Findings<Intersection>,
-    /// What hangs together by edges.
+    /// The components connected by edges.
     pub components: Vec<Component>,
-    /// True if it is closed and nothing is inside, but for rounding: all of it is folded flat.
+    /// True if the mesh is closed and its volume is 0 within rounding.
     pub is_flat: bool,
 }
 
 impl Diagnosis {
-    /// True if each edge has an even number of triangles: what is inside is defined ([`crate::Polyhedron`]).
+    /// True if each edge has an even number of triangles, so that the inside is defined ([`crate::Polyhedron`]).
     pub fn is_closed(&self) -> bool {
         self.open_edges == 0 && self.triangles > 0
     }
 
-    /// True if the mesh is closed with something inside, and nothing that was found makes it doubtful what was meant: no shell
-    /// goes through another or itself, and each turns as its place asks.
+    /// True if the mesh is closed around a volume and its solid is unambiguous: shells do not intersect each other or
+    /// themselves, and the orientation of each agrees with its nesting depth.
     pub fn is_sound(&self) -> bool {
         let shells = self.components.iter().all(|shell| shell.is_orientable && !shell.is_inside_out());
         let pairs = self.crossings.is_empty() && self.overlaps.is_empty() && self.duplicates.is_empty();
@@ -102,7 +103,7 @@ impl Diagnosis {
 }
 
 impl Mesh {
-    /// Looks for all that may be wrong with a mesh. Takes time in proportion to n log n for n triangles and what is found.
+    /// Finds all defects of the mesh. Takes O(n log n) time for n triangles, plus the number of defects.
     pub fn diagnose(&self) -> Diagnosis {
         let mesh = self.welded();
         let uses = edge_uses(&mesh);
@@ -114,22 +115,30 @@ impl Mesh {
             triangles: mesh.triangles().len(),
             vertices: mesh.vertices().len(),
             open_edges,
-            holes: holes::holes(&mesh, &uses).into_iter().map(|corners| Hole::new(&mesh, corners)).collect(),
-            crowded_edges: by_edge(&uses).filter(|edge| edge.len() > 2).map(|e| middle(&mesh, e)).collect(),
-            pinched_vertices: shells::pinched(&mesh, &uses).map(|v| mesh.vertices()[v as usize]).collect(),
+            holes: holes::boundary_loops(&mesh, &uses)
+                .into_iter()
+                .map(|corners| Hole::new(&mesh, corners))
+                .collect(),
+            non_manifold_edges: by_edge(&uses)
+                .filter(|edge| edge.len() > 2)
+                .map(|e| middle(&mesh, e))
+                .collect(),
+            non_manifold_vertices: shells::non_manifold_vertices(&mesh, &uses)
+                .map(|v| mesh.vertices()[v as usize])
+                .collect(),
             flipped: shells.flipped(),
             degenerate: degenerate(&mesh).collect(),
             duplicates: duplicates(&mesh),
             crossings,
             overlaps,
-            is_flat: open_edges == 0 && !components.is_empty() && encloses_nothing(&mesh, &components),
+            is_flat: open_edges == 0 && !components.is_empty() && encloses_no_volume(&mesh, &components),
             components,
         }
     }
 }
 
-/// Volumes as small as the rounding of a sum over all triangles.
-fn encloses_nothing(mesh: &Mesh, components: &[Component]) -> bool {
+/// True if all volumes are within the rounding error of a sum over all triangles.
+fn encloses_no_volume(mesh: &Mesh, components: &[Component]) -> bool {
     let rounding = 64.0 * UNIT_ROUNDOFF * mesh.area() * mesh.bounds().size().length();
     components.iter().all(|component| component.volume.abs() <= rounding)
 }
@@ -144,7 +153,7 @@ fn degenerate(mesh: &Mesh) -> impl Iterator<Item = u32> {
     (0..mesh.triangles().len()).filter(flat).map(|k| k as u32)
 }
 
-/// Triangles with the corners of one before them, and that one.
+/// Pairs of triangles with the same corners.
 pub(crate) fn duplicates(mesh: &Mesh) -> Findings<[u32; 2]> {
     let mut first: FxHashMap<[u32; 3], u32> = FxHashMap::default();
     let mut found = Findings::default();
@@ -160,13 +169,13 @@ pub(crate) fn duplicates(mesh: &Mesh) -> Findings<[u32; 2]> {
     found
 }
 
-/// Some of them in words: "3 holes, the first at (0, 0, 1)".
+/// A summary with the first defect of each kind: `holes: 3 (the first: (0, 0, 1), 4 edges)`.
 impl fmt::Display for Diagnosis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let shells = self.components.len();
         write!(f, "{} triangles, {} vertices, {shells} shells", self.triangles, self.vertices)?;
         if self.is_flat {
-            write!(f, "; nothing is inside")?;
+            write!(f, "; no volume inside")?;
         }
         let inside_out = self.components.iter().filter(|shell| shell.is_inside_out()).count();
         let one_sided = self.components.iter().filter(|shell| !shell.is_orientable).count();
@@ -178,8 +187,12 @@ impl fmt::Display for Diagnosis {
                 "holes",
                 first(&self.holes, |h| format!("{}, {} edges", at(&h.centre), h.edges)),
             ),
-            (self.crowded_edges.count, "edges with more than two triangles", first(&self.crowded_edges, at)),
-            (self.pinched_vertices.count, "pinched vertices", first(&self.pinched_vertices, at)),
+            (self.non_manifold_edges.count, "non-manifold edges", first(&self.non_manifold_edges, at)),
+            (
+                self.non_manifold_vertices.count,
+                "non-manifold vertices",
+                first(&self.non_manifold_vertices, at),
+            ),
             (self.flipped.count, "flipped triangles", first(&self.flipped, |k| format!("triangle {k}"))),
             (
                 self.degenerate.count,
@@ -191,10 +204,10 @@ impl fmt::Display for Diagnosis {
                 "duplicate triangles",
                 first(&self.duplicates, |k| format!("triangles {k:?}")),
             ),
-            (self.crossings.count, "crossing pairs of triangles", first(&self.crossings, |x| at(&x.at))),
+            (self.crossings.count, "intersecting pairs of triangles", first(&self.crossings, |x| at(&x.at))),
             (self.overlaps.count, "overlapping pairs of triangles", first(&self.overlaps, |x| at(&x.at))),
             (inside_out, "shells inside out", String::new()),
-            (one_sided, "shells with one side only", String::new()),
+            (one_sided, "non-orientable shells", String::new()),
         ];
         for (count, what, place) in lines.iter().filter(|(count, ..)| *count > 0) {
             write!(f, "; {what}: {count}{place}")?;

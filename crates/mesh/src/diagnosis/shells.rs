@@ -1,4 +1,4 @@
-//! What hangs together by edges, how it turns, and what lies within what.
+//! Connected components (shells) of a mesh: closedness, orientability, volume and nesting depth.
 
 use super::Findings;
 use crate::topology::{EdgeUse, SignedSets, by_edge};
@@ -7,38 +7,40 @@ use crate::{Line, Mesh, Polyhedron};
 use rayweave_math::Vec3;
 use std::collections::BTreeMap;
 
-/// Triangles that hang together by edges that belong to two of them.
+/// A component: triangles connected by edges that belong to two of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Component {
-    /// The number of its first triangle.
+    /// The index of its first triangle.
     pub first: u32,
-    /// How many triangles it has.
+    /// The number of triangles.
     pub triangles: usize,
     /// True if each of its edges has an even number of its triangles.
     pub is_closed: bool,
-    /// False if it has one side only, like a Möbius strip.
+    /// False if it is one-sided, like a Möbius strip.
     pub is_orientable: bool,
-    /// The volume within, once all its triangles turn as the most of them do: negative if that is clockwise seen from outside.
+    /// The signed volume with all triangles oriented like the majority: negative if these are clockwise seen from outside.
     pub volume: f64,
-    /// How many closed shells it lies in, by one of its points; 0 if it is not closed itself, or the mesh is not.
+    /// The nesting depth: the number of closed shells around one of its points; 0 if the component or the mesh is not closed.
     pub depth: usize,
 }
 
 impl Component {
-    /// True if it is closed and turns other than its place asks: counter-clockwise seen from where it is not solid.
+    /// True if it is closed and its orientation contradicts its depth. Triangles should be counter-clockwise seen from the
+    /// outside of the solid.
     pub fn is_inside_out(&self) -> bool {
         self.is_closed && self.volume != 0.0 && (self.volume > 0.0) != self.depth.is_multiple_of(2)
     }
 }
 
-/// Which triangle belongs to which component, and whether it turns as the most of them.
+/// The component of each triangle, and its orientation relative to the majority of the component.
 #[derive(Debug)]
 pub(crate) struct Shells {
-    /// Numbers of the components' first triangles, in order.
+    /// The first triangle of each component, in increasing order.
     firsts: Vec<u32>,
-    /// For each triangle its component.
-    pub of: Vec<u32>,
-    /// For each triangle whether it turns other than the most of its component.
+    /// The component of each triangle.
+    pub component_of: Vec<u32>,
+    /// Whether a triangle is oriented unlike the majority of its component.
     pub is_flipped: Vec<bool>,
     one_sided: Vec<bool>,
 }
@@ -49,58 +51,60 @@ impl Shells {
         let mut sets = SignedSets::new(count);
         let mut contradictions = Vec::new();
         for edge in by_edge(uses).filter(|edge| edge.len() == 2) {
-            // neighbours that turn alike go along their edge in opposite directions
+            // consistently oriented neighbours run along their edge in opposite directions
             if !sets.join(edge[0].triangle, edge[1].triangle, edge[0].forward == edge[1].forward) {
                 contradictions.push(edge[0].triangle);
             }
         }
         let mut shells = Shells {
             firsts: Vec::new(),
-            of: vec![0; count],
+            component_of: vec![0; count],
             is_flipped: vec![false; count],
             one_sided: Vec::new(),
         };
         for triangle in 0..count as u32 {
             let (root, flipped) = sets.find(triangle);
-            shells.put(triangle, root, flipped);
+            shells.assign(triangle, root, flipped);
         }
         shells.one_sided = vec![false; shells.firsts.len()];
         contradictions
             .iter()
-            .for_each(|&triangle| shells.one_sided[shells.of[triangle as usize] as usize] = true);
-        shells.count_the_most();
+            .for_each(|&triangle| shells.one_sided[shells.component_of[triangle as usize] as usize] = true);
+        shells.orient_by_majority();
         shells
     }
 
-    /// A set's first triangle is its smallest, so components come in order.
-    fn put(&mut self, triangle: u32, root: u32, flipped: bool) {
+    /// Assigns a triangle to the component of its set's root, which is the first triangle of the set.
+    fn assign(&mut self, triangle: u32, root: u32, flipped: bool) {
         if root == triangle {
             self.firsts.push(triangle);
         }
-        let component = if root == triangle { self.firsts.len() as u32 - 1 } else { self.of[root as usize] };
-        self.of[triangle as usize] = component;
+        let component =
+            if root == triangle { self.firsts.len() as u32 - 1 } else { self.component_of[root as usize] };
+        self.component_of[triangle as usize] = component;
         self.is_flipped[triangle as usize] = flipped;
     }
 
-    fn count_the_most(&mut self) {
+    /// Makes orientations relative to the majority of each component.
+    fn orient_by_majority(&mut self) {
         let mut lead = vec![0i64; self.firsts.len()];
-        for (triangle, &component) in self.of.iter().enumerate() {
+        for (triangle, &component) in self.component_of.iter().enumerate() {
             lead[component as usize] += if self.is_flipped[triangle] { -1 } else { 1 };
         }
-        for (triangle, &component) in self.of.iter().enumerate() {
+        for (triangle, &component) in self.component_of.iter().enumerate() {
             self.is_flipped[triangle] ^= lead[component as usize] < 0;
         }
     }
 
-    /// How many components there are.
+    /// The number of components.
     pub fn count(&self) -> usize {
         self.firsts.len()
     }
 
-    /// For each component the largest of its triangles.
+    /// The largest triangle of each component.
     pub fn largest(&self, area: impl Fn(u32) -> f64) -> Vec<u32> {
         let mut largest = self.firsts.clone();
-        for (triangle, &shell) in self.of.iter().enumerate() {
+        for (triangle, &shell) in self.component_of.iter().enumerate() {
             let best = &mut largest[shell as usize];
             if area(triangle as u32) > area(*best) {
                 *best = triangle as u32;
@@ -112,16 +116,19 @@ impl Shells {
     /// The triangles of each component.
     fn members(&self) -> Vec<Vec<usize>> {
         let mut members = vec![Vec::new(); self.firsts.len()];
-        self.of.iter().enumerate().for_each(|(triangle, &shell)| members[shell as usize].push(triangle));
+        self.component_of
+            .iter()
+            .enumerate()
+            .for_each(|(triangle, &shell)| members[shell as usize].push(triangle));
         members
     }
 
     pub fn flipped(&self) -> Findings<u32> {
-        (0..self.of.len() as u32).filter(|&triangle| self.is_flipped[triangle as usize]).collect()
+        (0..self.component_of.len() as u32).filter(|&triangle| self.is_flipped[triangle as usize]).collect()
     }
 
     pub fn components(&self, mesh: &Mesh, uses: &[EdgeUse]) -> Vec<Component> {
-        let straight = mesh.clone().turned(|triangle| self.is_flipped[triangle]);
+        let oriented = mesh.clone().reversed(|triangle| self.is_flipped[triangle]);
         let is_closed = self.closed(uses);
         let members = self.members();
         let depths = self.depths(mesh, &members, &is_closed);
@@ -130,19 +137,20 @@ impl Shells {
             triangles: members[shell].len(),
             is_closed: is_closed[shell],
             is_orientable: !self.one_sided[shell],
-            volume: straight.volume_of(members[shell].iter().copied()),
+            volume: oriented.volume_of(members[shell].iter().copied()),
             depth: depths[shell],
         };
         (0..self.firsts.len()).map(component).collect()
     }
 
-    /// Which components have an even number of triangles at each edge.
+    /// Whether a component has an even number of triangles at each of its edges.
     fn closed(&self, uses: &[EdgeUse]) -> Vec<bool> {
         let mut closed = vec![true; self.firsts.len()];
-        // triangles whose corners are no three points have no edges and belong to nothing
+        // triangles without three different corners have no edges: each is a component that is not closed
         let mut has_edges = vec![false; self.firsts.len()];
         for edge in by_edge(uses) {
-            let shells: Vec<u32> = edge.iter().map(|edge| self.of[edge.triangle as usize]).collect();
+            let shells: Vec<u32> =
+                edge.iter().map(|edge| self.component_of[edge.triangle as usize]).collect();
             for shell in &shells {
                 has_edges[*shell as usize] = true;
                 closed[*shell as usize] &= shells.iter().filter(|other| *other == shell).count() % 2 == 0;
@@ -151,7 +159,7 @@ impl Shells {
         closed.iter().zip(has_edges).map(|(&closed, has_edges)| closed && has_edges).collect()
     }
 
-    /// In how many closed shells each lies, from the crossings of a line through one of its triangles.
+    /// The nesting depth of each component, by the crossings of a line through one of its triangles with the other components.
     fn depths(&self, mesh: &Mesh, members: &[Vec<usize>], is_closed: &[bool]) -> Vec<usize> {
         let solid = (members.len() > 1).then(|| Polyhedron::new(mesh).ok()).flatten();
         let mut found = Vec::new();
@@ -162,11 +170,13 @@ impl Shells {
             let largest =
                 members[shell].iter().copied().max_by(|&a, &b| area(mesh, a).total_cmp(&area(mesh, b)));
             let corners = mesh.corners(largest.unwrap_or(self.firsts[shell] as usize));
-            let line = Line { origin: triangle::middle(corners), direction: ODD };
-            solid.crossings(&line, &[ODD, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
+            let line = Line { origin: triangle::middle(corners), direction: GENERIC_DIRECTION };
+            solid.crossings(&line, &[GENERIC_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
             let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
             let ahead = found.iter().filter(|crossing| crossing.t > 0.0);
-            ahead.for_each(|crossing| *counts.entry(self.of[crossing.triangle as usize]).or_default() += 1);
+            ahead.for_each(|crossing| {
+                *counts.entry(self.component_of[crossing.triangle as usize]).or_default() += 1
+            });
             let around = |(&other, &count): (&u32, &usize)| other != shell as u32 && count % 2 == 1;
             counts.iter().filter(|&(other, count)| around((other, count))).count()
         };
@@ -174,15 +184,16 @@ impl Shells {
     }
 }
 
-/// A direction that few faces contain.
-const ODD: Vec3 = Vec3::new(0.317_837_245_195_782_2, 0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
+/// A direction that faces of man-made models are unlikely to contain.
+const GENERIC_DIRECTION: Vec3 =
+    Vec3::new(0.317_837_245_195_782_2, 0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
 
 fn area(mesh: &Mesh, triangle: usize) -> f64 {
     triangle::cross(mesh.corners(triangle)).length_squared()
 }
 
-/// Vertices at which triangles meet that do not hang together by edges there.
-pub(super) fn pinched(mesh: &Mesh, uses: &[EdgeUse]) -> impl Iterator<Item = u32> {
+/// Vertices whose triangles form more than one fan connected by edges.
+pub(super) fn non_manifold_vertices(mesh: &Mesh, uses: &[EdgeUse]) -> impl Iterator<Item = u32> {
     let mut corners = SignedSets::new(3 * mesh.triangles().len());
     for pair in uses.windows(2).filter(|pair| pair[0].ends == pair[1].ends) {
         for vertex in pair[0].ends {
@@ -191,7 +202,7 @@ pub(super) fn pinched(mesh: &Mesh, uses: &[EdgeUse]) -> impl Iterator<Item = u32
         }
     }
     let mut fans = vec![0u32; mesh.vertices().len()];
-    // triangles whose corners are no three points are in no fan
+    // triangles without three different corners are in no fan
     let mut counted = vec![false; 3 * mesh.triangles().len()];
     for EdgeUse { ends, triangle, .. } in uses {
         for vertex in ends {
@@ -204,7 +215,7 @@ pub(super) fn pinched(mesh: &Mesh, uses: &[EdgeUse]) -> impl Iterator<Item = u32
     (0..fans.len() as u32).filter(move |&vertex| fans[vertex as usize] > 1)
 }
 
-/// The number of a corner: three to a triangle.
+/// The index of a corner: three per triangle.
 fn corner(mesh: &Mesh, triangle: u32, vertex: u32) -> u32 {
     let place = mesh.triangles()[triangle as usize].iter().position(|&other| other == vertex);
     3 * triangle + place.unwrap_or(0) as u32

@@ -1,15 +1,15 @@
-//! Meshes for tests, made by formulas.
+//! Test meshes with closed-form shapes.
 #![allow(dead_code)]
 
 use rand::{RngExt, rngs::ChaCha8Rng};
 use rayweave_math::Vec3;
-use rayweave_mesh::{Aside, Mesh};
+use rayweave_mesh::{Mesh, Perturbation};
 
 /// The directions of the project's rule for rays in a surface.
-pub const ASIDE: Aside =
+pub const ASIDE: Perturbation =
     [Vec3::new(1.0, 0.754_877_666_246_692_7, 0.569_840_290_998_053_2), Vec3::X, Vec3::Y, Vec3::Z];
 
-/// The box between two corners, turning outwards.
+/// The box between two corners, oriented outward.
 pub fn cuboid(lo: Vec3, hi: Vec3) -> Mesh {
     let corner = |k: usize| {
         let pick = |axis: usize| if k >> axis & 1 == 1 { hi[axis] } else { lo[axis] };
@@ -41,7 +41,7 @@ pub fn torus(major: f64, minor: f64, rows: u32, columns: u32) -> Mesh {
     })
 }
 
-/// A regular icosahedron, each triangle cut in four so many times; corners at a distance that a function of the direction tells.
+/// A regular icosahedron after a number of subdivisions into four; `radius` gives the distance of a corner by its direction.
 pub fn ball(times: u32, radius: impl Fn(Vec3) -> f64) -> Mesh {
     let g = 0.5 * (1.0 + 5f64.sqrt());
     let mut vertices: Vec<Vec3> = (0..12)
@@ -71,7 +71,7 @@ pub fn ball(times: u32, radius: impl Fn(Vec3) -> f64) -> Mesh {
     Mesh::new(vertices.into_iter().map(place).collect(), triangles).unwrap()
 }
 
-/// Triples at distance 2 from each other, turning outwards.
+/// The triangles between vertices at distance 2 from each other, oriented outward.
 fn hull_of_icosahedron(vertices: &[Vec3]) -> Vec<[u32; 3]> {
     let is_edge =
         |a: u32, b: u32| ((vertices[a as usize] - vertices[b as usize]).length() - 2.0).abs() < 1e-9;
@@ -90,12 +90,12 @@ fn hull_of_icosahedron(vertices: &[Vec3]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// A ball with bumps.
+/// A bumpy ball.
 pub fn potato(times: u32) -> Mesh {
     ball(times, |d| 1.0 + 0.3 * libm::sin(5.0 * d.x + 2.0 * d.y) * libm::cos(4.0 * d.z))
 }
 
-/// Two meshes as one.
+/// The union of the triangles of two meshes.
 pub fn both(a: &Mesh, b: &Mesh) -> Mesh {
     let shift = a.vertices().len() as u32;
     let vertices = a.vertices().iter().chain(b.vertices()).copied().collect();
@@ -103,7 +103,8 @@ pub fn both(a: &Mesh, b: &Mesh) -> Mesh {
     Mesh::new(vertices, a.triangles().iter().copied().chain(moved).collect()).unwrap()
 }
 
-/// How often a mesh goes round a point: solid angles of its triangles (A. Van Oosterom, J. Strackee, 1983) over 4 pi.
+/// The winding number of a mesh around a point: the sum of the solid angles of its triangles (A. Van Oosterom, J. Strackee, 1983)
+/// over 4 pi.
 pub fn winding(mesh: &Mesh, point: Vec3) -> f64 {
     let angle = |triangle: usize| {
         let [a, b, c] = mesh.corners(triangle).map(|corner| corner - point);

@@ -254,14 +254,14 @@ impl<'e> Builder<'e> {
     fn new(expression: &'e Expression) -> Self {
         let first_join = expression.leaf_count() + 2;
         let mut number = vec![NO_NODE; expression.joins().len()];
-        let reach = |edges: &[Edge], number: &mut Vec<u32>| {
+        let magnitude = |edges: &[Edge], number: &mut Vec<u32>| {
             let joins = edges.iter().filter_map(|edge| edge.node().index().checked_sub(first_join));
             joins.for_each(|join| number[join] = 0);
         };
-        reach(expression.outputs(), &mut number);
+        magnitude(expression.outputs(), &mut number);
         for (join, (_, operands)) in expression.joins().enumerate().rev() {
             if number[join] != NO_NODE {
-                reach(operands, &mut number);
+                magnitude(operands, &mut number);
             }
         }
         let mut gates = Vec::new();
@@ -349,7 +349,7 @@ impl<'e> Builder<'e> {
         for (k, &edge) in self.outputs.iter().enumerate() {
             let output = k as u32;
             match self.number_of(edge) {
-                NO_NODE => winner.set(output, edge == Edge::PLENUM),
+                NO_NODE => winner.set(output, edge == Edge::UNIVERSE),
                 node => {
                     winner.set(output, values[node as usize] ^ edge.is_complemented());
                     fed.push((node, output, edge.is_complemented()));

@@ -46,7 +46,7 @@ pub fn balance(formula: &Formula) -> Formula {
         operands.extend(all.iter().map(|&edge| to.edge(edge)));
         let edge = match term {
             _ if uses[node.index()] == 0 => continue,
-            Term::Vacuum | Term::Plenum => continue,
+            Term::Empty | Term::Universe => continue,
             Term::Leaf(_) => out.tagged(term, &[], tag),
             Term::Join(_) if operands.len() < 3 => out.tagged(term, &operands, tag),
             Term::Join(Op::Difference) => {
@@ -91,5 +91,5 @@ fn binary(
             }
         }
     }
-    stack.pop().unwrap_or(crate::Edge::VACUUM)
+    stack.pop().unwrap_or(crate::Edge::EMPTY)
 }

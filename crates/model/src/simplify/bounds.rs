@@ -14,8 +14,8 @@ pub struct Beyond {
 }
 
 impl Beyond {
-    const VACUUM: Beyond = Beyond { within: Bounds::EMPTY, inside: false };
-    const PLENUM: Beyond = Beyond { within: Bounds::EMPTY, inside: true };
+    const EMPTY: Beyond = Beyond { within: Bounds::EMPTY, inside: false };
+    const UNIVERSE: Beyond = Beyond { within: Bounds::EMPTY, inside: true };
 
     /// The same for the complement.
     fn complement(self) -> Beyond {
@@ -44,8 +44,8 @@ pub fn bounds(formula: &Formula, leaves: &[Bounds]) -> Vec<Beyond> {
     let mut nodes: Vec<Beyond> = Vec::with_capacity(formula.node_count());
     for (_, term, operands) in formula.nodes() {
         nodes.push(match term {
-            Term::Vacuum => Beyond::VACUUM,
-            Term::Plenum => Beyond::PLENUM,
+            Term::Empty => Beyond::EMPTY,
+            Term::Universe => Beyond::UNIVERSE,
             Term::Leaf(leaf) => Beyond { within: leaves[leaf.index()], inside: false },
             Term::Join(op) => joined(op, operands, &nodes),
         });
@@ -100,10 +100,10 @@ fn joined(op: Op, operands: &[Edge], nodes: &[Beyond]) -> Beyond {
     match op {
         Op::Intersection => all(below),
         Op::Union => all(below.map(Beyond::complement)).complement(),
-        Op::Difference if count == 0 => Beyond::VACUUM,
+        Op::Difference if count == 0 => Beyond::EMPTY,
         Op::Difference => all(below.enumerate().map(|(k, b)| if k == 0 { b } else { b.complement() })),
-        Op::AtLeast(0) => Beyond::PLENUM,
-        Op::AtLeast(least) if least > count => Beyond::VACUUM,
+        Op::AtLeast(0) => Beyond::UNIVERSE,
+        Op::AtLeast(least) if least > count => Beyond::EMPTY,
         Op::AtLeast(1) => all(below.map(Beyond::complement)).complement(),
         Op::AtLeast(least) if least == count => all(below),
         Op::SymmetricDifference | Op::AtLeast(_) => {

@@ -17,7 +17,7 @@ pub fn flatten(formula: &Formula) -> Formula {
     for (node, term, _) in formula.nodes() {
         match term {
             _ if uses[node.index()] == 0 || places[node.index()].is_some() => {}
-            Term::Vacuum | Term::Plenum => {}
+            Term::Empty | Term::Universe => {}
             Term::Leaf(_) => to.set(node, out.tagged(term, &[], formula.tag(node))),
             Term::Join(op) => {
                 let odd = collect(formula, node, op, &places, &to, &mut waiting, &mut operands);

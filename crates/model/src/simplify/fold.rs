@@ -5,7 +5,7 @@ use crate::Edge;
 
 /// Promise: the same answer, without constants, repeated operands and operands beside their own complement.
 ///
-/// `a | vacuum` and `a & a` turn into `a`, `a - a` into vacuum, `a ^ a ^ b` into `b`; what that makes constant vanishes in
+/// `a | empty` and `a & a` turn into `a`, `a - a` into empty, `a ^ a ^ b` into `b`; what that makes constant vanishes in
 /// turn. Operands are put into the order of their numbers, which is that of their first leaves as far as nodes are
 /// numbered in the order of declaration.
 pub fn fold(formula: &Formula) -> Formula {
@@ -16,7 +16,7 @@ pub fn fold(formula: &Formula) -> Formula {
     for (node, term, all) in formula.nodes() {
         match term {
             _ if uses[node.index()] == 0 => {}
-            Term::Vacuum | Term::Plenum => {}
+            Term::Empty | Term::Universe => {}
             Term::Leaf(_) => to.set(node, out.tagged(term, &[], formula.tag(node))),
             Term::Join(op) => {
                 operands.clear();
@@ -47,12 +47,12 @@ pub(super) enum Folded {
 /// The rules for one node. Its operands are sorted, and those that are not needed are taken out.
 pub(super) fn fold_join(op: Op, operands: &mut Vec<Edge>) -> Folded {
     match op {
-        Op::Union => fold_chain(op, operands, Edge::VACUUM),
-        Op::Intersection => fold_chain(op, operands, Edge::PLENUM),
-        Op::Difference if operands.is_empty() => Folded::Edge(Edge::VACUUM),
+        Op::Union => fold_chain(op, operands, Edge::EMPTY),
+        Op::Intersection => fold_chain(op, operands, Edge::UNIVERSE),
+        Op::Difference if operands.is_empty() => Folded::Edge(Edge::EMPTY),
         Op::Difference => {
             operands[1..].iter_mut().for_each(|edge| *edge = edge.complement());
-            fold_chain(Op::Intersection, operands, Edge::PLENUM)
+            fold_chain(Op::Intersection, operands, Edge::UNIVERSE)
         }
         Op::SymmetricDifference => fold_odd(operands),
         Op::AtLeast(least) => fold_count(least, operands),
@@ -80,17 +80,17 @@ fn fold_chain(op: Op, operands: &mut Vec<Edge>, neutral: Edge) -> Folded {
 fn fold_odd(operands: &mut Vec<Edge>) -> Folded {
     let mut complemented = false;
     for edge in operands.iter_mut() {
-        if edge.is_complemented() || *edge == Edge::PLENUM {
+        if edge.is_complemented() || *edge == Edge::UNIVERSE {
             complemented = !complemented;
             *edge = edge.complement();
         }
     }
-    operands.retain(|&edge| edge != Edge::VACUUM);
+    operands.retain(|&edge| edge != Edge::EMPTY);
     operands.sort_unstable();
     cancel(operands, |a, b| a == b);
     match operands[..] {
-        [] if complemented => Folded::Edge(Edge::PLENUM),
-        [] => Folded::Edge(Edge::VACUUM),
+        [] if complemented => Folded::Edge(Edge::UNIVERSE),
+        [] => Folded::Edge(Edge::EMPTY),
         [only] if complemented => Folded::Edge(only.complement()),
         [only] => Folded::Edge(only),
         _ => Folded::Join { op: Op::SymmetricDifference, complemented },
@@ -114,16 +114,16 @@ fn cancel(operands: &mut Vec<Edge>, cancels: impl Fn(Edge, Edge) -> bool) -> u32
 
 /// At least so many of the operands: of an operand and its complement exactly one counts, whatever its value.
 fn fold_count(least: u32, operands: &mut Vec<Edge>) -> Folded {
-    let full = operands.iter().filter(|&&edge| edge == Edge::PLENUM).count() as u32;
-    operands.retain(|&edge| edge != Edge::PLENUM && edge != Edge::VACUUM);
+    let full = operands.iter().filter(|&&edge| edge == Edge::UNIVERSE).count() as u32;
+    operands.retain(|&edge| edge != Edge::UNIVERSE && edge != Edge::EMPTY);
     operands.sort_unstable();
     let pairs = cancel(operands, |a, b| a.complement() == b);
     let (least, count) = (least.saturating_sub(full + pairs), operands.len() as u32);
     match least {
-        0 => Folded::Edge(Edge::PLENUM),
-        _ if least > count => Folded::Edge(Edge::VACUUM),
-        1 => fold_chain(Op::Union, operands, Edge::VACUUM),
-        _ if least == count => fold_chain(Op::Intersection, operands, Edge::PLENUM),
+        0 => Folded::Edge(Edge::UNIVERSE),
+        _ if least > count => Folded::Edge(Edge::EMPTY),
+        1 => fold_chain(Op::Union, operands, Edge::EMPTY),
+        _ if least == count => fold_chain(Op::Intersection, operands, Edge::UNIVERSE),
         _ => Folded::Join { op: Op::AtLeast(least), complemented: false },
     }
 }

@@ -36,9 +36,9 @@ impl Op {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Term {
     /// Never inside; node 0.
-    Vacuum,
+    Empty,
     /// Always inside; node 1.
-    Plenum,
+    Universe,
     /// A leaf, by its number in the group.
     Leaf(LeafId),
     /// A boolean function of other nodes.
@@ -47,7 +47,7 @@ pub enum Term {
 
 /// A formula with one or more outputs.
 ///
-/// Node 0 is vacuum, node 1 plenum, and operands stand before their users. A complement is a mark on an operand
+/// Node 0 is empty, node 1 universe, and operands stand before their users. A complement is a mark on an operand
 /// ([`Edge`]). A part that is used more than once may be stored once. Each node has a *tag*, which the passes hand
 /// on: from what node of the formula as it was written it comes.
 #[derive(Clone, Debug)]
@@ -76,8 +76,8 @@ impl Formula {
             tags: Vec::with_capacity(nodes + 2),
             outputs: Vec::new(),
         };
-        formula.push(Term::Vacuum, 0);
-        formula.push(Term::Plenum, 1);
+        formula.push(Term::Empty, 0);
+        formula.push(Term::Universe, 1);
         formula
     }
 
@@ -189,8 +189,8 @@ impl Formula {
         values.clear();
         for (_, term, operands) in self.nodes() {
             let value = match term {
-                Term::Vacuum => false,
-                Term::Plenum => true,
+                Term::Empty => false,
+                Term::Universe => true,
                 Term::Leaf(leaf) => inside(leaf),
                 Term::Join(op) => {
                     op.of(operands.iter().map(|e| values[e.node().index()] ^ e.is_complemented()))
@@ -205,8 +205,8 @@ impl Formula {
     /// they are used.
     pub fn text(&self, edge: Edge) -> String {
         let writing = |node| match self.term(node) {
-            Term::Vacuum => Writing::Text("vacuum".into()),
-            Term::Plenum => Writing::Text("plenum".into()),
+            Term::Empty => Writing::Text("empty".into()),
+            Term::Universe => Writing::Text("universe".into()),
             Term::Leaf(leaf) => Writing::Text(leaf.0.to_string()),
             Term::Join(op) => Writing::Join(Brackets::named(prefix(op)), self.operands(node)),
         };
@@ -217,12 +217,12 @@ impl Formula {
     /// `most` bytes.
     pub(super) fn infix(&self, edge: Edge, leaf_name: impl Fn(LeafId) -> String, most: usize) -> String {
         let writing = |node| match self.term(node) {
-            Term::Vacuum => Writing::Text("vacuum".into()),
-            Term::Plenum => Writing::Text("plenum".into()),
+            Term::Empty => Writing::Text("empty".into()),
+            Term::Universe => Writing::Text("universe".into()),
             Term::Leaf(leaf) => Writing::Text(leaf_name(leaf)),
             Term::Join(op) if self.operands(node).is_empty() => {
                 let value = op.of(std::iter::empty());
-                Writing::Text(if value { "plenum" } else { "vacuum" }.into())
+                Writing::Text(if value { "universe" } else { "empty" }.into())
             }
             Term::Join(op) => {
                 let brackets = infix(op, node == edge.node() && !edge.is_complemented());
@@ -264,8 +264,8 @@ pub(super) struct Renumbered(Vec<Edge>);
 
 impl Renumbered {
     pub fn new(formula: &Formula) -> Renumbered {
-        let mut to = vec![Edge::VACUUM; formula.node_count()];
-        to[1] = Edge::PLENUM;
+        let mut to = vec![Edge::EMPTY; formula.node_count()];
+        to[1] = Edge::UNIVERSE;
         Renumbered(to)
     }
 

@@ -12,13 +12,13 @@ pub fn positive(formula: &Formula) -> Formula {
     let needed = needed(formula);
     let mut out = Formula::like(formula);
     // the edges for a node and for its complement
-    let mut to = vec![[Edge::VACUUM, Edge::PLENUM]; formula.node_count()];
-    to[1] = [Edge::PLENUM, Edge::VACUUM];
+    let mut to = vec![[Edge::EMPTY, Edge::UNIVERSE]; formula.node_count()];
+    to[1] = [Edge::UNIVERSE, Edge::EMPTY];
     let mut operands = Vec::new();
     for (node, term, _) in formula.nodes() {
         let [plain, complemented] = needed[node.index()];
         match term {
-            Term::Vacuum | Term::Plenum => {}
+            Term::Empty | Term::Universe => {}
             _ if !(plain || complemented) => {}
             Term::Leaf(_) | Term::Join(Op::SymmetricDifference) => {
                 let odd = collect_odd(formula, node, &to, &mut operands);

@@ -49,7 +49,7 @@ pub fn prune(formula: &Formula, leaves: &[Bounds]) -> (Formula, Vec<Cut>) {
             return to.edge(edge);
         }
         cuts.push(Cut { part: edge, user, inside: beyond.inside });
-        if beyond.inside { Edge::PLENUM } else { Edge::VACUUM }
+        if beyond.inside { Edge::UNIVERSE } else { Edge::EMPTY }
     };
     for (node, term, all) in formula.nodes().skip(2) {
         let here = needs[node.index()].intersection(&nodes[node.index()].within);

@@ -70,7 +70,7 @@ pub struct Removal {
     pub part: String,
     /// Why it does not matter.
     pub why: String,
-    /// What the operand is replaced by: plenum or vacuum.
+    /// What the operand is replaced by: universe or empty.
     pub inside: bool,
 }
 
@@ -167,7 +167,7 @@ fn bounds_text(bounds: &Bounds) -> String {
 /// A number to six digits.
 fn short(x: f64) -> f64 {
     // no -0
-    format!("{x:.5e}").parse().unwrap_or(x) + 0.0
+    rayweave_math::round_to_digits(x, 6) + 0.0
 }
 
 impl Size {
@@ -186,7 +186,7 @@ impl Size {
                     size.operators += 1;
                     size.complements += complements(operands);
                 }
-                Term::Vacuum | Term::Plenum => {}
+                Term::Empty | Term::Universe => {}
             }
         }
         leaves.sort_unstable();
@@ -326,8 +326,8 @@ impl Names {
         let node = edge.node();
         let op = match formula.term(node) {
             Term::Leaf(leaf) => return self.leaf(leaf).to_owned(),
-            Term::Vacuum => return "vacuum".to_owned(),
-            Term::Plenum => return "plenum".to_owned(),
+            Term::Empty => return "empty".to_owned(),
+            Term::Universe => return "universe".to_owned(),
             Term::Join(op) => op,
         };
         if let Some(name) = self.compounds.get(&formula.tag(node)) {
@@ -354,7 +354,7 @@ impl Names {
                 let why = |(a, b)| format!(", as the bounds of {} and {} are disjoint", name(a), name(b));
                 format!("it is {what}{}", pair.map_or_else(String::new, why))
             }
-            Reason::Apart(from) => format!("it lies outside {} (A - B with disjoint bounds)", name(from)),
+            Reason::Apart(from) => format!("it lies outside {}: A - B with disjoint bounds.", name(from)),
             Reason::Absorbed(by) => {
                 format!("it is absorbed by the complement of {}, which it lies outside of", name(by))
             }

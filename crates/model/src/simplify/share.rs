@@ -19,7 +19,7 @@ pub fn share(formula: &Formula) -> Formula {
         let tag = formula.tag(node);
         match term {
             _ if uses[node.index()] == 0 => {}
-            Term::Vacuum | Term::Plenum => {}
+            Term::Empty | Term::Universe => {}
             Term::Leaf(leaf) => to.set(node, shared.leaf(leaf, tag)),
             Term::Join(op) => {
                 operands.clear();

@@ -71,7 +71,7 @@ fn keeps_folded(formula: &Formula) -> Formula {
     for (term, operands) in asked(formula) {
         let Term::Join(op) = term else { continue };
         assert!(operands.len() > 1);
-        assert!(operands.iter().all(|&edge| edge != Edge::VACUUM && edge != Edge::PLENUM));
+        assert!(operands.iter().all(|&edge| edge != Edge::EMPTY && edge != Edge::UNIVERSE));
         let different: HashSet<Edge> = operands.iter().copied().collect();
         assert!(different.len() == operands.len() || matches!(op, Op::AtLeast(_)));
         assert!(operands.iter().all(|edge| !different.contains(&edge.complement())));

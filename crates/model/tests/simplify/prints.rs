@@ -86,19 +86,19 @@ fn chains_become_flat() {
 fn constants_and_repetitions_vanish() {
     let nothing = |f: &mut Formula, [a, b, ..]: [Edge; 5]| {
         let empty = f.join(Difference, &[a, a]);
-        f.join(Union, &[empty, b, Edge::VACUUM, b])
+        f.join(Union, &[empty, b, Edge::EMPTY, b])
     };
-    check(fold, nothing, "any{minus{0, 0}, 1, vacuum, 1}", "1");
+    check(fold, nothing, "any{minus{0, 0}, 1, empty, 1}", "1");
     let parity = |f: &mut Formula, [a, b, c, ..]: [Edge; 5]| {
-        f.join(SymmetricDifference, &[c, a, Edge::PLENUM, b.complement(), a, b, b])
+        f.join(SymmetricDifference, &[c, a, Edge::UNIVERSE, b.complement(), a, b, b])
     };
-    check(fold, parity, "odd{2, 0, plenum, ~1, 0, 1, 1}", "odd{1, 2}");
+    check(fold, parity, "odd{2, 0, universe, ~1, 0, 1, 1}", "odd{1, 2}");
     let count = |f: &mut Formula, [a, b, c, d, _]: [Edge; 5]| {
-        f.join(AtLeast(4), &[d, a, b, a.complement(), c, Edge::PLENUM])
+        f.join(AtLeast(4), &[d, a, b, a.complement(), c, Edge::UNIVERSE])
     };
-    check(fold, count, "at_least_4{3, 0, 1, ~0, 2, plenum}", "at_least_2{1, 2, 3}");
+    check(fold, count, "at_least_4{3, 0, 1, ~0, 2, universe}", "at_least_2{1, 2, 3}");
     let all = |f: &mut Formula, [a, b, ..]: [Edge; 5]| f.join(Union, &[a, b, a.complement()]);
-    check(fold, all, "any{0, 1, ~0}", "plenum");
+    check(fold, all, "any{0, 1, ~0}", "universe");
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn wide_nodes_become_binary_trees() {
 #[test]
 fn heights_count_operators() {
     assert_eq!(height(&asked(|_, [a, ..]| a.complement())), 0);
-    assert_eq!(height(&asked(|_, _| Edge::PLENUM)), 0);
+    assert_eq!(height(&asked(|_, _| Edge::UNIVERSE)), 0);
     let chain = asked(|f, [a, b, c, d, e]| {
         [b, c, d, e].iter().fold(a, |chain, &leaf| f.join(Union, &[chain, leaf]).complement())
     });
@@ -170,12 +170,12 @@ fn check_pruned(make: impl Fn(&mut Formula, [Edge; 5]) -> Edge, after: &str) {
 
 #[test]
 fn what_bounds_show_not_to_matter_vanishes() {
-    check_pruned(|f, [a, b, ..]| f.join(Intersection, &[a, b]), "vacuum");
+    check_pruned(|f, [a, b, ..]| f.join(Intersection, &[a, b]), "empty");
     check_pruned(|f, [a, b, c, ..]| f.join(Difference, &[a, b, c]), "0");
     check_pruned(|f, [a, b, ..]| f.join(Union, &[a, b]), "any{0, 1}");
     // all of space but for the first: what is elsewhere is in it already
     check_pruned(|f, [a, b, ..]| f.join(Union, &[a.complement(), b]), "~0");
-    check_pruned(|f, [a, b, ..]| f.join(Union, &[a.complement(), b.complement()]), "plenum");
+    check_pruned(|f, [a, b, ..]| f.join(Union, &[a.complement(), b.complement()]), "universe");
     // an odd number of complements: all of space beyond both, and the third part is there
     let parity = |f: &mut Formula, [a, b, c, ..]: [Edge; 5]| {
         let odd = f.join(SymmetricDifference, &[a.complement(), b]);

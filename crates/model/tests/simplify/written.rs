@@ -20,14 +20,14 @@ impl Written {
     pub fn new(leaves: u32) -> Written {
         let mut formula = Formula::default();
         let constant = |bits| vec![bits; words(leaves)];
-        let mut tables = vec![(Edge::VACUUM, constant(0)), (Edge::PLENUM, constant(u64::MAX))];
+        let mut tables = vec![(Edge::EMPTY, constant(0)), (Edge::UNIVERSE, constant(u64::MAX))];
         for leaf in 0..leaves {
             tables.push((formula.leaf(LeafId(leaf)), leaf_table(leaf, leaves)));
         }
         Written { formula, leaves, tables, asked: Vec::new() }
     }
 
-    /// The number of things that can be operands: vacuum, plenum, the leaves, and what was joined.
+    /// The number of things that can be operands: empty, universe, the leaves, and what was joined.
     pub fn count(&self) -> usize {
         self.tables.len()
     }

@@ -1,4 +1,4 @@
-//! The outline of a component as seen along the axis.
+//! Apertures: the outline of a component across the optical axis.
 
 use super::ComponentError;
 use super::error::{finite, positive};
@@ -63,8 +63,8 @@ impl Aperture {
         }
     }
 
-    /// The distance from the axis of the farthest point of the aperture with its centre at (x, y); for an ellipse off
-    /// the axis an upper bound of it.
+    /// The distance from the axis of the farthest point of the aperture with its centre at (x, y);
+    /// for an ellipse off the axis an upper bound of it.
     pub fn reach(&self, [x, y]: [f64; 2]) -> f64 {
         let [width, height] = self.size();
         match self {
@@ -82,7 +82,7 @@ impl Aperture {
         }
     }
 
-    /// The same aperture, if its sizes are finite and greater than 0.
+    /// The aperture, if its sizes are finite and greater than 0.
     ///
     /// # Errors
     /// [`ComponentError::NotPositive`] for the size at fault.
@@ -99,7 +99,7 @@ impl Aperture {
         Ok(self)
     }
 
-    /// The part of space whose points lie inside the aperture and between two heights along z.
+    /// The column of points inside the aperture and between two heights along z.
     ///
     /// # Errors
     /// Sizes that are not positive, an offset or heights that are not finite or not increasing.
@@ -150,11 +150,11 @@ mod tests {
         let message = |aperture: Aperture| aperture.checked().unwrap_err().to_string();
         assert_eq!(
             message(Aperture::circle(-2.0)),
-            "aperture: diameter is -2 (diameter must be finite and greater than 0) did you mean 2?"
+            "diameter of the aperture is -2: it must be finite and greater than 0. Did you mean 2?"
         );
         assert_eq!(
             message(Aperture::rectangle(1.0, f64::NAN)),
-            "aperture: height is NaN (height must be finite and greater than 0)"
+            "height of the aperture is NaN: it must be finite and greater than 0."
         );
         assert!(Aperture::ellipse(f64::INFINITY, 1.0).column([0.0; 2], [0.0, 1.0]).is_err());
         assert!(Aperture::circle(1.0).column([f64::NAN, 0.0], [0.0, 1.0]).is_err());

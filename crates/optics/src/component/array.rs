@@ -1,25 +1,28 @@
-//! Lenses made of many: Fresnel lenses and arrays of lenslets.
+//! Fresnel lenses and lenslet arrays.
 
 use super::aperture::solid;
-use super::error::{fit, positive};
+use super::error::{consistent, positive};
 use super::face::{Face, Profile};
 use super::{Aperture, ComponentError};
+use rayweave_error::Message;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{Cylinder, HalfSpace};
 
-/// The most grooves, and the most lenslets along an axis.
-const MOST: f64 = 65536.0;
+/// The greatest number of grooves, and of lenslets along an axis.
+const MAX_COUNT: f64 = 65536.0;
 
-/// A Fresnel lens: a plane in front (`front.plane`), behind it the rings of a convex surface of radius |`r`| and conic
-/// constant `conic` (see [`sag`](super::sag)), each `pitch` wide and set back to the same base, so that its outer edge is
-/// `thickness` behind the front.
+/// A Fresnel lens: a plane in front (`front.plane`), behind it the rings of a convex surface of
+/// radius |`r`| and conic constant `conic` (see [`sag`](super::sag)), each `pitch` wide and set
+/// back to the same base, so that its outer edge is `thickness` behind the front.
 ///
-/// The front is at z = -`thickness`/2. The rings are `back.side`, the steps between them `draft.side` and the rim
-/// `edge.side`. In the ring from the radius a to b the thickness at h is `thickness + sag(b) - sag(h)`.
+/// The front is at z = -`thickness`/2. The rings are `back.side`, the steps between them
+/// `draft.side` and the rim `edge.side`. In the ring from the radius a to b the thickness at h is
+/// `thickness + sag(b) - sag(h)`.
 ///
 /// # Errors
-/// Sizes that are not positive, a radius that is 0 or NaN, a diameter larger than the surface, more than 65536 rings.
+/// Sizes that are not positive, a radius that is 0 or NaN, a diameter larger than the surface, more
+/// than 65536 rings.
 pub fn fresnel_lens(
     r: f64,
     conic: f64,
@@ -35,7 +38,7 @@ pub fn fresnel_lens(
         return Err(ComponentError::ApertureTooLarge { part, surface: "back", reach, limit });
     }
     let rings = (reach / pitch).ceil();
-    few_enough(part, rings)?;
+    check_count(part, rings)?;
     let mut inner: Option<Solid> = None;
     let mut all = Vec::new();
     for ring in 1..=rings as u32 {
@@ -55,7 +58,7 @@ fn wall(radius: f64, is_step: bool) -> Result<Solid, ComponentError> {
     Ok(solid(Cylinder::new(radius, f64::INFINITY)?).named(name))
 }
 
-/// What lies before the surface of a ring, which meets z = `thickness`/2 at its outer radius.
+/// The points before the surface of a ring, which has z = `thickness`/2 at its outer radius.
 fn ring_back(profile: Profile, thickness: f64, outer: f64) -> Result<Solid, ComponentError> {
     let drop = -profile.sag(outer).unwrap_or(0.0);
     let (base, depth) = (0.5 * thickness, 0.5 * thickness + drop);
@@ -69,11 +72,12 @@ fn ring_back(profile: Profile, thickness: f64, outer: f64) -> Result<Solid, Comp
     Ok(before & solid(HalfSpace::new(Vec3::Z, end)?).named("back"))
 }
 
-/// A plate of plano-convex lenses, `columns` along x and `rows` along y, each with the rectangular outline `pitch` by
-/// `pitch`, the radius |`r`| and the thickness `thickness` on its own axis.
+/// A plate of plano-convex lenses, `columns` along x and `rows` along y, each with the rectangular
+/// outline `pitch` by `pitch`, the radius |`r`| and the thickness `thickness` on its own axis.
 ///
-/// The front (`front.plane`) is at z = -`thickness`/2, the vertices (`back.side`) are at z = `thickness`/2, the array is about
-/// the axis. The lenslets are placements of one solid, compiled once; they touch without a gap.
+/// The front (`front.plane`) is at z = -`thickness`/2, the vertices (`back.side`) are at z =
+/// `thickness`/2, the array is about the axis. The lenslets are placements of one solid, compiled
+/// once; they touch without a gap.
 ///
 /// # Errors
 /// As of [`lens`](super::lens), and no columns or rows, or more than 65536.
@@ -87,7 +91,7 @@ pub fn lenslet_array(
     let part = "lenslet array";
     positive(part, "columns", f64::from(columns))?;
     positive(part, "rows", f64::from(rows))?;
-    few_enough(part, f64::from(columns.max(rows)))?;
+    check_count(part, f64::from(columns.max(rows)))?;
     let lenslet = super::plano_convex(r, thickness, Aperture::rectangle(pitch, pitch))?;
     let middle = |count: u32, k: u32| pitch * (f64::from(k) - 0.5 * f64::from(count - 1));
     let place = |row: u32| {
@@ -97,8 +101,9 @@ pub fn lenslet_array(
     Ok(lenslet.place(places))
 }
 
-fn few_enough(part: &'static str, count: f64) -> Result<(), ComponentError> {
-    fit(part, count <= MOST, || {
-        format!("it would have {count} pieces in a row (at most {MOST} are allowed) is the pitch too small?")
+fn check_count(part: &'static str, count: f64) -> Result<(), ComponentError> {
+    consistent(count <= MAX_COUNT, || {
+        let problem = format!("{part} has {count} pieces in a row");
+        Message::new(problem, format!("at most {MAX_COUNT} are allowed")).suggest("Is the pitch too small?")
     })
 }

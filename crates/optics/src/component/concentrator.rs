@@ -1,11 +1,12 @@
-//! Light pipes and concentrators: solids that lead light along the axis from `front.plane` (z = -length/2) to `back.plane`
-//! (z = length/2) by reflection at their sides.
+//! Light pipes and concentrators (CPC): solids that guide light along the axis from `front.plane`
+//! (z = -length/2) to `back.plane` (z = length/2) by reflection at their sides.
 //!
-//! They are solid; a hollow one is a block minus the pipe.
+//! They are solid; subtract the pipe from a block for a hollow one.
 
 use super::aperture::solid;
-use super::error::{between, fit, positive};
+use super::error::{between, consistent, positive};
 use super::{Aperture, ComponentError};
+use rayweave_error::Message;
 use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{BoxFromCorners, Cone, HalfSpace};
@@ -19,11 +20,12 @@ pub fn light_pipe(length: f64, aperture: Aperture) -> Result<Solid, ComponentErr
     super::window(length, aperture)
 }
 
-/// A pipe whose outline changes evenly from `front` to `back`: from circle to circle a frustum (`edge.side`), from rectangle
-/// to rectangle one with four plane sides (`left.plane`, `right.plane`, `bottom.plane`, `top.plane`).
+/// A pipe whose outline changes linearly from `front` to `back`: from circle to circle a frustum
+/// (`edge.side`), from rectangle to rectangle one with four plane sides (`left.plane`,
+/// `right.plane`, `bottom.plane`, `top.plane`).
 ///
 /// # Errors
-/// Sizes that are not positive, outlines that are not of one kind, ellipses.
+/// Sizes that are not positive, outlines of different kinds, ellipses.
 pub fn tapered_light_pipe(length: f64, front: Aperture, back: Aperture) -> Result<Solid, ComponentError> {
     let part = "tapered light pipe";
     let length = positive(part, "length", length)?;
@@ -35,16 +37,14 @@ pub fn tapered_light_pipe(length: f64, front: Aperture, back: Aperture) -> Resul
         (Aperture::Rectangle { .. }, Aperture::Rectangle { .. }) => {
             frustum(length, front.size(), back.size())
         }
-        _ => Err(ComponentError::Unfit {
-            part,
-            problem: "its ends have different outlines or are ellipses (two circles or two rectangles can be joined) is a \
-                      circle meant?"
-                .to_owned(),
-        }),
+        _ => Err(ComponentError::Inconsistent(Message::new(
+            format!("ends of the {part} have different outlines or are ellipses"),
+            "only two circles or two rectangles can be joined",
+        ))),
     }
 }
 
-/// The faces at both ends, under names of their own.
+/// The faces at both ends, with their names.
 fn caps(length: f64) -> Result<Solid, ComponentError> {
     let half = 0.5 * length;
     let front = solid(HalfSpace::new(-Vec3::Z, half)?).named("front");
@@ -79,32 +79,34 @@ pub struct Cpc {
     pub exit_radius: f64,
     /// The length, (entrance_radius + exit_radius) / tan(acceptance).
     pub length: f64,
-    /// Radius and height (r, z) of the joints of the polyline, from the exit (z = 0) to the entrance (z = `length`). They
-    /// lie on the true profile.
+    /// Radius and height (r, z) of the joints of the polyline, from the exit (z = 0) to the
+    /// entrance (z = `length`). They lie on the true profile.
     pub joints: Vec<[f64; 2]>,
-    /// The polyline is nowhere farther than this from the true profile, and inside it.
+    /// The greatest distance of the polyline from the true profile, inside which it lies.
     pub error: f64,
 }
 
-/// The most cones that a concentrator may be made of.
-const MOST_CONES: usize = 4096;
+/// The greatest number of cones of a concentrator.
+const MAX_CONES: usize = 4096;
 
 impl Cpc {
-    /// The concentrator that leads all meridional light within `acceptance_degrees` of the axis to an exit of this radius.
+    /// The concentrator that guides all meridional light within `acceptance_degrees` of the axis to
+    /// an exit of this radius.
     ///
-    /// Its profile is a parabola with the focal length f = r (1 + sin a), its axis tilted by the acceptance angle a and its
-    /// focus on the opposite rim of the exit: in polar coordinates about the focus
-    /// `radius = 2 f sin(p - a) / (1 - cos p) - r`, `z = 2 f cos(p - a) / (1 - cos p)` with p from 2 a to 90 degrees + a
-    /// (W. T. Welford and R. Winston, *High Collection Nonimaging Optics*, 1989, section 4.3).
+    /// Its profile is a parabola with the focal length f = r (1 + sin a), its axis tilted by the
+    /// acceptance angle a and its focus on the opposite rim of the exit: in polar coordinates about
+    /// the focus `radius = 2 f sin(p - a) / (1 - cos p) - r`, `z = 2 f cos(p - a) / (1 - cos p)`
+    /// with p from 2 a to 90 degrees + a (W. T. Welford and R. Winston, *High Collection Nonimaging
+    /// Optics*, 1989, section 4.3).
     ///
-    /// The surface of revolution is of degree 4 and no surface of the engine, so it is approximated by cones through
-    /// joints on the profile. The joints are equally spaced along the directrix, x apart: a chord of the parabola
-    /// y = x^2 / (4 f) over d is nowhere farther from it than d^2 / (16 f), which is made at most `tolerance`. The
-    /// direction of the surface is off by at most d / (4 f).
+    /// The surface of revolution has degree 4 and is not a primitive, so it is approximated by
+    /// cones through joints on the profile. The joints are equally spaced along the directrix: a
+    /// chord of the parabola y = x^2 / (4 f) over d deviates from it by at most d^2 / (16 f), which
+    /// is at most `tolerance`. The direction of the surface deviates by at most d / (4 f).
     ///
     /// # Errors
-    /// A radius or tolerance that is not positive, an angle not between 0 and 90 degrees, a tolerance that would take more
-    /// than 4096 cones.
+    /// A radius or tolerance that is not positive, an angle not between 0 and 90 degrees, a
+    /// tolerance that would take more than 4096 cones.
     pub fn new(exit_radius: f64, acceptance_degrees: f64, tolerance: f64) -> Result<Cpc, ComponentError> {
         let part = "CPC";
         let exit_radius = positive(part, "exit_radius", exit_radius)?;
@@ -115,11 +117,11 @@ impl Cpc {
         // along the directrix x = 2 f cot(p / 2), and cot of half the end angles
         let (from, to) = (2.0 * focal_length * cos / (1.0 + sin), 2.0 * focal_length * cos / sin);
         let cones = ((to - from) / (16.0 * focal_length * tolerance).sqrt()).ceil().max(1.0);
-        fit(part, cones <= MOST_CONES as f64, || {
-            format!(
-                "a tolerance of {tolerance} takes {cones} cones (at most {MOST_CONES} are allowed) did you mean {}?",
-                tolerance * (cones / MOST_CONES as f64) * (cones / MOST_CONES as f64)
-            )
+        consistent(cones <= MAX_CONES as f64, || {
+            let least = tolerance * (cones / MAX_CONES as f64) * (cones / MAX_CONES as f64);
+            let problem = format!("tolerance of the {part} is {tolerance}, which needs {cones} cones");
+            Message::new(problem, format!("at most {MAX_CONES} are allowed"))
+                .suggest(format!("Did you mean {least}?"))
         })?;
         let step = (to - from) / cones;
         let parabola = Parabola { focal_length, exit_radius, sin, cos };
@@ -130,17 +132,17 @@ impl Cpc {
         Ok(Cpc { entrance_radius, exit_radius, length, joints, error })
     }
 
-    /// The solid: the light enters by `front.plane`, the wide end, at z = -length/2 and leaves by `back.plane` at
-    /// z = length/2. The profile bulges outwards, so that the solid is what lies in all cones, named `edge0`, `edge1`, ...
-    /// from the exit on.
+    /// The solid: the light enters by `front.plane`, the wide end, at z = -length/2 and leaves by
+    /// `back.plane` at z = length/2. The profile is convex, so that the solid is the intersection
+    /// of all cones, named `edge0`, `edge1`, ... from the exit on.
     ///
     /// # Errors
-    /// Sizes too small or too large to compute with.
+    /// Sizes out of the range of the primitives.
     pub fn solid(&self) -> Result<Solid, ComponentError> {
         let cone = |(k, ends): (usize, &[[f64; 2]])| -> Result<Solid, ComponentError> {
             let ([r1, z1], [r2, z2]) = (ends[0], ends[1]);
             let slope = (r2 - r1) / (z2 - z1);
-            // the line through both joints, as far as the ends: above the profile, so positive
+            // the line through both joints, extended to the ends: above the profile, so positive
             let (exit, entrance) = (r1 - slope * z1, r1 + slope * (self.length - z1));
             Ok(solid(Cone::new(entrance, exit.max(0.0), self.length)?).named(&format!("edge{k}")))
         };
@@ -153,14 +155,14 @@ impl Cpc {
 struct Parabola {
     focal_length: f64,
     exit_radius: f64,
-    /// Of the acceptance angle.
+    /// Sine and cosine of the acceptance angle.
     sin: f64,
     cos: f64,
 }
 
 impl Parabola {
-    /// Radius and height above the exit at a place along the directrix: with t = x / (2 f) = cot(p / 2) it is
-    /// sin p / (1 - cos p) = t and cos p / (1 - cos p) = (t^2 - 1) / 2.
+    /// Radius and height above the exit at a position along the directrix: with t = x / (2 f) =
+    /// cot(p / 2) it is sin p / (1 - cos p) = t and cos p / (1 - cos p) = (t^2 - 1) / 2.
     fn point(&self, x: f64) -> [f64; 2] {
         let size = 2.0 * self.focal_length;
         let t = x / size;

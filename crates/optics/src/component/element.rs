@@ -1,4 +1,4 @@
-//! What lies between two surfaces inside an aperture: lenses, windows and the substrates of mirrors.
+//! Solids between two surfaces of revolution inside an aperture: lenses, windows and substrates of mirrors.
 
 use super::face::{Face, steps};
 use super::{Aperture, ComponentError};
@@ -6,12 +6,12 @@ use rayweave_model::Solid;
 
 /// Two surfaces with material between them.
 pub(super) struct Element {
-    /// What is made, for messages.
+    /// The component, for messages.
     pub part: &'static str,
     pub front: Face,
     pub back: Face,
     pub aperture: Aperture,
-    /// The place of the aperture's centre.
+    /// The centre of the aperture.
     pub centre: [f64; 2],
 }
 
@@ -22,13 +22,13 @@ impl Element {
         let (front, back) = (self.front.over(reach), self.back.over(reach));
         let (low, high) = (front.range(reach)[0], back.range(reach)[1]);
         let margin = 0.25 * (high - low).max(reach);
-        // the column ends outside the material, where no ray meets it
+        // the column ends outside the material, where it bounds nothing
         let ends = [front.floor(low, margin), back.ceiling(high, margin)];
         let edge = self.aperture.column(self.centre, ends)?.named("edge");
         Ok(Solid::intersection([front.beyond(ends[1])?, back.before(ends[0])?, edge]))
     }
 
-    /// How far the aperture reaches, if both surfaces do and do not cross before.
+    /// The extent of the aperture, if both surfaces extend as far and do not cross inside it.
     fn checked_reach(&self) -> Result<f64, ComponentError> {
         let reach = self.reach()?;
         for face in [&self.front, &self.back] {
@@ -64,9 +64,9 @@ impl Element {
         self.back.z(height).unwrap_or(0.0) - self.front.z(height).unwrap_or(0.0)
     }
 
-    /// The distance from the axis at which the surfaces cross before they reach so far.
+    /// The distance from the axis at which the surfaces cross, if that is less than `reach`.
     fn crossing(&self, reach: f64) -> Option<f64> {
-        // a knife's edge is a lens; what rounding takes from it is not a crossing
+        // a sharp edge is allowed; a negative thickness within rounding is not a crossing
         let rounding = 1e-13 * (reach + self.gap(0.0).abs());
         let heights: Vec<f64> = match self.front.profile.has_terms() || self.back.profile.has_terms() {
             true => steps(reach).collect(),
@@ -81,8 +81,9 @@ impl Element {
         Some(bad)
     }
 
-    /// Where the thickness stops growing or shrinking, if inside `reach`: the slopes of both surfaces,
-    /// `h / sqrt(R^2 - (1 + k) h^2)` with the sign of R, are equal at h^2 = (R1^2 - R2^2) / (k1 - k2).
+    /// The distance from the axis of an extremum of the thickness, if inside `reach`: the slopes of
+    /// both surfaces, `h / sqrt(R^2 - (1 + k) h^2)` with the sign of R, are equal at h^2 = (R1^2 -
+    /// R2^2) / (k1 - k2).
     fn turning(&self, reach: f64) -> Option<f64> {
         let (a, b) = (self.front.profile, self.back.profile);
         let square = (a.radius * a.radius - b.radius * b.radius) / (a.conic - b.conic);

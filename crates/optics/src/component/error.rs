@@ -1,25 +1,27 @@
-//! Why a component cannot be made.
+//! Errors of components.
 
-use rayweave_math::SingularError;
+use rayweave_error::Message;
+use rayweave_math::{SingularError, round_to_digits};
 use rayweave_shape::primitive::ShapeError;
 
-/// Why a component cannot be made; the message reads "problem (why) suggestion?".
+/// Error of a component that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ComponentError {
-    /// A length or another size that is zero, negative, infinite or NaN.
-    #[error("{part}: {parameter} is {value} ({parameter} must be finite and greater than 0){}", or_positive(*.value))]
+    /// A size that is zero, negative, infinite or NaN.
+    #[error("{parameter} of the {part} is {value}: it must be finite and greater than 0.{}", or_positive(*.value))]
     NotPositive {
-        /// What was to be made.
+        /// The component.
         part: &'static str,
         /// The parameter at fault.
         parameter: String,
         /// Its value.
         value: f64,
     },
-    /// A number that is NaN or infinite, where any finite one will do.
-    #[error("{part}: {parameter} is {value} ({parameter} must be finite)")]
+    /// A number that is NaN or infinite.
+    #[error("{parameter} of the {part} is {value}: it must be finite.")]
     NotFinite {
-        /// What was to be made.
+        /// The component.
         part: &'static str,
         /// The parameter at fault.
         parameter: String,
@@ -28,10 +30,10 @@ pub enum ComponentError {
     },
     /// A radius of curvature that is zero or NaN.
     #[error(
-        "{part}: {parameter} is {value} (a radius of curvature is a number other than 0) did you mean inf, a plane?"
+        "{parameter} of the {part} is {value}: a radius of curvature is a number other than 0. Use inf for a plane."
     )]
     Radius {
-        /// What was to be made.
+        /// The component.
         part: &'static str,
         /// The parameter at fault.
         parameter: String,
@@ -39,27 +41,27 @@ pub enum ComponentError {
         value: f64,
     },
     /// A number outside its range.
-    #[error("{part}: {parameter} is {value} (it must be greater than {low} and less than {high}){}", or_degrees(*.value, *.high))]
+    #[error("{parameter} of the {part} is {value}: it must be greater than {low} and less than {high}.{}", or_degrees(*.value, *.high))]
     OutOfRange {
-        /// What was to be made.
+        /// The component.
         part: &'static str,
         /// The parameter at fault.
         parameter: String,
         /// Its value.
         value: f64,
-        /// The end of the range below, itself excluded.
+        /// The lower end of the range, excluded.
         low: f64,
-        /// The end of the range above, itself excluded.
+        /// The upper end of the range, excluded.
         high: f64,
     },
-    /// An aperture that reaches beyond where a surface ends.
+    /// An aperture that extends beyond the end of a surface.
     #[error(
-        "{part}: the aperture reaches {} from the axis (the {surface} surface ends {} from it) is a diameter \
-         given for a radius?",
-        short(*reach), short(*limit)
+        "aperture of the {part} extends {} from the axis: the {surface} surface ends {} from it. \
+         Is a diameter given as a radius?",
+        round_to_digits(*reach, 6), round_to_digits(*limit, 6)
     )]
     ApertureTooLarge {
-        /// What was to be made.
+        /// The component.
         part: &'static str,
         /// The surface that ends.
         surface: &'static str,
@@ -68,14 +70,14 @@ pub enum ComponentError {
         /// The distance at which the surface ends.
         limit: f64,
     },
-    /// Two surfaces that cross where there should be material between them.
+    /// Two surfaces that cross inside the aperture, so that there is no material between them.
     #[error(
-        "{part}: the {first} and the {second} surface cross inside the aperture, {} from the axis (the aperture \
-         reaches {}) is the thickness too small or the aperture too large?",
-        short(*height), short(*reach)
+        "surfaces {first} and {second} of the {part} cross inside the aperture, {} from the axis: the aperture \
+         extends to {}. Increase the thickness or decrease the aperture.",
+        round_to_digits(*height, 6), round_to_digits(*reach, 6)
     )]
     SurfacesCross {
-        /// What was to be made.
+        /// The component.
         part: &'static str,
         /// The surface in front.
         first: String,
@@ -86,46 +88,36 @@ pub enum ComponentError {
         /// The distance of the farthest point of the aperture from the axis.
         reach: f64,
     },
-    /// Lists whose lengths do not fit.
+    /// Lists of inconsistent lengths.
     #[error(
-        "{part}: {radii} radii and {thicknesses} thicknesses (there is one radius more than thicknesses, at least 2) is one missing?"
+        "{part} has {radii} radii and {thicknesses} thicknesses: it needs one radius more than thicknesses, and at least 2 radii."
     )]
     Counts {
-        /// What was to be made.
+        /// The component.
         part: &'static str,
         /// The number of radii.
         radii: usize,
         /// The number of thicknesses.
         thicknesses: usize,
     },
-    /// Sizes that do not fit together.
-    #[error("{part}: {problem}")]
-    Unfit {
-        /// What was to be made.
-        part: &'static str,
-        /// What does not fit, why, and what may have been meant.
-        problem: String,
-    },
-    /// A size beyond what can be computed with.
+    /// Inconsistent sizes.
+    #[error("{0}")]
+    Inconsistent(Message),
+    /// A size out of the range of the primitives.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// A map that cannot be undone.
+    /// A singular map.
     #[error(transparent)]
     Singular(#[from] SingularError),
 }
 
-/// A computed number as messages tell it, to six digits.
-pub(crate) fn short(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
-}
-
 fn or_positive(value: f64) -> String {
-    let is_sign_slip = value < 0.0 && value.is_finite();
-    if is_sign_slip { format!(" did you mean {}?", -value) } else { String::new() }
+    let is_wrong_sign = value < 0.0 && value.is_finite();
+    if is_wrong_sign { format!(" Did you mean {}?", -value) } else { String::new() }
 }
 
 fn or_degrees(value: f64, high: f64) -> &'static str {
-    if value > high { " is it in degrees?" } else { "" }
+    if value > high { " Is it in degrees?" } else { "" }
 }
 
 /// The value, if it is finite and greater than 0.
@@ -165,11 +157,10 @@ pub(super) fn between(
     }
 }
 
-/// An error about sizes that do not fit together, unless they do.
-pub(super) fn fit(
-    part: &'static str,
-    fits: bool,
-    problem: impl FnOnce() -> String,
+/// An error about inconsistent sizes, unless they are consistent.
+pub(super) fn consistent(
+    is_consistent: bool,
+    message: impl FnOnce() -> Message,
 ) -> Result<(), ComponentError> {
-    if fits { Ok(()) } else { Err(ComponentError::Unfit { part, problem: problem() }) }
+    if is_consistent { Ok(()) } else { Err(ComponentError::Inconsistent(message())) }
 }

@@ -1,4 +1,4 @@
-//! The optical surfaces of a component: their height over the aperture, and the half of space behind them.
+//! Optical surfaces of revolution (conics, aspheres): sag, and the half-space behind them.
 
 use super::ComponentError;
 use super::aperture::solid;
@@ -6,17 +6,20 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{self, Cylinder, HalfSpace, Quadric, Sphere};
 
-/// The height over its vertex plane of a conic of revolution, `height` away from the axis:
+/// The sag of a conic of revolution, its height over the vertex plane at a distance `height` from the axis:
 ///
-/// `z = c h^2 / (1 + sqrt(1 - (1 + k) c^2 h^2))`, with the curvature c = 1 / `radius` and the conic constant k.
+/// `z = c h^2 / (1 + sqrt(1 - (1 + k) c^2 h^2))`, with the curvature c = 1 / `radius` and the conic
+/// constant k.
 ///
-/// k < -1 is a hyperboloid, -1 a paraboloid, between -1 and 0 an ellipsoid about its long axis, 0 a sphere, above 0 an
-/// ellipsoid about its short axis (ISO 10110-12). An infinite radius is a plane. `None` beyond where the surface ends.
+/// k < -1 is a hyperboloid, -1 a paraboloid, between -1 and 0 an ellipsoid about its long axis, 0 a
+/// sphere, above 0 an ellipsoid about its short axis (ISO 10110-12). An infinite radius is a plane.
+/// `None` beyond the end of the surface.
 pub fn sag(radius: f64, conic: f64, height: f64) -> Option<f64> {
     Profile::conic(radius, conic).sag(height)
 }
 
-/// An aspheric surface of revolution: a conic (see [`sag`]) and terms in powers of the distance from the axis.
+/// An aspheric surface of revolution: a conic (see [`sag`]) and terms in powers of the distance
+/// from the axis.
 ///
 /// ```
 /// use rayweave_optics::component::Asphere;
@@ -31,11 +34,12 @@ pub struct Asphere {
     pub radius: f64,
     /// The conic constant.
     pub conic: f64,
-    /// The coefficients of r^2, r^4, ..., r^16 in the unit of lengths to the power -1, -3, ..., -15. That of r^2 adds to the
-    /// curvature.
+    /// The coefficients of r^2, r^4, ..., r^16 in the unit of lengths to the power -1, -3, ...,
+    /// -15. That of r^2 adds to the curvature.
     pub even: [f64; 8],
-    /// The coefficients of r, r^3, ..., r^15 in the unit of lengths to the power 0, -2, ..., -14. That of r makes a cone
-    /// around the vertex, an axicon: it has no part in first-order data, as the others have none.
+    /// The coefficients of r, r^3, ..., r^15 in the unit of lengths to the power 0, -2, ..., -14.
+    /// That of r makes a cone around the vertex, an axicon. None of them contributes to first-order
+    /// data.
     pub odd: [f64; 8],
 }
 
@@ -45,18 +49,18 @@ impl Asphere {
         Asphere { radius, conic, even: [0.0; 8], odd: [0.0; 8] }
     }
 
-    /// True if it is more than a conic.
-    pub(crate) fn has_terms(&self) -> bool {
+    /// True if it has terms beyond the conic.
+    pub fn has_terms(&self) -> bool {
         self.even != [0.0; 8] || self.odd != [0.0; 8]
     }
 
-    /// The height over the vertex plane `height` away from the axis; `None` beyond where the conic ends.
+    /// The sag at a distance `height` from the axis; `None` beyond the end of the conic.
     pub fn sag(&self, height: f64) -> Option<f64> {
         Profile::asphere(self).sag(height)
     }
 }
 
-/// The form of a surface with its vertex at the origin.
+/// The profile of a surface with its vertex at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Profile {
     /// The radius of curvature at the vertex, positive if its centre lies on the side of +z.
@@ -69,7 +73,7 @@ pub(super) struct Profile {
     pub even: [f64; 8],
     /// The coefficients of r, r^3, ...
     pub odd: [f64; 8],
-    /// How far from the axis a surface with such terms has to be right; of no meaning without.
+    /// The distance from the axis up to which a surface with terms is exact; without meaning for others.
     pub domain: f64,
 }
 
@@ -95,7 +99,7 @@ impl Profile {
         Profile { even: of.even, odd: of.odd, ..Profile::conic(of.radius, of.conic) }
     }
 
-    /// The same, right as far from the axis as something reaches, and a little farther: the end of the surface is outside.
+    /// The profile, exact up to a distance from the axis and a little beyond, so that its end is outside.
     pub fn over(self, reach: f64) -> Profile {
         Profile { domain: (1.001 * reach).min(self.limit()), ..self }
     }
@@ -112,13 +116,13 @@ impl Profile {
         self.even != [0.0; 8] || self.odd != [0.0; 8]
     }
 
-    /// The same seen from the other side.
+    /// The profile seen from the other side.
     pub fn reversed(self) -> Profile {
         let [even, odd] = [self.even, self.odd].map(|terms| terms.map(|c| -c));
         Profile { radius: -self.radius, even, odd, ..self }
     }
 
-    /// The distance from the axis at which the surface turns back.
+    /// The distance from the axis at which the surface ends: its slope is vertical there.
     pub fn limit(&self) -> f64 {
         let turn = 1.0 + self.conic;
         if self.radius.is_infinite() || turn <= 0.0 { f64::INFINITY } else { self.radius.abs() / turn.sqrt() }
@@ -127,7 +131,7 @@ impl Profile {
     pub fn sag(&self, height: f64) -> Option<f64> {
         let ratio = height / self.radius;
         let under_root = 1.0 - (1.0 + self.conic) * ratio * ratio;
-        // at the limit itself rounding may leave less than nothing
+        // at the limit rounding may leave a negative value
         let at_limit = height <= self.limit();
         let square = height * height;
         let even = self.even.iter().rev().fold(0.0, |sum, c| (sum + c) * square);
@@ -136,14 +140,15 @@ impl Profile {
         (under_root >= 0.0 || at_limit).then(|| height * ratio / (1.0 + under_root.max(0.0).sqrt()) + terms)
     }
 
-    /// The height of the plane that divides the quadric into the sheet with the vertex and the other one: through the
-    /// centre of an ellipsoid, between the sheets of a hyperboloid, infinitely far for the others.
+    /// The height of the plane that separates the sheet with the vertex from the other sheet of the
+    /// quadric: through the centre of an ellipsoid, between the sheets of a hyperboloid, infinite
+    /// for the others.
     fn divide(&self) -> f64 {
         if self.has_terms() { f64::INFINITY } else { self.radius / (1.0 + self.conic) }
     }
 
-    /// The points with f < 0, where f is the quadric with the sign that makes them lie on the side of +z near the
-    /// vertex: `f = c (x^2 + y^2) + c (1 + k) z^2 - 2 z`.
+    /// The points with f < 0, where f is the quadric with the sign that makes them lie on the side
+    /// of +z near the vertex: `f = c (x^2 + y^2) + c (1 + k) z^2 - 2 z`.
     fn inside(&self, vertex: f64, name: &str) -> Result<Solid, ComponentError> {
         if self.is_plane() {
             return Ok(solid(HalfSpace::new(-Vec3::Z, -vertex)?).named(name));
@@ -165,7 +170,7 @@ impl Profile {
         Ok(if self.radius > 0.0 { round } else { !round })
     }
 
-    /// The quadric times |radius|, so that no entry is tiny.
+    /// The quadric multiplied by |radius|, so that no coefficient is tiny.
     fn quadric(&self) -> Result<Solid, ComponentError> {
         let (sign, size) = (self.radius.signum(), self.radius.abs());
         let mut matrix = [[0.0; 4]; 4];
@@ -174,7 +179,7 @@ impl Profile {
         Ok(solid(Quadric::new(matrix)?))
     }
 
-    /// The radius of curvature and the conic constant, if they are numbers that say something.
+    /// The profile, if its radius of curvature, conic constant and coefficients are valid.
     pub fn checked(
         self,
         part: &'static str,
@@ -194,7 +199,7 @@ impl Profile {
     }
 }
 
-/// A surface in its place on the axis.
+/// A surface at its position on the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Face {
     pub name: &'static str,
@@ -203,17 +208,18 @@ pub(super) struct Face {
 }
 
 impl Face {
-    /// Its height along z, `height` away from the axis.
+    /// Its z at a distance `height` from the axis.
     pub fn z(&self, height: f64) -> Option<f64> {
         self.profile.sag(height).map(|sag| self.vertex + sag)
     }
 
-    /// The same over at least a part of the axis.
+    /// The surface, exact up to a distance from the axis.
     pub fn over(self, reach: f64) -> Face {
         Face { profile: self.profile.over(reach), ..self }
     }
 
-    /// The heights that it takes out to `reach`: the sag of a conic is monotonic, any other is looked at in steps.
+    /// The range of z up to `reach` from the axis: the sag of a conic is monotonic, any other is
+    /// sampled in steps.
     pub fn range(&self, reach: f64) -> [f64; 2] {
         if self.profile.has_terms() {
             let heights = steps(reach).filter_map(|height| self.z(height));
@@ -227,17 +233,20 @@ impl Face {
         self.vertex + self.profile.divide()
     }
 
-    /// The points on the side of +z, right where z < `until`; of a concave surface also right only above [`Face::floor`].
+    /// The points on the side of +z, exact where z < `until`; for a concave surface only above
+    /// [`Face::floor`].
     pub fn beyond(&self, until: f64) -> Result<Solid, ComponentError> {
         let inside = self.profile.inside(self.vertex, self.name)?;
         if self.profile.is_plane() || self.profile.divide() < 0.0 || until <= self.divide() {
             return Ok(inside);
         }
-        // the far half of the surface is none: all that lies behind its middle is behind the surface
+        // the far half of the quadric is not part of the surface: all points behind its centre are
+        // behind the surface
         Ok(inside | solid(HalfSpace::new(-Vec3::Z, -self.divide())?).named(self.name))
     }
 
-    /// The points on the side of -z, right where z > `from`; of a convex surface also right only below [`Face::ceiling`].
+    /// The points on the side of -z, exact where z > `from`; for a convex surface only below
+    /// [`Face::ceiling`].
     pub fn before(&self, from: f64) -> Result<Solid, ComponentError> {
         if self.profile.is_plane() {
             return Ok(solid(HalfSpace::new(Vec3::Z, self.vertex)?).named(self.name));
@@ -249,7 +258,8 @@ impl Face {
         Ok(outside | solid(HalfSpace::new(Vec3::Z, self.divide())?).named(self.name))
     }
 
-    /// A height below `low`, where a component begins, and above the other half of the surface, which must not count.
+    /// A height below `low`, where a component begins, and above the other half of the quadric,
+    /// which is not part of the surface.
     pub fn floor(&self, low: f64, margin: f64) -> f64 {
         let divide = self.divide();
         if divide <= low && !self.profile.is_plane() {
@@ -258,7 +268,7 @@ impl Face {
         low - margin
     }
 
-    /// A height above `high`, where a component ends, and below the other half of the surface.
+    /// A height above `high`, where a component ends, and below the other half of the quadric.
     pub fn ceiling(&self, high: f64, margin: f64) -> f64 {
         let divide = self.divide();
         if divide >= high && !self.profile.is_plane() {
@@ -268,7 +278,7 @@ impl Face {
     }
 }
 
-/// Distances from the axis up to one, in small steps.
+/// Distances from the axis from 0 to `reach`, in 64 steps.
 pub(super) fn steps(reach: f64) -> impl Iterator<Item = f64> {
     (0..=64).map(move |k| reach * f64::from(k) / 64.0)
 }

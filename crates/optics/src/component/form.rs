@@ -1,18 +1,19 @@
-//! Optical surfaces that need not be of revolution: what they are and how high they are.
+//! Freeform optical surfaces: biconic, toroidal, polynomial and Zernike sag.
 
 use super::Asphere;
 use super::error::finite;
 use super::{ComponentError, face::Profile};
+use rayweave_error::Message;
 use rayweave_math::sin_cos_degrees;
 use rayweave_shape::primitive::{self, Primitive};
 use rayweave_shape::surface::sag::{MOST_DEGREE, Zernike, zernike_terms};
 
-/// What a surface has beside radius, conic constant and terms in powers of the distance from the axis.
+/// The part of a surface beyond radius, conic constant and terms in powers of the distance from the axis.
 ///
-/// Radii, curvatures and coefficients have the usual sign: a surface with positive ones bends towards +z.
+/// Radii, curvatures and coefficients have the usual sign: a surface with positive ones curves towards +z.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Figure {
-    /// Nothing: it is of revolution about the axis.
+    /// None: a surface of revolution about the axis.
     #[default]
     Round,
     /// Another radius and conic constant along x; those of the surface are along y, and it has no terms:
@@ -23,23 +24,26 @@ pub enum Figure {
         /// The conic constant along x.
         conic_x: f64,
     },
-    /// The surface gives a curve in the plane x = 0, with even terms in powers of y; it is turned about a line parallel to y:
-    /// with f the curve and R the radius of the turn, `z = R - S sqrt((R - f(y))^2 - x^2)` with the sign S of R.
+    /// The surface gives a curve in the plane x = 0, with even terms in powers of y; it is rotated
+    /// about a line parallel to y: with f the curve and R the radius of rotation,
+    /// `z = R - S sqrt((R - f(y))^2 - x^2)` with the sign S of R.
     Toroidal {
-        /// From the vertex along z to the axis of the turn; infinite for a cylinder.
+        /// The radius of rotation, from the vertex along z to the axis of rotation; infinite for a cylinder.
         turn: f64,
     },
-    /// Terms in x and y beside even ones in r: coefficients, lengths, of `x/N`, `y/N`, `(x/N)^2`, `(x/N) (y/N)`, `(y/N)^2`,
-    /// `(x/N)^3`, ...: degree by degree, within each with falling powers of x, up to degree 30.
+    /// Terms in x and y beside even ones in r: coefficients, lengths, of `x/N`, `y/N`, `(x/N)^2`,
+    /// `(x/N) (y/N)`, `(y/N)^2`, `(x/N)^3`, ...: degree by degree, within each with falling powers
+    /// of x, up to degree 30.
     Polynomial {
         /// The length N by which x and y are divided.
         norm_radius: f64,
         /// The coefficients.
         coefficients: Vec<f64>,
     },
-    /// Zernike polynomials of `(x/N, y/N)` beside even terms in r, up to degree 30. They go on beyond the disc of the radius N.
+    /// Zernike polynomials of `(x/N, y/N)` beside even terms in r, up to degree 30. They continue
+    /// beyond the disc of radius N.
     Zernike {
-        /// How they are numbered and scaled.
+        /// The numbering and normalisation.
         order: Zernike,
         /// The length N by which x and y are divided.
         norm_radius: f64,
@@ -53,7 +57,7 @@ pub enum Figure {
 pub struct Form {
     /// Radius, conic constant and terms.
     pub asphere: Asphere,
-    /// What it has beside that.
+    /// The part beyond these.
     pub figure: Figure,
     /// Terms `c x^i y^j`, those of the figure and of even powers of r.
     terms: Vec<(u32, u32, f64)>,
@@ -66,7 +70,7 @@ impl From<Asphere> for Form {
 }
 
 impl Form {
-    /// A surface of this figure.
+    /// A surface with a figure.
     ///
     /// ```
     /// use rayweave_optics::component::{Asphere, Figure, Form};
@@ -87,21 +91,22 @@ impl Form {
         Form { asphere, terms: terms.into_iter().chain(round).collect(), figure }
     }
 
-    /// True if it is of revolution about the axis.
+    /// True for a surface of revolution about the axis.
     pub fn is_round(&self) -> bool {
         self.terms.is_empty() && !matches!(self.figure, Figure::Biconic { .. } | Figure::Toroidal { .. })
     }
 
-    /// The height over the vertex plane; `None` beyond where the surface ends.
+    /// The sag, the height over the vertex plane; `None` beyond the end of the surface.
     pub fn sag(&self, point: [f64; 2]) -> Option<f64> {
         match self.is_round() {
             true => self.asphere.sag(libm::hypot(point[0], point[1])),
-            false => self.height(point).map(|[sag, ..]| sag),
+            false => self.sag_and_slopes(point).map(|[sag, ..]| sag),
         }
     }
 
-    /// The height and its derivatives along x and y; `None` also where the surface is vertical.
-    pub(crate) fn height(&self, [x, y]: [f64; 2]) -> Option<[f64; 3]> {
+    /// The sag and its derivatives along x and y; `None` beyond the end of the surface and where it
+    /// is vertical.
+    pub fn sag_and_slopes(&self, [x, y]: [f64; 2]) -> Option<[f64; 3]> {
         let Asphere { radius, conic, .. } = self.asphere;
         match self.figure {
             _ if self.is_round() => {
@@ -120,7 +125,7 @@ impl Form {
                 }
                 let rest = (turn - f) * (turn - f) - x * x;
                 let root = rest.sqrt().copysign(turn);
-                // R - f - root without the loss of digits
+                // R - f - root without cancellation
                 let bend = x * x / (turn - f + root);
                 (rest > 0.0 && (turn - f) * turn > 0.0)
                     .then(|| [f + bend, x / root, slope * (turn - f) / root])
@@ -132,8 +137,9 @@ impl Form {
         }
     }
 
-    /// Directions across the axis in which the surface is looked at: one, if it is of revolution.
-    pub(crate) fn directions(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
+    /// Unit vectors across the axis along which the surface is sampled where its extent is needed:
+    /// one for a surface of revolution, else 32.
+    pub fn directions(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let count = if self.is_round() { 1 } else { 32 };
         (0..count).map(move |k| {
             let (sin, cos) = sin_cos_degrees(f64::from(k) * 360.0 / f64::from(count));
@@ -142,7 +148,7 @@ impl Form {
     }
 
     /// The distance from the axis at which the surface ends, if that is less than `reach`.
-    pub(crate) fn end(&self, reach: f64) -> Option<f64> {
+    pub fn end_within(&self, reach: f64) -> Option<f64> {
         let is_there = |r: f64| self.directions().all(|[x, y]| self.sag([r * x, r * y]).is_some());
         if is_there(reach) {
             return None;
@@ -156,7 +162,7 @@ impl Form {
     }
 
     /// The curvatures at the vertex along x and y.
-    pub(crate) fn curvatures(&self) -> [f64; 2] {
+    pub fn curvatures(&self) -> [f64; 2] {
         let along_y = 1.0 / self.asphere.radius + 2.0 * self.asphere.even[0];
         match self.figure {
             Figure::Biconic { radius_x, .. } => [1.0 / radius_x, along_y],
@@ -169,7 +175,7 @@ impl Form {
         }
     }
 
-    /// The same seen from the other side.
+    /// The surface seen from the other side.
     pub(super) fn reversed(&self) -> Form {
         let Asphere { radius, conic, even, odd } = self.asphere;
         let [even, odd] = [even, odd].map(|terms| terms.map(|c| -c));
@@ -190,8 +196,11 @@ impl Form {
         Form::new(Asphere { radius: -radius, conic, even, odd }, figure)
     }
 
-    /// The same, if all its numbers say something and go together.
-    pub(crate) fn checked(self, part: &'static str, name: &str) -> Result<Form, ComponentError> {
+    /// The same form, if all its parameters are in range and go together.
+    ///
+    /// # Errors
+    /// [`ComponentError`], which names the `part` and the surface by `name`.
+    pub fn checked(self, part: &'static str, name: &str) -> Result<Form, ComponentError> {
         Profile::asphere(&self.asphere).checked(part, name)?;
         let radius = |parameter: &str, value: f64| match value == 0.0 || value.is_nan() {
             true => Err(ComponentError::Radius { part, parameter: format!("{parameter} of {name}"), value }),
@@ -214,13 +223,15 @@ impl Form {
             }
         }
         let has_even = even != [0.0; 8] && matches!(self.figure, Figure::Biconic { .. });
-        super::error::fit(part, !has_even && odd == [0.0; 8], || {
+        super::error::consistent(!has_even && odd == [0.0; 8], || {
             let which = if has_even { "even" } else { "odd" };
-            format!("{name} has {which} terms in r (a {} has none)", self.kind())
+            let problem = format!("{name} of the {part} has {which} terms in r");
+            Message::new(problem, format!("a {} has none", self.kind()))
         })?;
         let degree = self.terms.iter().map(|&(i, j, _)| (i + j) as usize).max().unwrap_or(0);
-        super::error::fit(part, degree <= MOST_DEGREE, || {
-            format!("{name} has terms of degree {degree} ({MOST_DEGREE} is the highest) are they needed?")
+        super::error::consistent(degree <= MOST_DEGREE, || {
+            let problem = format!("{name} of the {part} has terms of degree {degree}");
+            Message::new(problem, format!("the highest degree is {MOST_DEGREE}")).suggest("Omit them")
         })?;
         Ok(self)
     }
@@ -235,7 +246,7 @@ impl Form {
         }
     }
 
-    /// The body above the surface over a round aperture.
+    /// The body above the surface over a circular aperture.
     pub(super) fn above(&self, part: &'static str, aperture: f64) -> Result<Primitive, ComponentError> {
         let Asphere { radius, conic, even, .. } = self.asphere;
         let has_terms = even != [0.0; 8];
@@ -252,11 +263,14 @@ impl Form {
                 self.freeform(aperture, &in_y.collect::<Vec<_>>())?.into()
             }
             Figure::Toroidal { .. } => {
-                let problem = "a toroid's curve is no circle, or its radius is larger than that of the turn (followed ray \
-                               by ray it may be any; solids are made of circles that are turned about a farther axis, and \
-                               of cylinders) is it a biconic?"
-                    .to_owned();
-                return Err(ComponentError::Unfit { part, problem });
+                let problem = format!(
+                    "toroid of the {part} has a curve that is not a circle, or a radius of rotation that is too small"
+                );
+                let reason = "solids of toroids need a circle rotated about an axis farther than its centre, or a \
+                              cylinder; only sequential ray tracing accepts any curve";
+                return Err(ComponentError::Inconsistent(
+                    Message::new(problem, reason).suggest("Use a biconic"),
+                ));
             }
             _ => self.freeform(aperture, &self.terms)?.into(),
         })
@@ -284,13 +298,14 @@ impl Form {
     }
 }
 
-/// The height of a curve `r` away from its vertex, and its slope; `None` where it has ended or is vertical.
+/// The sag of a curve at a distance `r` from its vertex, and its slope; `None` beyond its end and
+/// where it is vertical.
 fn curve(of: &Asphere, r: f64) -> Option<[f64; 2]> {
     let (c, square) = (1.0 / of.radius, r * r);
     let root = (1.0 - (1.0 + of.conic) * c * c * square).sqrt();
     let even = (0..8).rev().fold(0.0, |sum, k| sum * square + (2 * k + 2) as f64 * of.even[k]);
     let odd = (0..8).rev().fold(0.0, |sum, k| sum * square + (2 * k + 1) as f64 * of.odd[k]);
-    // at the tip of a cone there is no slope: 0
+    // the slope is undefined at the tip of a cone: 0
     let tip = if r == 0.0 { 0.0 } else { odd };
     let sag = of.sag(r.abs())?;
     (root > 0.0).then_some([sag, r * (c / root + even) + tip])
@@ -307,7 +322,7 @@ fn biconic(c: [f64; 2], k: [f64; 2], point: [f64; 2]) -> Option<[f64; 3]> {
     (root > 0.0).then(|| [bend / sum, slope(0), slope(1)])
 }
 
-/// A sum and its derivatives with another term.
+/// Adds a term to a sum and its derivatives.
 fn plus(sum: [f64; 3], &(i, j, c): &(u32, u32, f64), [x, y]: [f64; 2]) -> [f64; 3] {
     let power = |base: f64, n: u32| (0..n).fold(1.0, |power, _| power * base);
     let below = |base: f64, n: u32| if n == 0 { 0.0 } else { f64::from(n) * power(base, n - 1) };
@@ -322,7 +337,7 @@ fn polynomial(norm: f64, coefficients: &[f64]) -> Vec<(u32, u32, f64)> {
     powers.zip(coefficients).map(scaled).filter(|term| term.2 != 0.0).collect()
 }
 
-/// Terms in x and y of those in r^2, r^4, ...
+/// Terms in x and y of even powers of r.
 fn round_terms(even: &[f64; 8]) -> Vec<(u32, u32, f64)> {
     let mut terms = Vec::new();
     for (n, &c) in (1u32..).zip(even).filter(|(_, c)| **c != 0.0) {

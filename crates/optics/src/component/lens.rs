@@ -1,14 +1,16 @@
-//! Lenses, windows, balls, rods and axicons.
+//! Lenses: spherical, conic, aspheric, freeform, cylindrical and cemented; windows, ball lenses,
+//! rods and axicons.
 //!
-//! Radii of curvature have the usual sign: positive if the centre lies on the side of +z, where the light goes. An infinite
-//! radius is a plane.
+//! Radii of curvature have the usual sign: positive if the centre lies on the side of +z, where the
+//! light goes. An infinite radius is a plane.
 
 use super::aperture::solid;
 use super::element::Element;
 use super::error::{between, positive};
 use super::face::{Asphere, Face, Profile};
 use super::form::Form;
-use super::side::{between_sides, side};
+use super::form_side::form_side;
+use super::side::between_sides;
 use super::{Aperture, ComponentError};
 use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
@@ -16,12 +18,13 @@ use rayweave_shape::primitive::{Cone, HalfSpace, Sphere};
 
 /// A lens with two spherical surfaces, `thickness` thick on the axis.
 ///
-/// The vertices are at z = -`thickness`/2 (face `front.side`, radius `r1`) and z = `thickness`/2 (`back.side`, `r2`); the
-/// rim is `edge.side`. Planes are `front.plane` and `back.plane`, the rim of a rectangular aperture `edge.x-` to `edge.y+`.
+/// The vertices are at z = -`thickness`/2 (face `front.side`, radius `r1`) and z = `thickness`/2
+/// (`back.side`, `r2`); the rim is `edge.side`. Planes are `front.plane` and `back.plane`, the rim
+/// of a rectangular aperture `edge.x-` to `edge.y+`.
 ///
 /// # Errors
-/// A radius that is 0 or NaN, a thickness that is not positive, an aperture larger than a sphere, surfaces that cross inside
-/// the aperture (a sharp edge is allowed).
+/// A radius that is 0 or NaN, a thickness that is not positive, an aperture larger than a sphere,
+/// surfaces that cross inside the aperture (a sharp edge is allowed).
 ///
 /// ```
 /// use rayweave_optics::component::{Aperture, lens};
@@ -31,7 +34,7 @@ use rayweave_shape::primitive::{Cone, HalfSpace, Sphere};
 /// let plano_concave = lens(-30.0, f64::INFINITY, 2.0, Aperture::ellipse(20.0, 10.0))?;
 ///
 /// let error = lens(50.0, -50.0, 1.0, Aperture::circle(25.0)).unwrap_err();
-/// assert!(error.to_string().contains("the front and the back surface cross inside the aperture, 7.05"));
+/// assert!(error.to_string().contains("cross inside the aperture, 7.05"));
 /// # Ok::<(), rayweave_optics::component::ComponentError>(())
 /// ```
 pub fn lens(r1: f64, r2: f64, thickness: f64, aperture: Aperture) -> Result<Solid, ComponentError> {
@@ -78,8 +81,9 @@ pub fn window(thickness: f64, aperture: Aperture) -> Result<Solid, ComponentErro
     lens(f64::INFINITY, f64::INFINITY, thickness, aperture)
 }
 
-/// A lens whose surfaces are conics of revolution: radii of curvature at the vertices, conic constants (see
-/// [`sag`](super::sag)). Otherwise a [`lens`]; faces that are no spheres are quadrics, `front.side` and `back.side`.
+/// A lens whose surfaces are conics of revolution: radii of curvature at the vertices, conic
+/// constants (see [`sag`](super::sag)). Otherwise a [`lens`]; faces that are no spheres are
+/// quadrics, `front.side` and `back.side`.
 ///
 /// # Errors
 /// As of [`lens`], and conic constants that are not finite.
@@ -96,11 +100,12 @@ pub fn conic_lens(
     between_vertices("lens", profiles, positive("lens", "thickness", thickness)?, aperture)
 }
 
-/// A lens whose surfaces are aspheres of revolution. Otherwise a [`lens`]; faces with terms are `front.surface` and
-/// `back.surface`.
+/// A lens whose surfaces are aspheres of revolution. Otherwise a [`lens`]; faces with terms are
+/// `front.surface` and `back.surface`.
 ///
 /// # Errors
-/// As of [`lens`], and constants or coefficients that are not finite. Where the surfaces cross is looked for in 64 steps.
+/// As of [`lens`], and constants or coefficients that are not finite. Crossings of the surfaces are
+/// searched for in 64 steps.
 ///
 /// ```
 /// use rayweave_optics::component::{Aperture, Asphere, aspheric_lens};
@@ -121,12 +126,14 @@ pub fn aspheric_lens(
     between_vertices("lens", profiles, positive("lens", "thickness", thickness)?, aperture)
 }
 
-/// A lens with surfaces of any form. Otherwise a [`lens`]; the faces of toroids are those of a [`toric_lens`](super::toric_lens),
-/// all that are neither these nor of revolution without terms `front.surface` and `back.surface`.
+/// A lens with surfaces of any form. Otherwise a [`lens`]; the faces of toroids are those of a
+/// [`toric_lens`](super::toric_lens), all others that are not conics of revolution are
+/// `front.surface` and `back.surface`.
 ///
 /// # Errors
-/// As of [`lens`], numbers that say nothing, and toroids that no solid is known for: those whose curve is turned about a nearer
-/// axis than its own centre, or is no circle. Where the surfaces cross is looked for at 33 x 33 points.
+/// As of [`lens`], numbers out of range, and toroids without a solid: those whose curve is rotated
+/// about an axis nearer than its own centre, or is not a circle. Crossings of the surfaces are
+/// searched for at 33 x 33 points.
 ///
 /// ```
 /// use rayweave_optics::component::{Aperture, Asphere, Figure, Form, freeform_lens};
@@ -147,13 +154,13 @@ pub fn freeform_lens(
     }
     let (part, centre) = ("lens", [0.0; 2]);
     let half = 0.5 * positive(part, "thickness", thickness)?;
-    let front = side(part, "front", (front, -half), &aperture, centre)?;
-    let back = side(part, "back", (back, half), &aperture, centre)?;
+    let front = form_side(part, "front", (front, -half), &aperture, centre)?;
+    let back = form_side(part, "back", (back, half), &aperture, centre)?;
     between_sides(part, [&*front, &*back], &aperture, centre)
 }
 
-/// A lens that is curved along x only, so that it focuses to a line along y; `width` along x, `height` along y. Otherwise
-/// a [`lens`].
+/// A lens that is curved along x only, so that it focuses to a line along y; `width` along x,
+/// `height` along y. Otherwise a [`lens`].
 ///
 /// # Errors
 /// As of [`lens`].
@@ -181,14 +188,15 @@ fn between_vertices(
     Element { part, front, back, aperture, centre: [0.0; 2] }.build()
 }
 
-/// Lenses that share their inner surfaces, as cemented doublets and triplets do: one radius more than thicknesses.
+/// Lenses that share their inner surfaces, as cemented doublets and triplets do: one radius more
+/// than thicknesses.
 ///
-/// The first vertex is at z = 0, the last at the sum of the thicknesses. Element i has the faces `front`, `back` and
-/// `edge` of its own; the `back` of one and the `front` of the next are one surface to the bit, so that a ray passes from
-/// glass to glass in one crossing.
+/// The first vertex is at z = 0, the last at the sum of the thicknesses. Element i has the faces
+/// `front`, `back` and `edge`; the `back` of one and the `front` of the next are bitwise the same
+/// surface, so that a ray passes from glass to glass in one crossing.
 ///
 /// # Errors
-/// As of [`lens`], and lists whose lengths do not fit.
+/// As of [`lens`], and lists of inconsistent lengths.
 ///
 /// ```
 /// use rayweave_optics::component::{Aperture, cemented};
@@ -224,7 +232,7 @@ pub fn cemented(
     (0..thicknesses.len()).map(|i| element(i).build().map_err(|error| numbered(error, i))).collect()
 }
 
-/// The same error with the numbers of the surfaces that cross.
+/// The error with the numbers of the surfaces that cross.
 fn numbered(error: ComponentError, element: usize) -> ComponentError {
     match error {
         ComponentError::SurfacesCross { part, height, reach, .. } => {
@@ -250,8 +258,8 @@ pub fn ball_lens(diameter: f64) -> Result<Solid, ComponentError> {
     Ok(solid(Sphere::new(0.5 * diameter)?).named("ball"))
 }
 
-/// Half a ball: the dome `front.side` faces the light with its vertex at z = -`diameter`/2, the flat face `back.plane` is
-/// z = 0.
+/// Half a ball: the dome `front.side` faces the light with its vertex at z = -`diameter`/2, the
+/// flat face `back.plane` is z = 0.
 ///
 /// # Errors
 /// A diameter that is not positive.
@@ -261,7 +269,8 @@ pub fn half_ball_lens(diameter: f64) -> Result<Solid, ComponentError> {
     Ok(dome & solid(HalfSpace::new(Vec3::Z, 0.0)?).named("back"))
 }
 
-/// A round rod along the axis from z = -`length`/2 (`front.plane`) to z = `length`/2 (`back.plane`), its side `edge.side`.
+/// A round rod along the axis from z = -`length`/2 (`front.plane`) to z = `length`/2
+/// (`back.plane`), its side `edge.side`.
 ///
 /// # Errors
 /// Sizes that are not positive.
@@ -270,21 +279,22 @@ pub fn rod(diameter: f64, length: f64) -> Result<Solid, ComponentError> {
     window(length, Aperture::Circle { diameter })
 }
 
-/// A plano-conical lens: the plane `front.plane` at z = -`thickness`/2, the cone `back.side` with its tip on the axis at
-/// z = `thickness`/2, the rim `edge.side`.
+/// A plano-conical lens: the plane `front.plane` at z = -`thickness`/2, the cone `back.side` with
+/// its tip on the axis at z = `thickness`/2, the rim `edge.side`.
 ///
-/// `cone_degrees` is the angle between the cone and the plane of the base, more than 0 and less than 90. A collimated beam
-/// is bent towards the axis by `asin(n sin a) - a` at every height (Snell).
+/// `cone_degrees` is the angle between the cone and the plane of the base, more than 0 and less
+/// than 90. A collimated beam is deflected towards the axis by `asin(n sin a) - a` at every height
+/// (Snell's law).
 ///
 /// # Errors
-/// Sizes that are not positive, an angle out of range, a cone that meets the plane inside the aperture.
+/// Sizes that are not positive, an angle out of range, a cone that crosses the plane inside the aperture.
 pub fn axicon(cone_degrees: f64, thickness: f64, diameter: f64) -> Result<Solid, ComponentError> {
     let part = "axicon";
     let (sin, cos) = sin_cos_degrees(between(part, "cone_degrees", cone_degrees, (0.0, 90.0))?);
     let thickness = positive(part, "thickness", thickness)?;
     let reach = 0.5 * positive(part, "diameter", diameter)?;
     let (slope, half) = (sin / cos, 0.5 * thickness);
-    // the same radius at which the plane cuts the cone
+    // the radius at which the plane intersects the cone
     let height = thickness / slope;
     if height < reach * (1.0 - 1e-13) {
         let [first, second] = ["front", "back"].map(str::to_owned);

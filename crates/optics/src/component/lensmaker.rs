@@ -1,15 +1,16 @@
-//! The lensmaker's equation.
+//! The lensmaker's equation: focal length of a thick lens.
 
 use super::ComponentError;
 use super::error::{finite, positive};
 use super::face::Profile;
 
-/// The focal length of a thick lens in vacuum, in the unit of its radii; infinite for a window or an afocal lens, negative
-/// for a lens that spreads light.
+/// The focal length of a thick lens in vacuum, in the unit of its radii; infinite for a window or
+/// an afocal lens, negative for a diverging lens.
 ///
-/// `1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2))`, with the refractive index n relative to the medium around, the
-/// thickness d on the axis and radii of the usual sign (E. Hecht, *Optics*, section 6.1, thick lenses). With d = 0, which is
-/// allowed here, it is the equation of thin lenses.
+/// `1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2))`, with the refractive index n relative to
+/// the medium around, the thickness d on the axis and radii of the usual sign (E. Hecht, *Optics*,
+/// section 6.1, thick lenses). With d = 0, which is allowed here, it is the equation of thin
+/// lenses.
 ///
 /// # Errors
 /// A radius that is 0 or NaN, an index that is not positive, a thickness that is negative or not finite.
@@ -34,7 +35,7 @@ pub fn lensmaker(r1: f64, r2: f64, n: f64, thickness: f64) -> Result<f64, Compon
     }
     let (c1, c2, step) = (1.0 / r1, 1.0 / r2, n - 1.0);
     let power = step * (c1 - c2 + step * thickness * c1 * c2 / n);
-    // the sign of a zero says nothing
+    // the sign of a zero has no meaning
     Ok(if power == 0.0 { f64::INFINITY } else { 1.0 / power })
 }
 
@@ -76,10 +77,10 @@ mod tests {
         let message = |r1, n, d| lensmaker(r1, 1.0, n, d).unwrap_err().to_string();
         assert_eq!(
             message(0.0, 1.5, 1.0),
-            "lensmaker's equation: r1 is 0 (a radius of curvature is a number other than 0) did you mean inf, a plane?"
+            "r1 of the lensmaker's equation is 0: a radius of curvature is a number other than 0. Use inf for a plane."
         );
-        assert!(message(f64::NAN, 1.5, 1.0).contains("r1 is NaN"));
-        assert!(message(1.0, -1.5, 1.0).contains("n is -1.5"));
-        assert!(message(1.0, 1.5, -1.0).ends_with("did you mean 1?"));
+        assert!(message(f64::NAN, 1.5, 1.0).starts_with("r1 of the lensmaker's equation is NaN"));
+        assert!(message(1.0, -1.5, 1.0).contains("equation is -1.5"));
+        assert!(message(1.0, 1.5, -1.0).ends_with("Did you mean 1?"));
     }
 }

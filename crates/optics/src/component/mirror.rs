@@ -1,20 +1,23 @@
-//! Mirrors: substrates with one optical face.
+//! Mirrors: plane, spherical, conic, aspheric and freeform; substrates with one optical face.
 //!
-//! The vertex of the face `front` is the origin, wherever the aperture is: an off-axis mirror is a piece, cut out beside the
-//! axis, of a mirror about the axis. Its back is the plane `back.plane`, its rim `edge`. A mirror faces the light that
-//! travels towards +z, its substrate lies on the side of +z; [`Blank::turned`] is for those that face it from the other
-//! side. Radii have the usual sign whichever way the mirror faces: the centre of curvature is at (0, 0, radius).
+//! The vertex of the face `front` is the origin, wherever the aperture is: an off-axis mirror is an
+//! off-axis piece of a mirror about the axis. Its back is the plane `back.plane`, its rim `edge`. A
+//! mirror reflects light that travels towards +z, and its substrate lies on the side of +z;
+//! [`Blank::turned`] makes mirrors that face the other way. Radii have the usual sign in both
+//! cases: the centre of curvature is at (0, 0, radius).
 
 use super::element::Element;
-use super::error::{finite, positive};
+use super::error::{consistent, finite, positive};
 use super::face::{Asphere, Face, Profile};
 use super::form::Form;
-use super::side::{between_sides, side};
+use super::form_side::form_side;
+use super::side::between_sides;
 use super::{Aperture, ComponentError};
+use rayweave_error::Message;
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
 
-/// The piece of glass that carries a mirror.
+/// The substrate of a mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blank {
     /// Its outline.
@@ -33,17 +36,17 @@ impl Blank {
         Blank { aperture, off_axis: [0.0; 2], thickness, turned: false }
     }
 
-    /// The same with its aperture moved away from the axis.
+    /// The blank with its aperture moved off the axis.
     pub fn off_axis(self, x: f64, y: f64) -> Blank {
         Blank { off_axis: [x, y], ..self }
     }
 
-    /// The same facing the other way: towards +z, with the substrate on the side of -z.
+    /// The blank that faces the other way: towards +z, with the substrate on the side of -z.
     pub fn turned(self) -> Blank {
         Blank { turned: !self.turned, ..self }
     }
 
-    /// Its thickness, if its numbers say something.
+    /// The thickness, if all numbers are valid.
     fn checked(&self, part: &'static str) -> Result<f64, ComponentError> {
         for (axis, value) in ["x", "y"].into_iter().zip(self.off_axis) {
             finite(part, format!("off_axis {axis}"), value)?;
@@ -71,10 +74,11 @@ pub fn plane_mirror(blank: &Blank) -> Result<Solid, ComponentError> {
     blank.cut("plane mirror", Profile::PLANE)
 }
 
-/// A spherical mirror, `front.side`, with its centre at (0, 0, `radius`) and its paraxial focus half-way there.
+/// A spherical mirror, `front.side`, with its centre at (0, 0, `radius`) and its paraxial focus
+/// half-way there.
 ///
-/// Facing the light (see [`Blank`]) it is concave if `radius` < 0, convex if `radius` > 0; turned it is the other way
-/// round. An infinite radius is a plane.
+/// Facing the light (see [`Blank`]) it is concave if `radius` < 0 and convex if `radius` > 0;
+/// turned, the reverse. An infinite radius is a plane.
 ///
 /// # Errors
 /// As of [`lens`](super::lens): the back is the second surface.
@@ -84,7 +88,7 @@ pub fn plane_mirror(blank: &Blank) -> Result<Solid, ComponentError> {
 ///
 /// let blank = Blank::new(Aperture::circle(20.0), 3.0).off_axis(0.0, 15.0);
 /// let concave = spherical_mirror(-100.0, &blank)?;
-/// // the one that PyRayT calls spherical_mirror(100, 3): it faces +z
+/// // spherical_mirror(100, 3) of PyRayT: it faces +z
 /// let facing_away = spherical_mirror(100.0, &blank.turned())?;
 /// # Ok::<(), rayweave_optics::component::ComponentError>(())
 /// ```
@@ -92,8 +96,9 @@ pub fn spherical_mirror(radius: f64, blank: &Blank) -> Result<Solid, ComponentEr
     conic_mirror(radius, 0.0, blank)
 }
 
-/// A mirror whose face is a conic of revolution (see [`sag`](super::sag)) with its vertex at the origin and the centre of
-/// its curvature there at (0, 0, `radius`); otherwise a [`spherical_mirror`].
+/// A mirror whose face is a conic of revolution (see [`sag`](super::sag)) with its vertex at the
+/// origin and the centre of its curvature there at (0, 0, `radius`); otherwise a
+/// [`spherical_mirror`].
 ///
 /// # Errors
 /// As of [`spherical_mirror`], and a conic constant that is not finite.
@@ -102,7 +107,8 @@ pub fn conic_mirror(radius: f64, conic: f64, blank: &Blank) -> Result<Solid, Com
     blank.cut("mirror", profile)
 }
 
-/// A mirror whose face is an asphere of revolution; otherwise a [`conic_mirror`]. A face with terms is `front.surface`.
+/// A mirror whose face is an asphere of revolution; otherwise a [`conic_mirror`]. A face with terms
+/// is `front.surface`.
 ///
 /// # Errors
 /// As of [`conic_mirror`], and coefficients that are not finite.
@@ -124,16 +130,17 @@ pub fn freeform_mirror(face: &Form, blank: &Blank) -> Result<Solid, ComponentErr
     let face = if blank.turned { face.reversed() } else { face.clone() };
     let plane = Form::from(Asphere::conic(f64::INFINITY, 0.0));
     let (aperture, centre) = (&blank.aperture, blank.off_axis);
-    let front = side(part, "front", (&face, 0.0), aperture, centre)?;
-    let back = side(part, "back", (&plane, thickness), aperture, centre)?;
+    let front = form_side(part, "front", (&face, 0.0), aperture, centre)?;
+    let back = form_side(part, "back", (&plane, thickness), aperture, centre)?;
     let solid = between_sides(part, [&*front, &*back], aperture, centre)?;
     Ok(if blank.turned { solid.mirror(Vec3::Z) } else { solid })
 }
 
-/// A concave paraboloid: collimated light along the axis meets in the focus, exactly, whatever its distance from the axis.
+/// A concave paraboloid: it focuses collimated light along the axis exactly, at any distance from the axis.
 ///
-/// Facing the light its focus is (0, 0, -`focal_length`) and the face `z = -(x^2 + y^2) / (4 focal_length)`; turned its
-/// focus is (0, 0, `focal_length`). (PyRayT moves the focus to the origin: translate a turned one by -`focal_length`.)
+/// Facing the light, its focus is (0, 0, -`focal_length`) and the face
+/// `z = -(x^2 + y^2) / (4 focal_length)`; turned its focus is (0, 0, `focal_length`). (PyRayT moves
+/// the focus to the origin: translate a turned one by -`focal_length`.)
 ///
 /// # Errors
 /// As of [`spherical_mirror`], and a focal length that is not positive.
@@ -142,11 +149,12 @@ pub fn parabolic_mirror(focal_length: f64, blank: &Blank) -> Result<Solid, Compo
     blank.cut("parabolic mirror", Profile::conic(concave(radius, blank), -1.0))
 }
 
-/// A concave ellipsoid of revolution: light from one focus meets in the other, exactly.
+/// A concave ellipsoid of revolution: it images one focus exactly to the other.
 ///
-/// Both foci lie on the axis in front of the mirror, `near` and `far` from its vertex: facing the light at (0, 0, -`near`)
-/// and (0, 0, -`far`). With half axes a = (near + far)/2 and e = |far - near| / (near + far) the radius at the vertex is
-/// a (1 - e^2) = 2 near far / (near + far) and the conic constant -e^2.
+/// Both foci lie on the axis in front of the mirror, `near` and `far` from its vertex: facing the
+/// light at (0, 0, -`near`) and (0, 0, -`far`). With half axes a = (near + far)/2 and e = |far -
+/// near| / (near + far) the radius at the vertex is a (1 - e^2) = 2 near far / (near + far) and the
+/// conic constant -e^2.
 ///
 /// # Errors
 /// As of [`spherical_mirror`], and distances that are not positive.
@@ -158,12 +166,12 @@ pub fn elliptic_mirror(near: f64, far: f64, blank: &Blank) -> Result<Solid, Comp
     blank.cut(part, Profile::conic(radius, -eccentricity * eccentricity))
 }
 
-/// A convex hyperboloid of revolution, the secondary of a Cassegrain: light that converges to the focus behind it meets in
-/// the focus in front of it, exactly.
+/// A convex hyperboloid of revolution, the secondary mirror of a Cassegrain telescope: it images
+/// the focus behind it exactly to the focus in front of it.
 ///
-/// The foci lie on the axis, `behind` and `in_front` from the vertex: facing the light at (0, 0, `behind`) and
-/// (0, 0, -`in_front`). The radius at the vertex is 2 behind in_front / (in_front - behind), the eccentricity
-/// (in_front + behind) / (in_front - behind).
+/// The foci lie on the axis, `behind` and `in_front` from the vertex: facing the light at (0, 0,
+/// `behind`) and (0, 0, -`in_front`). The radius at the vertex is 2 behind in_front / (in_front -
+/// behind), the eccentricity (in_front + behind) / (in_front - behind).
 ///
 /// # Errors
 /// As of [`spherical_mirror`], and distances that are not positive or not `behind` < `in_front`.
@@ -171,11 +179,9 @@ pub fn hyperbolic_mirror(behind: f64, in_front: f64, blank: &Blank) -> Result<So
     let part = "hyperbolic mirror";
     let (behind, in_front) = (positive(part, "behind", behind)?, positive(part, "in_front", in_front)?);
     let difference = in_front - behind;
-    super::error::fit(part, difference > 0.0, || {
-        format!(
-            "the focus behind is {behind} and that in front {in_front} from the vertex (a convex mirror has the nearer one \
-             behind) are they the wrong way round?"
-        )
+    consistent(difference > 0.0, || {
+        let problem = format!("foci of the {part} are {behind} behind and {in_front} in front of the vertex");
+        Message::new(problem, "a convex mirror has the nearer focus behind").suggest("Are the two exchanged?")
     })?;
     let eccentricity = (in_front + behind) / difference;
     let radius = -concave(2.0 * behind * in_front / difference, blank);

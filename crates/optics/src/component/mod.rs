@@ -1,10 +1,11 @@
-//! Optical components as solids.
+//! Optical components as solids: lenses, mirrors, prisms, concentrators and sheets.
 //!
-//! The optical axis is z and light travels towards +z. Lengths are in the unit of the document, angles in degrees. Radii
-//! of curvature are positive if the centre lies on the side of +z; an infinite radius is a plane. Everything is built about
-//! the origin, to be turned and translated from there.
+//! The optical axis is z and light travels towards +z. Lengths are in the unit of the document,
+//! angles in degrees. Radii of curvature are positive if the centre lies on the side of +z; an
+//! infinite radius is a plane. Components are built about the origin; rotate and translate them to
+//! their place.
 //!
-//! | what | functions |
+//! | kind | functions |
 //! | --- | --- |
 //! | lenses | [`lens`], [`biconvex`], [`biconcave`], [`plano_convex`], [`plano_concave`], [`conic_lens`], [`cylindrical_lens`], [`toric_lens`], [`cemented`], [`window`], [`ball_lens`], [`half_ball_lens`], [`rod`], [`axicon`], [`fresnel_lens`], [`lenslet_array`] |
 //! | mirrors | [`plane_mirror`], [`spherical_mirror`], [`parabolic_mirror`], [`elliptic_mirror`], [`hyperbolic_mirror`], [`conic_mirror`] |
@@ -12,28 +13,29 @@
 //! | concentrators | [`light_pipe`], [`tapered_light_pipe`], [`Cpc`] |
 //! | sheets | [`Sheet::plane`], [`Sheet::stop`], [`Sheet::iris`], [`Sheet::spherical`], [`Sheet::conic`], [`Sheet::cylindrical`] |
 //!
-//! For those who come from PyRayT, whose x, y, z are z, x, y here:
+//! Equivalents in PyRayT, whose axes x, y, z are z, x, y here:
 //!
-//! | PyRayT | here |
+//! | PyRayT | Rayweave |
 //! | --- | --- |
 //! | `thick_lens(r1, r2, thickness)` | [`lens`] |
 //! | `biconvex_lens(r1, r2, thickness)` | [`biconvex`]; that of PyRayT 0.3.1 is right for r1 = r2 only |
 //! | `plano_convex_lens(r, thickness)` | [`plano_convex`] |
-//! | `plane_mirror(thickness)` | [`plane_mirror`]; theirs is centred, ours has its face in the plane of the origin |
+//! | `plane_mirror(thickness)` | [`plane_mirror`]; centred in PyRayT, with its face in the plane of the origin here |
 //! | `spherical_mirror(radius, thickness)` | [`spherical_mirror`]; for radius > 0 of a [`Blank::turned`] |
 //! | `parabolic_mirror(focus, thickness)` | [`parabolic_mirror`] of a [`Blank::turned`], translated by -focus along the axis |
 //! | `equilateral_prism(side_length, width)` | [`equilateral_prism`] |
 //! | `baffle(aperture)`, `aperture(size, aperture_size)` | [`Sheet::plane`], [`Sheet::stop`] |
-//! | `aperture=d`, `(a, b)`, `(-a, -b)` | [`Aperture::circle`], [`Aperture::rectangle`], [`Aperture::ellipse`], which fails there |
+//! | `aperture=d`, `(a, b)`, `(-a, -b)` | [`Aperture::circle`], [`Aperture::rectangle`], [`Aperture::ellipse`], which fails in PyRayT |
 //! | `off_axis=(y, z)` | [`Blank::off_axis`] |
 //! | `lensmakers_equation` | [`lensmaker`] |
 //!
 //! # Names of faces
 //!
-//! Leaves are named for what they do: the surface that the light meets first `front`, the one behind `back`, the rim `edge`.
-//! A face is called by its leaf and its place there, as each function's page says: `front.side` if curved, `front.plane` if
-//! plane. A name given to the whole component does not show in them, because a leaf keeps the innermost name;
-//! [`with_prefix`] puts it there:
+//! Leaves are named by their function: `front` for the first surface that light hits, `back` for
+//! the last, `edge` for the rim. The name of a face is that of its leaf and its place there, given
+//! on each function's page: `front.side` if curved, `front.plane` if plane. A name given to the
+//! whole component does not change them, because a leaf keeps the innermost name; [`with_prefix`]
+//! adds it:
 //!
 //! ```
 //! use rayweave_model::Program;
@@ -54,6 +56,7 @@ mod element;
 mod error;
 mod face;
 mod form;
+mod form_side;
 mod lens;
 mod lensmaker;
 mod mirror;
@@ -67,7 +70,6 @@ pub use aperture::Aperture;
 pub use array::{fresnel_lens, lenslet_array};
 pub use concentrator::{Cpc, light_pipe, tapered_light_pipe};
 pub use error::ComponentError;
-pub(crate) use error::short;
 pub use face::{Asphere, sag};
 pub use form::{Figure, Form};
 pub use lens::{

@@ -1,16 +1,17 @@
-//! Names of leaves that say which component they belong to.
+//! Prefixes of leaf names, for the component that the leaves belong to.
 
 use rayweave_model::{Node, Solid};
 
-/// A step of the walk.
+/// A task of the tree traversal.
 enum Task<'a> {
     Visit(&'a Solid),
-    /// All operands of the node are made.
+    /// Build a node; all its operands are built.
     Build(&'a Solid),
 }
 
-/// The same solid with `prefix` and a dot before every name in it: the face `front.side` becomes `objective.front.side`.
-/// Leaves without a name get the prefix as that of the compound that they are in. Shared parts of the tree are copied.
+/// The solid with `prefix` and a dot before every name in it: the face `front.side` becomes
+/// `objective.front.side`. Leaves without a name get the prefix as the name of the compound that
+/// contains them. Shared parts of the tree are copied.
 pub fn with_prefix(solid: &Solid, prefix: &str) -> Solid {
     let (mut tasks, mut made) = (vec![Task::Visit(solid)], Vec::new());
     while let Some(task) = tasks.pop() {
@@ -19,7 +20,7 @@ pub fn with_prefix(solid: &Solid, prefix: &str) -> Solid {
                 tasks.push(Task::Build(solid));
                 let first = tasks.len();
                 tasks.extend(solid.node().operand_refs().map(Task::Visit));
-                // so that they are made in order
+                // the stack reverses the order
                 tasks[first..].reverse();
             }
             Task::Build(solid) => {
@@ -41,7 +42,7 @@ fn rebuilt(solid: &Solid, operands: Vec<Solid>, prefix: &str) -> Solid {
         (Node::SymmetricDifference(_), first) => {
             Solid::symmetric_difference(first.into_iter().chain(operands))
         }
-        (Node::Difference(..), Some(first)) => first - operands.next().unwrap_or_else(Solid::vacuum),
+        (Node::Difference(..), Some(first)) => first - operands.next().unwrap_or_else(Solid::empty),
         (Node::Complement(_), Some(inner)) => !inner,
         (Node::Transformed(map, _), Some(inner)) => inner.apply(*map),
         (Node::Named(name, _), Some(inner)) => inner.named(&format!("{prefix}.{name}")),
@@ -64,7 +65,7 @@ mod tests {
     fn every_operator_is_kept() {
         let moved = ball().translate([0.5, 0.0, 0.0]).named("moved");
         let (a, b) = (ball().named("a"), ball().scale([2.0, 2.0, 2.0]));
-        for solid in [&a | &moved, &a & &moved, &b - &moved, &a ^ &moved, !&moved, Solid::vacuum()] {
+        for solid in [&a | &moved, &a & &moved, &b - &moved, &a ^ &moved, !&moved, Solid::empty()] {
             let renamed = with_prefix(&solid, "part");
             let text = |solid: &Solid| solid.to_string();
             assert_eq!(with_prefix(&solid, "part"), renamed);

@@ -1,11 +1,12 @@
-//! Prisms: solids with plane faces, each a half-space with a name.
+//! Prisms: solids with plane, named faces.
 //!
-//! Drawn in the y-z plane with light coming along +z, and extended along x. Each has a box around it, a little larger, named
-//! `hull`: no ray meets its faces, it tells engines where to look.
+//! Each is a polygon in the y-z plane, with light along +z, extruded along x. A slightly larger box
+//! around it, named `hull`, gives evaluators a finite bound; no ray hits its faces.
 
 use super::aperture::solid;
-use super::error::{between, fit, positive};
+use super::error::{between, consistent, positive};
 use super::{Aperture, ComponentError};
+use rayweave_error::Message;
 use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{BoxFromCorners, Convex, HalfSpace, Primitive};
@@ -31,7 +32,7 @@ fn at(y: f64, z: f64) -> Vec3 {
     Vec3::new(0.0, y, z)
 }
 
-/// The planes x = -+`width`/2, named `left` and `right`.
+/// The planes x = -`width`/2 and x = `width`/2, named `left` and `right`.
 fn ends(width: f64) -> [Plane; 2] {
     let half = Vec3::X * (0.5 * width);
     [("left", -Vec3::X, -half), ("right", Vec3::X, half)]
@@ -42,10 +43,12 @@ fn extruded(faces: &[Plane], width: f64) -> Result<Solid, ComponentError> {
     polyhedron(&[faces, &ends(width)].concat())
 }
 
-/// A prism over an isosceles triangle: the faces `front.plane` and `back.plane` of length `side`, which meet above (+y) at
-/// `apex_degrees`, and the `base.plane` below. The origin is in the middle of its height.
+/// A prism over an isosceles triangle: the faces `front.plane` and `back.plane` of length `side`,
+/// which meet above (+y) at `apex_degrees`, and the `base.plane` below. The origin is in the middle
+/// of its height.
 ///
-/// Its least deviation is `2 asin(n sin(A/2)) - A`, with the apex angle A (Born & Wolf, *Principles of Optics*, 4.7.2).
+/// Its least deviation is `2 asin(n sin(A/2)) - A`, with the apex angle A (Born & Wolf, *Principles
+/// of Optics*, 4.7.2).
 ///
 /// # Errors
 /// Sizes that are not positive, an apex not between 0 and 180 degrees.
@@ -66,8 +69,9 @@ pub fn equilateral_prism(side: f64, width: f64) -> Result<Solid, ComponentError>
     dispersing_prism(60.0, side, width)
 }
 
-/// A right-angle prism: light along +z enters by `front.plane` (z = -`leg`/2), is reflected by `hypotenuse.plane` and leaves
-/// along +y by `exit.plane` (y = `leg`/2). Its path in the glass is `leg` long.
+/// A right-angle prism: light along +z enters by `front.plane` (z = -`leg`/2), is reflected by
+/// `hypotenuse.plane` and leaves along +y by `exit.plane` (y = `leg`/2). Its path in the glass is
+/// `leg` long.
 ///
 /// # Errors
 /// Sizes that are not positive.
@@ -82,9 +86,10 @@ pub fn right_angle_prism(leg: f64, width: f64) -> Result<Solid, ComponentError> 
     extruded(&faces, positive(part, "width", width)?)
 }
 
-/// A penta prism: light along +z enters by `front.plane` (z = -`side`/2), is reflected by `mirror1.plane` and
-/// `mirror2.plane`, which need a coating, and leaves along -y by `exit.plane` (y = -`side`/2): turned by 90 degrees, however
-/// the prism is held, after a path of (2 + sqrt(2)) `side`. The fifth face is `roof.plane`.
+/// A penta prism: light along +z enters by `front.plane` (z = -`side`/2), is reflected by
+/// `mirror1.plane` and `mirror2.plane`, which need a coating, and leaves along -y by `exit.plane`
+/// (y = -`side`/2): deviated by 90 degrees, independent of the tilt of the prism, after a path of
+/// (2 + sqrt(2)) `side`. The fifth face is `roof.plane`.
 ///
 /// # Errors
 /// Sizes that are not positive.
@@ -103,9 +108,9 @@ pub fn penta_prism(side: f64, width: f64) -> Result<Solid, ComponentError> {
     extruded(&faces, positive(part, "width", width)?)
 }
 
-/// A Dove prism: light along +z enters by `front.plane`, tilted by 45 degrees, is reflected by `base.plane` below
-/// (y = -`height`/2), leaves by `back.plane` along +z, and its picture is upside down. `length` is that of the base; the
-/// other side, `top.plane`, is shorter by 2 `height`.
+/// A Dove prism: light along +z enters by `front.plane`, tilted by 45 degrees, is reflected by
+/// `base.plane` below (y = -`height`/2), leaves by `back.plane` along +z, and the image is
+/// inverted. `length` is that of the base; the other side, `top.plane`, is shorter by 2 `height`.
 ///
 /// A beam that fills the height needs the [`dove_length`].
 ///
@@ -114,12 +119,10 @@ pub fn penta_prism(side: f64, width: f64) -> Result<Solid, ComponentError> {
 pub fn dove_prism(height: f64, length: f64, width: f64) -> Result<Solid, ComponentError> {
     let part = "Dove prism";
     let (height, length) = (positive(part, "height", height)?, positive(part, "length", length)?);
-    fit(part, length > 2.0 * height, || {
-        format!(
-            "length is {length} and height {height} (both ends are cut at 45 degrees, so that the top is shorter than the \
-             base by 2 heights) did you mean a length of {}?",
-            4.0 * height
-        )
+    consistent(length > 2.0 * height, || {
+        let problem = format!("length of the {part} is {length} and its height {height}");
+        let reason = "both ends are cut at 45 degrees, so that the top is shorter than the base by 2 heights";
+        Message::new(problem, reason).suggest(format!("Did you mean a length of {}?", 4.0 * height))
     })?;
     let (y, z) = (0.5 * height, 0.5 * length);
     let faces = [
@@ -131,12 +134,13 @@ pub fn dove_prism(height: f64, length: f64, width: f64) -> Result<Solid, Compone
     extruded(&faces, positive(part, "width", width)?)
 }
 
-/// The length of the base of a [`dove_prism`] of this height and refractive index with which a beam of full height leaves
-/// as it came: `2 height q / (q - 1)` with q = sqrt(2 n^2 - 1).
+/// The length of the base of a [`dove_prism`] of this height and refractive index that transmits a
+/// beam of full height: `2 height q / (q - 1)` with q = sqrt(2 n^2 - 1).
 ///
-/// A ray goes down to the base at the angle d = 45 - asin(sin 45 / n) degrees. One that enters y above it meets it
-/// y (1 + cot d) behind its end and leaves y' above it, where y' (1 + cot d) is what is left of the length. All heights come
-/// out again, y' = `height` - y, if the length is `height` (1 + cot d).
+/// A ray travels down to the base at the angle d = 45 - asin(sin 45 / n) degrees. A ray that enters
+/// at the height y above the base hits it y (1 + cot d) behind its end and leaves at the height y',
+/// where y' (1 + cot d) is the rest of the length. All heights leave again, y' = `height` - y, if
+/// the length is `height` (1 + cot d).
 ///
 /// # Errors
 /// A height that is not positive, an index that is not greater than 1.
@@ -148,13 +152,15 @@ pub fn dove_length(height: f64, index: f64) -> Result<f64, ComponentError> {
     Ok(2.0 * height * q / (q - 1.0))
 }
 
-/// An Amici roof prism: a right-angle prism whose hypotenuse is a roof, `roof1.plane` (x > 0) and `roof2.plane` at right
-/// angles with the ridge x = 0, z = y. Light along +z in a beam of `diameter` about the axis enters by `front.plane`
-/// (z = -sqrt(3)/2 `diameter`) and leaves along +y by `exit.plane` (y = sqrt(3)/2 `diameter`), x exchanged with -x, after a
-/// path of sqrt(3) `diameter`.
+/// An Amici roof prism: a right-angle prism whose hypotenuse is a roof, `roof1.plane` (x > 0) and
+/// `roof2.plane` at right angles with the ridge x = 0, z = y. Light along +z in a beam of
+/// `diameter` about the axis enters by `front.plane` (z = -sqrt(3)/2 `diameter`) and leaves along
+/// +y by `exit.plane` (y = sqrt(3)/2 `diameter`), x exchanged with -x, after a path of sqrt(3)
+/// `diameter`.
 ///
-/// A ray at (x, y) meets one half of the roof at z = y - sqrt(2) |x| and the other at the height y + sqrt(2) |x|; over the
-/// circle that is at most sqrt(3)/2 `diameter`, and so far away front and exit are.
+/// A ray at (x, y) hits one half of the roof at z = y - sqrt(2) |x| and the other at the height y +
+/// sqrt(2) |x|; over the circle that is at most sqrt(3)/2 `diameter`, the distance of front and
+/// exit.
 ///
 /// # Errors
 /// A diameter that is not positive.
@@ -171,9 +177,10 @@ pub fn amici_prism(diameter: f64) -> Result<Solid, ComponentError> {
     extruded(&faces, diameter)
 }
 
-/// A corner cube: light along +z enters by the triangle `front.plane` in z = 0, is reflected by three faces at right angles,
-/// `mirror1.plane` to `mirror3.plane`, that meet in (0, 0, `depth`), and goes back where it came from. The path in the glass
-/// is 2 `depth` long at normal incidence. A circle of diameter sqrt(2) `depth` about the axis lies within the front.
+/// A corner cube: light along +z enters by the triangle `front.plane` in z = 0, is reflected by
+/// three faces at right angles, `mirror1.plane` to `mirror3.plane`, that meet in (0, 0, `depth`),
+/// and is retroreflected. The path in the glass is 2 `depth` long at normal incidence. A circle of
+/// diameter sqrt(2) `depth` about the axis lies within the front.
 ///
 /// # Errors
 /// A depth that is not positive.
@@ -193,10 +200,10 @@ pub fn corner_cube(depth: f64) -> Result<Solid, ComponentError> {
     ])
 }
 
-/// A wedge: a plate whose `back.plane` is tilted, so that it is thicker towards -y. `thickness` is that on the axis, from
-/// `front.plane` at z = -`thickness`/2; the rim is `edge`.
+/// A wedge: a plate whose `back.plane` is tilted, so that it is thicker towards -y. `thickness` is
+/// that on the axis, from `front.plane` at z = -`thickness`/2; the rim is `edge`.
 ///
-/// A thin one deviates light by `(n - 1) wedge_degrees` towards its thick side.
+/// A thin wedge deviates light by `(n - 1) wedge_degrees` towards its thick side.
 ///
 /// # Errors
 /// Sizes that are not positive, an angle not between 0 and 90 degrees, planes that meet inside the aperture.
@@ -217,9 +224,10 @@ pub fn wedge_prism(wedge_degrees: f64, thickness: f64, aperture: Aperture) -> Re
     Ok(Solid::intersection([front, back, edge]))
 }
 
-/// The two prisms of a beam-splitter cube about the origin, cemented at the face `split.plane`, z = y, one surface to the
-/// bit. Light along +z enters the first by `front.plane`; what the split reflects leaves it along +y by `exit.plane`, what
-/// it transmits leaves the second by `back.plane`. The fourth face is `bottom.plane` of the second.
+/// The two prisms of a beam-splitter cube about the origin, cemented at the face `split.plane`, z =
+/// y, one surface to the bit. Light along +z enters the first by `front.plane`; reflected light
+/// leaves it along +y by `exit.plane`, transmitted light leaves the second by `back.plane`. The
+/// fourth face is `bottom.plane` of the second.
 ///
 /// # Errors
 /// A side that is not positive.

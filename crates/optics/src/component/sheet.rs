@@ -1,31 +1,34 @@
-//! Sheets: surfaces without thickness, at which something happens to light although the medium stays.
+//! Sheets: trimmed surfaces without thickness (stops, detectors, gratings, thin lenses), crossed
+//! without a change of medium.
 
 use super::aperture::solid;
-use super::error::fit;
+use super::error::consistent;
 use super::face::{Face, Profile};
 use super::{Aperture, ComponentError};
+use rayweave_error::Message;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::HalfSpace;
 
-/// A surface trimmed by a solid: an event takes place where the boundary of `surface` is crossed inside `trim`.
+/// A surface trimmed by a solid: an event takes place where the boundary of `surface` is crossed
+/// inside `trim`.
 ///
-/// Stops, baffles, screens, detectors, gratings and thin lenses are sheets. Each is made about the origin, its middle, with
-/// its normal along z; [`Sheet::apply`] puts it elsewhere.
+/// Stops, baffles, screens, detectors, gratings and thin lenses are sheets. Each has its centre at
+/// the origin and its normal along z; [`Sheet::apply`] moves it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet {
-    /// The solid whose boundary is the surface, in world coordinates; its leaf is named `sheet`. It is the side of -z, so
-    /// that light along +z leaves it.
+    /// The solid whose boundary is the surface, in world coordinates; its leaf is named `sheet`. It
+    /// is the side of -z, so that light along +z leaves it.
     pub surface: Solid,
-    /// Where the surface is there, in world coordinates.
+    /// The solid that trims the surface, in world coordinates.
     pub trim: Solid,
-    /// `world_from_local`: the sheet's own coordinates, with the origin in its middle, z along its normal and x, y along
-    /// the sides of its aperture.
+    /// `world_from_local`: the frame of the sheet, with the origin at its centre, z along its
+    /// normal and x, y along the sides of its aperture.
     pub frame: Affine,
 }
 
 impl Sheet {
-    /// The same sheet moved by a map.
+    /// The sheet moved by an affine map.
     ///
     /// # Errors
     /// A map that is singular or not finite.
@@ -61,10 +64,9 @@ impl Sheet {
     /// ```
     pub fn stop(outline: Aperture, opening: Aperture) -> Result<Sheet, ComponentError> {
         let ([w, h], [a, b]) = (outline.checked()?.size(), opening.checked()?.size());
-        fit("stop", a <= w && b <= h, || {
-            format!(
-                "the opening is {a} x {b} and the stop {w} x {h} (it would have no rim) are the two exchanged?"
-            )
+        consistent(a <= w && b <= h, || {
+            let problem = format!("opening of the stop is {a} x {b} and its outline {w} x {h}");
+            Message::new(problem, "the stop would have no rim").suggest("Are the two exchanged?")
         })?;
         let sheet = Sheet::plane(outline)?;
         let hole = opening.column([0.0; 2], [-2.0, 2.0].map(|side| side * thickness(&outline)))?;
@@ -79,7 +81,8 @@ impl Sheet {
         Sheet::stop(Aperture::circle(diameter), Aperture::circle(opening))
     }
 
-    /// A piece of a sphere with its vertex at the origin and its centre at (0, 0, `radius`): a curved detector.
+    /// A piece of a sphere with its vertex at the origin and its centre at (0, 0, `radius`): a
+    /// curved detector.
     ///
     /// # Errors
     /// A radius that is 0 or NaN, sizes that are not positive, an aperture larger than the sphere.
@@ -96,8 +99,8 @@ impl Sheet {
         curved(profile, aperture.checked()?, aperture.reach([0.0; 2]))
     }
 
-    /// A piece of a round cylinder along y, `width` wide and `height` high, with its vertex at the origin and its axis
-    /// through (0, 0, `radius`).
+    /// A piece of a round cylinder along y, `width` wide and `height` high, with its vertex at the
+    /// origin and its axis through (0, 0, `radius`).
     ///
     /// # Errors
     /// As of [`Sheet::spherical`].
@@ -108,7 +111,7 @@ impl Sheet {
     }
 }
 
-/// The piece of a surface inside an aperture that reaches so far from the axis, or from the plane x = 0.
+/// The piece of a surface inside an aperture that extends by `reach` from the axis, or from the plane x = 0.
 fn curved(profile: Profile, aperture: Aperture, reach: f64) -> Result<Sheet, ComponentError> {
     if profile.is_plane() {
         return Sheet::plane(aperture);
@@ -124,7 +127,7 @@ fn curved(profile: Profile, aperture: Aperture, reach: f64) -> Result<Sheet, Com
     Ok(Sheet { surface: face.before(ends[0])?, trim, frame: Affine::IDENTITY })
 }
 
-/// How far the trim of a sheet reaches on either side: far enough that no rounding matters, near enough to be a small box.
+/// The extent of the trim of a sheet on either side: beyond any rounding, but a small box.
 fn thickness(aperture: &Aperture) -> f64 {
     let [width, height] = aperture.size();
     0.125 * width.min(height)

@@ -1,32 +1,27 @@
-//! The two sides of a lens or mirror, whatever their form.
+//! The two sides of a lens or mirror, of any form, and the solid between them.
 
-use super::aperture::solid;
-use super::face::{Face, Profile};
-use super::form::{Figure, Form};
-use super::toric::Toric;
 use super::{Aperture, ComponentError};
-use rayweave_math::Vec3;
 use rayweave_model::Solid;
 
-/// A surface in its place, by what a lens between two of them needs.
+/// A surface at its position, as one side of a lens or mirror.
 pub(super) trait Side {
     /// The name of its faces.
     fn name(&self) -> &'static str;
-    /// Its height over a point of the aperture.
+    /// Its z over a point of the aperture.
     fn z(&self, point: [f64; 2]) -> f64;
-    /// The heights over the whole aperture.
+    /// The range of z over the whole aperture.
     fn range(&self) -> [f64; 2];
-    /// The points on the side of +z, right where z < `until` and above [`Side::floor`].
+    /// The points on the side of +z, exact where z < `until` and above [`Side::floor`].
     fn beyond(&self, until: f64) -> Result<Solid, ComponentError>;
-    /// The points on the side of -z, right where z > `from` and below [`Side::ceiling`].
+    /// The points on the side of -z, exact where z > `from` and below [`Side::ceiling`].
     fn before(&self, from: f64) -> Result<Solid, ComponentError>;
-    /// The lower end of a column in which [`Side::beyond`] is right, near the one that is wanted.
+    /// The lower end of a column in which [`Side::beyond`] is exact, near the wanted one.
     fn floor(&self, wanted: f64) -> f64;
-    /// The upper end of a column in which [`Side::before`] is right.
+    /// The upper end of a column in which [`Side::before`] is exact.
     fn ceiling(&self, wanted: f64) -> f64;
 }
 
-/// What lies between two sides inside an aperture about a centre; leaves are named as the sides, and `edge`.
+/// The solid between two sides inside an aperture about a centre; leaves are named as the sides, and `edge`.
 pub(super) fn between_sides(
     part: &'static str,
     [front, back]: [&dyn Side; 2],
@@ -43,12 +38,12 @@ pub(super) fn between_sides(
 }
 
 /// Points of a rectangle, 33 x 33, from -1 to 1.
-fn points() -> impl Iterator<Item = [f64; 2]> {
+pub(super) fn points() -> impl Iterator<Item = [f64; 2]> {
     let step = |k: i32| f64::from(k) / 16.0;
     (-16..=16).flat_map(move |i| (-16..=16).map(move |j| [step(i), step(j)]))
 }
 
-/// The surfaces must not cross at any of some points inside the aperture.
+/// Checks that the surfaces do not cross at any sample point inside the aperture.
 fn check_gap(
     part: &'static str,
     [front, back]: [&dyn Side; 2],
@@ -57,7 +52,7 @@ fn check_gap(
 ) -> Result<(), ComponentError> {
     let [width, height] = aperture.size();
     let inside = points().map(|[u, v]| [0.5 * width * u, 0.5 * height * v]).filter(|&[x, y]| {
-        // the rim itself counts
+        // include the rim
         aperture.contains([x * (1.0 - 1e-9), y * (1.0 - 1e-9)])
     });
     let places = inside.map(|[x, y]| [centre[0] + x, centre[1] + y]);
@@ -71,141 +66,5 @@ fn check_gap(
             height,
             reach: aperture.reach(centre),
         }),
-    }
-}
-
-/// A surface of any form in its place, over an aperture.
-pub(super) fn side(
-    part: &'static str,
-    name: &'static str,
-    (form, vertex): (&Form, f64),
-    aperture: &Aperture,
-    centre: [f64; 2],
-) -> Result<Box<dyn Side>, ComponentError> {
-    let form = form.clone().checked(part, name)?;
-    let [width, height] = aperture.checked()?.size();
-    let half = [centre[0].abs() + 0.5 * width, centre[1].abs() + 0.5 * height];
-    if let Some(radii) = circles(&form) {
-        return Ok(Box::new(Toric::new(part, name, radii, vertex, half)?));
-    }
-    let reach = aperture.reach(centre);
-    if form.is_round() {
-        let face = Face { name, vertex, profile: Profile::asphere(&form.asphere) };
-        let limit = face.profile.limit();
-        return match reach > limit {
-            true => Err(ComponentError::ApertureTooLarge { part, surface: name, reach, limit }),
-            false => Ok(Box::new(Round { face: face.over(reach), reach })),
-        };
-    }
-    Ok(Box::new(Above::new(part, name, (form, vertex), reach, (half, centre))?))
-}
-
-/// The radii along x and y of a toroid whose curve is a circle, or straight, and turned about an axis that is not nearer.
-fn circles(form: &Form) -> Option<[f64; 2]> {
-    let Figure::Toroidal { turn } = form.figure else { return None };
-    let along_y = form.asphere.radius;
-    let is_circle = form.asphere.conic == 0.0 && form.asphere.even == [0.0; 8];
-    let is_turned_farther = along_y.abs() < turn.abs() || along_y == turn || along_y.is_infinite();
-    (is_circle && is_turned_farther).then_some([turn, along_y])
-}
-
-/// A surface of revolution.
-struct Round {
-    face: Face,
-    reach: f64,
-}
-
-impl Side for Round {
-    fn name(&self) -> &'static str {
-        self.face.name
-    }
-
-    fn z(&self, [x, y]: [f64; 2]) -> f64 {
-        self.face.z(libm::hypot(x, y)).unwrap_or(self.face.vertex)
-    }
-
-    fn range(&self) -> [f64; 2] {
-        self.face.range(self.reach)
-    }
-
-    fn beyond(&self, until: f64) -> Result<Solid, ComponentError> {
-        self.face.beyond(until)
-    }
-
-    fn before(&self, from: f64) -> Result<Solid, ComponentError> {
-        self.face.before(from)
-    }
-
-    fn floor(&self, wanted: f64) -> f64 {
-        let low = self.range()[0];
-        self.face.floor(low, low - wanted)
-    }
-
-    fn ceiling(&self, wanted: f64) -> f64 {
-        let high = self.range()[1];
-        self.face.ceiling(high, wanted - high)
-    }
-}
-
-/// A sag surface: one height over each point.
-struct Above {
-    name: &'static str,
-    vertex: f64,
-    form: Form,
-    range: [f64; 2],
-    solid: Solid,
-}
-
-impl Above {
-    fn new(
-        part: &'static str,
-        name: &'static str,
-        (form, vertex): (Form, f64),
-        reach: f64,
-        (half, centre): ([f64; 2], [f64; 2]),
-    ) -> Result<Above, ComponentError> {
-        if let Some(limit) = form.end(reach) {
-            return Err(ComponentError::ApertureTooLarge { part, surface: name, reach, limit });
-        }
-        let places = points().map(|[u, v]| [half[0] * u, half[1] * v]);
-        let heights = places
-            .filter(|[x, y]| libm::hypot(x - centre[0], y - centre[1]) <= reach)
-            .filter_map(|place| form.sag(place));
-        let range = heights.fold([0.0f64; 2], |[low, high], z| [low.min(z), high.max(z)]);
-        let range = range.map(|z| vertex + z);
-        // the end of the sag surface has to be outside, and may be where the base ends
-        let whole = form.above(part, 1.001 * reach).or_else(|_| form.above(part, reach))?;
-        let solid = solid(whole).translate(Vec3::Z * vertex).named(name);
-        Ok(Above { name, vertex, form, range, solid })
-    }
-}
-
-impl Side for Above {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn z(&self, point: [f64; 2]) -> f64 {
-        self.vertex + self.form.sag(point).unwrap_or(0.0)
-    }
-
-    fn range(&self) -> [f64; 2] {
-        self.range
-    }
-
-    fn beyond(&self, _until: f64) -> Result<Solid, ComponentError> {
-        Ok(self.solid.clone())
-    }
-
-    fn before(&self, _from: f64) -> Result<Solid, ComponentError> {
-        Ok(!self.solid.clone())
-    }
-
-    fn floor(&self, wanted: f64) -> f64 {
-        wanted
-    }
-
-    fn ceiling(&self, wanted: f64) -> f64 {
-        wanted
     }
 }

@@ -1,4 +1,4 @@
-//! Lenses with different curvatures along x and y.
+//! Toric lenses: different curvatures along x and y.
 
 use super::aperture::solid;
 use super::error::positive;
@@ -9,17 +9,19 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{HalfSpace, Torus};
 
-/// A lens whose surfaces are tori: `[rx, ry]` are the radii of curvature along x and along y, of the usual sign, each with
-/// an infinite one for no curvature. Equal radii give a sphere, one infinite radius a cylinder.
+/// A lens whose surfaces are tori: `[rx, ry]` are the radii of curvature along x and along y, of
+/// the usual sign, each with an infinite one for no curvature. Equal radii give a sphere, one
+/// infinite radius a cylinder.
 ///
-/// The meridian with the smaller of both radii, in magnitude, is a circle of that radius, and the surface is made by
-/// turning it with the other radius: with r along the coordinate p and R along q,
-/// `sag = R - S sqrt((R - s(p))^2 - q^2)` with `s(p) = r - sign(r) sqrt(r^2 - p^2)` and S the sign of R. (Radii of opposite
-/// sign give a saddle.) Vertices, thickness and faces are as those of [`lens`](super::lens).
+/// The meridian with the smaller of both radii, in magnitude, is a circle of that radius, and the
+/// surface is its surface of revolution with the other radius: with r along the coordinate p and R
+/// along q, `sag = R - S sqrt((R - s(p))^2 - q^2)` with `s(p) = r - sign(r) sqrt(r^2 - p^2)` and S
+/// the sign of R. (Radii of opposite sign give a saddle.) Vertices, thickness and faces are as
+/// those of [`lens`](super::lens).
 ///
 /// # Errors
-/// As of [`lens`](super::lens). The rectangle about the aperture has to lie within the surfaces, and they are compared with
-/// each other at 33 x 33 points of it.
+/// As of [`lens`](super::lens). The rectangle about the aperture has to lie within the surfaces,
+/// and they are compared with each other at 33 x 33 points of it.
 ///
 /// ```
 /// use rayweave_optics::component::{Aperture, toric_lens};
@@ -52,10 +54,10 @@ pub(super) struct Toric {
     vertex: f64,
     /// The half sizes of the rectangle.
     half: [f64; 2],
-    /// The signed radius of the circle that is turned, and the axis along which it is curved.
+    /// The signed radius of the rotated circle, and the axis along which it is curved.
     tube: f64,
     axis: usize,
-    /// The signed radius of the turn.
+    /// The signed radius of rotation.
     turn: f64,
 }
 
@@ -76,7 +78,8 @@ impl Toric {
         Ok(toric)
     }
 
-    /// The rectangle has to lie within the surface, and the surface over it in front of the torus' other side.
+    /// Checks that the rectangle lies within the surface, and the surface over it in front of the
+    /// other side of the torus.
     fn check_limits(&self) -> Result<(), ComponentError> {
         let (part, surface) = (self.part, self.name);
         let too_large = |reach, limit| Err(ComponentError::ApertureTooLarge { part, surface, reach, limit });
@@ -98,27 +101,28 @@ impl Toric {
         self.turn.is_finite() && self.turn != self.tube
     }
 
-    /// Of the circle that is turned, `p` away from the axis.
+    /// The sag of the rotated circle at a distance `p` from the axis.
     fn tube_sag(&self, p: f64) -> f64 {
         Profile::sphere(self.tube).sag(p.abs()).unwrap_or(self.tube)
     }
 
-    /// Above the vertex plane.
+    /// The sag above the vertex plane.
     fn sag(&self, point: [f64; 2]) -> f64 {
         let (p, q) = (point[self.axis], point[1 - self.axis]);
         let sag = self.tube_sag(p);
-        // turned about a circle of the radius turn - sag
+        // rotated about a circle of the radius turn - sag
         sag + Profile::sphere(self.turn - sag).sag(q.abs()).unwrap_or(self.turn - sag)
     }
 
-    /// How far the surface goes from its vertex towards the centre of the tube.
+    /// The extent of the surface from its vertex towards the centre of the tube.
     fn deepest(&self) -> f64 {
         let [low, high] = self.range();
         if self.tube > 0.0 { high - self.vertex } else { self.vertex - low }
     }
 
-    /// How far the torus reaches at least, in that direction, over all of the rectangle: to the middle of the tube if the
-    /// turn has the same sign, else to the other side of the tube, which is nearest over a corner.
+    /// The least extent of the torus in that direction over the rectangle: to the centre of the
+    /// tube if the rotation has the same sign, else to the other side of the tube, which is nearest
+    /// over a corner.
     fn far(&self) -> f64 {
         if self.turn * self.tube > 0.0 {
             return self.tube.abs();
@@ -134,9 +138,9 @@ impl Toric {
         self.vertex + self.tube.signum() * 0.5 * (self.deepest() + self.far())
     }
 
-    /// The torus, or the simpler surface that it is: the points on the side of +z near the vertex.
+    /// The torus: the points on the side of +z near the vertex.
     fn inside(&self) -> Result<Solid, ComponentError> {
-        // as far from each other as the centres of both curvatures
+        // the distance between both centres of curvature
         let major = (self.turn - self.tube).abs();
         let ring = solid(Torus::new(major, self.tube.abs())?);
         let ring = if self.axis == 0 { ring.rotate_y(90.0) } else { ring.rotate_x(90.0) };
@@ -144,18 +148,19 @@ impl Toric {
         Ok(if self.tube > 0.0 { ring } else { !ring })
     }
 
-    /// The height of the axis of the torus. That of a saddle has a hole there, and behind it the other side of the ring.
+    /// The height of the axis of the torus. A saddle has a hole there, and behind it the other side
+    /// of the ring.
     fn middle(&self) -> f64 {
         self.vertex + self.turn
     }
 
-    /// The sphere, cylinder (curved along x) or plane that it is.
+    /// The surface as a sphere, cylinder (curved along x) or plane, if it is one.
     fn simple(&self) -> Option<Face> {
         let profile = Profile { cylindrical: self.turn.is_infinite(), ..Profile::sphere(self.tube) };
         (!self.is_torus()).then_some(Face { name: self.name, vertex: self.vertex, profile })
     }
 
-    /// A simple surface turned to where it is curved.
+    /// A simple surface rotated to the axis along which it is curved.
     fn turned(&self, simple: Solid) -> Solid {
         if self.axis == 1 && self.turn.is_infinite() { simple.rotate_z(90.0) } else { simple }
     }

@@ -1,7 +1,7 @@
-//! The regions of a model as elements, with the finishes of their faces.
+//! Reader of `[optics.face]`: the regions of a model as elements, with the finishes of their faces.
 
-use super::medium::{Media, Stuff, entries};
-use super::{Said, fraction, list, said};
+use super::medium::{Media, RegionMaterial};
+use super::values::{Choice, entries, fraction, list, word_or_keyed};
 use crate::component::with_prefix;
 use crate::element::{Element, Finish, Material};
 use crate::interface::Film;
@@ -9,35 +9,35 @@ use rayweave_model::Program;
 use rayweave_scene::foreign::{Keys, Reader};
 use rayweave_scene::{Datum, Diagnostic, Scene, SceneRegion, Spanned};
 
-/// A finish and whose it is: a region, or a face of it.
+/// A finish of a region, or of a face of it.
 struct Entry {
     key: Spanned<String>,
     region: usize,
-    /// What the key says beyond the name of the region.
+    /// The part of the key after the name of the region.
     face: Option<String>,
     finish: Finish,
 }
 
-/// The regions whose media are known.
+/// The elements of the regions with valid media.
 pub(super) fn read(reader: &mut Reader, scene: &Scene, media: &Media, keys: &mut Keys) -> Vec<Element> {
     let table = keys.take("face").map(|datum| entries(reader, "optics.face", datum)).unwrap_or_default();
     let mut finishes: Vec<Entry> =
         table.into_iter().filter_map(|(key, datum)| entry(reader, scene, key, datum)).collect();
-    // later ones win, and longer names say more
+    // later entries have precedence, and longer keys are more specific
     finishes.sort_by_key(|entry| entry.key.value.len());
     let mut elements = Vec::new();
     for (number, region) in scene.regions.iter().enumerate() {
         let own: Vec<&Entry> = finishes.iter().filter(|entry| entry.region == number).collect();
-        // faces are looked for even where the medium is not known
+        // report unknown faces even where the medium is invalid
         let faces = faces(reader, region, &own);
         let plain = element(region, media);
-        elements.extend(plain.map(|element| faces.into_iter().fold(element, dressed)));
+        elements.extend(plain.map(|element| faces.into_iter().fold(element, with_finish)));
     }
     elements
 }
 
-/// The element with a finish, on a face or on all that have none of their own.
-fn dressed(element: Element, (face, finish): (Option<String>, Finish)) -> Element {
+/// The element with a finish, on one face or on all faces without their own.
+fn with_finish(element: Element, (face, finish): (Option<String>, Finish)) -> Element {
     match face {
         Some(face) => element.face(&face, finish),
         None => element.finish(finish),
@@ -47,12 +47,12 @@ fn dressed(element: Element, (face, finish): (Option<String>, Finish)) -> Elemen
 fn element(region: &SceneRegion, media: &Media) -> Option<Element> {
     let (name, solid) = (&region.name, region.solid.clone());
     Some(match media.of(region.medium)? {
-        Stuff::Mirror => Element::mirror(name, solid),
-        Stuff::Made(material) => Element::new(name, solid, Material::clone(material)),
+        RegionMaterial::Mirror => Element::mirror(name, solid),
+        RegionMaterial::Material(material) => Element::new(name, solid, Material::clone(material)),
     })
 }
 
-/// The region with the longest name that the key begins with, and the finish.
+/// An entry: the region with the longest name that is a prefix of the key, and the finish.
 fn entry(reader: &mut Reader, scene: &Scene, key: Spanned<String>, datum: Spanned<Datum>) -> Option<Entry> {
     let finish = read_finish(reader, datum);
     let rest = |region: &SceneRegion| match key.value.strip_prefix(&region.name)? {
@@ -82,7 +82,7 @@ fn faces(reader: &mut Reader, region: &SceneRegion, own: &[&Entry]) -> Vec<(Opti
     own.iter().flat_map(|entry| called(reader, entry, &names)).collect()
 }
 
-/// The faces that an entry names.
+/// The faces of an entry.
 fn called(reader: &mut Reader, entry: &Entry, names: &[String]) -> Vec<(Option<String>, Finish)> {
     let Some(face) = &entry.face else { return vec![(None, entry.finish.clone())] };
     let rest = |name: &str| name.strip_prefix(entry.key.value.as_str()).map(str::to_owned);
@@ -95,7 +95,7 @@ fn called(reader: &mut Reader, entry: &Entry, names: &[String]) -> Vec<(Option<S
     found.into_iter().map(|name| (Some(name.clone()), entry.finish.clone())).collect()
 }
 
-/// The faces by as many parts of their names as an entry has, as it may name many at once.
+/// The distinct prefixes of face names with as many parts as a key.
 fn beginnings<'n>(names: &'n [String], key: &str) -> Vec<&'n str> {
     let dots = key.matches('.').count();
     let end = |name: &str| name.match_indices('.').nth(dots).map_or(name.len(), |(place, _)| place);
@@ -107,10 +107,10 @@ fn beginnings<'n>(names: &'n [String], key: &str) -> Vec<&'n str> {
 fn read_finish(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Finish> {
     let words = ["polished", "absorber"];
     let keys = ["mirror", "splitter", "diffuse", "rough", "coated"];
-    let (key, datum) = match said(reader, "finish", datum, &words, &keys)? {
-        Said::Word(word) if word.value == "polished" => return Some(Finish::Polished),
-        Said::Word(_) => return Some(Finish::Absorber),
-        Said::Of(key, datum) => (key.value, datum),
+    let (key, datum) = match word_or_keyed(reader, "finish", datum, &words, &keys)? {
+        Choice::Word(word) if word.value == "polished" => return Some(Finish::Polished),
+        Choice::Word(_) => return Some(Finish::Absorber),
+        Choice::Keyed(key, datum) => (key.value, datum),
     };
     Some(match key.as_str() {
         "mirror" => Finish::Mirror { reflectance: fraction(reader, "mirror", datum)? },
@@ -137,8 +137,8 @@ fn film(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Film> {
     let is_film =
         n > 0.0 && k >= 0.0 && thickness_nm >= 0.0 && [n, k, thickness_nm].iter().all(|x| x.is_finite());
     if !is_film {
-        let problem = Diagnostic::error(format!("no film is [{n}, {k}, {thickness_nm}]"));
-        let reason = "n is greater than 0, k and the thickness in nm are at least 0, all finite";
+        let problem = Diagnostic::error(format!("the film is [{n}, {k}, {thickness_nm}]"));
+        let reason = "n must be greater than 0, k and the thickness in nm at least 0, all finite";
         reader.report(problem.why(reason), span);
     }
     is_film.then(|| Film::new(n, k, thickness_nm))

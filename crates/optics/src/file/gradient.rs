@@ -1,18 +1,17 @@
-//! Gradients of media.
+//! Reader of gradients of media.
 
-use super::list;
-use super::sheet::place;
+use super::values::{list, transform};
 use crate::gradient::Gradient;
 use rayweave_scene::foreign::{Keys, Reader};
 use rayweave_scene::{Datum, Spanned};
 
-/// `gradient = { selfoc = 0.25 }` and the like, with the place that stands beside it.
+/// `gradient = { selfoc = 0.25 }` and similar, with the `transform` beside it.
 pub(super) fn read(reader: &mut Reader, datum: Spanned<Datum>, around: &mut Keys) -> Option<Gradient> {
     let span = datum.span;
     let mut keys = reader.keys("gradient", datum)?;
     let read = law(reader, &mut keys);
     reader.refuse_the_rest(keys);
-    let map = place(reader, around)?;
+    let map = transform(reader, around)?;
     reader.accept(read?.placed(&map), span)
 }
 

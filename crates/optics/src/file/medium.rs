@@ -1,111 +1,104 @@
-//! What the media of a model are.
+//! Reader of `[optics.medium]`: the materials of the media of a model.
 
 use super::gradient;
+use super::values::entries;
 use crate::element::Material;
 use crate::glass::line_nm;
 use crate::medium::Medium;
 use rayweave_scene::foreign::{Keys, Reader};
 use rayweave_scene::{Datum, Diagnostic, Document, Scene, Span, Spanned};
 
-/// What regions of a medium are made of.
+/// The material of the regions of a medium, or an ideal mirror.
 #[derive(Clone, Debug)]
-pub(super) enum Stuff {
+pub(super) enum RegionMaterial {
     /// Reflects all light.
     Mirror,
-    Made(Material),
+    Material(Material),
 }
 
 /// The media of a scene by their numbers; `None` where there was a problem, which has been reported.
-pub(super) struct Media(Vec<Option<Stuff>>);
+pub(super) struct Media(Vec<Option<RegionMaterial>>);
 
 impl Media {
-    pub(super) fn of(&self, number: u32) -> Option<&Stuff> {
+    pub(super) fn of(&self, number: u32) -> Option<&RegionMaterial> {
         self.0.get(number as usize)?.as_ref()
     }
 
-    /// The medium around everything.
+    /// The medium of the world.
     pub(super) fn world(&self) -> Option<Medium> {
         self.dispersive_of(self.of(0)?).cloned()
     }
 
     /// All media with an index.
     pub(super) fn dispersive(&self) -> impl Iterator<Item = &Medium> {
-        self.0.iter().flatten().filter_map(|stuff| self.dispersive_of(stuff))
+        self.0.iter().flatten().filter_map(|material| self.dispersive_of(material))
     }
 
-    fn dispersive_of<'s>(&self, stuff: &'s Stuff) -> Option<&'s Medium> {
-        match stuff {
-            Stuff::Made(Material::Transparent(medium) | Material::Metal(medium)) => Some(medium),
+    fn dispersive_of<'s>(&self, material: &'s RegionMaterial) -> Option<&'s Medium> {
+        match material {
+            RegionMaterial::Material(Material::Transparent(medium) | Material::Metal(medium)) => Some(medium),
             _ => None,
         }
     }
 }
 
 pub(super) fn read(reader: &mut Reader, document: &Document, scene: &Scene, keys: &mut Keys) -> Media {
-    let mut said: Vec<Option<Option<Stuff>>> = vec![None; scene.media.len()];
-    let place = keys.span();
+    let mut read: Vec<Option<Option<RegionMaterial>>> = vec![None; scene.media.len()];
+    let span = keys.span();
     let table = keys.take("medium").map(|datum| (datum.span, entries(reader, "optics.medium", datum)));
-    let (place, entries) = table.unwrap_or((place, Vec::new()));
+    let (span, entries) = table.unwrap_or((span, Vec::new()));
     let names = scene.medium_names();
     for (name, datum) in entries {
         match names.iter().position(|own| *own == name.value) {
-            Some(number) => said[number] = Some(stuff(reader, &name.value, datum, number == 0)),
+            Some(number) => read[number] = Some(material(reader, &name.value, datum, number == 0)),
             None => reader.unknown("medium", &name, &names),
         }
     }
     let is_used = |number: usize| scene.regions.iter().any(|region| region.medium as usize == number);
-    let known = said.into_iter().enumerate().map(|(number, said)| match said {
-        Some(stuff) => stuff,
-        None if number == 0 || is_used(number) => of_the_model(reader, document, scene, number, place),
+    let known = read.into_iter().enumerate().map(|(number, read)| match read {
+        Some(material) => material,
+        None if number == 0 || is_used(number) => medium_of_model(reader, document, scene, number, span),
         None => None,
     });
     Media(known.collect())
 }
 
-/// The entries of a table with names of its own.
-pub(super) fn entries(
-    reader: &mut Reader,
-    what: &str,
-    datum: Spanned<Datum>,
-) -> Vec<(Spanned<String>, Spanned<Datum>)> {
-    match datum.value {
-        Datum::Table(table) => table,
-        _ => {
-            reader.wrong_type(what, &datum, "a table");
-            Vec::new()
-        }
-    }
-}
-
-/// What `[medium.NAME]` says.
-fn of_the_model(
+/// The medium of `[medium.NAME]`.
+fn medium_of_model(
     reader: &mut Reader,
     document: &Document,
     scene: &Scene,
     number: usize,
     place: Span,
-) -> Option<Stuff> {
+) -> Option<RegionMaterial> {
     let medium = &scene.media[number];
     if let Some(index) = medium.index {
         let made = Medium::constant(&medium.name, index, 0.0);
-        return reader.accept(made, place).map(|medium| Stuff::Made(Material::Transparent(medium)));
+        return reader
+            .accept(made, place)
+            .map(|medium| RegionMaterial::Material(Material::Transparent(medium)));
     }
     if number == 0 {
-        return Some(Stuff::Made(Material::Transparent(Medium::vacuum())));
+        return Some(RegionMaterial::Material(Material::Transparent(Medium::vacuum())));
     }
     let uses = document.regions.iter().filter_map(|region| region.medium.as_ref());
     let place = uses.filter(|name| name.value == medium.name).map(|name| name.span).next().unwrap_or(place);
     let problem = Diagnostic::error(format!("the medium `{}` has no index", medium.name));
-    let reason = "it stands neither in [optics.medium] nor, with an `index`, in [medium]";
-    reader.report(problem.why(reason).suggest(Some("which glass is it?".to_owned())), place);
+    let reason = "it is neither in [optics.medium] nor, with an `index`, in [medium]";
+    reader.report(problem.why(reason), place);
     None
 }
 
-fn stuff(reader: &mut Reader, name: &str, datum: Spanned<Datum>, is_world: bool) -> Option<Stuff> {
+fn material(
+    reader: &mut Reader,
+    name: &str,
+    datum: Spanned<Datum>,
+    is_world: bool,
+) -> Option<RegionMaterial> {
     let span = datum.span;
-    let stuff = match &datum.value {
-        Datum::Text(text) if text == "mirror" => Some(Stuff::Mirror),
-        Datum::Text(text) if text == "absorber" => Some(Stuff::Made(Material::Opaque)),
+    let material = match &datum.value {
+        Datum::Text(text) if text == "mirror" => Some(RegionMaterial::Mirror),
+        Datum::Text(text) if text == "absorber" => Some(RegionMaterial::Material(Material::Opaque)),
         Datum::Text(text) => match Medium::glass(text) {
             Err(_) if reader.is_arithmetic(text) => constant(reader, name, datum),
             glass => reader.accept(glass, span).map(made),
@@ -119,23 +112,23 @@ fn stuff(reader: &mut Reader, name: &str, datum: Spanned<Datum>, is_world: bool)
             None
         }
     }?;
-    let is_opaque = !matches!(stuff, Stuff::Made(Material::Transparent(_)));
+    let is_opaque = !matches!(material, RegionMaterial::Material(Material::Transparent(_)));
     if is_world && is_opaque {
-        let problem = Diagnostic::error("the medium of the world lets no light through");
-        reader.report(problem.why("all light begins and ends there"), span);
+        let problem = Diagnostic::error("the medium of the world is opaque");
+        reader.report(problem.why("all light starts and ends there"), span);
         return None;
     }
-    Some(stuff)
+    Some(material)
 }
 
-fn constant(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<Stuff> {
+fn constant(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<RegionMaterial> {
     let span = datum.span;
     let index = reader.number(name, datum)?;
     reader.accept(Medium::constant(name, index, 0.0), span).map(made)
 }
 
-/// An index or a glass, with a gradient if one is given.
-fn described(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<Stuff> {
+/// An index or a glass, with an optional gradient.
+fn described(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<RegionMaterial> {
     let mut keys = reader.keys(name, datum)?;
     let base = match keys.take("glass") {
         Some(datum) => {
@@ -151,7 +144,7 @@ fn described(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<S
     reader.refuse_the_rest(keys);
     let base = base?;
     Some(match gradient {
-        Some(gradient) => Stuff::Made(Material::Transparent(base.graded(gradient))),
+        Some(gradient) => RegionMaterial::Material(Material::Transparent(base.graded(gradient))),
         None => made(base),
     })
 }
@@ -166,9 +159,9 @@ fn complex(reader: &mut Reader, name: &str, keys: &mut Keys) -> Option<Medium> {
     reader.accept(Medium::constant(name, n?, k?), span)
 }
 
-/// Where hardly any light goes through a wavelength of it, it is a metal: an extinction above a tenth of the index in
-/// yellow light, or in the middle of what is known of it.
-fn made(medium: Medium) -> Stuff {
+/// The material of a medium: a metal if its extinction coefficient is above a tenth of its index in
+/// yellow light, or in the middle of its range, so that it absorbs light within a wavelength.
+fn made(medium: Medium) -> RegionMaterial {
     let [from, to] = medium.range_nm();
     let yellow = line_nm("d").unwrap_or(587.561_8);
     let index = match (from..=to).contains(&yellow) {
@@ -176,5 +169,5 @@ fn made(medium: Medium) -> Stuff {
         false => medium.index(0.5 * (from + to)),
     };
     let is_metal = index.im > 0.1 * index.re;
-    Stuff::Made(if is_metal { Material::Metal(medium) } else { Material::Transparent(medium) })
+    RegionMaterial::Material(if is_metal { Material::Metal(medium) } else { Material::Transparent(medium) })
 }

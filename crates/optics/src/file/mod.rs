@@ -1,89 +1,97 @@
-//! The `[optics]` tables of a model file.
+//! Reader of the `[optics]` tables of a model file.
 //!
-//! [`optics_of`] makes an [`Assembly`], its light and its settings of them. The solids are the regions of the model, in
-//! their order; lengths are in the unit of the document. Wherever a number stands, arithmetic text over the parameters may
-//! stand.
+//! [`optics_of`] reads an [`Assembly`], its light sources and its settings. The solids are the
+//! regions of the model, in their order; lengths are in the unit of the document. Every number may
+//! also be an arithmetic expression of the parameters.
 //!
 //! ```toml
 //! [optics]
-//! branches = "both"         # where light is split: ideal (default) goes on, both follows both, random chooses one
-//! polarised = false         # whether polarisation is followed; as a rule if a sheet or source asks for it
-//! generation_limit = 1000   # after so many events a ray is dropped
-//! threshold = 0             # below this power a ray is dropped
-//! seed = 0                  # of random choices
+//! branches = "both"         # at partial reflection: ideal (default) transmits without loss, both traces both, random chooses one
+//! polarised = false         # whether polarisation is traced; by default if a sheet or source needs it
+//! generation_limit = 1000   # the number of events after which a ray is dropped
+//! threshold = 0             # the power below which a ray is dropped
+//! seed = 0                  # of random numbers
 //!
-//! [optics.medium]           # what the media of the model are; otherwise the index of [medium.NAME] holds
+//! [optics.medium]           # materials of the media of the model; otherwise the index of [medium.NAME]
 //! glass = "N-BK7"           # a material of the catalogue, an index, { n = 1.5, k = 1e-6 }, "mirror", "absorber"
-//! world = "air"             # vacuum if nothing is said of it
-//! rod = { glass = "N-BK7", gradient = { selfoc = 0.3 } }   # an index that changes from place to place, or with n = 1.5
+//! world = "air"             # vacuum by default
+//! rod = { glass = "N-BK7", gradient = { selfoc = 0.3 } }   # a gradient index, or with n = 1.5
 //!
 //! [optics.face]             # finishes by region, or by region and face
 //! "lens.front" = { coated = [[1.38, 0, 99.6]] }   # films as n, k, thickness in nm, the outermost first
 //! "lens.rim" = "absorber"   # polished, absorber, or { mirror = 0.95 }, { splitter = 0.5 }, { diffuse = 0.8 }, { rough = 0.02 }
 //!
-//! [[optics.sheet]]          # made about the origin, with the normal along z
+//! [[optics.sheet]]          # centred at the origin, with the normal along z
 //! name = "screen"
 //! circle = 40               # the diameter; or rectangle = [40, 30], ellipse = [40, 30]
-//! opening = { circle = 10 } # a hole in the middle, if there is one; or, of a curved sheet, radius = -80 and conic = 0
+//! opening = { circle = 10 } # an optional central hole; a curved sheet has radius = -80 and conic = 0 instead
 //! action = "absorb"         # record, or { mirror = 0.9 }, { splitter = 0.5 }, { thin_lens = 50 }, { polariser = 30 },
 //!                           # { retarder = [90, 45] }, { grating = { lines = [600, 0], order = 1, reflects = true } }
 //! transform = [{ translate = [0, 0, 50] }]
 //!
-//! [[optics.source]]         # made about the origin, shining along z
+//! [[optics.source]]         # at the origin, emitting along z
 //! beam = { circle = 20, rays = 1000, waist = 5 }
 //! wavelength_nm = 587.6     # or [[486.1, 1], [656.3, 1]], { band = [400, 700] }, { black_body = [5772, 400, 700] }
 //! power = 1                 # of all rays together
-//! stokes = [1, 1, 0, 0]     # polarised along x; unpolarised if nothing is said
+//! stokes = [1, 1, 0, 0]     # polarised along x; unpolarised by default
 //! seed = 0
 //! transform = [{ translate = [0, 0, -60] }]
 //! ```
 //!
-//! The gradients are those of [`Gradient`](crate::gradient::Gradient): `selfoc = g`, `squared = [a0, a1, ..]`, `radial = [r0, r1, ..]`,
-//! `axial = [c0, c1, ..]`, `fish_eye = radius`, `luneburg = radius`; a `transform` beside the gradient places it.
+//! The gradients are those of [`Gradient`](crate::gradient::Gradient): `selfoc = g`,
+//! `squared = [a0, a1, ..]`, `radial = [r0, r1, ..]`, `axial = [c0, c1, ..]`, `fish_eye = radius`,
+//! `luneburg = radius`; a `transform` beside the gradient places it.
 //!
-//! A face is called by its name, by the first words of it between dots, or by any one of them; where several entries name a
-//! face, the longest holds. Angles are in degrees: that of a polariser and the second of a retarder (after its retardance)
-//! from x towards y; the lines of a grating are per unit of length, along x and y of the sheet.
+//! A face has its name, the first words of it between dots, or any one of them as its key; of
+//! several entries for a face, the longest key has precedence. Angles are in degrees: that of a
+//! polariser and the second of a retarder (after its retardance) from x towards y; the lines of a
+//! grating are per unit of length, along x and y of the sheet.
 //!
-//! The other sources are `line = { length, rays }`, `circle = { diameter, rays }`, `cone = { angle, rays }`,
-//! `wedge = { angle, rays }`, `lamp = { width, height, angle, rays }` and `point = { angle, rays }`. The angle of a wedge is
-//! that between its outermost rays, all others are from the axis. A beam is Gaussian with a `waist`, the distance at which its
-//! irradiance has fallen to 1/e^2, and even without; its rays, and those of a point, lie as `sampling` says: on a
-//! `"fibonacci"` spiral, at `"random"`, on a `"grid"` or on `"hexapolar"` rings, of the last two about as many as `rays` says.
-//! A `disc = { circle, angle, rays }` shines from random points of an outline by Lambert's law, or evenly with
-//! `emission = "isotropic"`. `rays = { file = "light.csv" }` are those of a file beside the model
-//! ([`ListedRays::read`](crate::source::ListedRays::read)), with their wavelengths and powers if it has them.
+//! The other sources are `line = { length, rays }`, `circle = { diameter, rays }`,
+//! `cone = { angle, rays }`, `wedge = { angle, rays }`, `lamp = { width, height, angle, rays }` and
+//! `point = { angle, rays }`. The angle of a wedge is that between its outermost rays, all other
+//! angles are measured from the axis. A beam is Gaussian with a `waist`, the distance at which its
+//! irradiance has fallen to 1/e^2, and uniform without; `sampling` of beams and points is a
+//! `"fibonacci"` spiral, `"random"`, a `"grid"` or `"hexapolar"` rings, the last two with about
+//! `rays` rays. A `disc = { circle, angle, rays }` emits from random points of an outline by
+//! Lambert's cosine law, or isotropically with `emission = "isotropic"`.
+//! `rays = { file = "light.csv" }` reads a file beside the model
+//! ([`ListedRays::read`](crate::source::ListedRays::read)), optionally with wavelengths and powers.
 
 mod face;
 mod gradient;
 mod medium;
 mod sheet;
 mod source;
+mod values;
+
+use source::ReadSource;
+use values::seed;
 
 use crate::element::Element;
 use crate::settings::{Branches, Settings};
-use crate::source::{Source, Sources};
+use crate::source::Sources;
 use crate::system::Assembly;
 use rayweave_scene::foreign::{Keys, Reader};
-use rayweave_scene::{Datum, Diagnostic, Diagnostics, Document, Scene, Span, Spanned};
+use rayweave_scene::{Diagnostic, Diagnostics, Document, Scene};
 use std::path::Path;
 
-/// What the `[optics]` tables of a model say.
+/// The optics of a model: assembly, sources and settings.
 #[derive(Clone, Debug)]
 pub struct OpticalScene {
     /// The regions of the model as solids, then the sheets.
     pub assembly: Assembly,
     /// The light.
     pub sources: Sources,
-    /// How it is followed.
+    /// The settings of the trace.
     pub settings: Settings,
 }
 
 /// Reads the `[optics]` tables of a model.
 ///
 /// # Errors
-/// All problems at once: no such table, keys that are unknown or missing, values out of range, materials, media and faces
-/// that do not exist, names that are given twice, wavelengths at which the index of a medium is not known.
+/// All problems at once: a missing table, unknown or missing keys, values out of range, unknown
+/// materials, media and faces, duplicate names, wavelengths outside the range of a medium.
 ///
 /// ```
 /// let text = r#"
@@ -107,20 +115,13 @@ pub struct OpticalScene {
 pub fn optics_of(document: &Document, scene: &Scene) -> Result<OpticalScene, Diagnostics> {
     let Some(table) = document.foreign("optics") else {
         let problem =
-            Diagnostic::error("the model has no [optics] table").why("it says what shines, and on what");
+            Diagnostic::error("the model has no [optics] table").why("it defines sources and materials");
         return Err(problem.in_file(&document.source).into());
     };
     let mut reader = Reader::new(document, scene);
     let read = reader.keys("optics", table.value.clone());
     let read = read.and_then(|keys| optics(&mut reader, document, scene, keys));
     reader.finish(read)
-}
-
-/// A source, the wavelengths that it sends out, and where they are said.
-struct ReadSource {
-    source: Source,
-    range_nm: [f64; 2],
-    span: Span,
 }
 
 fn optics(reader: &mut Reader, document: &Document, scene: &Scene, mut keys: Keys) -> Option<OpticalScene> {
@@ -143,7 +144,7 @@ fn optics(reader: &mut Reader, document: &Document, scene: &Scene, mut keys: Key
     Some(OpticalScene { assembly, sources, settings })
 }
 
-/// The settings, and whether they say that polarisation is followed: if they do not, it is where anything asks for it.
+/// The settings, and whether polarisation is traced; `None` to trace it where an element or source needs it.
 fn settings(reader: &mut Reader, keys: &mut Keys) -> (Settings, Option<bool>) {
     let default = Settings::default();
     let choices = [(Branches::Ideal, "ideal"), (Branches::Both, "both"), (Branches::Random, "random")];
@@ -164,11 +165,7 @@ fn settings(reader: &mut Reader, keys: &mut Keys) -> (Settings, Option<bool>) {
     (settings, polarised)
 }
 
-fn seed(reader: &mut Reader, keys: &mut Keys) -> Option<u64> {
-    keys.take("seed").and_then(|datum| reader.whole("seed", datum, 0, 1 << 53))
-}
-
-/// Reports the first medium whose index is not known at all wavelengths of a source.
+/// Reports the first medium whose range does not contain all wavelengths of a source.
 fn check_wavelengths(reader: &mut Reader, source: &ReadSource, media: &medium::Media) {
     let [shortest, longest] = source.range_nm;
     let is_unknown = |[from, to]: [f64; 2]| shortest < from || longest > to;
@@ -178,76 +175,7 @@ fn check_wavelengths(reader: &mut Reader, source: &ReadSource, media: &medium::M
         true => format!("{shortest} nm"),
         false => format!("{shortest} nm to {longest} nm"),
     };
-    let problem = Diagnostic::error(format!("the source shines at {light}"));
+    let problem = Diagnostic::error(format!("the source emits at {light}"));
     let reason = format!("the index of `{}` is known from {from} nm to {to} nm", medium.name());
     reader.report(problem.why(reason), source.span);
-}
-
-/// A word, or a table of one key: `"absorb"`, `{ mirror = 0.9 }`.
-enum Said {
-    Word(Spanned<String>),
-    Of(Spanned<String>, Spanned<Datum>),
-}
-
-/// What is said of `what`: one of the words, or one of the keys with its value.
-fn said(
-    reader: &mut Reader,
-    what: &str,
-    datum: Spanned<Datum>,
-    words: &[&str],
-    keys: &[&str],
-) -> Option<Said> {
-    match datum.value {
-        Datum::Text(word) => {
-            let word = Spanned::new(word, datum.span);
-            let is_known = words.contains(&word.value.as_str());
-            if keys.contains(&word.value.as_str()) {
-                let problem = Diagnostic::error(format!("{what} `{}` has no value", word.value));
-                let suggestion = format!("{{ {} = ... }}", word.value);
-                reader.report(problem.why("it is a table of one key").suggest(Some(suggestion)), datum.span);
-            } else if !is_known {
-                reader.unknown(what, &word, &[words, keys].concat());
-            }
-            is_known.then_some(Said::Word(word))
-        }
-        Datum::Table(mut table) if table.len() == 1 => {
-            let (key, value) = table.pop()?;
-            let is_known = keys.contains(&key.value.as_str());
-            if words.contains(&key.value.as_str()) {
-                let problem = Diagnostic::error(format!("{what} `{}` takes no value", key.value));
-                let suggestion = format!("\"{}\"", key.value);
-                reader.report(problem.why("it is a word").suggest(Some(suggestion)), key.span);
-            } else if !is_known {
-                reader.unknown(what, &key, &[words, keys].concat());
-            }
-            is_known.then_some(Said::Of(key, value))
-        }
-        _ => {
-            let [words, keys] = [words, keys].map(|names| names.join(", "));
-            let wanted = format!("one of the words {words}, or a table of one of {keys}");
-            reader.wrong_type(what, &datum, &wanted);
-            None
-        }
-    }
-}
-
-/// A part of the power, from 0 to 1.
-fn fraction(reader: &mut Reader, what: &str, datum: Spanned<Datum>) -> Option<f64> {
-    reader.checked(what, datum, "from 0 to 1", |value| (0.0..=1.0).contains(&value))
-}
-
-/// A finite number.
-fn finite(reader: &mut Reader, what: &str, datum: Spanned<Datum>) -> Option<f64> {
-    reader.checked(what, datum, "finite", f64::is_finite)
-}
-
-/// The items of a list.
-fn list(reader: &mut Reader, what: &str, datum: Spanned<Datum>, wanted: &str) -> Option<Vec<Spanned<Datum>>> {
-    match datum.value {
-        Datum::List(list) => Some(list),
-        _ => {
-            reader.wrong_type(what, &datum, wanted);
-            None
-        }
-    }
 }

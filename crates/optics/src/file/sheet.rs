@@ -1,9 +1,9 @@
-//! Sheets.
+//! Reader of `[[optics.sheet]]`.
 
-use super::{Said, finite, fraction, said};
+use super::values::{Choice, aperture, finite, fraction, transform, word_or_keyed};
 use crate::component::{Aperture, Sheet};
 use crate::element::{Action, Element};
-use rayweave_math::{Affine, Vec3, sin_cos_degrees};
+use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_scene::foreign::{Keys, Reader};
 use rayweave_scene::{Datum, Diagnostic, Spanned};
 
@@ -16,30 +16,22 @@ pub(super) fn read(reader: &mut Reader, keys: &mut Keys, mut taken: Vec<String>)
 fn element(reader: &mut Reader, mut keys: Keys, taken: &mut Vec<String>) -> Option<Element> {
     let name = reader.need(&mut keys, "name").and_then(|datum| reader.text("name", datum));
     if let Some(name) = &name {
-        refuse_twin(reader, name, taken);
+        check_unique(reader, name, taken);
     }
     let sheet = sheet(reader, &mut keys);
     let action = reader.need(&mut keys, "action").and_then(|datum| action(reader, datum));
     let span = keys.span();
-    let map = place(reader, &mut keys);
+    let map = transform(reader, &mut keys);
     reader.refuse_the_rest(keys);
     let sheet = reader.accept(sheet?.apply(&map?), span)?;
     Some(Element::sheet(&name?.value, sheet, action?))
 }
 
-/// The product of the maps; nothing is done if none are given.
-pub(super) fn place(reader: &mut Reader, keys: &mut Keys) -> Option<Affine> {
-    match keys.take("transform") {
-        Some(datum) => reader.transform(datum),
-        None => Some(Affine::IDENTITY),
-    }
-}
-
-fn refuse_twin(reader: &mut Reader, name: &Spanned<String>, taken: &mut Vec<String>) {
+fn check_unique(reader: &mut Reader, name: &Spanned<String>, taken: &mut Vec<String>) {
     if taken.contains(&name.value) {
         let problem = Diagnostic::error(format!("two elements are called `{}`", name.value));
-        let reason = "in results they are told apart by their names";
-        reader.report(problem.why(reason).suggest(Some("give one of them another".to_owned())), name.span);
+        let reason = "element names must be unique, since results refer to them";
+        reader.report(problem.why(reason).suggest(Some("rename one of them".to_owned())), name.span);
     }
     taken.push(name.value.clone());
 }
@@ -54,7 +46,8 @@ fn sheet(reader: &mut Reader, keys: &mut Keys) -> Option<Sheet> {
         (Some((_, opening)), None) => Sheet::stop(outline?, opening?),
         (None, Some([radius, conic])) => Sheet::conic(radius, conic, outline?),
         (Some((span, _)), Some(_)) => {
-            let problem = Diagnostic::error("a curved sheet has no opening").why("stops are plane");
+            let problem =
+                Diagnostic::error("a curved sheet has no opening").why("only plane stops are supported");
             reader.report(problem, span);
             return None;
         }
@@ -69,7 +62,7 @@ fn opening(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Aperture> {
     opening
 }
 
-/// `radius` and `conic`, if the sheet is curved; `None` if one of them is wrong.
+/// `radius` and `conic` of a curved sheet; `None` if one of them is invalid.
 fn curve(reader: &mut Reader, keys: &mut Keys) -> Option<Option<[f64; 2]>> {
     let (radius, conic) = (keys.take("radius"), keys.take("conic"));
     let Some(radius) = radius else {
@@ -83,27 +76,12 @@ fn curve(reader: &mut Reader, keys: &mut Keys) -> Option<Option<[f64; 2]>> {
     Some(Some([radius?, conic?]))
 }
 
-/// `circle = diameter`, `rectangle = [width, height]` or `ellipse = [width, height]`, with its own place for what is wrong.
-pub(super) fn aperture(reader: &mut Reader, keys: &mut Keys) -> Option<Aperture> {
-    let (kind, datum) = reader.one_of(keys, &["circle", "rectangle", "ellipse"])?;
-    let span = datum.span;
-    let aperture = match kind.value.as_str() {
-        "circle" => Aperture::circle(reader.number("circle", datum)?),
-        kind => {
-            let [width, height] = reader.numbers(kind, datum)?;
-            let is_rectangle = kind == "rectangle";
-            if is_rectangle { Aperture::rectangle(width, height) } else { Aperture::ellipse(width, height) }
-        }
-    };
-    reader.accept(aperture.checked(), span)
-}
-
 fn action(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Action> {
     let keys = ["mirror", "splitter", "thin_lens", "grating", "polariser", "retarder"];
-    let (key, datum) = match said(reader, "action", datum, &["absorb", "record"], &keys)? {
-        Said::Word(word) if word.value == "absorb" => return Some(Action::Absorb),
-        Said::Word(_) => return Some(Action::Record),
-        Said::Of(key, datum) => (key.value, datum),
+    let (key, datum) = match word_or_keyed(reader, "action", datum, &["absorb", "record"], &keys)? {
+        Choice::Word(word) if word.value == "absorb" => return Some(Action::Absorb),
+        Choice::Word(_) => return Some(Action::Record),
+        Choice::Keyed(key, datum) => (key.value, datum),
     };
     Some(match key.as_str() {
         "mirror" => Action::Mirror { reflectance: fraction(reader, "mirror", datum)? },
@@ -130,7 +108,10 @@ fn retarder(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Action> {
     let is_finite = retardance_degrees.is_finite() && degrees.is_finite();
     if !is_finite {
         let problem = Diagnostic::error("an angle of the retarder is infinite");
-        reader.report(problem.why("they are its retardance and that of its fast axis, in degrees"), span);
+        reader.report(
+            problem.why("it needs its retardance and the angle of its fast axis, both finite, in degrees"),
+            span,
+        );
     }
     is_finite.then(|| Action::Retarder { axis: axis(degrees), retardance_degrees })
 }
@@ -157,7 +138,7 @@ fn lines(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Vec3> {
     let is_grating = lines.is_finite() && lines != Vec3::ZERO;
     if !is_grating {
         let problem = Diagnostic::error(format!("the grating has [{x}, {y}] lines"));
-        reader.report(problem.why("they are finite, and not both 0"), span);
+        reader.report(problem.why("they must be finite, and not both 0"), span);
     }
     is_grating.then_some(lines)
 }

@@ -1,7 +1,6 @@
-//! Sources.
+//! Reader of `[[optics.source]]`.
 
-use super::sheet::{aperture, place};
-use super::{ReadSource, list, seed};
+use super::values::{aperture, list, seed, transform};
 use crate::source::{BeamProfile, Emission, ListedRays, Pattern, Power, Sampling, Source, Spectrum};
 use rayweave_scene::foreign::{Keys, Reader};
 use rayweave_scene::{Datum, Diagnostic, Span, Spanned};
@@ -9,7 +8,14 @@ use std::path::Path;
 
 const PATTERNS: [&str; 9] = ["beam", "line", "circle", "cone", "wedge", "lamp", "point", "disc", "rays"];
 
-/// The sources; files of rays are looked for in a folder.
+/// A source, its range of wavelengths, and their location in the file.
+pub(super) struct ReadSource {
+    pub source: Source,
+    pub range_nm: [f64; 2],
+    pub span: Span,
+}
+
+/// The sources; ray files are relative to a folder.
 pub(super) fn read(reader: &mut Reader, keys: &mut Keys, folder: &Path) -> Vec<ReadSource> {
     let Some(datum) = keys.take("source") else { return Vec::new() };
     let tables = reader.tables("optics.source", datum);
@@ -18,23 +24,24 @@ pub(super) fn read(reader: &mut Reader, keys: &mut Keys, folder: &Path) -> Vec<R
 
 fn source(reader: &mut Reader, mut keys: Keys, folder: &Path) -> Option<ReadSource> {
     let span = keys.span();
-    let shining = shining(reader, &mut keys, folder);
-    let own = shining.as_ref().and_then(|(_, listed)| listed.clone());
-    let (spectrum, spectrum_at) = placed(reader, &mut keys, "wavelength_nm", Spectrum::default(), spectrum);
+    let emitter = pattern_source(reader, &mut keys, folder);
+    let own = emitter.as_ref().and_then(|(_, listed)| listed.clone());
+    let (spectrum, spectrum_at) =
+        with_span(reader, &mut keys, "wavelength_nm", Spectrum::default(), spectrum);
     let own_range = own.as_ref().and_then(ListedRays::range_nm);
     if own_range.is_some() && spectrum_at != span {
-        let problem = Diagnostic::error("the rays have wavelengths of their own");
-        reader.report(problem.why("the file has a column of them"), spectrum_at);
+        let problem = Diagnostic::error("the rays have their own wavelengths");
+        reader.report(problem.why("the file has a column of wavelengths"), spectrum_at);
     }
     let all = own.as_ref().and_then(ListedRays::power).unwrap_or(1.0);
-    let (power, power_at) = placed(reader, &mut keys, "power", all, power);
+    let (power, power_at) = with_span(reader, &mut keys, "power", all, power);
     let stokes = stokes(reader, &mut keys);
     let seed = seed(reader, &mut keys).unwrap_or(0);
-    let map = place(reader, &mut keys);
+    let map = transform(reader, &mut keys);
     reader.refuse_the_rest(keys);
-    // each of them is checked, whatever is wrong with the others
+    // check each of them, even if another is invalid
     let spectrum = spectrum.filter(|spectrum| reader.accept(spectrum.wavelengths(), spectrum_at).is_some());
-    let powered = shining.and_then(|(source, _)| reader.accept(source.power(Power::Total(power?)), power_at));
+    let powered = emitter.and_then(|(source, _)| reader.accept(source.power(Power::Total(power?)), power_at));
     let (source, spectrum) = (powered?.seed(seed), spectrum?);
     let source = reader.accept(source.spectrum(&spectrum), spectrum_at)?;
     let source = match stokes? {
@@ -46,7 +53,7 @@ fn source(reader: &mut Reader, mut keys: Keys, folder: &Path) -> Option<ReadSour
     Some(ReadSource { source, range_nm, span: spectrum_at })
 }
 
-/// The parameters of Stokes and where they stand, if there are any; `None` if they are wrong.
+/// The Stokes parameters and their span, if there are any; `None` if they are invalid.
 fn stokes(reader: &mut Reader, keys: &mut Keys) -> Option<Option<([f64; 4], Span)>> {
     let Some(datum) = keys.take("stokes") else { return Some(None) };
     let span = datum.span;
@@ -54,8 +61,8 @@ fn stokes(reader: &mut Reader, keys: &mut Keys) -> Option<Option<([f64; 4], Span
     Some(Some((parameters, span)))
 }
 
-/// A value and where it stands; another one, which stands where the table does, if it is not there.
-fn placed<T>(
+/// A value and its span, or a default with the span of the table.
+fn with_span<T>(
     reader: &mut Reader,
     keys: &mut Keys,
     key: &'static str,
@@ -76,8 +83,12 @@ fn power(reader: &mut Reader, datum: Spanned<Datum>) -> Option<f64> {
     reader.checked("power", datum, "finite and greater than 0", holds)
 }
 
-/// The source of a pattern, and its rays if they are listed.
-fn shining(reader: &mut Reader, keys: &mut Keys, folder: &Path) -> Option<(Source, Option<ListedRays>)> {
+/// The source of a pattern, and its rays if they are from a file.
+fn pattern_source(
+    reader: &mut Reader,
+    keys: &mut Keys,
+    folder: &Path,
+) -> Option<(Source, Option<ListedRays>)> {
     let (kind, datum) = reader.one_of(keys, &PATTERNS)?;
     let span = datum.span;
     let mut own = reader.keys(&kind.value, datum)?;
@@ -126,7 +137,7 @@ fn pattern(reader: &mut Reader, kind: &str, keys: &mut Keys) -> Option<Pattern> 
     }
 }
 
-/// Rays from random points of an outline, by Lambert's law or evenly.
+/// Rays from random points of an outline, by Lambert's cosine law or isotropic.
 fn disc(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<Pattern> {
     let aperture = aperture(reader, keys);
     let angle = reader.need(keys, "angle").and_then(|datum| reader.number("angle", datum));
@@ -149,13 +160,13 @@ fn beam(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<Patte
     Some(Pattern::Beam { aperture: aperture?, profile: profile?, sampling: sampling? })
 }
 
-/// `sampling`, or `random = true`; on a spiral if nothing is said.
+/// `sampling`, or `random = true`; a Fibonacci spiral by default.
 fn sampling(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<Sampling> {
     let ways = Sampling::NAMES.map(|name| (name, name));
     let random = keys.take("random");
     let name = match (keys.take("sampling"), random) {
         (Some(_), Some(random)) => {
-            let problem = Diagnostic::error("`random` is one too many").why("`sampling` says it");
+            let problem = Diagnostic::error("`random` is one too many").why("`sampling` has precedence");
             reader.report(problem, random.span);
             None
         }

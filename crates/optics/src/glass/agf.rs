@@ -1,6 +1,7 @@
-//! Reader of AGF files, the text format of glass catalogues that Zemax began and every maker of glass publishes.
+//! Reader of AGF files, the text format of glass catalogues of Zemax and of all glass makers.
 //!
-//! A catalogue begins with `CC` and a comment; a glass begins with its `NM` line, and lines in any order follow:
+//! A catalogue begins with `CC` and a comment; a glass begins with its `NM` line, and lines in any
+//! order follow:
 //!
 //! | line | holds | read |
 //! | --- | --- | --- |
@@ -9,18 +10,19 @@
 //! | `CD` | up to ten coefficients of the formula | yes |
 //! | `LD` | shortest and longest wavelength in µm | yes |
 //! | `IT` | wavelength in µm, internal transmittance, thickness in mm | yes |
-//! | `ED`, `TD`, `MD`, `OD`, `BD` | expansion, thermal, mechanical, other data, stress | passed over |
+//! | `ED`, `TD`, `MD`, `OD`, `BD` | expansion, thermal, mechanical, other data, stress | ignored |
 //!
-//! Indices are those at the catalogue's temperature and pressure. Files come in UTF-16 with or without a byte order mark, in UTF-8
-//! and in Latin-1; [`read_agf`] finds out which. The format: Zemax OpticStudio user guide, "The AGF & BGF file formats".
+//! Indices are those at the catalogue's temperature and pressure. Files come in UTF-16 with or
+//! without a byte order mark, in UTF-8 and in Latin-1; [`read_agf`] detects the encoding. The
+//! format: Zemax OpticStudio user guide, "The AGF & BGF file formats".
 
 use super::read::{Problem, ReadError, finish, nm_from_um, number, numbers};
 use super::{Dispersion, Glass, Published, Transmittance};
 
-/// Reads a glass catalogue; `maker` is the name that its glasses carry, and may be empty.
+/// Reads a glass catalogue; `maker` is the maker of its glasses, and may be empty.
 ///
 /// # Errors
-/// All problems of the file at once, each with its line. Glasses without a problem stay readable:
+/// All problems of the file at once, each with its line. Glasses without problems remain available:
 /// [`into_readable`](ReadError::into_readable).
 ///
 /// ```
@@ -31,7 +33,7 @@ use super::{Dispersion, Glass, Published, Transmittance};
 /// assert_eq!(glasses[0].range_nm(), [400.0, 700.0]);
 /// ```
 pub fn read_agf(bytes: &[u8], maker: &str) -> Result<Vec<Glass>, ReadError> {
-    let text = decode(bytes);
+    let text = decode_text(bytes);
     let mut reader = Reader { maker, ..Reader::default() };
     for (index, line) in text.lines().enumerate() {
         reader.read_line(index + 1, line.trim());
@@ -41,13 +43,13 @@ pub fn read_agf(bytes: &[u8], maker: &str) -> Result<Vec<Glass>, ReadError> {
 }
 
 /// The text of a file in UTF-16 or UTF-8, with or without a byte order mark, or else in Latin-1.
-pub(crate) fn decode(bytes: &[u8]) -> String {
+pub fn decode_text(bytes: &[u8]) -> String {
     let zero_at = |parity: usize| bytes.iter().skip(parity).step_by(2).take(64).any(|&byte| byte == 0);
     match bytes {
         [0xff, 0xfe, text @ ..] => utf16(text, u16::from_le_bytes),
         [0xfe, 0xff, text @ ..] => utf16(text, u16::from_be_bytes),
         [0xef, 0xbb, 0xbf, text @ ..] => String::from_utf8_lossy(text).into_owned(),
-        // text of this format is almost all ASCII, whose high bytes are zero
+        // text of this format is mostly ASCII, whose high bytes are zero
         _ if zero_at(1) => utf16(bytes, u16::from_le_bytes),
         _ if zero_at(0) => utf16(bytes, u16::from_be_bytes),
         _ => match str::from_utf8(bytes) {
@@ -81,8 +83,8 @@ struct Record {
     coefficients: Option<(usize, Vec<f64>)>,
     range: Option<(usize, [f64; 2])>,
     transmittances: Vec<Transmittance>,
-    /// Whether a line of it could not be read.
-    spoilt: bool,
+    /// Whether a line of it is invalid.
+    is_invalid: bool,
 }
 
 impl Reader<'_> {
@@ -98,14 +100,14 @@ impl Reader<'_> {
             _ => Ok(()),
         };
         if let Err(text) = outcome {
-            self.complain(line, text);
+            self.report(line, text);
         }
     }
 
-    fn complain(&mut self, line: usize, text: String) {
+    fn report(&mut self, line: usize, text: String) {
         self.problems.push(Problem { line, text });
         if let Some(record) = &mut self.current {
-            record.spoilt = true;
+            record.is_invalid = true;
         }
     }
 
@@ -116,13 +118,13 @@ impl Reader<'_> {
         self.current = Some(Record::new(line, name));
         let [_, formula, _, n_d, v_d, ..] = words[..] else {
             return Err(
-                "an NM line is too short (it has a name, a formula, a MIL number, n_d and V_d)".to_owned()
+                "an NM line is too short: it needs a name, a formula, a MIL number, n_d and V_d.".to_owned()
             );
         };
         let (formula, n_d, v_d) = (whole(formula)?, number(n_d)?, number(v_d)?);
         if let Some(record) = &mut self.current {
             record.formula = formula;
-            // what is opaque at the d line has the index 1 and the Abbe number 0 in such files
+            // these files give materials that are opaque at the d line an index of 1 and an Abbe number of 0
             record.published = (n_d > 1.0 && v_d > 0.0).then_some(Published { n_d, v_d });
         }
         Ok(())
@@ -130,7 +132,7 @@ impl Reader<'_> {
 
     fn read_part(&mut self, line: usize, mnemonic: &str, rest: &str) -> Result<(), String> {
         let Some(record) = &mut self.current else {
-            return Err(format!("a {mnemonic} line without a glass (a glass begins with an NM line)"));
+            return Err(format!("a {mnemonic} line has no glass: a glass begins with an NM line."));
         };
         match mnemonic {
             "GC" => record.comment = rest.trim().to_owned(),
@@ -143,7 +145,7 @@ impl Reader<'_> {
 
     fn finish_glass(&mut self) {
         let Some(record) = self.current.take() else { return };
-        if record.spoilt {
+        if record.is_invalid {
             return;
         }
         match record.glass(self.maker, &self.catalogue) {
@@ -157,19 +159,28 @@ impl Reader<'_> {
 fn whole(word: &str) -> Result<u32, String> {
     let value = number(word)?;
     let whole = value as u32;
-    if f64::from(whole) == value { Ok(whole) } else { Err(format!("{word:?} is no number of a formula")) }
+    if f64::from(whole) == value {
+        Ok(whole)
+    } else {
+        Err(format!("{word:?} is not the number of a formula."))
+    }
 }
 
 fn read_range(rest: &str) -> Result<[f64; 2], String> {
     match numbers(rest)?[..] {
         [first, last, ..] => Ok([nm_from_um(first), nm_from_um(last)]),
-        _ => Err("an LD line is too short (it has the shortest and the longest wavelength in µm)".to_owned()),
+        _ => {
+            Err("an LD line is too short: it needs the shortest and the longest wavelength in µm.".to_owned())
+        }
     }
 }
 
 fn read_transmittance(rest: &str) -> Result<Transmittance, String> {
     let [um, transmittance, thickness_mm, ..] = numbers(rest)?[..] else {
-        return Err("an IT line is too short (wavelength in µm, transmittance, thickness in mm)".to_owned());
+        return Err(
+            "an IT line is too short: it needs a wavelength in µm, a transmittance and a thickness in mm."
+                .to_owned(),
+        );
     };
     let measured = Transmittance { wavelength_nm: nm_from_um(um), transmittance, thickness_mm };
     measured.check().map_err(|error| error.to_string())?;
@@ -187,13 +198,13 @@ impl Record {
             coefficients: None,
             range: None,
             transmittances: Vec::new(),
-            spoilt: false,
+            is_invalid: false,
         }
     }
 
     fn glass(self, maker: &str, catalogue: &str) -> Result<Glass, Problem> {
         let at = |line: usize| move |text: String| Problem { line, text };
-        let missing = |what: &str| at(self.line)(format!("{} has no {what} line", self.name));
+        let missing = |what: &str| at(self.line)(format!("{} has no {what} line.", self.name));
         let (line, coefficients) = self.coefficients.as_ref().ok_or_else(|| missing("CD"))?;
         let dispersion =
             Dispersion::agf(self.formula, coefficients).map_err(|error| at(*line)(error.to_string()))?;

@@ -1,12 +1,15 @@
-//! Air of any temperature, pressure, humidity and content of carbon dioxide.
+//! Refractive index of air by temperature, pressure, humidity and content of carbon dioxide (Ciddor
+//! equation).
 //!
-//! P. E. Ciddor, "Refractive index of air: new equations for the visible and near infrared", Appl. Opt. 35, 1566 (1996): the
-//! refractivities of dry air and of water vapour, each in proportion to its density, and the densities by the BIPM equation of 1991
-//! (R. S. Davis, Metrologia 29, 67 (1992)). Numbers of equations are Ciddor's.
+//! P. E. Ciddor, "Refractive index of air: new equations for the visible and near infrared", Appl.
+//! Opt. 35, 1566 (1996): the refractivities of dry air and of water vapour, each in proportion to
+//! its density, and the densities by the BIPM equation of 1991 (R. S. Davis, Metrologia 29, 67
+//! (1992)). Numbers of equations are Ciddor's.
 
 use super::{Dispersion, Glass, GlassError};
 
-/// The state of air. [`default`](Air::default) is Ciddor's standard air: dry, at 15 °C and 101 325 Pa, with 450 ppm of CO₂.
+/// The state of air. [`default`](Air::default) is Ciddor's standard air: dry, at 15 °C and 101 325
+/// Pa, with 450 ppm of CO₂.
 ///
 /// ```
 /// use rayweave_optics::glass::Air;
@@ -41,7 +44,7 @@ const GAS_CONSTANT: f64 = 8.314510;
 /// Ciddor's equations hold in this range of wavelengths.
 const RANGE_NM: [f64; 2] = [300.0, 1690.0];
 
-/// A mixture as the equation of density takes it.
+/// A mixture for the equation of density.
 #[derive(Clone, Copy)]
 struct Mixture {
     celsius: f64,
@@ -53,16 +56,16 @@ struct Mixture {
 }
 
 impl Air {
-    /// This air as a material; its index is absolute, and it absorbs nothing.
+    /// The air as a material with an absolute index and no absorption.
     ///
     /// # Errors
-    /// A number is outside the range that its field states, or NaN, or there is more vapour than pressure.
+    /// [`GlassError::Air`] for a number outside the range of its field, or for more vapour than pressure.
     pub fn glass(&self) -> Result<Glass, GlassError> {
         let source = "P. E. Ciddor, Appl. Opt. 35, 1566-1573 (1996)";
         Glass::new("air", self.dispersion()?).with_source(source).with_range_nm(RANGE_NM)
     }
 
-    /// The formula for its index.
+    /// The formula of the index.
     ///
     /// # Errors
     /// As [`glass`](Air::glass).
@@ -77,7 +80,7 @@ impl Air {
         };
         let standard_air = Mixture { celsius: 15.0, pascal: 101_325.0, vapour: 0.0, dry_kg };
         let standard_vapour = Mixture { celsius: 20.0, pascal: 1333.0, vapour: 1.0, dry_kg };
-        // eq. 2: carbon dioxide refracts more than what it replaces
+        // eq. 2: the refractivity of carbon dioxide
         let carbon = 1.0 + 0.534e-6 * (self.co2_ppm - 450.0);
         Ok(Dispersion::Air {
             dry: carbon * here.dry_density() / standard_air.dry_density(),
@@ -98,7 +101,8 @@ impl Air {
         }
     }
 
-    /// The mole fraction of water vapour (appendix A, step 4); the vapour pressure over water is that of Davis.
+    /// The mole fraction of water vapour (appendix A, step 4); the vapour pressure over water is
+    /// that of Davis.
     fn vapour(&self) -> Result<f64, GlassError> {
         if self.relative_humidity == 0.0 {
             return Ok(0.0);
@@ -142,22 +146,4 @@ impl Mixture {
         let second = (5.707e-6 - 2.051e-8 * t) * x + (1.9898e-4 - 2.376e-6 * t) * x * x;
         1.0 - ratio * (first + second) + ratio * ratio * (1.83e-11 - 0.765e-8 * x * x)
     }
-}
-
-/// n - 1 of standard air at a wavelength in µm (eq. 1).
-fn standard_air(square_um: f64) -> f64 {
-    let sigma2 = 1.0 / square_um;
-    1e-8 * (5_792_105.0 / (238.0185 - sigma2) + 167_917.0 / (57.362 - sigma2))
-}
-
-/// n - 1 of water vapour at 20 °C and 1333 Pa (eq. 3).
-fn standard_vapour(square_um: f64) -> f64 {
-    let sigma2 = 1.0 / square_um;
-    let polynomial = 295.235 + sigma2 * (2.6422 + sigma2 * (-0.032380 + sigma2 * 0.004028));
-    1.022e-8 * polynomial
-}
-
-/// n of air with so many times the densities of standard air and of standard vapour (eq. 5).
-pub(super) fn index(dry: f64, vapour: f64, square_um: f64) -> f64 {
-    1.0 + (dry * standard_air(square_um) + vapour * standard_vapour(square_um))
 }

@@ -1,19 +1,21 @@
-//! Materials by name, and the built-in ones.
+//! Catalogues of materials by name, and the built-in catalogue.
 //!
-//! The data are facts that others have published; every material carries its source. Glasses come from the AGF catalogues of their
-//! makers, everything else from the papers and books that `data/materials.yml` names. All of it was collected by the
-//! refractiveindex.info database (M. N. Polyanskiy, Scientific Data 11, 94 (2024); public domain, CC0);
-//! `data/make_catalogue.py` reduces its files to those that are compiled in.
+//! The data are published facts; every material has its reference. Glasses come from the AGF
+//! catalogues of their makers, other materials from the papers and books listed in
+//! `data/materials.yml`. All data were collected by the refractiveindex.info database (M. N.
+//! Polyanskiy, Scientific Data 11, 94 (2024); public domain, CC0); `data/make_catalogue.py` reduces
+//! its files to those that are compiled in.
 
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
 use super::{Glass, GlassError, read_agf, read_refractiveindex};
 
-/// Materials that are found by name.
+/// A catalogue of materials by name.
 ///
-/// Names are compared without regard to case and to everything but letters and digits: `N-BK7`, `n bk7` and `NBK7` are one. A name
-/// that several makers use means the glass that was added last; with its maker before it, as in `Hoya F2`, it means just one.
+/// Names are compared by letters and digits only, without case: `N-BK7`, `n bk7` and `NBK7` are
+/// equal. For a name of several makers the glass added last has precedence; a name with its maker,
+/// as in `Hoya F2`, is unique.
 ///
 /// ```
 /// use rayweave_optics::glass::{Catalogue, Dispersion, Glass};
@@ -41,13 +43,13 @@ impl Catalogue {
         Catalogue::default()
     }
 
-    /// The built-in catalogue; it is read once, when first asked for.
+    /// The built-in catalogue; it is read once, at first use.
     pub fn built_in() -> &'static Catalogue {
         static BUILT_IN: OnceLock<Catalogue> = OnceLock::new();
         BUILT_IN.get_or_init(read_built_in)
     }
 
-    /// Adds materials. Their names take precedence over those that are there.
+    /// Adds materials. Their names take precedence over earlier ones.
     pub fn add(&mut self, glasses: impl IntoIterator<Item = Glass>) {
         for glass in glasses {
             let place = self.glasses.len();
@@ -67,7 +69,7 @@ impl Catalogue {
     /// The material of this name.
     ///
     /// # Errors
-    /// Nothing has this name; the error tells the names most like it.
+    /// [`GlassError::Unknown`] for an unknown name, with the most similar names.
     pub fn get(&self, name: &str) -> Result<&Glass, GlassError> {
         match self.by_name.get(&key(name)) {
             Some(&place) => Ok(&self.glasses[place]),
@@ -79,19 +81,16 @@ impl Catalogue {
         }
     }
 
-    /// The names of the materials that differ least from a key, at most three of them.
+    /// The names most similar to a key, at most three.
     fn suggestions(&self, wanted: &str) -> Vec<String> {
-        let unlike = |known: &String| Unlikeness::between(wanted, known);
-        let mut near: Vec<(Unlikeness, &str)> =
-            self.by_name.iter().map(|(known, &place)| (unlike(known), self.glasses[place].name())).collect();
-        near.sort_unstable();
-        let least = near.first().map_or(0, |(unlikeness, _)| unlikeness.edits);
         let length = wanted.chars().count();
-        let alike = least < length && least <= 1 + length / 4;
-        near.retain(|(unlikeness, _)| alike && unlikeness.edits == least);
+        // names are short codes: one letter more may differ than in words
+        let most_edits = (1 + length / 4).min(length.saturating_sub(1));
         let mut names: Vec<String> = Vec::new();
-        for (_, name) in near {
-            if names.len() < 3 && !names.iter().any(|known| known == name) {
+        for known in rayweave_error::closest(wanted, self.by_name.keys().map(String::as_str), |_| most_edits)
+        {
+            let name = self.by_name.get(known).map(|&place| self.glasses[place].name());
+            if let Some(name) = name.filter(|name| names.len() < 3 && !names.iter().any(|own| own == name)) {
                 names.push(name.to_owned());
             }
         }
@@ -99,25 +98,7 @@ impl Catalogue {
     }
 }
 
-/// How much two names differ: by edits first; of equal ones those come first that share most pairs of letters (BK7 means N-BK7
-/// rather than K7).
-#[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct Unlikeness {
-    edits: usize,
-    /// Per mille of the pairs of letters (Sørensen, Dice).
-    unshared: u32,
-}
-
-impl Unlikeness {
-    fn between(wanted: &str, known: &str) -> Unlikeness {
-        Unlikeness {
-            edits: strsim::damerau_levenshtein(wanted, known),
-            unshared: (1000.0 * (1.0 - strsim::sorensen_dice(wanted, known))) as u32,
-        }
-    }
-}
-
-/// The catalogues of makers, the one whose names take precedence last.
+/// The catalogues of makers, in the order of increasing precedence.
 const MAKERS: [(&str, &str); 4] = [
     ("CDGM", include_str!("../../data/cdgm.agf")),
     ("Hoya", include_str!("../../data/hoya.agf")),
@@ -129,7 +110,7 @@ const MATERIALS: &str = include_str!("../../data/materials.yml");
 
 fn read_built_in() -> Catalogue {
     let mut catalogue = Catalogue::new();
-    // a test holds these files to be free of problems
+    // a test checks that these files have no problems
     for (maker, text) in MAKERS {
         catalogue.add(read_agf(text.as_bytes(), maker).unwrap_or_else(|error| error.into_readable()));
     }
@@ -141,7 +122,7 @@ fn read_built_in() -> Catalogue {
 /// The built-in material of this name: `glass("N-BK7")`, `glass("fused silica")`, `glass("gold")`.
 ///
 /// # Errors
-/// Nothing has this name; the error tells the names most like it.
+/// [`GlassError::Unknown`] for an unknown name, with the most similar names.
 pub fn glass(name: &str) -> Result<Glass, GlassError> {
     Catalogue::built_in().get(name).cloned()
 }

@@ -2,9 +2,9 @@
 //!
 //! λ is in micrometres in every formula.
 
-use super::Table;
-use super::air;
+use super::refractivity;
 use super::spectrum::{C_NM, D_NM, F_NM};
+use super::{DispersionError, Table};
 
 /// One term `strength λ² / (λ² - resonance_um2)` of a Sellmeier formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub struct SellmeierTerm {
 pub struct RationalTerm {
     /// In micrometres to the power `2 - power`.
     pub factor: f64,
-    /// The power of λ above the line.
+    /// The power of λ in the numerator.
     pub power: f64,
     /// In square micrometres.
     pub pole: f64,
@@ -28,7 +28,8 @@ pub struct RationalTerm {
 
 /// A dispersion formula with its coefficients.
 ///
-/// The variants are forms; the names that formulas have in catalogues are functions that build them. With λ in micrometres:
+/// The variants are general forms; functions with the names of the formulas in catalogues construct
+/// them. With λ in micrometres:
 ///
 /// | function | formula | AGF | refractiveindex.info |
 /// | --- | --- | --- | --- |
@@ -40,14 +41,15 @@ pub struct RationalTerm {
 /// | [`handbook_1`](Dispersion::handbook_1) | n² = A + B/(λ² - C) - Dλ² | 7 | in 4 |
 /// | [`handbook_2`](Dispersion::handbook_2) | n² = A + Bλ²/(λ² - C) - Dλ² | 8 | in 4 |
 /// | [`sellmeier_4`](Dispersion::sellmeier_4) | n² = A + Bλ²/(λ² - C) + Dλ²/(λ² - E) | 9 | in 4 |
-/// | [`extended_1`](Dispersion::extended_1) | n² as Schott's, + a₆λ⁻¹⁰ + a₇λ⁻¹² | 10 | in 3 |
-/// | [`extended_2`](Dispersion::extended_2) | n² as Schott's, + a₆λ⁴ + a₇λ⁶ | 12 | in 3 |
+/// | [`extended_1`](Dispersion::extended_1) | n² of Schott + a₆λ⁻¹⁰ + a₇λ⁻¹² | 10 | in 3 |
+/// | [`extended_2`](Dispersion::extended_2) | n² of Schott + a₆λ⁴ + a₇λ⁶ | 12 | in 3 |
 /// | [`extended_3`](Dispersion::extended_3) | n² = a₀ + a₁λ² + a₂λ⁴ + a₃λ⁻² + a₄λ⁻⁴ + ... + a₈λ⁻¹² | 13 | in 3 |
 /// | [`cauchy`](Dispersion::cauchy) | n = A + B/λ² + C/λ⁴ + ... | | in 5 |
 ///
-/// The formulas and their numbers are those of the AGF glass catalogues (Zemax OpticStudio user guide, "The glass dispersion
-/// formulas") and of refractiveindex.info ("Dispersion formulas", M. N. Polyanskiy); [`agf`](Dispersion::agf) and
-/// [`refractiveindex`](Dispersion::refractiveindex) build them by number.
+/// The formulas and their numbers are those of the AGF glass catalogues (Zemax OpticStudio user
+/// guide, "The glass dispersion formulas") and of refractiveindex.info ("Dispersion formulas", M.
+/// N. Polyanskiy); [`agf`](Dispersion::agf) and [`refractiveindex`](Dispersion::refractiveindex)
+/// build them by number.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Dispersion {
@@ -55,7 +57,7 @@ pub enum Dispersion {
     Constant(f64),
     /// n² = 1 + offset + Σ Bλ²/(λ² - C).
     Sellmeier {
-        /// What stands beside 1; mostly 0.
+        /// The constant beside 1; mostly 0.
         offset: f64,
         /// The terms under the sum.
         terms: Vec<SellmeierTerm>,
@@ -73,7 +75,7 @@ pub enum Dispersion {
     Herzberger([f64; 6]),
     /// n = 1 + offset + Σ b/(c - λ⁻²), of pairs (b, c) in λ⁻²: the formula of gases.
     Gas {
-        /// What stands beside 1; mostly 0.
+        /// The constant beside 1; mostly 0.
         offset: f64,
         /// Pairs (b, c), both in reciprocal square micrometres.
         terms: Vec<(f64, f64)>,
@@ -84,78 +86,14 @@ pub enum Dispersion {
     Exotic([f64; 6]),
     /// Air by Ciddor's equations; see [`Air`](super::Air).
     Air {
-        /// The density of its dry part, in units of that of standard air, times what CO₂ adds to its refractivity.
+        /// The density of the dry part relative to standard air, times the factor of CO₂ for the
+        /// refractivity.
         dry: f64,
-        /// The density of its water vapour, in units of that at 20 °C and 1333 Pa.
+        /// The density of the water vapour relative to that at 20 °C and 1333 Pa.
         vapour: f64,
     },
-    /// Measured indices, linear between.
+    /// Measured indices, with linear interpolation.
     Tabulated(Table),
-}
-
-/// Why numbers make no dispersion formula, as "problem (why) suggestion?".
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum DispersionError {
-    /// There is no formula of this number.
-    #[error("{catalogue} has no formula {number} (its formulas are numbered 1 to {last})")]
-    Formula {
-        /// Whose numbers.
-        catalogue: &'static str,
-        /// What was given.
-        number: u32,
-        /// The last number.
-        last: u32,
-    },
-    /// A formula has another number of coefficients.
-    #[error("{given} coefficients for {formula} (it takes {takes})")]
-    Coefficients {
-        /// The formula.
-        formula: String,
-        /// How many were given.
-        given: usize,
-        /// How many it takes, in words.
-        takes: &'static str,
-    },
-    /// A coefficient is no finite number.
-    #[error("coefficient {position} is {value} (coefficients are finite numbers)")]
-    Coefficient {
-        /// Counted from 1.
-        position: usize,
-        /// What was given.
-        value: f64,
-    },
-    /// An entry of a table is no number.
-    #[error(
-        "a table's entry is {value} at {wavelength_nm} nm (wavelengths are positive, all numbers finite)"
-    )]
-    Entry {
-        /// The wavelength in nanometres.
-        wavelength_nm: f64,
-        /// The value.
-        value: f64,
-    },
-    /// A table contradicts itself.
-    #[error("a table has both {} and {} at {wavelength_nm} nm (a wavelength has one value)", values[0], values[1])]
-    Twice {
-        /// The wavelength in nanometres.
-        wavelength_nm: f64,
-        /// Both values.
-        values: [f64; 2],
-    },
-    /// A table has no entries.
-    #[error("a table has no entries (at least one wavelength is needed)")]
-    Empty,
-    /// Index and Abbe number of no material.
-    #[error(
-        "index {n_d} with Abbe number {v_d} (an index is greater than 1 and an Abbe number positive, both finite)"
-    )]
-    Abbe {
-        /// The index at the d line.
-        n_d: f64,
-        /// The Abbe number.
-        v_d: f64,
-    },
 }
 
 const AGF: &str = "an AGF catalogue";
@@ -167,7 +105,7 @@ const EXTENDED_1_POWERS: [f64; 8] = [0.0, 2.0, -2.0, -4.0, -6.0, -8.0, -10.0, -1
 const EXTENDED_2_POWERS: [f64; 8] = [0.0, 2.0, -2.0, -4.0, -6.0, -8.0, 4.0, 6.0];
 const EXTENDED_3_POWERS: [f64; 9] = [0.0, 2.0, 4.0, -2.0, -4.0, -6.0, -8.0, -10.0, -12.0];
 
-/// Formulas by the names that they have in catalogues; λ in micrometres.
+/// Formulas by their names in catalogues; λ in micrometres.
 impl Dispersion {
     /// The Sellmeier formula n² - 1 = Σ Bλ²/(λ² - C), of pairs (B, C in µm²).
     ///
@@ -186,7 +124,8 @@ impl Dispersion {
         Dispersion::Sellmeier { offset: 0.0, terms: terms.iter().map(term).collect() }
     }
 
-    /// n² - 1 = A + B₁λ²/(λ² - λ₁²) + B₂/(λ² - λ₂²), of A, B₁, λ₁, B₂, λ₂: the second has no λ² above the line.
+    /// n² - 1 = A + B₁λ²/(λ² - λ₁²) + B₂/(λ² - λ₂²), of A, B₁, λ₁, B₂, λ₂: the second term has no
+    /// λ² in the numerator.
     pub fn sellmeier_2([a, b1, l1, b2, l2]: [f64; 5]) -> Dispersion {
         let poles = vec![pole(b1, 2.0, l1 * l1), pole(b2, 0.0, l2 * l2)];
         Dispersion::Square { poles, powers: vec![(1.0 + a, 0.0)] }
@@ -228,7 +167,7 @@ impl Dispersion {
         Dispersion::Powers(vec![(n0, 0.0), (a, -1.0), (b, -3.5)])
     }
 
-    /// Cauchy's formula: n = A + B/λ² + C/λ⁴ + ..., of as many coefficients as are given.
+    /// Cauchy's formula: n = A + B/λ² + C/λ⁴ + ..., with any number of coefficients.
     pub fn cauchy(coefficients: &[f64]) -> Dispersion {
         let powers = (0..).map(|order| -2.0 * f64::from(order));
         Dispersion::Powers(coefficients.iter().copied().zip(powers).collect())
@@ -244,15 +183,16 @@ impl Dispersion {
         Dispersion::Square { poles: vec![pole(b, 2.0, c)], powers: vec![(a, 0.0), (-d, 2.0)] }
     }
 
-    /// Cauchy's formula of two terms, n = A + B/λ², that has this index at the d line (587.5618 nm) and this Abbe number
-    /// V_d = (n_d - 1)/(n_F - n_C).
+    /// Cauchy's formula of two terms, n = A + B/λ², that has this index at the d line (587.5618 nm)
+    /// and this Abbe number V_d = (n_d - 1)/(n_F - n_C).
     ///
-    /// B = (n_d - 1)/(V_d (λ_F⁻² - λ_C⁻²)) and A = n_d - B λ_d⁻² (F. A. Jenkins and H. E. White, Fundamentals of Optics, ch. 23).
-    /// Two numbers say nothing about partial dispersions: of Schott's glasses the median is off by 2e-4 and the worst, P-SF68, by 4e-3
-    /// between 450 nm and 700 nm, and by 1e-3 and 1.5e-2 between 400 nm and 800 nm.
+    /// B = (n_d - 1)/(V_d (λ_F⁻² - λ_C⁻²)) and A = n_d - B λ_d⁻² (F. A. Jenkins and H. E. White,
+    /// Fundamentals of Optics, ch. 23). Two numbers do not determine partial dispersions: for the
+    /// glasses of Schott the median error is 2e-4 and the largest, of P-SF68, 4e-3 between 450 nm
+    /// and 700 nm, and 1e-3 and 1.5e-2 between 400 nm and 800 nm.
     ///
     /// # Errors
-    /// The index is not above 1, the Abbe number is not above 0, or one of them is not finite.
+    /// [`DispersionError::Abbe`] unless the index is above 1, the Abbe number above 0, and both are finite.
     pub fn from_abbe(n_d: f64, v_d: f64) -> Result<Dispersion, DispersionError> {
         if !(n_d > 1.0 && v_d > 0.0 && n_d.is_finite() && v_d.is_finite()) {
             return Err(DispersionError::Abbe { n_d, v_d });
@@ -277,11 +217,12 @@ fn pairs(coefficients: &[f64], powers: &[f64]) -> Vec<(f64, f64)> {
 
 /// Formulas by number.
 impl Dispersion {
-    /// The formula of this number in AGF glass catalogues, 1 to 13. Coefficients that are missing at the end count as 0, and
-    /// more zeros than the formula takes are passed over, as in those files.
+    /// The formula of this number in AGF glass catalogues, 1 to 13. Missing coefficients at the end
+    /// count as 0, and surplus zeros are ignored, as in those files.
     ///
     /// # Errors
-    /// There is no formula of this number, a coefficient is not finite, or one that the formula does not take is not 0.
+    /// [`DispersionError`] for an unknown number, a coefficient that is not finite, or a surplus
+    /// one that is not 0.
     pub fn agf(number: u32, coefficients: &[f64]) -> Result<Dispersion, DispersionError> {
         check_finite(coefficients)?;
         let c = coefficients;
@@ -306,7 +247,8 @@ impl Dispersion {
     /// The formula of this number at refractiveindex.info, 1 to 9.
     ///
     /// # Errors
-    /// There is no formula of this number, a coefficient is not finite, or their number does not fit the formula.
+    /// [`DispersionError`] for an unknown number, a coefficient that is not finite, or a wrong
+    /// number of coefficients.
     pub fn refractiveindex(number: u32, coefficients: &[f64]) -> Result<Dispersion, DispersionError> {
         check_finite(coefficients)?;
         match number {
@@ -359,7 +301,8 @@ fn wrong_count(catalogue: &str, number: u32, coefficients: &[f64], takes: &'stat
     DispersionError::Coefficients { formula, given: coefficients.len(), takes }
 }
 
-/// Of strengths and resonances in turn; terms without strength are left out, for in catalogues they have no resonance.
+/// Of strengths and resonances in turn; terms without strength are left out, for in catalogues they
+/// have no resonance.
 fn sellmeier_of_pairs(offset: f64, coefficients: &[f64]) -> Dispersion {
     let pairs = coefficients.chunks_exact(2).filter(|pair| pair[0] != 0.0);
     let terms = pairs.map(|pair| SellmeierTerm { strength: pair[0], resonance_um2: pair[1] }).collect();
@@ -399,10 +342,9 @@ fn refractiveindex_rational(coefficients: &[f64]) -> Result<Dispersion, Dispersi
 
 /// Evaluation.
 impl Dispersion {
-    /// The refractive index at a wavelength in nanometres, at whatever wavelength the formula gives one: whoever knows a range
-    /// of validity keeps to it.
+    /// The refractive index at a wavelength in nanometres, without a check of the range of validity.
     ///
-    /// `None` where the wavelength is not positive and finite, or the formula gives no positive finite index.
+    /// `None` if the wavelength is not positive and finite, or the formula has no positive finite value.
     pub fn index(&self, wavelength_nm: f64) -> Option<f64> {
         if !(wavelength_nm > 0.0 && wavelength_nm.is_finite()) {
             return None;
@@ -429,7 +371,7 @@ impl Dispersion {
             }
             Dispersion::Retro(coefficients) => retro(coefficients, square),
             Dispersion::Exotic(coefficients) => exotic(coefficients, um),
-            Dispersion::Air { dry, vapour } => air::index(*dry, *vapour, square),
+            Dispersion::Air { dry, vapour } => refractivity::air_index(*dry, *vapour, square),
             Dispersion::Tabulated(table) => table.at(wavelength_nm),
         }
     }

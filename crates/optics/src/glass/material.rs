@@ -1,4 +1,4 @@
-//! A material: its index, what it absorbs, and where the data hold.
+//! Materials: refractive index, absorption and range of validity.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub struct ComplexIndex {
     pub k: f64,
 }
 
-/// One internal transmittance, as makers measure them: without the losses at both faces.
+/// An internal transmittance: the transmitted fraction without the losses at both faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transmittance {
     /// In nanometres.
@@ -28,7 +28,7 @@ pub struct Transmittance {
     pub thickness_mm: f64,
 }
 
-/// Index and Abbe number at the d line as a maker states them.
+/// Index and Abbe number at the d line as stated by a maker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Published {
     /// The index at 587.5618 nm.
@@ -39,9 +39,10 @@ pub struct Published {
 
 /// A material with its refractive index by wavelength: a glass, a crystal, a liquid, a metal.
 ///
-/// It is cheap to clone. Makers of glass state indices relative to air of about 1013 hPa at 20 to 25 °C: give the space around a
-/// lens the index 1 then, and `air` only where all indices are absolute. Papers state either; air's 1.00027 makes the difference,
-/// and [`source`](Glass::source) tells where to look.
+/// It is cheap to clone. Glass makers state indices relative to air of about 1013 hPa at 20 to 25
+/// °C: use the index 1 around a lens of such glasses, and `air` only where all indices are
+/// absolute. Papers state either; the difference is the index of air, 1.00027, and
+/// [`source`](Glass::source) is the reference.
 ///
 /// ```
 /// use rayweave_optics::glass::glass;
@@ -51,7 +52,7 @@ pub struct Published {
 /// assert!(bk7.internal_transmittance(365.0, 25.0)? > 0.96);
 /// assert_eq!(
 ///     bk7.index(200.0).unwrap_err().to_string(),
-///     "N-BK7 has no refractive index at 200 nm (its data hold from 300 nm to 2500 nm) extrapolate it?",
+///     "N-BK7 has no refractive index at 200 nm: its data range from 300 nm to 2500 nm. Use extrapolated().",
 /// );
 /// assert!(bk7.extrapolated().index(200.0).is_ok());
 /// # Ok(())
@@ -75,9 +76,9 @@ struct Data {
     extinction: Option<Table>,
 }
 
-/// Building.
+/// Constructors.
 impl Glass {
-    /// A material of this name. It holds at every wavelength, or for a table from its first to its last, and is transparent.
+    /// A transparent material. Its range is unlimited, or that of a table.
     pub fn new(name: impl Into<String>, dispersion: Dispersion) -> Glass {
         let range_nm = match &dispersion {
             Dispersion::Tabulated(table) => table.range_nm(),
@@ -101,30 +102,30 @@ impl Glass {
         self
     }
 
-    /// The same with other names that it is found under.
+    /// Sets alternative names.
     pub fn with_aliases(self, aliases: Vec<String>) -> Glass {
         self.changed(|data| data.aliases = aliases)
     }
 
-    /// The same from this maker.
+    /// Sets the maker.
     pub fn with_maker(self, maker: impl Into<String>) -> Glass {
         self.changed(|data| data.maker = maker.into())
     }
 
-    /// The same with the place that its numbers come from.
+    /// Sets the reference of the data.
     pub fn with_source(self, source: impl Into<String>) -> Glass {
         self.changed(|data| data.source = source.into())
     }
 
-    /// The same with what its maker states of it.
+    /// Sets index and Abbe number as stated by the maker.
     pub fn with_published(self, published: Published) -> Glass {
         self.changed(|data| data.published = Some(published))
     }
 
-    /// The same, its index good in this range of wavelengths in nanometres, ends included.
+    /// Sets the range of wavelengths of the index in nanometres, ends included.
     ///
     /// # Errors
-    /// The range begins below 0, ends before it begins, or an end of it is NaN.
+    /// [`GlassError::Range`] for a range that is negative, decreasing or NaN.
     pub fn with_range_nm(self, range_nm: [f64; 2]) -> Result<Glass, GlassError> {
         if !(range_nm[0] >= 0.0 && range_nm[1] >= range_nm[0]) {
             return Err(GlassError::Range { glass: self.data.name.clone(), range_nm });
@@ -132,10 +133,10 @@ impl Glass {
         Ok(self.changed(|data| data.range_nm = range_nm))
     }
 
-    /// The same with extinction coefficients by wavelength.
+    /// Sets extinction coefficients by wavelength.
     ///
     /// # Errors
-    /// One of them is below 0.
+    /// [`GlassError::Extinction`] for a negative coefficient.
     pub fn with_extinction(self, extinction: Table) -> Result<Glass, GlassError> {
         if let Some((wavelength_nm, value)) = extinction.pairs().find(|&(_, k)| k < 0.0) {
             return Err(GlassError::Extinction { glass: self.data.name.clone(), wavelength_nm, value });
@@ -143,19 +144,21 @@ impl Glass {
         Ok(self.changed(|data| data.extinction = Some(extinction)))
     }
 
-    /// The same with extinction coefficients from internal transmittances: by the law of Beer and Lambert
-    /// k = -λ ln τ/(4π d) through the thickness d.
+    /// Sets extinction coefficients from internal transmittances: by the Beer-Lambert law k = -λ ln
+    /// τ/(4π d) through the thickness d.
     ///
-    /// Where a wavelength has several thicknesses, the transmittance nearest to 1/e counts, which tells most. A transmittance of
-    /// 0, which makers print for less than they measure, is taken as 1e-5.
+    /// Of several thicknesses at one wavelength, the transmittance nearest to 1/e counts, which is
+    /// the most accurate. A transmittance of 0, which makers print for values below their
+    /// resolution, counts as 1e-5.
     ///
     /// # Errors
-    /// A transmittance is not from 0 to 1, a thickness not above 0, a wavelength not above 0, or there is none at all.
+    /// [`GlassError`] for a transmittance out of range, a thickness or wavelength that is not
+    /// positive, or an empty list.
     pub fn with_transmittances(self, measured: &[Transmittance]) -> Result<Glass, GlassError> {
         measured.iter().try_for_each(Transmittance::check)?;
         let mut best: Vec<Transmittance> = measured.to_vec();
         let order = |a: &Transmittance, b: &Transmittance| {
-            a.wavelength_nm.total_cmp(&b.wavelength_nm).then(a.doubt().total_cmp(&b.doubt()))
+            a.wavelength_nm.total_cmp(&b.wavelength_nm).then(a.inaccuracy().total_cmp(&b.inaccuracy()))
         };
         best.sort_by(order);
         best.dedup_by_key(|measured| measured.wavelength_nm);
@@ -163,18 +166,18 @@ impl Glass {
         self.with_extinction(Table::new(pairs)?)
     }
 
-    /// The same, giving indices beyond its range as well: the formula wherever it gives one, and of tables the value at the
-    /// nearest end. Nobody vouches for them.
+    /// The material with indices beyond its range: the formula where it has a value, and the value
+    /// at the nearest end of a table. Their accuracy is unknown.
     pub fn extrapolated(&self) -> Glass {
         Glass { extrapolated: true, ..self.clone() }
     }
 }
 
-/// The least transmittance that a table means, where it says 0.
+/// The transmittance that stands for a 0 in a table.
 const OPAQUE: f64 = 1e-5;
 
 impl Transmittance {
-    /// Whether it can have been measured.
+    /// Checks that the numbers are in range.
     pub(super) fn check(&self) -> Result<(), GlassError> {
         let &Transmittance { wavelength_nm, transmittance, thickness_mm } = self;
         let positive = |value: f64| value > 0.0 && value.is_finite();
@@ -184,13 +187,13 @@ impl Transmittance {
         Err(GlassError::Transmittance { wavelength_nm, transmittance, thickness_mm })
     }
 
-    /// -ln τ, from 0 up.
+    /// The optical depth -ln τ, at least 0.
     fn depth(&self) -> f64 {
         -libm::log(self.transmittance.max(OPAQUE)) + 0.0
     }
 
-    /// How far it is from the transmittance 1/e, at which a measured one tells most about the material.
-    fn doubt(&self) -> f64 {
+    /// The distance of the optical depth from 1, where a measurement of the absorption is most accurate.
+    fn inaccuracy(&self) -> f64 {
         (self.depth() - 1.0).abs()
     }
 
@@ -199,29 +202,29 @@ impl Transmittance {
     }
 }
 
-/// What is known about it.
+/// Data.
 impl Glass {
-    /// The name, as its maker writes it.
+    /// The name, in the spelling of its maker.
     pub fn name(&self) -> &str {
         &self.data.name
     }
 
-    /// Other names that it is found under.
+    /// Alternative names.
     pub fn aliases(&self) -> &[String] {
         &self.data.aliases
     }
 
-    /// Who makes it; empty for what nature makes.
+    /// The maker; empty for natural materials.
     pub fn maker(&self) -> &str {
         &self.data.maker
     }
 
-    /// Where the numbers come from.
+    /// The reference of the data.
     pub fn source(&self) -> &str {
         &self.data.source
     }
 
-    /// Index and Abbe number as the maker states them, where one does.
+    /// Index and Abbe number as stated by the maker.
     pub fn published(&self) -> Option<Published> {
         self.data.published
     }
@@ -231,24 +234,24 @@ impl Glass {
         &self.data.dispersion
     }
 
-    /// The range of wavelengths in nanometres that the index is known in, ends included.
+    /// The range of wavelengths of the index in nanometres, ends included.
     pub fn range_nm(&self) -> [f64; 2] {
         self.data.range_nm
     }
 
-    /// The range of wavelengths in nanometres that the extinction coefficient is known in; `None` where nothing is known of it
-    /// and it counts as 0.
+    /// The range of wavelengths of the extinction coefficient in nanometres; `None` where it is
+    /// unknown and counts as 0.
     pub fn extinction_range_nm(&self) -> Option<[f64; 2]> {
         self.data.extinction.as_ref().map(Table::range_nm)
     }
 }
 
-/// What light sees.
+/// Optical properties.
 impl Glass {
     /// The refractive index n at a wavelength in nanometres.
     ///
     /// # Errors
-    /// The wavelength is not positive and finite, or the data do not reach it.
+    /// [`GlassError`] for a wavelength that is not positive and finite, or outside the data.
     pub fn index(&self, wavelength_nm: f64) -> Result<f64, GlassError> {
         self.check("refractive index", wavelength_nm, self.data.range_nm)?;
         self.data.dispersion.index(wavelength_nm).ok_or_else(|| {
@@ -257,10 +260,10 @@ impl Glass {
         })
     }
 
-    /// The extinction coefficient k at a wavelength in nanometres; 0 for a material of which no absorption is known.
+    /// The extinction coefficient k at a wavelength in nanometres; 0 for a material of unknown absorption.
     ///
     /// # Errors
-    /// The wavelength is not positive and finite, or the data do not reach it.
+    /// [`GlassError`] for a wavelength that is not positive and finite, or outside the data.
     pub fn extinction(&self, wavelength_nm: f64) -> Result<f64, GlassError> {
         let range_nm = self.extinction_range_nm().unwrap_or([0.0, f64::INFINITY]);
         self.check("extinction coefficient", wavelength_nm, range_nm)?;
@@ -275,8 +278,8 @@ impl Glass {
         Ok(ComplexIndex { n: self.index(wavelength_nm)?, k: self.extinction(wavelength_nm)? })
     }
 
-    /// The absorption coefficient α = 4πk/λ at a wavelength in nanometres, per millimetre: of light that has gone d millimetres
-    /// the part exp(-α d) is left (Beer, Lambert).
+    /// The absorption coefficient α = 4πk/λ at a wavelength in nanometres, per millimetre: a length
+    /// of d millimetres transmits the fraction exp(-α d) (Beer-Lambert law).
     ///
     /// # Errors
     /// As [`extinction`](Glass::extinction).
@@ -284,7 +287,8 @@ impl Glass {
         Ok(4.0 * PI * self.extinction(wavelength_nm)? / (wavelength_nm * 1e-6))
     }
 
-    /// The part of light that is left after a thickness in millimetres, without losses at faces.
+    /// The internal transmittance: the fraction that a thickness in millimetres transmits, without
+    /// losses at faces.
     ///
     /// # Errors
     /// The thickness is below 0 or NaN; and as [`extinction`](Glass::extinction).
@@ -293,14 +297,14 @@ impl Glass {
             return Err(GlassError::Thickness(thickness_mm));
         }
         let absorption = self.absorption_per_mm(wavelength_nm)?;
-        // nothing is absorbed by an infinite thickness of what absorbs nothing
+        // avoids 0 times infinity
         Ok(if absorption == 0.0 { 1.0 } else { libm::exp(-absorption * thickness_mm) })
     }
 
     /// The Abbe number V_d = (n_d - 1)/(n_F - n_C) of the formula.
     ///
     /// # Errors
-    /// The data do not reach one of the lines d, F, C.
+    /// [`GlassError`] if one of the lines d, F, C is outside the data.
     pub fn abbe_number(&self) -> Result<f64, GlassError> {
         Ok((self.index(D_NM)? - 1.0) / (self.index(F_NM)? - self.index(C_NM)?))
     }
@@ -324,7 +328,7 @@ impl Glass {
 
 /// A material from its index at the d line and its Abbe number; see [`Dispersion::from_abbe`].
 impl Glass {
-    /// The material named by its numbers, such as `1.5168/64.17`.
+    /// A material with the name `n_d/v_d`, such as `1.5168/64.17`.
     ///
     /// # Errors
     /// As [`Dispersion::from_abbe`].

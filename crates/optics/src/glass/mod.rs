@@ -1,13 +1,16 @@
 //! Glasses, crystals, liquids and metals: refractive index and absorption by wavelength.
 //!
-//! - [`glass`](fn@glass) finds a material of the built-in [`Catalogue`] by name; [`glasses`] lists all of them.
-//! - [`Glass`] tells index, extinction coefficient, absorption and transmittance, and refuses wavelengths that its data do not reach.
+//! - [`glass`](fn@glass) returns a material of the built-in [`Catalogue`] by name; [`glasses`]
+//!   returns all of them.
+//! - [`Glass`] has index, extinction coefficient, absorption and transmittance, and rejects
+//!   wavelengths outside its data.
 //! - [`Air`] is air of any temperature, pressure and humidity.
-//! - [`Dispersion`] holds the formulas that makers of glass and papers use.
-//! - [`read_agf`] and [`read_refractiveindex`] read the files in which such data are published.
+//! - [`Dispersion`] has the formulas of glass makers and papers: Sellmeier, Schott, Cauchy, Conrady
+//!   and others.
+//! - [`read_agf`] and [`read_refractiveindex`] read AGF catalogues and files of refractiveindex.info.
 //!
-//! Wavelengths are in nanometres at every door and in micrometres inside the formulas, as in print. Lengths along which light is
-//! absorbed are in millimetres.
+//! Wavelengths are in nanometres in the interface and in micrometres inside the formulas, as in the
+//! literature. Absorption lengths are in millimetres.
 
 mod agf;
 mod air;
@@ -16,16 +19,16 @@ mod dispersion;
 mod error;
 mod material;
 mod read;
+mod refractivity;
 mod spectrum;
 mod table;
 mod yaml;
 
-pub(crate) use agf::decode;
-pub use agf::read_agf;
+pub use agf::{decode_text, read_agf};
 pub use air::Air;
 pub use catalogue::{Catalogue, glass, glasses};
-pub use dispersion::{Dispersion, DispersionError, RationalTerm, SellmeierTerm};
-pub use error::GlassError;
+pub use dispersion::{Dispersion, RationalTerm, SellmeierTerm};
+pub use error::{DispersionError, GlassError};
 pub use material::{ComplexIndex, Glass, Published, Transmittance};
 pub use read::{Problem, ReadError};
 pub use spectrum::{SPECTRAL_LINES, SpectralLine, line_nm};

@@ -1,13 +1,14 @@
-//! What reading files of glasses has in common: problems with their lines, and wavelengths in micrometres.
+//! Shared parts of the readers of glass files: problems with line numbers, numbers, wavelengths in
+//! micrometres.
 
 use super::Glass;
 
-/// What is wrong in a line of a file.
+/// A problem in a line of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     /// Counted from 1.
     pub line: usize,
-    /// What is wrong, as "problem (why) suggestion?".
+    /// The problem, as "problem: reason. Suggestion."
     pub text: String,
 }
 
@@ -30,18 +31,18 @@ fn listed(problems: &[Problem]) -> String {
 }
 
 impl ReadError {
-    /// What is wrong, line by line; at least one problem.
+    /// The problems, line by line; at least one.
     pub fn problems(&self) -> &[Problem] {
         &self.problems
     }
 
-    /// The materials that have no problem, for whoever decides to go on without the others.
+    /// The materials without problems, to continue without the others.
     pub fn into_readable(self) -> Vec<Glass> {
         self.readable
     }
 }
 
-/// The materials, if there is no problem.
+/// The materials, if there are no problems.
 pub(super) fn finish(readable: Vec<Glass>, mut problems: Vec<Problem>) -> Result<Vec<Glass>, ReadError> {
     if problems.is_empty() {
         return Ok(readable);
@@ -50,7 +51,7 @@ pub(super) fn finish(readable: Vec<Glass>, mut problems: Vec<Problem>) -> Result
     Err(ReadError { problems, readable })
 }
 
-/// Nanometres from micrometres, to a millionth of one: 2.325 µm are 2325 nm, whatever the product rounds to.
+/// Nanometres from micrometres, rounded to a millionth: 2.325 µm are exactly 2325 nm.
 pub(super) fn nm_from_um(um: f64) -> f64 {
     let nm = um * 1e3;
     let rounded = (um * 1e9).round() / 1e6;
@@ -61,7 +62,7 @@ pub(super) fn nm_from_um(um: f64) -> f64 {
 pub(super) fn number(word: &str) -> Result<f64, String> {
     match word.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("{word:?} is no number")),
+        _ => Err(format!("{word:?} is not a number.")),
     }
 }
 
@@ -85,7 +86,7 @@ mod tests {
     fn only_finite_numbers_are_numbers() {
         assert_eq!(numbers(" 1.5E+000\t-2 ").unwrap(), [1.5, -2.0]);
         for bad in ["nan", "inf", "1,5", "x"] {
-            assert_eq!(number(bad).unwrap_err(), format!("{bad:?} is no number"));
+            assert_eq!(number(bad).unwrap_err(), format!("{bad:?} is not a number."));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The spectral lines at which makers state indices.
+//! Spectral lines (Fraunhofer lines) of glass data sheets.
 
 /// A spectral line and the letter that glass makers give it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,8 +13,8 @@ const fn line(name: &'static str, wavelength_nm: f64) -> SpectralLine {
     SpectralLine { name, wavelength_nm }
 }
 
-/// The lines of ISO 7944 and of the makers' data sheets, from the ultraviolet to the infrared; wavelengths in air, as in
-/// Schott's technical information TIE-29.
+/// The lines of ISO 7944 and of the makers' data sheets, from the ultraviolet to the infrared;
+/// wavelengths in air, as in Schott's technical information TIE-29.
 pub const SPECTRAL_LINES: &[SpectralLine] = &[
     line("i", 365.0146),
     line("h", 404.6561),
@@ -35,7 +35,7 @@ pub(super) const F_NM: f64 = 486.1327;
 pub(super) const D_NM: f64 = 587.5618;
 pub(super) const C_NM: f64 = 656.2725;
 
-/// The wavelength of a line in nanometres; `None` for a letter that no line has. Upper and lower case differ.
+/// The wavelength of a line in nanometres; `None` for an unknown letter. Letters are case-sensitive.
 ///
 /// ```
 /// use rayweave_optics::glass::line_nm;

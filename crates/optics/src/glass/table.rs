@@ -1,9 +1,8 @@
-//! A quantity at some wavelengths, and straight lines between them.
+//! Tables by wavelength with linear interpolation.
 
 use super::DispersionError;
 
-/// A quantity measured at some wavelengths; linear in wavelength between neighbours, as refractiveindex.info and most ray
-/// tracers read such tables.
+/// A quantity by wavelength, with linear interpolation, like refractiveindex.info and most ray tracers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Increasing.
@@ -15,8 +14,8 @@ impl Table {
     /// A table of pairs (wavelength in nanometres, value), in any order.
     ///
     /// # Errors
-    /// The table is empty, a wavelength is not positive, a number is not finite, or a wavelength occurs twice with
-    /// different values.
+    /// The table is empty, a wavelength is not positive, a number is not finite, or a wavelength
+    /// occurs twice with different values.
     pub fn new(mut pairs: Vec<(f64, f64)>) -> Result<Table, DispersionError> {
         let fits = |&&(wavelength, value): &&(f64, f64)| {
             wavelength > 0.0 && wavelength.is_finite() && value.is_finite()
@@ -41,7 +40,7 @@ impl Table {
         [self.wavelengths_nm[0], self.wavelengths_nm[self.wavelengths_nm.len() - 1]]
     }
 
-    /// The value at a wavelength in nanometres; beyond the ends that of the nearest end.
+    /// The value at a wavelength in nanometres; beyond the ends the value of the nearest end.
     pub fn at(&self, wavelength_nm: f64) -> f64 {
         let next = self.wavelengths_nm.partition_point(|&known| known <= wavelength_nm);
         if next == 0 || next == self.values.len() {

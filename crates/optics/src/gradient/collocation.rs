@@ -1,15 +1,15 @@
-//! Steps of light: collocation in the Gauss points, with the polynomial of the step as a curve.
+//! Gauss collocation: integration steps of light in a gradient, with the polynomial of each step as a curve.
 
 use crate::gradient::LocalField;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_space::{Curve, Point};
 use std::sync::LazyLock;
 
-/// The points of a step at which the equation of motion holds.
+/// The collocation points of a step.
 const POINTS: usize = 8;
 
-/// The roots of the Legendre polynomial of degree 8 above 0, and their weights (NIST, *Digital Library of Mathematical Functions*,
-/// section 3.5(v)).
+/// The roots of the Legendre polynomial of degree 8 above 0, and their weights (NIST, *Digital
+/// Library of Mathematical Functions*, section 3.5(v)).
 const GAUSS: [(f64, f64); POINTS / 2] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_27),
@@ -17,13 +17,13 @@ const GAUSS: [(f64, f64); POINTS / 2] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// By how much the direction may be off within a step. At its end it is off by far less.
+/// The tolerance of the direction within a step. At its end the error is far smaller.
 const TOLERANCE: f64 = 1e-13;
 
-/// How often the points are moved before a step counts as too long.
-const MOST_ROUNDS: usize = 32;
+/// The number of fixed-point iterations after which a step is too long.
+const MAX_ITERATIONS: usize = 32;
 
-/// The numbers of the method, computed once.
+/// The coefficients of the method, computed once.
 struct Tables {
     nodes: [f64; POINTS],
     weights: [f64; POINTS],
@@ -49,8 +49,8 @@ impl Tables {
             let unit: Vec<Vec3> =
                 (0..POINTS).map(|k| Vec3::X * ((k as f64 + 0.5) * weights[of] * legendre[of][k])).collect();
             let mut once = integral(&unit);
-            // the polynomial whose roots the nodes are: without it the method is that of Gauss for positions and velocities
-            // together, and symplectic
+            // without the polynomial whose roots are the nodes, the method is the Gauss method for
+            // positions and velocities together, which is symplectic
             once.truncate(POINTS);
             let series = integral(&once);
             for to in 0..POINTS {
@@ -83,16 +83,19 @@ fn value(series: &[Vec3], x: f64) -> Vec3 {
     sum
 }
 
-/// The series of the integral from -1 (DLMF 18.9.7 and 18.17.1: `(2k + 1) P_k` is the derivative of `P_{k+1} - P_{k-1}`).
+/// The series of the integral from -1 (DLMF 18.9.7 and 18.17.1: `(2k + 1) P_k` is the derivative of
+/// `P_{k+1} - P_{k-1}`).
 fn integral(series: &[Vec3]) -> Vec<Vec3> {
     let at = |k: usize| series.get(k).copied().unwrap_or(Vec3::ZERO);
     let term = |k: usize| at(k - 1) / (2.0 * k as f64 - 1.0) - at(k + 1) / (2.0 * k as f64 + 3.0);
     std::iter::once(at(0) - at(1) / 3.0).chain((1..=series.len()).map(term)).collect()
 }
 
-/// A step: light from a point with a velocity `dr/dtau`, whose length is the index, up to the time `duration`.
+/// A step: light from a point with a velocity `dr/dtau`, whose length is the index, up to the time
+/// `duration`.
 ///
-/// Times run from 0; position, velocity and acceleration are series of Legendre polynomials in `t / half - 1`.
+/// Times run from 0; position, velocity and acceleration are series of Legendre polynomials in
+/// `t / half - 1`.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
     half: f64,
@@ -104,14 +107,14 @@ pub(super) struct Step {
     size: f64,
 }
 
-/// A step and how long the next one should be.
+/// A step and the suggested duration of the next one.
 pub(super) struct Stepped {
     pub step: Step,
     pub next: f64,
 }
 
 impl Step {
-    /// Along the solution as far as the tolerance lets it go, for the time `duration` at most; `None` if it goes nowhere.
+    /// A step along the solution within the tolerance, of at most `duration`; `None` if there is no solution.
     pub fn take(field: &LocalField<'_>, start: Vec3, velocity: Vec3, duration: f64) -> Option<Stepped> {
         let mut duration = duration;
         for _ in 0..64 {
@@ -120,7 +123,7 @@ impl Step {
                 continue;
             };
             let error = step.error(field) / velocity.length();
-            // the error falls as the duration to the power of the number of points and one more
+            // the error scales with the duration to the power of the number of points plus one
             let change = libm::pow(TOLERANCE / error.max(1e-30), 1.0 / (POINTS as f64 + 1.0));
             let next = duration * (0.9 * change).clamp(0.2, 4.0);
             if error <= TOLERANCE {
@@ -131,7 +134,7 @@ impl Step {
         None
     }
 
-    /// The step of this duration; `None` if its points do not come to rest.
+    /// The step of this duration; `None` if the iteration does not converge.
     fn of(field: &LocalField<'_>, start: Vec3, velocity: Vec3, duration: f64) -> Option<Step> {
         let tables = &*TABLES;
         let half = 0.5 * duration;
@@ -139,7 +142,7 @@ impl Step {
         let mut points = tables.nodes.map(straight);
         let rest = 4.0 * f64::EPSILON * (start.length() + duration * velocity.length());
         let mut last = f64::INFINITY;
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MAX_ITERATIONS {
             let forces = points.map(|point| field.at(point).force);
             let mut moved = 0.0f64;
             for (to, point) in points.iter_mut().enumerate() {
@@ -178,21 +181,21 @@ impl Step {
         Step { half, position, velocity: speeds, acceleration, bounds: [most, change], size }
     }
 
-    /// How far the velocity may be off within the step: the forces at its ends, where the equation of motion does not hold exactly,
-    /// tell the size of the error, which goes as the Legendre polynomial whose roots the points are, and that is
-    /// integrated.
+    /// The error of the velocity within the step, estimated from the residual of the equation of
+    /// motion at its ends: the residual is proportional to the Legendre polynomial whose roots are
+    /// the points, and the error is its integral.
     fn error(&self, field: &LocalField<'_>) -> f64 {
         let off = |x: f64| (value(&self.acceleration, x) - field.at(value(&self.position, x)).force).length();
         off(-1.0).max(off(1.0)) * self.half * 2.0 / (2.0 * POINTS as f64 + 1.0)
     }
 
-    /// A box around all of it.
+    /// The bounding box.
     pub fn bounds(&self) -> Bounds {
         let half: Vec3 = self.position[1..].iter().map(|c| c.abs()).sum();
         Bounds::centred(self.position[0], half)
     }
 
-    /// The lengths from which positions are computed.
+    /// A bound of the lengths from which positions are computed.
     pub fn size(&self) -> f64 {
         self.size
     }
@@ -230,7 +233,7 @@ impl Curve<3> for Step {
         let [most, change] = self.bounds;
         let middle = value(&self.acceleration, 0.5 * (t0 + t1) / self.half - 1.0).length();
         let near = middle + change * 0.5 * (t1 - t0) / self.half;
-        // room for the rounding of the sums
+        // margin for rounding of the sums
         (1.0 + 1e-12) * most.min(near)
     }
 
@@ -310,7 +313,8 @@ mod tests {
         assert!(steps < 250, "{steps}");
     }
 
-    /// The order of the ends is twice the number of points, 16: steps far longer than the tolerance allows show it.
+    /// The order of the ends is twice the number of points, 16: steps far longer than the tolerance
+    /// allows show it.
     #[test]
     fn order_of_convergence() {
         let gradient = Gradient::selfoc(0.4).unwrap();
@@ -340,8 +344,8 @@ mod tests {
         assert!((back.at(0.8) - p).length() < 1e-15 && (back.velocity_at(0.8) + v).length() < 4e-15);
     }
 
-    /// Steps far too long keep the symplectic form all the same: `J^T W J = W` for the derivative J of the map of position and
-    /// velocity (Hairer, Lubich & Wanner, theorem VI.4.2).
+    /// Steps far too long keep the symplectic form all the same: `J^T W J = W` for the derivative J
+    /// of the map of position and velocity (Hairer, Lubich & Wanner, theorem VI.4.2).
     #[test]
     fn steps_are_symplectic() {
         let gradient = Gradient::fish_eye(1.0).unwrap();

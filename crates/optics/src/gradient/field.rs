@@ -1,10 +1,10 @@
-//! A gradient as light of one wavelength sees it.
+//! The equation of motion of light in a gradient, at one wavelength.
 
 use crate::gradient::Gradient;
 use crate::gradient::profile::Local;
 use rayweave_math::Vec3;
 
-/// What the equation of motion is made of, for light of one wavelength in one medium.
+/// The terms of the equation of motion for one medium and wavelength.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalField<'a> {
     pub gradient: &'a Gradient,
@@ -21,7 +21,7 @@ impl LocalField<'_> {
         Local { squared: factor * squared, force: factor * force }
     }
 
-    /// The index; NaN where there is none.
+    /// The refractive index; NaN where the gradient has none.
     pub fn index_at(&self, point: Vec3) -> f64 {
         self.at(point).squared.sqrt()
     }

@@ -1,32 +1,33 @@
-//! An index known on a grid.
+//! Gradient index from values on a grid, interpolated by a cubic spline.
 
+use super::check::bad;
 use crate::error::OpticsError;
-use crate::gradient::bad;
 use rayweave_math::Vec3;
 
-/// No more values than this: a file or a formula that asks for more is wrong.
-const MOST_VALUES: usize = 1 << 28;
+/// The greatest number of values; more are an error of the input.
+const MAX_VALUES: usize = 1 << 28;
 
-/// Values on a rectangular grid, and between them the cubic spline in all three directions: twice continuously differentiable, and
-/// flat to second order at the outermost values (natural ends; C. de Boor, *A Practical Guide to Splines*, 1978, chapters IV and
-/// XVII).
+/// Values on a rectangular grid with tricubic spline interpolation: twice continuously
+/// differentiable, with zero second derivative at the outermost values (natural spline; C. de Boor,
+/// *A Practical Guide to Splines*, 1978, chapters IV and XVII).
 ///
-/// Beyond the grid the spline goes on as the polynomial of its last cell.
+/// Beyond the grid the spline continues as the polynomial of its last cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexGrid {
     count: [usize; 3],
     origin: Vec3,
     spacing: Vec3,
-    /// Coefficients of B-splines, one more on each side of each direction; x runs fastest.
+    /// Coefficients of B-splines, with one more on each side of each direction; x varies fastest.
     coefficients: Vec<f64>,
 }
 
 impl IndexGrid {
-    /// From `count[0] * count[1] * count[2]` values, x running fastest, the first of them at `origin`.
+    /// A grid of `count[0] * count[1] * count[2]` values, with x varying fastest and the first
+    /// value at `origin`.
     ///
     /// # Errors
-    /// [`OpticsError::BadGradient`] for fewer than two values in a direction, another number of values than said, values that
-    /// are not positive and finite, and a spacing that is not positive.
+    /// [`OpticsError::BadGradient`] for fewer than two values in a direction, a wrong number of
+    /// values, values that are not positive and finite, and a spacing that is not positive.
     pub fn new(
         count: [usize; 3],
         origin: Vec3,
@@ -48,7 +49,7 @@ impl IndexGrid {
         let local = (point - self.origin) / self.spacing;
         let cell: [(usize, [f64; 4], [f64; 4]); 3] = std::array::from_fn(|k| {
             let last = self.count[k] as f64 - 2.0;
-            // as a number of a cell NaN is 0, and goes on in what is left
+            // the cell of a NaN is 0, and the NaN propagates through the weights
             let first = local[k].floor().clamp(0.0, last) as usize;
             let (weights, slopes) = basis(local[k] - first as f64);
             (first, weights, slopes)
@@ -77,27 +78,30 @@ impl IndexGrid {
 
 fn check(count: [usize; 3], origin: Vec3, spacing: Vec3, values: &[f64]) -> Result<(), OpticsError> {
     if let Some(few) = count.iter().find(|count| **count < 2) {
-        return Err(bad(format!("its grid has {few} values in one direction (it needs two at least)")));
+        return Err(bad(format!("gradient grid has {few} values in one direction"), "it needs at least two"));
     }
     let wanted = count.iter().try_fold(1usize, |product, count| product.checked_mul(*count));
-    let wanted = wanted.filter(|wanted| *wanted <= MOST_VALUES);
+    let wanted = wanted.filter(|wanted| *wanted <= MAX_VALUES);
     if wanted != Some(values.len()) {
         let [x, y, z] = count;
-        return Err(bad(format!("its grid has {} values (it should have {x} x {y} x {z})", values.len())));
+        let problem = format!("gradient grid has {} values", values.len());
+        return Err(bad(problem, format!("its size is {x} x {y} x {z}")));
     }
     let is_good = spacing.cmpgt(Vec3::ZERO).all() && spacing.is_finite() && origin.is_finite();
     if !is_good {
-        return Err(bad(format!(
-            "its grid has the spacing {spacing} from {origin} (greater than 0, finite)"
-        )));
+        let problem = format!("gradient grid has the spacing {spacing} and the origin {origin}");
+        return Err(bad(problem, "the spacing must be greater than 0, and both finite"));
     }
     match values.iter().position(|value| !(*value > 0.0 && value.is_finite())) {
-        Some(k) => Err(bad(format!("value {k} of its grid is {} (greater than 0, finite)", values[k]))),
+        Some(k) => {
+            let problem = format!("value {k} of the gradient grid is {}", values[k]);
+            Err(bad(problem, "it must be finite and greater than 0"))
+        }
         None => Ok(()),
     }
 }
 
-/// The four cubic B-splines that are not 0 at x in [0, 1] of a cell, and their slopes.
+/// The four non-zero cubic B-splines at x in [0, 1] of a cell, and their derivatives.
 fn basis(x: f64) -> ([f64; 4], [f64; 4]) {
     let y = 1.0 - x;
     let weights = [
@@ -110,7 +114,7 @@ fn basis(x: f64) -> ([f64; 4], [f64; 4]) {
     (weights, slopes)
 }
 
-/// The coefficients of the natural spline along one direction: two more than values.
+/// The coefficients of the natural spline along one direction: two more than there are values.
 fn filtered(values: &[f64], size: [usize; 3], axis: usize) -> Vec<f64> {
     let count = size[axis];
     let stride: usize = size[..axis].iter().product();
@@ -125,7 +129,7 @@ fn filtered(values: &[f64], size: [usize; 3], axis: usize) -> Vec<f64> {
             solve(&mut line);
             let mut put = |k: usize, value: f64| wide[(block * (count + 2) + k) * stride + lane] = value;
             (0..count).for_each(|k| put(k + 1, line[k]));
-            // no curvature at the ends: c[-1] - 2 c[0] + c[1] = 0
+            // natural ends: c[-1] - 2 c[0] + c[1] = 0
             put(0, 2.0 * line[0] - line[1]);
             put(count + 1, 2.0 * line[count - 1] - line[count - 2]);
         }
@@ -133,7 +137,8 @@ fn filtered(values: &[f64], size: [usize; 3], axis: usize) -> Vec<f64> {
     wide
 }
 
-/// From values to coefficients in place: `(c[k-1] + 4 c[k] + c[k+1]) / 6 = v[k]`, and `c = v` at both ends.
+/// Solves for the coefficients in place (tridiagonal system):
+/// `(c[k-1] + 4 c[k] + c[k+1]) / 6 = v[k]`, and `c = v` at both ends.
 fn solve(line: &mut [f64]) {
     let last = line.len() - 1;
     let mut above = vec![0.0; line.len()];

@@ -1,15 +1,19 @@
-//! Media whose index changes from place to place, and the curves that light follows in them.
+//! Gradient-index (GRIN) media, and the curved ray paths in them.
 //!
-//! A [`Gradient`] is the shape of the index: a factor that varies in space and multiplies the index of a
-//! [`Medium`](crate::Medium), which has the dispersion. So a rod of graded glass is `Medium::glass("N-BK7")?.graded(Gradient::selfoc(0.3)?)`.
+//! A [`Gradient`] is the spatial variation of the index: a factor that multiplies the index of a
+//! [`Medium`](crate::Medium), which has the dispersion. A rod of graded glass is
+//! `Medium::glass("N-BK7")?.graded(Gradient::selfoc(0.3)?)`.
 //!
-//! Light follows `d/ds (n dr/ds) = grad n` (Born & Wolf, *Principles of Optics*, 7th edition, section 3.2.1, equation 2). In the
-//! parameter `tau` with `ds = n dtau` that is `d^2 r/dtau^2 = n grad n`, free of roots and turning points (Sharma, Kumar & Ghatak,
-//! Appl. Opt. 21, 984, 1982). It is integrated by collocation in the Gauss points: symplectic, so that etendue is kept, and
-//! the same forwards and backwards, as light is (Hairer, Lubich & Wanner, *Geometric Numerical Integration*, 2nd edition, sections
-//! II.1.3, V.2.1 and VI.4.2). The polynomial of a step is a [curve](rayweave_space::Curve) with a bound on its acceleration, so
-//! that no face is missed within a step, however thin what it bounds.
+//! Light follows `d/ds (n dr/ds) = grad n` (Born & Wolf, *Principles of Optics*, 7th edition,
+//! section 3.2.1, equation 2). In the parameter `tau` with `ds = n dtau` that is
+//! `d^2 r/dtau^2 = n grad n`, free of roots and turning points (Sharma, Kumar & Ghatak, Appl. Opt.
+//! 21, 984, 1982). It is integrated by Gauss collocation: symplectic, so that etendue is conserved,
+//! and time-reversible, like light (Hairer, Lubich & Wanner, *Geometric Numerical Integration*, 2nd
+//! edition, sections II.1.3, V.2.1 and VI.4.2). The polynomial of a step is a
+//! [curve](rayweave_space::Curve) with a bound on its acceleration, so that no crossing is missed
+//! within a step, however thin the solid.
 
+mod check;
 mod collocation;
 mod field;
 mod follow;
@@ -21,15 +25,16 @@ pub use grid::IndexGrid;
 pub use profile::IndexField;
 
 use crate::error::OpticsError;
+use check::{bad, finite, positive};
 use profile::{Local, Profile};
 use rayweave_math::{Affine, Vec3};
 use std::sync::Arc;
 
-/// How an index changes from place to place: a factor of the index of a medium, by place.
+/// The spatial variation of a refractive index: a factor of the index of a medium, as a function of position.
 ///
-/// Lengths are in the unit of the system. The formulas hold in the frame of the gradient, which is that of the world until
-/// it is [`placed`](Gradient::placed). Where a formula gives no index (a square of 0 or less) there is no such medium: light
-/// that comes there is absorbed by the face through which it would enter.
+/// Lengths are in the unit of the system. The formulas hold in the frame of the gradient, which is
+/// the world frame until it is [`placed`](Gradient::placed). Where a formula has no index (a square
+/// of 0 or less), the face through which light would enter absorbs it.
 ///
 /// ```
 /// use rayweave_math::Vec3;
@@ -49,8 +54,8 @@ pub struct Gradient {
 }
 
 impl Gradient {
-    /// The rod whose paths are sines: `n^2 = n0^2 (1 - g^2 r^2)`, r the distance from the axis z. Rays near the axis have the
-    /// period (pitch) `2 pi / g`.
+    /// A gradient-index rod with sinusoidal ray paths (Selfoc): `n^2 = n0^2 (1 - g^2 r^2)`, r the
+    /// distance from the axis z. Rays near the axis have the period (pitch) `2 pi / g`.
     ///
     /// # Errors
     /// [`OpticsError::BadGradient`] for a g that is not finite.
@@ -58,7 +63,8 @@ impl Gradient {
         Gradient::squared(&[1.0, -g * g])
     }
 
-    /// About the axis z, by the square: `n^2 = n0^2 (a0 + a1 r^2 + a2 r^4 + ..)`, as makers of rods state it.
+    /// A radial gradient about the axis z, by the square of the index:
+    /// `n^2 = n0^2 (a0 + a1 r^2 + a2 r^4 + ..)`, as in data sheets of rods.
     ///
     /// # Errors
     /// [`OpticsError::BadGradient`] for no coefficients, and for one that is not finite.
@@ -67,7 +73,7 @@ impl Gradient {
         Ok(Gradient::of(Profile::Squared(coefficients)))
     }
 
-    /// Across and along the axis z: `n = n0 (r0 + r1 r^2 + r2 r^4 + .. + z1 z + z2 z^2 + ..)`.
+    /// A radial and axial gradient: `n = n0 (r0 + r1 r^2 + r2 r^4 + .. + z1 z + z2 z^2 + ..)`.
     ///
     /// # Errors
     /// [`OpticsError::BadGradient`] for no radial coefficients, and for one that is not finite.
@@ -77,7 +83,7 @@ impl Gradient {
         Ok(Gradient::of(Profile::Polynomial { radial, axial }))
     }
 
-    /// Along the axis z: `n = n0 (c0 + c1 z + c2 z^2 + ..)`.
+    /// An axial gradient along z: `n = n0 (c0 + c1 z + c2 z^2 + ..)`.
     ///
     /// # Errors
     /// [`OpticsError::BadGradient`] for no coefficients, and for one that is not finite.
@@ -86,32 +92,34 @@ impl Gradient {
         Gradient::polynomial(&coefficients[..1], &coefficients[1..])
     }
 
-    /// Maxwell's fish-eye: `n = 2 n0 / (1 + (r / a)^2)`, r the distance from the origin, a the radius. All light from a point
-    /// meets again in the point that is its image in the sphere (Born & Wolf, section 4.2.2).
+    /// Maxwell's fish-eye: `n = 2 n0 / (1 + (r / a)^2)`, r the distance from the origin, a the
+    /// radius. All light from a point converges in its image point in the sphere (Born & Wolf,
+    /// section 4.2.2).
     ///
     /// # Errors
     /// [`OpticsError::BadGradient`] unless the radius is positive and finite.
     pub fn fish_eye(radius: f64) -> Result<Gradient, OpticsError> {
-        positive("the radius", radius)?;
+        positive("radius", radius)?;
         Ok(Gradient::of(Profile::FishEye { radius }))
     }
 
-    /// Luneburg's lens: `n = n0 sqrt(2 - (r / a)^2)`, r the distance from the origin, a the radius. A ball of it with n0 of the
-    /// medium around focuses parallel light on its far side (R. K. Luneburg, *Mathematical Theory of Optics*, 1964, section 29).
+    /// Luneburg's lens: `n = n0 sqrt(2 - (r / a)^2)`, r the distance from the origin, a the radius.
+    /// A ball of it with n0 of the medium around focuses parallel light on its far side (R. K.
+    /// Luneburg, *Mathematical Theory of Optics*, 1964, section 29).
     ///
     /// # Errors
     /// [`OpticsError::BadGradient`] unless the radius is positive and finite.
     pub fn luneburg(radius: f64) -> Result<Gradient, OpticsError> {
-        positive("the radius", radius)?;
+        positive("radius", radius)?;
         Ok(Gradient::of(Profile::Luneburg { radius }))
     }
 
-    /// Values on a grid, smooth between them.
+    /// A gradient from values on a grid, interpolated smoothly.
     pub fn sampled(grid: IndexGrid) -> Gradient {
         Gradient::of(Profile::Sampled(Arc::new(grid)))
     }
 
-    /// A function of one's own.
+    /// A gradient from a user-defined function.
     pub fn own(field: Arc<dyn IndexField>) -> Gradient {
         Gradient::of(Profile::Own(field))
     }
@@ -120,16 +128,19 @@ impl Gradient {
         Gradient { profile, local_from_world: Affine::IDENTITY }
     }
 
-    /// The same, moved by a map; a later one is applied after an earlier one.
+    /// The gradient moved by an affine map, after earlier ones.
     ///
     /// # Errors
     /// [`OpticsError::BadGradient`] for a map that is singular or not finite.
     pub fn placed(&self, map: &Affine) -> Result<Gradient, OpticsError> {
-        let back = map.inverse().map_err(|problem| bad(format!("its place: {problem}")))?;
+        let back = map
+            .inverse()
+            .map_err(|error| bad("placement of the gradient is invalid".to_owned(), error.to_string()))?;
         Ok(Gradient { profile: self.profile.clone(), local_from_world: back.then(&self.local_from_world) })
     }
 
-    /// The square of the factor and half of the gradient of that square, which is the factor times its gradient.
+    /// The square of the factor and half of the gradient of that square, which is the factor times
+    /// its gradient.
     pub(crate) fn at(&self, point: Vec3, wavelength_nm: f64) -> Local {
         let map = &self.local_from_world;
         if *map == Affine::IDENTITY {
@@ -139,23 +150,4 @@ impl Gradient {
         // a gradient is a covector
         Local { squared, force: map.linear.transpose() * force }
     }
-}
-
-fn bad(problem: String) -> OpticsError {
-    OpticsError::BadGradient { problem }
-}
-
-fn finite(what: &str, values: &[f64]) -> Result<Vec<f64>, OpticsError> {
-    if values.is_empty() {
-        return Err(bad(format!("it has no {what} (the first is the factor in the middle)")));
-    }
-    match values.iter().find(|value| !value.is_finite()) {
-        Some(value) => Err(bad(format!("one of its {what} is {value} (they have to be finite)"))),
-        None => Ok(values.to_vec()),
-    }
-}
-
-fn positive(what: &str, value: f64) -> Result<(), OpticsError> {
-    let is_good = value > 0.0 && value.is_finite();
-    if is_good { Ok(()) } else { Err(bad(format!("{what} is {value} (greater than 0, finite)"))) }
 }

@@ -1,16 +1,18 @@
-//! The laws by which an index changes from place to place, each in its own frame.
+//! Profiles of gradients: the index as a function of position, each in its own frame.
 
 use crate::gradient::IndexGrid;
 use rayweave_math::Vec3;
 use std::fmt;
 use std::sync::Arc;
 
-/// A gradient of one's own.
+/// A user-defined gradient.
 pub trait IndexField: Send + Sync + fmt::Debug {
-    /// The factor of the medium's index at a point, and its gradient per unit of length, at a vacuum wavelength in nanometres.
+    /// The factor of the medium's index at a point, and its gradient per unit of length, at a
+    /// vacuum wavelength in nanometres.
     ///
-    /// It is asked outside of the solid as well, a step of the light beyond it: the law should go on there. A factor that is
-    /// not finite, or a gradient that is not the derivative of the factor, ends the light.
+    /// It is also evaluated outside of the solid, one step of the light beyond it: the function
+    /// should continue there. A factor that is not finite, or a gradient that is not the derivative
+    /// of the factor, ends the ray.
     fn at(&self, point: Vec3, wavelength_nm: f64) -> (f64, Vec3);
 }
 
@@ -25,7 +27,7 @@ pub(crate) struct Local {
 pub(super) enum Profile {
     /// n^2 by powers of r^2 about z.
     Squared(Vec<f64>),
-    /// n by powers of r^2 about z, and from the first on of z.
+    /// n by powers of r^2 about z, and by powers of z from the first.
     Polynomial {
         radial: Vec<f64>,
         axial: Vec<f64>,
@@ -40,7 +42,7 @@ pub(super) enum Profile {
     Own(Arc<dyn IndexField>),
 }
 
-/// Equal if made alike: a function is the same only as itself.
+/// Equal for equal definitions; a user-defined function equals only itself.
 impl PartialEq for Profile {
     fn eq(&self, other: &Profile) -> bool {
         match (self, other) {
@@ -96,7 +98,7 @@ fn across(p: Vec3) -> Vec3 {
     Vec3::new(p.x, p.y, 0.0)
 }
 
-/// An index below 0 is none.
+/// A negative index is invalid.
 fn from_index(n: f64, gradient: Vec3) -> Local {
     Local { squared: n * n.abs(), force: n * gradient }
 }

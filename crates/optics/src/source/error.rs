@@ -1,15 +1,17 @@
-//! Why a source cannot be made.
+//! Errors of light sources.
 
 use crate::component::ComponentError;
+use rayweave_error::Message;
 use rayweave_math::SingularError;
 
-/// Why a source cannot be made; the message reads "problem (why) suggestion?".
+/// Error of a source that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SourceError {
     /// A length, a power or another size that is zero, negative, infinite or NaN.
-    #[error("{part}: {parameter} is {value} ({parameter} must be finite and greater than 0){}", or_positive(*.value))]
+    #[error("{parameter} of the {part} is {value}: it must be finite and greater than 0.{}", or_positive(*.value))]
     NotPositive {
-        /// What was to be made.
+        /// The source.
         part: &'static str,
         /// The parameter at fault.
         parameter: &'static str,
@@ -17,9 +19,9 @@ pub enum SourceError {
         value: f64,
     },
     /// An angle outside its range.
-    #[error("{part}: {parameter} is {value} (it must be greater than 0 and at most {most} degrees)")]
+    #[error("{parameter} of the {part} is {value}: it must be greater than 0 and at most {most} degrees.")]
     Angle {
-        /// What was to be made.
+        /// The source.
         part: &'static str,
         /// The parameter at fault.
         parameter: &'static str,
@@ -29,23 +31,18 @@ pub enum SourceError {
         most: f64,
     },
     /// A source of no rays, or of more than can be numbered.
-    #[error("{part}: {count} rays (a source has from 1 to 2^53) how many are wanted?")]
+    #[error("{part} has {count} rays: a source needs from 1 to 2^53 rays.")]
     Count {
-        /// What was to be made.
+        /// The source.
         part: &'static str,
         /// The number of rays.
         count: u64,
     },
-    /// Settings that do not fit together.
-    #[error("{part}: {problem}")]
-    Unfit {
-        /// What was to be made.
-        part: &'static str,
-        /// What does not fit, why, and what may have been meant.
-        problem: &'static str,
-    },
+    /// Inconsistent settings.
+    #[error("{0}")]
+    Inconsistent(Message),
     /// Columns of different lengths.
-    #[error("rays: {column} has {found} rows (the origins have {expected}) is one missing?")]
+    #[error("column {column} of the rays has {found} rows: the origins have {expected}.")]
     Column {
         /// The column at fault.
         column: &'static str,
@@ -54,70 +51,72 @@ pub enum SourceError {
         /// The number of rays.
         expected: usize,
     },
-    /// A ray that is none.
-    #[error("rays: {column}[{ray}] is {value} ({why})")]
+    /// An invalid ray.
+    #[error("{column}[{ray}] of the rays is {value}: {why}.")]
     BadRay {
         /// The column at fault.
         column: &'static str,
         /// The number of the ray.
         ray: usize,
-        /// What stands there.
+        /// The value.
         value: String,
-        /// What should.
+        /// The reason why it is invalid.
         why: &'static str,
     },
-    /// A file of rays that is wrong, or cannot be read.
+    /// A ray file that is invalid, or cannot be read.
     #[error("{problem}")]
     File {
-        /// What is wrong with it, a line for each problem.
+        /// The problems, a line for each.
         problem: String,
     },
-    /// A state of polarisation that is none.
-    #[error("stokes is {parameters:?} (i, q, u, v are finite, with i > 0 and q^2 + u^2 + v^2 <= i^2)")]
+    /// Invalid Stokes parameters.
+    #[error("stokes is {parameters:?}: i, q, u, v must be finite, with i > 0 and q^2 + u^2 + v^2 <= i^2.")]
     Stokes {
         /// The parameters.
         parameters: [f64; 4],
     },
-    /// A wavelength that is none.
-    #[error("spectrum: wavelength {value} nm (wavelengths are in nanometres, finite and greater than 0)")]
+    /// An invalid wavelength.
+    #[error("wavelength of the spectrum is {value} nm: wavelengths must be finite and greater than 0.")]
     Wavelength {
         /// The wavelength.
         value: f64,
     },
     /// A weight or a density that is negative, infinite or NaN.
     #[error(
-        "spectrum: weight {value} at {wavelength_nm} nm (weights are finite and not negative) is it in decibels?"
+        "weight of the spectrum is {value} at {wavelength_nm} nm: weights must be finite and not negative. Is it in decibels?"
     )]
     Weight {
         /// The weight.
         value: f64,
-        /// Where it stands.
+        /// Its wavelength.
         wavelength_nm: f64,
     },
     /// A band, or a table, whose wavelengths do not increase.
-    #[error("spectrum: {after} nm after {before} nm (wavelengths must increase) are they exchanged?")]
+    #[error(
+        "wavelength {after} nm of the spectrum follows {before} nm: wavelengths must increase. Are they exchanged?"
+    )]
     NotIncreasing {
         /// A wavelength.
         before: f64,
         /// The next one.
         after: f64,
     },
-    /// A spectrum without any light.
+    /// A spectrum without power.
     #[error(
-        "spectrum: it has no light (all its weights are 0, or there are none) is its band far from where the source shines?"
+        "spectrum has no power: all its weights are 0, or there are none. Is its band far from the wavelengths of the source?"
     )]
-    Dark,
-    /// An aperture that is none.
+    NoPower,
+    /// An invalid aperture.
     #[error(transparent)]
     Aperture(#[from] ComponentError),
-    /// A placement that cannot be undone.
+    /// A singular placement.
     #[error(transparent)]
     Singular(#[from] SingularError),
 }
 
 fn or_positive(value: f64) -> String {
-    let is_sign_slip = value < 0.0 && value.is_finite();
-    if is_sign_slip { format!(" did you mean {}?", -value) } else { String::new() }
+    let is_wrong_sign = value < 0.0 && value.is_finite();
+    if is_wrong_sign { format!(" Did you mean {}?", -value) } else { String::new() }
 }
 
 /// The value, if it is finite and greater than 0.

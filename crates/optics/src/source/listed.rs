@@ -1,15 +1,16 @@
-//! Rays given one by one.
+//! Sources with a list of rays, also from ray files.
 
 use super::SourceError;
-use super::pattern::LocalRay;
+use super::rays::LocalRay;
+use rayweave_error::Message;
 use rayweave_math::Vec3;
 use rayweave_table::{RAYS_PER_CHUNK, RayChunk, RayReader, TableError};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Rays given one by one, with wavelengths and powers of their own if wanted.
+/// A list of rays, optionally with wavelengths and powers.
 ///
-/// A shared handle: cloning it costs a reference count.
+/// A shared handle: a clone increments a reference count.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListedRays(Arc<Columns>);
 
@@ -24,14 +25,14 @@ struct Columns {
 }
 
 impl ListedRays {
-    /// Rays by their origins and directions, which need not be of unit length.
+    /// Rays from origins and directions, which need not be of unit length.
     ///
-    /// Wavelengths, in nanometres, take the place of the source's spectrum. Powers are factors to the power of a ray, which
-    /// is 1 then unless the source says otherwise.
+    /// Wavelengths, in nanometres, replace the spectrum of the source. Powers are factors to the
+    /// power of a ray, which is then 1 unless the source sets it.
     ///
     /// # Errors
-    /// Columns of different lengths, numbers that are not finite, directions of length zero, wavelengths that are not
-    /// positive, powers that are negative or all zero.
+    /// Columns of different lengths, numbers that are not finite, directions of length zero,
+    /// wavelengths that are not positive, powers that are negative or all zero.
     pub fn new(
         origins: Vec<Vec3>,
         directions: Vec<Vec3>,
@@ -48,32 +49,35 @@ impl ListedRays {
                 return Err(SourceError::Column { column, found, expected });
             }
         }
-        check("origins", &origins, "coordinates are finite", |origin| origin.is_finite())?;
-        check("directions", &directions, "it has no length, or one beyond all numbers", |direction| {
+        check("origins", &origins, "coordinates must be finite", |origin| origin.is_finite())?;
+        check("directions", &directions, "its length must not be 0 and must not overflow", |direction| {
             rayweave_math::unit(*direction).is_finite()
         })?;
         let (wavelengths, powers) =
             (wavelength_nm.as_deref().unwrap_or(&[]), power.as_deref().unwrap_or(&[]));
-        check("wavelength_nm", wavelengths, "wavelengths are finite and greater than 0", |&value| {
+        check("wavelength_nm", wavelengths, "wavelengths must be finite and greater than 0", |&value| {
             value > 0.0 && value.is_finite()
         })?;
-        check("power", powers, "powers are finite and not negative", |&value| {
+        check("power", powers, "powers must be finite and not negative", |&value| {
             value >= 0.0 && value.is_finite()
         })?;
         let mean_power =
             if powers.is_empty() { 1.0 } else { powers.iter().sum::<f64>() / powers.len() as f64 };
         if mean_power == 0.0 {
-            return Err(SourceError::Unfit { part: "rays", problem: "all powers are 0 (nothing shines)" });
+            let message = Message::new("all powers of the rays are 0", "a source needs power");
+            return Err(SourceError::Inconsistent(message));
         }
         let directions = directions.into_iter().map(rayweave_math::unit).collect();
         Ok(ListedRays(Arc::new(Columns { origins, directions, wavelength_nm, power, mean_power })))
     }
 
-    /// The rays of a file, `.csv` with the columns `ox,oy,oz,dx,dy,dz` and, where wanted, `wavelength_nm` and `power`, or
-    /// `.npy` of the shape (N, 6), (N, 7) with wavelengths or (N, 8) with both.
+    /// The rays of a file, `.csv` with the columns `ox,oy,oz,dx,dy,dz` and optionally
+    /// `wavelength_nm` and `power`, or `.npy` of the shape (N, 6), (N, 7) with wavelengths or (N,
+    /// 8) with both.
     ///
     /// # Errors
-    /// [`SourceError::File`] with all problems of the file, and their lines; [`SourceError::Unfit`] for a file without rays.
+    /// [`SourceError::File`] with all problems of the file, and their lines;
+    /// [`SourceError::Inconsistent`] for a file without rays.
     pub fn read(path: impl AsRef<Path>) -> Result<ListedRays, SourceError> {
         let unreadable = |error: TableError| SourceError::File { problem: error.to_string() };
         let mut reader = RayReader::open_light(path).map_err(unreadable)?;
@@ -88,23 +92,21 @@ impl ListedRays {
             all.power.append(&mut chunk.power);
         }
         if origins.is_empty() {
-            return Err(SourceError::Unfit {
-                part: "rays",
-                problem: "the file has no rays (nothing shines)",
-            });
+            let message = Message::new("the file has no rays", "a source needs at least one");
+            return Err(SourceError::Inconsistent(message));
         }
         let given = |column: Vec<f64>| (!column.is_empty()).then_some(column);
         ListedRays::new(origins, directions, given(all.wavelength_nm), given(all.power))
     }
 
-    /// The shortest and the longest wavelength in nanometres, if the rays have wavelengths of their own.
+    /// The shortest and the longest wavelength in nanometres, if the rays have wavelengths.
     pub fn range_nm(&self) -> Option<[f64; 2]> {
         let lengths = self.0.wavelength_nm.as_ref()?;
         let grow = |[lo, hi]: [f64; 2], &nm: &f64| [lo.min(nm), hi.max(nm)];
         Some(lengths.iter().fold([f64::INFINITY, f64::NEG_INFINITY], grow))
     }
 
-    /// The sum of the powers, if the rays have powers of their own.
+    /// The sum of the powers, if the rays have powers.
     pub fn power(&self) -> Option<f64> {
         self.0.power.as_ref().map(|column| column.iter().sum())
     }
@@ -114,7 +116,7 @@ impl ListedRays {
         self.0.origins.len()
     }
 
-    /// True if there is none.
+    /// True if there are no rays.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -140,7 +142,7 @@ impl ListedRays {
     }
 }
 
-/// An error for the first value that is none.
+/// An error for the first invalid value.
 fn check<T: std::fmt::Display>(
     column: &'static str,
     values: &[T],

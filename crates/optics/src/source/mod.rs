@@ -1,9 +1,9 @@
-//! Sources of light: rays as columns, with wavelength and power.
+//! Light sources: patterns of rays with spectrum, power and polarisation.
 //!
-//! A [`Source`] is a [`Pattern`] of rays with a [`Spectrum`], a [`Power`], a seed and a place. In its own coordinates it
-//! shines along +z. What it sends out is fixed: ray k is a function of the source and of k alone, so that any piece of it
-//! can be made anywhere, at any time, in any order, with the same bits. (PyRayT's static lamp is every lamp here; another
-//! seed gives another one.)
+//! A [`Source`] is a [`Pattern`] of rays with a [`Spectrum`], a [`Power`], a seed and a placement.
+//! In its own frame it emits along +z. Ray k is a function of the source and of k alone, so that
+//! any range of rays can be generated in any order, on any thread, with the same bits. (Every lamp
+//! is a static lamp of PyRayT; another seed gives another lamp.)
 //!
 //! ```
 //! use rayweave_optics::component::Aperture;
@@ -25,7 +25,7 @@
 //!
 //! A [`Tracer`](crate::Tracer) takes a source, or several as [`Sources`], as its [`Emitter`].
 //!
-//! | PyRayT | here |
+//! | PyRayT | Rayweave |
 //! | --- | --- |
 //! | `LineOfRays(spacing)` | [`Pattern::Line`] |
 //! | `CircleOfRays(diameter)` | [`Pattern::Circle`] |
@@ -45,7 +45,6 @@ mod spectrum;
 pub use error::SourceError;
 pub use listed::ListedRays;
 pub use pattern::{BeamProfile, Emission, Pattern};
-pub(crate) use random::uniform;
 pub use rays::SourceRays;
 pub use sampling::Sampling;
 pub use spectrum::{Cumulative, Spectrum, Wavelengths, planck};
@@ -62,9 +61,9 @@ use std::ops::Range;
 /// The power of the rays of a source, in any unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Power {
-    /// Of each ray, times its weight: of a lamp the cosine, of listed rays the power given.
+    /// The power of each ray, times its weight: the cosine for a lamp, the given power for listed rays.
     PerRay(f64),
-    /// Of all rays together; of a lamp, whose rays differ at random, in the mean.
+    /// The power of all rays together; for a lamp, whose rays differ at random, the mean.
     Total(f64),
 }
 
@@ -73,21 +72,21 @@ pub enum Power {
 pub struct Source {
     prepared: Prepared,
     wavelengths: Wavelengths,
-    /// That of a ray of weight 1.
+    /// The power of a ray of weight 1.
     unit_power: f64,
     seed: u64,
     place: Affine,
-    /// The parameters of Stokes, about x; unpolarised if there are none.
+    /// The Stokes parameters, relative to x; `None` for unpolarised light.
     stokes: Option<[f64; 4]>,
-    /// The linear part of `place` over its size, so that images of directions are neither tiny nor huge.
+    /// The linear part of `place` divided by its size, so that directions do not overflow.
     turn: Mat3,
 }
 
 impl Source {
-    /// A source about the origin, of 633 nm and a power of 100 for each ray (1 for listed rays that have powers).
+    /// A source at the origin, with 633 nm and a power of 100 for each ray (1 for listed rays with powers).
     ///
     /// # Errors
-    /// Settings out of their range, or that do not fit together: each names itself.
+    /// [`SourceError`] for settings that are out of range or inconsistent.
     pub fn new(pattern: Pattern) -> Result<Source, SourceError> {
         let has_powers = matches!(&pattern, Pattern::Rays(listed) if listed.has_powers());
         Ok(Source {
@@ -101,7 +100,7 @@ impl Source {
         })
     }
 
-    /// The same with another spectrum.
+    /// Sets the spectrum.
     ///
     /// # Errors
     /// As of [`Spectrum::wavelengths`].
@@ -109,7 +108,7 @@ impl Source {
         Ok(Source { wavelengths: spectrum.wavelengths()?, ..self })
     }
 
-    /// The same with another power.
+    /// Sets the power.
     ///
     /// # Errors
     /// A power that is not positive.
@@ -124,12 +123,12 @@ impl Source {
         Ok(Source { unit_power, ..self })
     }
 
-    /// The same with polarised light: the parameters of Stokes i, q, u, v, of which only the proportions count. Light of q > 0
-    /// swings along the x axis of the source, as far as that lies across each ray; u > 0 leans from x towards y. A mirrored source
-    /// sends mirrored light.
+    /// Sets the polarisation by the Stokes parameters i, q, u, v, of which only the ratios count.
+    /// Light with q > 0 is polarised along the x axis of the source, projected across each ray; u >
+    /// 0 leans from x towards y. A mirrored source emits mirrored light.
     ///
     /// # Errors
-    /// [`SourceError::Stokes`] for parameters of no light: more polarised than there is power.
+    /// [`SourceError::Stokes`] for parameters with more polarised than total power.
     pub fn stokes(self, parameters: [f64; 4]) -> Result<Source, SourceError> {
         let [i, q, u, v] = parameters;
         let is_light = i > 0.0 && i.is_finite() && (q * q + u * u + v * v).sqrt() <= i * (1.0 + 1e-12);
@@ -139,17 +138,17 @@ impl Source {
         }
     }
 
-    /// Whether its light is polarised.
+    /// Whether the light is polarised.
     pub fn is_polarised(&self) -> bool {
         self.stokes.is_some()
     }
 
-    /// The same with other random numbers; the seed is 0 unless one is given.
+    /// Sets the seed of the random numbers; 0 by default.
     pub fn seed(self, seed: u64) -> Source {
         Source { seed, ..self }
     }
 
-    /// The same moved by a map: after those given before, as with solids.
+    /// Moves the source by an affine map, after earlier ones, as for solids.
     ///
     /// # Errors
     /// A map that is singular or not finite.
@@ -166,14 +165,14 @@ impl Source {
         self.prepared.pattern.count()
     }
 
-    /// Its rays with numbers in a range, as far as there are such.
+    /// The rays with numbers in a range, clipped to [`Source::count`].
     pub fn rays(&self, range: Range<u64>) -> SourceRays {
         let mut rays = SourceRays::default();
         self.each(range, 0, |k, light| rays.push(k, &light));
         rays
     }
 
-    /// Makes the rays of a range, as far as there are such, for the source with this number in a list.
+    /// Generates the rays of a range, for the source with this number in a list.
     fn each(&self, range: Range<u64>, number: u32, mut take: impl FnMut(u64, Light)) {
         let range = range.start..range.end.min(self.count());
         let is_random = self.prepared.pattern.is_random() || !self.wavelengths.is_line();
@@ -201,10 +200,10 @@ impl Source {
         }
     }
 
-    /// The parameters about the axis across a ray that is nearest to x.
+    /// The Stokes parameters relative to the axis across a ray that is nearest to x.
     fn polarisation(&self, parameters: [f64; 4], direction: Vec3) -> Stokes {
         let x = self.turn * Vec3::X;
-        // what is said holds in the coordinates of the source: a mirror swaps the senses of u and v
+        // the parameters hold in the frame of the source: a mirror reverses u and v
         let [i, q, u, v] = parameters;
         let parameters = if self.turn.determinant() < 0.0 { [i, q, -u, -v] } else { parameters };
         let across = (x - direction * x.dot(direction)).try_normalize();
@@ -222,7 +221,7 @@ impl Emitter for Source {
     }
 }
 
-/// Several sources as one: their rays are numbered on from source to source, and each draws random numbers of its own.
+/// Several sources as one: rays are numbered through all sources, and each source has its own random numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sources {
     sources: Vec<Source>,
@@ -244,7 +243,7 @@ impl Sources {
         self.sources.iter().map(Source::count).sum()
     }
 
-    /// The rays with numbers in a range, as far as there are such.
+    /// The rays with numbers in a range, clipped to [`Sources::count`].
     pub fn rays(&self, range: Range<u64>) -> SourceRays {
         let mut rays = SourceRays::default();
         self.append(range, &mut rays);

@@ -1,16 +1,18 @@
-//! Where rays start and where they go, in the source's own coordinates.
+//! Ray patterns of sources: origins and directions in the frame of the source.
 
 use super::error::{angle, positive};
 use super::listed::ListedRays;
 use super::random::Numbers;
+use super::rays::LocalRay;
 use super::sampling::Place;
 use super::{Sampling, SourceError};
 use crate::component::Aperture;
+use rayweave_error::Message;
 use rayweave_math::{Vec3, sin_cos_degrees};
 
-/// Where rays start and where they go, in the source's own coordinates: about the origin and along +z.
+/// Origins and directions of the rays in the frame of the source: about the origin and along +z.
 ///
-/// The first five are those of PyRayT, whose x is our z.
+/// The first five are those of PyRayT, whose x axis is z here.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pattern {
     /// Parallel rays in a row along y, evenly spaced from -`length`/2 to `length`/2.
@@ -20,7 +22,8 @@ pub enum Pattern {
         /// The number of rays.
         count: u64,
     },
-    /// Parallel rays around a circle, evenly spaced from +x towards +y. (PyRayT's last ray coincides with its first.)
+    /// Parallel rays around a circle, evenly spaced from +x towards +y. (PyRayT's last ray
+    /// coincides with its first.)
     Circle {
         /// The diameter of the circle.
         diameter: f64,
@@ -34,15 +37,17 @@ pub enum Pattern {
         /// The number of rays.
         count: u64,
     },
-    /// Rays from the origin in the y-z plane, at even angles from -`angle_degrees`/2 (towards -y) to `angle_degrees`/2.
+    /// Rays from the origin in the y-z plane, at even angles from -`angle_degrees`/2 (towards -y)
+    /// to `angle_degrees`/2.
     Wedge {
         /// The angle between the first ray and the last, in degrees.
         angle_degrees: f64,
         /// The number of rays.
         count: u64,
     },
-    /// A Lambertian lamp as PyRayT has it: rays from random points of a rectangle into random directions, uniform in solid
-    /// angle, whose power is proportional to the cosine of their angle to the axis.
+    /// A Lambertian lamp like that of PyRayT: rays from random points of a rectangle into random
+    /// directions, uniform in solid angle, whose power is proportional to the cosine of their angle
+    /// to the axis.
     Lamp {
         /// The extent of the rectangle along x.
         width: f64,
@@ -59,14 +64,14 @@ pub enum Pattern {
         aperture: Aperture,
         /// The distribution of power across it.
         profile: BeamProfile,
-        /// How rays are spread over it.
+        /// The sampling of the aperture.
         sampling: Sampling,
     },
     /// Rays from the origin into a cone, evenly in solid angle.
     Point {
         /// The greatest angle to the axis, in degrees; 180 for all directions.
         half_angle_degrees: f64,
-        /// How rays are spread over the directions.
+        /// The sampling of the directions.
         sampling: Sampling,
     },
     /// Rays of equal power from random points of an aperture in the plane z = 0.
@@ -80,17 +85,18 @@ pub enum Pattern {
         /// The number of rays.
         count: u64,
     },
-    /// Rays given one by one.
+    /// A list of rays.
     Rays(ListedRays),
 }
 
 /// The distribution of power across a beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BeamProfile {
-    /// The same everywhere.
+    /// Uniform.
     TopHat,
-    /// Proportional to `exp(-2 r^2 / radius^2)`, cut off by the aperture, by rays of equal power that lie as much closer to
-    /// each other. Over an ellipse it is as long and as wide as that; `radius` is then that along x.
+    /// Proportional to `exp(-2 r^2 / radius^2)`, truncated by the aperture, with rays of equal
+    /// power and varying density. Over an ellipse the profile is stretched like it; `radius` is
+    /// then the radius along x.
     Gaussian {
         /// The distance from the axis at which the irradiance is 1/e^2 of that on the axis.
         radius: f64,
@@ -100,20 +106,11 @@ pub enum BeamProfile {
 /// The directions of rays from each point of an extended source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Emission {
-    /// Lambert's law: power per solid angle proportional to the cosine of the angle to the axis. The sines of the angles
-    /// squared are uniform.
+    /// Lambert's cosine law: power per solid angle proportional to the cosine of the angle to the
+    /// axis. The sines of the angles squared are uniform.
     Lambert,
-    /// The same power in every solid angle. The cosines of the angles are uniform.
+    /// Uniform power per solid angle. The cosines of the angles are uniform.
     Isotropic,
-}
-
-/// A ray in the source's own coordinates.
-pub(super) struct LocalRay {
-    pub origin: Vec3,
-    /// Of unit length, to rounding.
-    pub direction: Vec3,
-    /// What it counts for.
-    pub weight: f64,
 }
 
 impl Pattern {
@@ -131,7 +128,7 @@ impl Pattern {
         }
     }
 
-    /// What it is called in messages.
+    /// The name in messages.
     fn name(&self) -> &'static str {
         match self {
             Pattern::Line { .. } => "line of rays",
@@ -155,7 +152,8 @@ impl Pattern {
         }
     }
 
-    /// The mean of the weights of its rays: of a lamp that of cosines uniform between that of its angle and 1.
+    /// The mean weight of the rays: for a lamp the mean of cosines that are uniform between that of
+    /// its angle and 1.
     pub(super) fn mean_weight(&self) -> f64 {
         match self {
             Pattern::Lamp { half_angle_degrees, .. } => 0.5 + 0.5 * sin_cos_degrees(*half_angle_degrees).1,
@@ -164,7 +162,7 @@ impl Pattern {
         }
     }
 
-    /// The pattern, if all its settings are in their ranges and fit together.
+    /// The pattern, if all its settings are in range and consistent.
     fn checked(self) -> Result<Pattern, SourceError> {
         let (part, count) = (self.name(), self.count());
         if count == 0 || count > 1 << 53 {
@@ -197,7 +195,7 @@ impl Pattern {
         Ok(self)
     }
 
-    /// The angle that its directions are made of, in degrees.
+    /// The greatest angle to the axis, in degrees.
     fn half_angle_degrees(&self) -> f64 {
         match self {
             Pattern::Cone { half_angle_degrees, .. }
@@ -208,7 +206,7 @@ impl Pattern {
         }
     }
 
-    /// The part of the power of a whole beam that its aperture lets pass.
+    /// The fraction of the power of a whole beam that its aperture transmits.
     fn passed(&self) -> f64 {
         match self {
             Pattern::Beam { aperture, profile, .. } => profile.within(0.5 * aperture.size()[0]),
@@ -217,7 +215,7 @@ impl Pattern {
     }
 }
 
-/// A pattern with what all its rays have in common.
+/// A pattern with the values that all its rays share.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Prepared {
     pub pattern: Pattern,
@@ -230,7 +228,7 @@ pub(super) struct Prepared {
 struct Angle {
     sin: f64,
     cos: f64,
-    /// 1 - cos, with all its digits where the angle is small.
+    /// 1 - cos, without cancellation for small angles.
     drop: f64,
 }
 
@@ -243,7 +241,7 @@ impl Prepared {
         Ok(Prepared { angle, passed: pattern.passed(), pattern })
     }
 
-    /// Ray `k` by its random numbers, of which the first four may be used.
+    /// Ray `k` from its random numbers, of which it may use the first four.
     pub fn ray(&self, k: u64, numbers: &Numbers) -> LocalRay {
         let angle = &self.angle;
         match &self.pattern {
@@ -284,20 +282,22 @@ impl Prepared {
 }
 
 impl Angle {
-    /// Cosines uniform between that of the greatest angle and 1 (Archimedes: a zone's area is proportional to its height).
+    /// Uniform in solid angle: cosines uniform between that of the greatest angle and 1
+    /// (Archimedes: a zone's area is proportional to its height).
     fn isotropic(&self, part: f64, turn: f64) -> Vec3 {
         let drop = self.drop * part;
         tilted((drop * (2.0 - drop)).max(0.0).sqrt(), 1.0 - drop, turn)
     }
 
-    /// Squares of sines uniform: the disc below a hemisphere is covered evenly (Malley's method).
+    /// Lambertian: squares of sines uniform, so that the disc below a hemisphere is covered
+    /// uniformly (Malley's method).
     fn lambert(&self, part: f64, turn: f64) -> Vec3 {
         let square = self.sin * self.sin * part;
         tilted(square.sqrt(), (1.0 - square).max(0.0).sqrt(), turn)
     }
 }
 
-/// Random places, however many.
+/// Random sampling, of any number of points.
 const ANYWHERE: Sampling = Sampling::Random { count: 0 };
 
 fn check_beam(
@@ -311,10 +311,11 @@ fn check_beam(
         sampling.checked_for_rectangle(part)?;
     }
     match profile {
-        BeamProfile::Gaussian { .. } if is_rectangle => Err(SourceError::Unfit {
-            part,
-            problem: "a Gaussian profile over a rectangle (it is round) is an ellipse meant?",
-        }),
+        BeamProfile::Gaussian { .. } if is_rectangle => {
+            let problem = format!("{part} has a Gaussian profile over a rectangle");
+            let message = Message::new(problem, "the profile is round").suggest("Use an ellipse");
+            Err(SourceError::Inconsistent(message))
+        }
         BeamProfile::Gaussian { radius } => positive(part, "radius", *radius).map(drop),
         BeamProfile::TopHat => Ok(()),
     }
@@ -328,7 +329,7 @@ fn from_origin(direction: Vec3, weight: f64) -> LocalRay {
     LocalRay { origin: Vec3::ZERO, direction, weight }
 }
 
-/// From -1/2 for the first of so many to 1/2 for the last; 0 if there is one only.
+/// From -1/2 for the first of `count` to 1/2 for the last; 0 for a single one.
 fn centred(k: u64, count: u64) -> f64 {
     if count < 2 { 0.0 } else { k as f64 / (count - 1) as f64 - 0.5 }
 }
@@ -371,7 +372,8 @@ fn beam(
 }
 
 impl BeamProfile {
-    /// The part of the power within a distance from the axis; of a top hat, whose aperture is all there is, 1.
+    /// The fraction of the power within a distance from the axis; 1 for a top hat, which ends at
+    /// the aperture.
     fn within(&self, distance: f64) -> f64 {
         match *self {
             BeamProfile::TopHat => 1.0,
@@ -381,7 +383,7 @@ impl BeamProfile {
         }
     }
 
-    /// The distance from the axis within which a part of the power lies, at most `limit`.
+    /// The distance from the axis within which a fraction of the power lies, at most `limit`.
     fn radius(&self, part: f64, limit: f64) -> f64 {
         match *self {
             BeamProfile::TopHat => limit * part.sqrt(),

@@ -1,28 +1,30 @@
-//! Random numbers that belong to a ray: the same whichever piece of a source is generated.
+//! Counter-based random numbers of rays: the same for any range of a source that is generated.
 //!
-//! ChaCha is a counter-based generator: block number k of a stream, 64 bytes, is computed from key and counter alone. Ray k
-//! gets block k, eight numbers with 53 bits each. That is better than a stream for each ray: rays in a row are blocks in a
-//! row, which the generator makes four at a time, and a piece of a source begins with one jump. A source has a stream of
-//! its own, so that sources of equal seeds do not share their numbers. Eight rounds are enough for more than statistics
+//! ChaCha is a counter-based generator: block number k of a stream, 64 bytes, is computed from key
+//! and counter alone. Ray k gets block k, eight numbers with 53 bits each. This is faster than a
+//! stream for each ray: consecutive rays are consecutive blocks, which the generator computes four
+//! at a time, and a range starts with one jump. Each source has its own stream, so that sources
+//! with equal seeds do not share their numbers. Eight rounds suffice for more than statistics
 //! (J.-P. Aumasson, *Too much crypto*, 2019).
 
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
+use rayweave_math::unit_fraction;
 
-/// Keeps the streams of sources apart from those of other things that are drawn by the same seed.
+/// Separates the streams of sources from other streams of the same seed.
 const SOURCES: u64 = u64::from_be_bytes(*b"sources\0");
 
-/// So many numbers each ray has.
+/// The number of random numbers of a ray.
 pub(super) const NUMBERS: usize = 8;
 
-/// The numbers of one ray, uniform in [0, 1).
+/// The random numbers of one ray, uniform in [0, 1).
 pub(super) type Numbers = [f64; NUMBERS];
 
-/// The numbers of rays in a row.
+/// The random numbers of consecutive rays.
 pub(super) struct RayNumbers(ChaCha8Rng);
 
 impl RayNumbers {
-    /// Those from a ray on.
+    /// The random numbers from a ray on.
     pub fn from(seed: u64, stream: u64, ray: u64) -> RayNumbers {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(SOURCES ^ stream);
@@ -33,13 +35,8 @@ impl RayNumbers {
 
     /// The numbers of the next ray.
     pub fn ray(&mut self) -> Numbers {
-        std::array::from_fn(|_| uniform(self.0.next_u64()))
+        std::array::from_fn(|_| unit_fraction(self.0.next_u64()))
     }
-}
-
-/// The upper 53 bits as a fraction.
-pub(crate) fn uniform(bits: u64) -> f64 {
-    (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
 #[cfg(test)]
@@ -56,11 +53,6 @@ mod tests {
         }
         assert_ne!(RayNumbers::from(7, 4, 0).ray(), all[0]);
         assert_ne!(RayNumbers::from(8, 3, 0).ray(), all[0]);
-    }
-
-    #[test]
-    fn the_ends_of_the_range() {
-        assert_eq!((uniform(0), uniform(u64::MAX)), (0.0, 1.0 - f64::EPSILON / 2.0));
     }
 
     /// Mean 1/2 and variance 1/12 of each number, none correlated with another.

@@ -1,6 +1,7 @@
-//! Rays on their way out of sources.
+//! Rays of sources as columns.
 
 use crate::Light;
+use rayweave_math::Vec3;
 use rayweave_model::Rays;
 
 /// Rays as columns of equal length.
@@ -26,19 +27,19 @@ impl SourceRays {
         self.id.len()
     }
 
-    /// True if there is none.
+    /// True if there are no rays.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
     }
 
-    /// Origins and directions as an evaluator takes them.
+    /// Origins and directions for an evaluator.
     pub fn rays(&self) -> Rays<'_> {
         let [ox, oy, oz] = &self.origins;
         let [dx, dy, dz] = &self.directions;
         Rays { origins: [ox, oy, oz], directions: [dx, dy, dz] }
     }
 
-    /// Forgets all rays and keeps the memory.
+    /// Removes all rays and keeps the memory.
     pub fn clear(&mut self) {
         self.numbers().for_each(Vec::clear);
         self.id.clear();
@@ -61,4 +62,13 @@ impl SourceRays {
         let SourceRays { origins, directions, wavelength_nm, power, .. } = self;
         origins.iter_mut().chain(directions).chain([wavelength_nm, power])
     }
+}
+
+/// A ray in the frame of the source.
+pub(super) struct LocalRay {
+    pub origin: Vec3,
+    /// Of unit length, up to rounding.
+    pub direction: Vec3,
+    /// The weight of its power.
+    pub weight: f64,
 }

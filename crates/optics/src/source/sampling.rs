@@ -1,56 +1,59 @@
-//! How rays are spread over an area or over directions.
+//! Sampling of an area or of directions: grid, hexapolar, Fibonacci, random.
 
 use super::SourceError;
-use super::random::{Numbers, uniform};
+use super::random::Numbers;
+use rayweave_error::Message;
+use rayweave_math::unit_fraction;
 
-/// How rays are spread over an area or over directions: every way gives each ray the same part of it, except for the
-/// weights of a hexapolar pattern.
+/// Sampling of an area or of directions. Each ray stands for an equal part, except for the weights
+/// of hexapolar sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// The middles of `columns` x `rows` equal cells; over a disc the cells are bent (P. Shirley and K. Chiu, *A low
-    /// distortion map between disk and square*, 1997).
+    /// The centres of `columns` x `rows` equal cells; over a disc by the concentric map (P. Shirley
+    /// and K. Chiu, *A low distortion map between disk and square*, 1997).
     Grid {
         /// The number of cells along x.
         columns: u32,
         /// The number of cells along y.
         rows: u32,
     },
-    /// The middle and rings of 6, 12, 18, ... rays, the last on the rim: `3 rings (rings + 1) + 1` rays. Each weighs as
-    /// the area nearer to its ring than to others, shared among the rays of the ring. Only over discs and cones.
+    /// The centre and rings of 6, 12, 18, ... rays, the last on the rim: `3 rings (rings + 1) + 1`
+    /// rays. The area nearer to a ring than to others is the weight of the rays of the ring. Only
+    /// for discs and cones.
     Hexapolar {
         /// The number of rings.
         rings: u32,
     },
-    /// A Fibonacci lattice of so many rays; over a disc the pattern of a sunflower (H. Vogel, *A better way to construct the
+    /// A Fibonacci lattice; over a disc Vogel's spiral (H. Vogel, *A better way to construct the
     /// sunflower head*, 1979).
     Fibonacci {
         /// The number of rays.
         count: u64,
     },
-    /// So many rays at random places.
+    /// Random points.
     Random {
         /// The number of rays.
         count: u64,
     },
 }
 
-/// A place in a disc of area 1, or in any set of directions about an axis.
+/// A point of a disc of area 1, or of any set of directions about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
-    /// The part of the area that is nearer to the middle.
+    /// The fraction of the area that is nearer to the centre.
     pub area: f64,
     /// The azimuth in turns, from +x towards +y.
     pub turn: f64,
-    /// What the ray counts for; 1 in the mean.
+    /// The weight of the ray; 1 in the mean.
     pub weight: f64,
 }
 
 impl Sampling {
-    /// The names of the ways.
+    /// The names of the kinds of sampling.
     pub const NAMES: [&str; 4] = ["fibonacci", "random", "grid", "hexapolar"];
 
-    /// The way of this name with about so many rays: as many as there are in the nearest square grid, or the nearest number
-    /// of rings. `None` for another name.
+    /// The sampling of this name with about a number of rays: those of the nearest square grid, or
+    /// of the nearest number of rings. `None` for an unknown name.
     pub fn named(name: &str, about: u64) -> Option<Sampling> {
         let root = (about as f64).sqrt();
         match name {
@@ -79,18 +82,19 @@ impl Sampling {
         matches!(self, Sampling::Random { .. })
     }
 
-    /// An error for the way that has no place in a rectangle.
+    /// An error for hexapolar sampling, which has no rectangle.
     pub(super) fn checked_for_rectangle(&self, part: &'static str) -> Result<(), SourceError> {
         match self {
-            Sampling::Hexapolar { .. } => Err(SourceError::Unfit {
-                part,
-                problem: "hexapolar sampling of a rectangle (its rings are round) is a grid meant?",
-            }),
+            Sampling::Hexapolar { .. } => {
+                let problem = format!("{part} has hexapolar sampling of a rectangle");
+                let message = Message::new(problem, "its rings are circles").suggest("Use a grid");
+                Err(SourceError::Inconsistent(message))
+            }
             _ => Ok(()),
         }
     }
 
-    /// The place of ray `k` in the unit square.
+    /// The point of ray `k` in the unit square.
     pub(super) fn in_square(&self, k: u64, numbers: &Numbers) -> [f64; 2] {
         match *self {
             Sampling::Grid { columns, .. } => {
@@ -99,15 +103,15 @@ impl Sampling {
                 [(column as f64 + 0.5) / f64::from(columns), (row as f64 + 0.5) / rows as f64]
             }
             Sampling::Fibonacci { count } => {
-                [(k as f64 + 0.5) / count as f64, uniform(k.wrapping_mul(GOLDEN))]
+                [(k as f64 + 0.5) / count as f64, unit_fraction(k.wrapping_mul(GOLDEN))]
             }
             Sampling::Random { .. } => [numbers[0], numbers[1]],
-            // refused by `checked_for_rectangle`
+            // rejected by `checked_for_rectangle`
             Sampling::Hexapolar { .. } => [0.5, 0.5],
         }
     }
 
-    /// The place of ray `k` in a disc.
+    /// The point of ray `k` in a disc.
     pub(super) fn in_disc(&self, k: u64, numbers: &Numbers) -> Place {
         if let Sampling::Hexapolar { rings } = *self {
             return hexapolar(k, rings);
@@ -121,10 +125,10 @@ impl Sampling {
     }
 }
 
-/// 2^64 times the golden ratio less 1, so that multiples wrap around exactly.
+/// 2^64 times the golden ratio minus 1, so that multiples wrap around exactly.
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// From the unit square to the disc: squares about the middle become circles.
+/// The concentric map from the unit square to the disc: squares about the centre become circles.
 fn concentric(u: f64, v: f64) -> (f64, f64) {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     let (radius, eighths) = match a.abs() > b.abs() {

@@ -1,15 +1,15 @@
-//! Which wavelengths a source sends out.
+//! Spectra: distributions of wavelengths, and their sampling by inverse transform.
 
 use super::SourceError;
 use super::error::positive;
 
-/// Which wavelengths a source sends out. Every ray has one wavelength, drawn so that rays of equal power follow the
-/// distribution of power.
+/// The spectrum of a source. Every ray has one wavelength, drawn so that rays of equal power follow
+/// the distribution of power (inverse transform sampling).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spectrum {
     /// One wavelength, in nanometres.
     Line(f64),
-    /// Several wavelengths, in nanometres, each with its part of the power; the parts need not add up to 1.
+    /// Several wavelengths, in nanometres, each with its relative power.
     Lines(Vec<(f64, f64)>),
     /// The same power per nanometre from one wavelength to another, in nanometres.
     Band {
@@ -31,7 +31,8 @@ pub enum Spectrum {
     Table(Vec<(f64, f64)>),
 }
 
-/// The first radiation constant for spectral radiance, 2 h c^2, in W m^2 / sr (CODATA 2018, exact to the digits given).
+/// The first radiation constant for spectral radiance, 2 h c^2, in W m^2 / sr (CODATA 2018, exact
+/// to the digits given).
 const FIRST_RADIATION_CONSTANT: f64 = 1.191_042_972e-16;
 
 /// The second radiation constant, h c / k, in m K (CODATA 2018, exact to the digits given).
@@ -49,18 +50,18 @@ pub fn planck(wavelength_nm: f64, kelvin: f64) -> f64 {
     let metres = 1e-9 * wavelength_nm;
     let exponent = SECOND_RADIATION_CONSTANT / (metres * kelvin);
     let per_metre = FIRST_RADIATION_CONSTANT / (metres.powi(5) * libm::expm1(exponent));
-    // beyond the range of numbers there is no light
+    // overflow: no light
     if per_metre.is_finite() { 1e-9 * per_metre } else { 0.0 }
 }
 
-/// So many pieces the curve of a black body is cut into.
+/// The number of pieces of the curve of a black body.
 const PIECES: u32 = 2048;
 
 impl Spectrum {
-    /// The inverse distribution, from which wavelengths are drawn.
+    /// The inverse cumulative distribution, from which wavelengths are drawn.
     ///
     /// # Errors
-    /// Wavelengths or weights that are none, wavelengths that do not increase, no light at all.
+    /// Invalid wavelengths or weights, wavelengths that do not increase, zero total power.
     pub fn wavelengths(&self) -> Result<Wavelengths, SourceError> {
         match self {
             Spectrum::Line(wavelength_nm) => Ok(Wavelengths::Line(checked(*wavelength_nm)?)),
@@ -84,7 +85,7 @@ impl Default for Spectrum {
 /// A spectrum ready to draw wavelengths from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wavelengths {
-    /// Always the same.
+    /// A single wavelength.
     Line(f64),
     /// Lines with the sums of the weights up to each.
     Lines(Cumulative),
@@ -92,16 +93,17 @@ pub enum Wavelengths {
     Density(Cumulative),
 }
 
-/// Wavelengths with what lies before each.
+/// A cumulative distribution of wavelengths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cumulative {
     wavelengths_nm: Vec<f64>,
-    /// Of each point; of a line its weight.
+    /// The density at each point; for lines the weight.
     density: Vec<f64>,
-    /// Up to each point; of a line, with itself.
+    /// The integral up to each point; for lines the sum including it.
     before: Vec<f64>,
-    /// For each of 2^k equal parts of the total, the first point before which there is more than before that part begins:
-    /// where to look from (H. C. Chen and Y. Asau, *On generating random variates from an empirical distribution*, 1974).
+    /// Guide table: for each of 2^k equal parts of the total, the first point whose integral
+    /// exceeds the start of that part, from which the search begins (H. C. Chen and Y. Asau, *On
+    /// generating random variates from an empirical distribution*, 1974).
     guide: Vec<u32>,
 }
 
@@ -109,7 +111,7 @@ impl Cumulative {
     fn new(wavelengths_nm: Vec<f64>, density: Vec<f64>, before: Vec<f64>) -> Result<Cumulative, SourceError> {
         let total = before.last().copied().unwrap_or(0.0);
         if total == 0.0 || !total.is_finite() {
-            return Err(SourceError::Dark);
+            return Err(SourceError::NoPower);
         }
         let parts = before.len().next_power_of_two();
         let first = |part: usize| {
@@ -124,7 +126,7 @@ impl Cumulative {
         self.before.last().copied().unwrap_or(0.0)
     }
 
-    /// The first point before which there is more than a part of the total.
+    /// The first point whose integral exceeds a fraction of the total.
     fn after(&self, part: f64) -> usize {
         let sought = part * self.total();
         // exact for a power of two, so that the search never begins too late
@@ -143,7 +145,7 @@ impl Wavelengths {
         matches!(self, Wavelengths::Line(_))
     }
 
-    /// The wavelength in nanometres below which a part of the power lies, 0 <= `part` < 1.
+    /// The wavelength in nanometres below which a fraction of the power lies, 0 <= `part` < 1.
     pub fn at(&self, part: f64) -> f64 {
         match self {
             Wavelengths::Line(wavelength_nm) => *wavelength_nm,
@@ -159,7 +161,8 @@ impl Wavelengths {
 }
 
 impl Cumulative {
-    /// Where the integral reaches a value between points k and k + 1: a root of `d0 x + (d1 - d0) x^2 / (2 step)`.
+    /// The wavelength at which the integral attains a value between points k and k + 1: a root of
+    /// `d0 x + (d1 - d0) x^2 / (2 step)`.
     fn within(&self, k: usize, sought: f64) -> f64 {
         let (from, step) = (self.wavelengths_nm[k], self.wavelengths_nm[k + 1] - self.wavelengths_nm[k]);
         let (d0, d1, rest) = (self.density[k], self.density[k + 1], sought - self.before[k]);
@@ -176,7 +179,7 @@ fn checked(wavelength_nm: f64) -> Result<f64, SourceError> {
     }
 }
 
-/// Wavelengths and weights in columns, if they are such.
+/// Wavelengths and weights as columns, if they are valid.
 fn columns(pairs: &[(f64, f64)]) -> Result<(Vec<f64>, Vec<f64>), SourceError> {
     for &(wavelength_nm, value) in pairs {
         checked(wavelength_nm)?;

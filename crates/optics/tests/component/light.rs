@@ -66,7 +66,7 @@ fn lenses_of_descartes() {
         let height = 0.74 * f64::from(k);
         let (point, direction) = last(&system, height * cos, height * sin);
         assert!(direction.cross(focus - point).length() < 1e-13 * 50.0);
-        // the ellipsoid's light is bent once: aside from where it leaves it has passed its focus
+        // the ellipsoid's light is bent once: perturbation from where it leaves it has passed its focus
         let height = 0.55 * f64::from(k);
         let light = Light::new([height * cos, height * sin, -500.0], [0.0, 0.0, 1.0], 587.6);
         let trace =

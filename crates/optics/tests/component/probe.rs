@@ -1,7 +1,7 @@
 //! What the tests ask of a component: chords, hits, volumes, and paths with perfect reflection inside.
 
 use rayweave_math::Vec3;
-use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Window, dress};
+use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Window, attributes};
 use rayweave_shape::Ray;
 use rayweave_trace::Weave;
 use std::sync::Arc;
@@ -68,8 +68,8 @@ impl Probe {
         let number = self.program.face_number(crossing.face.leaf, crossing.face.facet);
         Hit {
             t: crossing.t,
-            point: dress::point(ray, crossing),
-            normal: dress::normal(&self.program, ray, crossing),
+            point: attributes::point(ray, crossing),
+            normal: attributes::normal(&self.program, ray, crossing),
             face: self.program.face_name(number),
         }
     }

@@ -31,7 +31,7 @@ fn stops_have_openings() {
     }
     assert!(counts.iter().all(|&count| count > 100));
     let error = Sheet::iris(4.0, 8.0).unwrap_err().to_string();
-    assert!(error.ends_with("are the two exchanged?"), "{error}");
+    assert!(error.ends_with("Are the two exchanged?"), "{error}");
 }
 
 /// Only the near half of the sphere, in all four ways to bend it.
@@ -57,7 +57,7 @@ fn curved_sheets() {
         assert_close(met(&tube, Vec3::new(8.0, 14.0, -40.0 * 1.0), Vec3::Z).len() as f64, 0.0, 0.0);
         assert_close(met(&tube, Vec3::new(6.0, 14.0, -40.0), Vec3::Z)[0].z, 0.2 * radius, 1e-13);
     }
-    assert!(Sheet::spherical(10.0, Aperture::circle(21.0)).unwrap_err().to_string().contains("reaches 10.5"));
+    assert!(Sheet::spherical(10.0, Aperture::circle(21.0)).unwrap_err().to_string().contains("extends 10.5"));
     assert!(Sheet::spherical(0.0, Aperture::circle(2.0)).is_err());
     assert_eq!(
         Sheet::spherical(f64::INFINITY, Aperture::circle(2.0)).unwrap(),

@@ -57,7 +57,7 @@ fn what_a_file_says_is_what_a_glass_has() {
 }
 
 #[test]
-fn all_problems_are_told_with_their_lines() {
+fn all_problems_are_reported_with_their_lines() {
     let file = "IT 0.5 0.9 10\n\
         NM ONE 2 0 1.5\n\
         NM TWO 99 0 1.5 60 0\nCD 1 0.01\nLD 0.4 0.7\n\
@@ -68,16 +68,16 @@ fn all_problems_are_told_with_their_lines() {
         NM GOOD 2 0 1.5 60 0\nCD 1 0.01\nLD 0.4 0.7\n";
     let error = read_agf(file.as_bytes(), "").unwrap_err();
     let expected = "\
-line 1: a IT line without a glass (a glass begins with an NM line)
-line 2: an NM line is too short (it has a name, a formula, a MIL number, n_d and V_d)
-line 4: an AGF catalogue has no formula 99 (its formulas are numbered 1 to 13)
-line 6: THREE has no CD line
-line 9: \"x\" is no number
-line 10: an LD line is too short (it has the shortest and the longest wavelength in µm)
-line 11: the internal transmittance is 90 through 10 mm at 500 nm (it is from 0 to 1, through a thickness greater than 0) is it in \
+line 1: a IT line has no glass: a glass begins with an NM line.
+line 2: an NM line is too short: it needs a name, a formula, a MIL number, n_d and V_d.
+line 4: an AGF catalogue has no formula 99: its formulas are numbered 1 to 13.
+line 6: THREE has no CD line.
+line 9: \"x\" is not a number.
+line 10: an LD line is too short: it needs the shortest and the longest wavelength in µm.
+line 11: internal transmittance is 90 through 10 mm at 500 nm: it must be from 0 to 1, through a thickness greater than 0. Is it in \
 per cent?
-line 14: the range of FIVE is 700 nm to 400 nm (it begins above 0, ends later and is no NaN)
-line 15: SIX has no LD line";
+line 14: range of FIVE is 700 nm to 400 nm: it must start at 0 or above and increase.
+line 15: SIX has no LD line.";
     assert_eq!(error.to_string(), expected);
     assert_eq!(error.problems().len(), 9);
     let readable = error.into_readable();

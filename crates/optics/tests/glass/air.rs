@@ -80,12 +80,11 @@ fn standard_air_is_the_one_of_the_catalogue_and_vacuum_is_vacuum() {
 #[test]
 fn impossible_air_is_refused() {
     let text = |air: Air| air.glass().unwrap_err().to_string();
-    assert_eq!(text(air(-50.0, 1e5, 0.0)), "the temperature in °C of air is -50 (it is from -40 to 100)");
-    assert_eq!(text(air(20.0, 1e6, 0.0)), "the pressure in Pa of air is 1000000 (it is from 0 to 140000)");
-    assert_eq!(text(air(20.0, 1e5, 50.0)), "the relative humidity of air is 50 (it is from 0 to 1)");
+    assert_eq!(text(air(-50.0, 1e5, 0.0)), "temperature in °C of air is -50: it must be from -40 to 100.");
+    assert_eq!(text(air(20.0, 1e6, 0.0)), "pressure in Pa of air is 1000000: it must be from 0 to 140000.");
+    assert_eq!(text(air(20.0, 1e5, 50.0)), "relative humidity of air is 50: it must be from 0 to 1.");
     assert!(
-        text(Air { co2_ppm: f64::NAN, ..Air::default() })
-            .starts_with("the content of CO2 in ppm of air is NaN")
+        text(Air { co2_ppm: f64::NAN, ..Air::default() }).starts_with("content of CO2 in ppm of air is NaN")
     );
     // water boils below 2339 Pa at 20 °C
     assert!(matches!(

@@ -164,19 +164,19 @@ fn wrong_numbers_are_refused_with_their_reason() {
     let text = |result: Result<Dispersion, DispersionError>| result.unwrap_err().to_string();
     assert_eq!(
         text(Dispersion::agf(14, &[1.0])),
-        "an AGF catalogue has no formula 14 (its formulas are numbered 1 to 13)"
+        "an AGF catalogue has no formula 14: its formulas are numbered 1 to 13."
     );
     assert_eq!(
         text(Dispersion::refractiveindex(2, &[0.0, 1.0])),
-        "2 coefficients for formula 2 of refractiveindex.info (it takes a constant, then pairs)"
+        "formula 2 of refractiveindex.info has 2 coefficients: it takes a constant, then pairs."
     );
     assert_eq!(
         text(Dispersion::agf(5, &[1.5, 0.0, 0.0, 1.0])),
-        "4 coefficients for formula 5 of an AGF catalogue (it takes fewer; the others are 0)"
+        "formula 5 of an AGF catalogue has 4 coefficients: it takes fewer; the others are 0."
     );
     assert_eq!(
         text(Dispersion::agf(1, &[1.5, f64::NAN])),
-        "coefficient 2 is NaN (coefficients are finite numbers)"
+        "coefficient 2 is NaN: coefficients must be finite."
     );
     for bad in [&[][..], &[1.0, 2.0], &[1.0; 7]] {
         assert!(Dispersion::refractiveindex(4, bad).is_err(), "{bad:?}");

@@ -15,7 +15,7 @@ fn a_range_holds_with_its_ends() {
     assert_eq!(glass.index(700.0), Ok(1.5));
     assert_eq!(
         glass.index(399.999).unwrap_err().to_string(),
-        "plain has no refractive index at 399.999 nm (its data hold from 400 nm to 700 nm) extrapolate it?"
+        "plain has no refractive index at 399.999 nm: its data range from 400 nm to 700 nm. Use extrapolated()."
     );
     assert!(glass.index(700.001).is_err());
     assert_eq!(glass.extrapolated().index(10.0), Ok(1.5));
@@ -32,12 +32,12 @@ fn no_wavelength_is_no_wavelength_even_when_extrapolating() {
     }
     assert_eq!(
         plain().index(-1.0).unwrap_err().to_string(),
-        "the wavelength is -1 nm (a wavelength is greater than 0 and finite) is it in nanometres?"
+        "wavelength is -1 nm: wavelengths must be greater than 0 and finite. Is it in nanometres?"
     );
     let error = glass("N-BK7").unwrap().extrapolated().index(60.0).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "N-BK7 has no refractive index at 60 nm (its formula gives no positive number there)"
+        "N-BK7 has no refractive index at 60 nm: its formula has no positive value there."
     );
 }
 
@@ -54,7 +54,7 @@ fn transmittance_and_absorption_follow_beer_and_lambert() {
     assert_eq!(glass.internal_transmittance(550.0, f64::INFINITY), Ok(0.0));
     assert_eq!(
         glass.extinction(650.0).unwrap_err().to_string(),
-        "plain has no extinction coefficient at 650 nm (its data hold from 500 nm to 600 nm) extrapolate it?"
+        "plain has no extinction coefficient at 650 nm: its data range from 500 nm to 600 nm. Use extrapolated()."
     );
     assert_eq!(glass.extrapolated().extinction(650.0), Ok(3e-6));
     for thickness_mm in [-1.0, f64::NAN] {
@@ -98,7 +98,7 @@ fn impossible_materials_are_refused() {
     let gain = Table::new(vec![(500.0, -1e-9)]).unwrap();
     assert_eq!(
         plain().with_extinction(gain).unwrap_err().to_string(),
-        "the extinction coefficient of plain is -0.000000001 at 500 nm (it is at least 0)"
+        "extinction coefficient of plain is -0.000000001 at 500 nm: it must be at least 0."
     );
     for wrong in [measured(500.0, 1.1, 10.0), measured(500.0, 0.5, 0.0), measured(0.0, 0.5, 1.0)] {
         assert!(matches!(plain().with_transmittances(&[wrong]), Err(GlassError::Transmittance { .. })));

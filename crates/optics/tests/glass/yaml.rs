@@ -73,7 +73,7 @@ fn several_documents_have_names_of_their_own() {
 }
 
 #[test]
-fn all_problems_are_told_with_their_lines() {
+fn all_problems_are_reported_with_their_lines() {
     let text = "\
 DATA:
   - type: formula 12
@@ -92,16 +92,16 @@ DATA:
 ";
     let error = read_refractiveindex(text, "bad").unwrap_err();
     let expected = "\
-line 4: refractiveindex.info has no formula 12 (its formulas are numbered 1 to 9)
-line 7: \"x\" is no number
-line 10: a row has 2 numbers (a wavelength in µm and 2 more)
-line 12: \"y\" is no number
-line 13: the type \"spline\" is unknown (types are formula 1 to 9 and tabulated n, k, nk)
-line 14: an entry of DATA has no type (such as 'formula 2' or 'tabulated nk')
-line 1: DATA has no index (as a formula or a table of n or nk)";
-    let told = error.to_string();
+line 4: refractiveindex.info has no formula 12: its formulas are numbered 1 to 9.
+line 7: \"x\" is not a number.
+line 10: a row has 2 numbers: it needs a wavelength in µm and 2 more.
+line 12: \"y\" is not a number.
+line 13: type \"spline\" is unknown: types are formula 1 to 9 and tabulated n, k, nk.
+line 14: an entry of DATA has no type: types are formula 1 to 9 and tabulated n, k, nk.
+line 1: DATA has no index: it needs a formula or a table of n or nk.";
+    let text = error.to_string();
     for line in expected.lines() {
-        assert!(told.contains(line), "{line}\nis not in\n{told}");
+        assert!(text.contains(line), "{line}\nis not in\n{text}");
     }
     assert_eq!(error.problems().len(), 7);
     assert!(error.into_readable().is_empty());
@@ -122,7 +122,7 @@ fn any_text_is_read_or_refused() {
     let negative = "DATA:\n- {type: tabulated nk, data: 0.5 1.5 -1}\n";
     assert_eq!(
         read_refractiveindex(negative, "gain").unwrap_err().to_string(),
-        "line 2: the extinction coefficient of gain is -1 at 500 nm (it is at least 0)"
+        "line 2: extinction coefficient of gain is -1 at 500 nm: it must be at least 0."
     );
 }
 

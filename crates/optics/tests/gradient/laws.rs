@@ -34,8 +34,8 @@ fn light_finds_its_way_back() {
         let back = one(&system, Light::new(there, -last.direction, D_NM));
         let home = back[back.len() - 1];
         close(home.direction, -d, 1e-12);
-        let aside = (Vec3::new(x, y, -20.0) - home.start).cross(d);
-        close(aside, Vec3::ZERO, 1e-11);
+        let perturbation = (Vec3::new(x, y, -20.0) - home.start).cross(d);
+        close(perturbation, Vec3::ZERO, 1e-11);
         let length = (home.start - Vec3::new(x, y, -20.0)).length();
         near(home.path + 1.33 * (length - 10.0), last.path - 13.3 + 1.33 * 10.0, 1e-11);
     }

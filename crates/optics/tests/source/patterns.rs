@@ -100,14 +100,20 @@ fn listed_rays() {
     };
     assert_eq!(
         message(vec![Vec3::Z, Vec3::Z], None, None),
-        "rays: directions has 2 rows (the origins have 3) is one missing?"
+        "column directions of the rays has 2 rows: the origins have 3."
     );
     let zero = vec![Vec3::Z, Vec3::Z, Vec3::ZERO];
-    assert!(message(zero, None, None).starts_with("rays: directions[2] is [0, 0, 0] (it has no length"));
+    assert!(message(zero, None, None).starts_with("directions[2] of the rays is [0, 0, 0]: its length"));
     let ahead = vec![Vec3::Z; 3];
-    assert!(message(ahead.clone(), Some(vec![500.0, -1.0, 500.0]), None).contains("wavelength_nm[1] is -1"));
-    assert!(message(ahead.clone(), None, Some(vec![1.0, 1.0, f64::NAN])).contains("power[2] is NaN"));
-    assert!(message(ahead, None, Some(vec![0.0; 3])).contains("nothing shines"));
+    assert!(
+        message(ahead.clone(), Some(vec![500.0, -1.0, 500.0]), None)
+            .starts_with("wavelength_nm[1] of the rays is -1:")
+    );
+    assert!(
+        message(ahead.clone(), None, Some(vec![1.0, 1.0, f64::NAN]))
+            .starts_with("power[2] of the rays is NaN:")
+    );
+    assert!(message(ahead, None, Some(vec![0.0; 3])).starts_with("all powers of the rays are 0:"));
 }
 
 #[test]
@@ -147,17 +153,17 @@ fn refusals() {
     let message = |pattern| Source::new(pattern).unwrap_err().to_string();
     assert_eq!(
         message(Pattern::Line { length: -1.0, count: 3 }),
-        "line of rays: length is -1 (length must be finite and greater than 0) did you mean 1?"
+        "length of the line of rays is -1: it must be finite and greater than 0. Did you mean 1?"
     );
     assert_eq!(
         message(Pattern::Circle { diameter: 1.0, count: 0 }),
-        "circle of rays: 0 rays (a source has from 1 to 2^53) how many are wanted?"
+        "circle of rays has 0 rays: a source needs from 1 to 2^53 rays."
     );
     let cone = |half_angle_degrees| Pattern::Cone { half_angle_degrees, count: 3 };
-    assert!(message(cone(181.0)).ends_with("is 181 (it must be greater than 0 and at most 180 degrees)"));
+    assert!(message(cone(181.0)).ends_with("is 181: it must be greater than 0 and at most 180 degrees."));
     assert!(message(cone(f64::NAN)).contains("is NaN"));
     let lamp = Pattern::Lamp { width: 1.0, height: 0.0, half_angle_degrees: 90.0, count: 3 };
-    assert!(message(lamp).contains("height is 0"));
+    assert!(message(lamp).starts_with("height of the aperture is 0:"));
     let beam = |aperture, profile, sampling| Pattern::Beam { aperture, profile, sampling };
     let (plate, disc) = (Aperture::rectangle(1.0, 2.0), Aperture::circle(1.0));
     let (rings, gauss) = (Sampling::Hexapolar { rings: 3 }, BeamProfile::Gaussian { radius: -1.0 });
@@ -166,8 +172,8 @@ fn refusals() {
         message(beam(plate, gauss, Sampling::Random { count: 1 }))
             .contains("Gaussian profile over a rectangle")
     );
-    assert!(message(beam(disc, gauss, rings)).contains("radius is -1"));
-    assert!(message(beam(Aperture::circle(0.0), gauss, rings)).starts_with("aperture: diameter is 0"));
+    assert!(message(beam(disc, gauss, rings)).starts_with("radius of the beam is -1:"));
+    assert!(message(beam(Aperture::circle(0.0), gauss, rings)).starts_with("diameter of the aperture is 0:"));
     let line = source(Pattern::Line { length: 1.0, count: 3 });
-    assert!(line.power(Power::Total(0.0)).unwrap_err().to_string().contains("power is 0"));
+    assert!(line.power(Power::Total(0.0)).unwrap_err().to_string().starts_with("power of the source is 0:"));
 }

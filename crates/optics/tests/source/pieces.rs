@@ -88,7 +88,7 @@ fn mirrored_sources_send_mirrored_light() {
         for k in 0..3 {
             let light = beam.get(k);
             let diagonal = map.vector(Vec3::new(half, half, 0.0));
-            let [i, q, ..] = light.stokes.unwrap().about(diagonal, light.ray.direction).parameters;
+            let [i, q, ..] = light.stokes.unwrap().rotated_to(diagonal, light.ray.direction).parameters;
             assert!((q / i - 1.0).abs() < 1e-14, "{map:?}: {q} of {i}");
         }
     }

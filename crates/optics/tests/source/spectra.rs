@@ -110,18 +110,18 @@ fn black_bodies() {
 #[test]
 fn refusals() {
     let message = |spectrum: Spectrum| spectrum.wavelengths().unwrap_err().to_string();
-    assert!(message(Spectrum::Line(-500.0)).starts_with("spectrum: wavelength -500 nm"));
-    assert!(message(Spectrum::Lines(vec![(500.0, f64::NAN)])).contains("weight NaN at 500 nm"));
-    assert!(message(Spectrum::Lines(vec![])).contains("no light"));
-    assert!(message(Spectrum::Lines(vec![(500.0, 0.0)])).contains("no light"));
+    assert!(message(Spectrum::Line(-500.0)).starts_with("wavelength of the spectrum is -500 nm:"));
+    assert!(message(Spectrum::Lines(vec![(500.0, f64::NAN)])).contains("is NaN at 500 nm:"));
+    assert!(message(Spectrum::Lines(vec![])).starts_with("spectrum has no power:"));
+    assert!(message(Spectrum::Lines(vec![(500.0, 0.0)])).starts_with("spectrum has no power:"));
     assert_eq!(
         message(Spectrum::Band { from_nm: 700.0, to_nm: 400.0 }),
-        "spectrum: 400 nm after 700 nm (wavelengths must increase) are they exchanged?"
+        "wavelength 400 nm of the spectrum follows 700 nm: wavelengths must increase. Are they exchanged?"
     );
-    assert!(message(Spectrum::Table(vec![(500.0, 1.0)])).contains("no light"));
+    assert!(message(Spectrum::Table(vec![(500.0, 1.0)])).starts_with("spectrum has no power:"));
     let body = |kelvin, from_nm, to_nm| Spectrum::BlackBody { kelvin, from_nm, to_nm };
-    assert!(message(body(-3.0, 1.0, 2.0)).contains("kelvin is -3"));
-    assert!(message(body(3.0, 100.0, 200.0)).contains("no light"));
+    assert!(message(body(-3.0, 1.0, 2.0)).starts_with("kelvin of the black body is -3:"));
+    assert!(message(body(3.0, 100.0, 200.0)).starts_with("spectrum has no power:"));
     assert!(message(body(3000.0, 200.0, 100.0)).contains("must increase"));
     assert!(message(body(3000.0, 200.0, f64::INFINITY)).contains("inf nm"));
 }

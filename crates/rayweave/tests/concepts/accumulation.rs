@@ -1,7 +1,7 @@
 //! From two hit arrays to the result: concatenate, sort, +-1, cumulative sum, mask.
 
 use crate::kit::{Sheet, number, operands};
-use rayweave::render::svg::Pixels;
+use rayweave::draw::svg::Pixels;
 use rayweave::rootray::hit_array::{CsgOptions, HitArray, Operation, array_csg_1d, count_array, to_column};
 
 const WIDTH: f64 = 960.0;

@@ -1,7 +1,7 @@
 //! A shape, its complement, and a difference as an intersection, in the plane z = 0; filled by rays.
 
 use crate::kit::{Sheet, evaluator, root_ray, seen};
-use rayweave::render::svg::Pixels;
+use rayweave::draw::svg::Pixels;
 use rayweave::rootray::{RootRay, surface_count};
 use rayweave::shapes::{box_from_corners, sphere};
 use rayweave::{Ray, Solid, Vec3};

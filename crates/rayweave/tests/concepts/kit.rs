@@ -1,6 +1,6 @@
 //! What the pictures share: words for elements, colours, and questions to the engine.
 
-use rayweave::render::svg::{Anchor, Pixels, Svg};
+use rayweave::draw::svg::{Anchor, Pixels, Svg};
 use rayweave::rootray::{RootRay, Side};
 use rayweave::{Compiled, Evaluator, Program, Query, Ray, Solid, Weave, scene};
 use std::path::Path;

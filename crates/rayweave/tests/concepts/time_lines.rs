@@ -1,9 +1,9 @@
 //! The pictures that are time lines: operations, inverted counts, a ray in a face, regions.
 
 use crate::kit::{model, operands, seen};
-use rayweave::render::Timeline;
+use rayweave::draw::{Timeline, ray_timeline};
 use rayweave::shapes::box_from_corners;
-use rayweave::{Compiled, Ray, Vec3, timeline};
+use rayweave::{Compiled, Ray, Vec3, Weave};
 
 /// A, B, how many of them the ray is inside of, and what comes of them.
 pub fn operations() -> String {
@@ -53,7 +53,7 @@ pub fn partition() -> String {
     let scene = model("doublet");
     let compiled = Compiled::new(&scene).unwrap();
     let ray = Ray::new(Vec3::new(0.0, 9.0, 2.0), Vec3::X);
-    let mut picture = timeline(&scene, None, &compiled, ray).unwrap();
+    let mut picture = ray_timeline(&scene, None, &compiled, ray, Weave::new).unwrap();
     picture.title("A cemented doublet: one crossing from crown to flint, without a gap");
     picture.window(-20.0, 20.0).unwrap();
     picture.to_svg()

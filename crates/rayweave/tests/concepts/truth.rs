@@ -43,8 +43,8 @@ pub fn picture() -> String {
     let mut sheet = Sheet::default();
     let title = "The operations, and the counts that decide them (1 inside, 0 outside)";
     sheet.left("title", LEFT, 30.0, title);
-    let [vacuum, plenum] = [RootRay::vacuum(), RootRay::plenum()];
-    let rows = [(&vacuum, &vacuum), (&plenum, &vacuum), (&vacuum, &plenum), (&plenum, &plenum)];
+    let [empty, universe] = [RootRay::empty(), RootRay::universe()];
+    let rows = [(&empty, &empty), (&universe, &empty), (&empty, &universe), (&universe, &universe)];
     let mut x = LEFT;
     for (k, column) in COLUMNS.iter().enumerate() {
         let is_result = k > 2 && !matches!(k, 6 | 7);

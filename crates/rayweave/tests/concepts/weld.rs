@@ -3,12 +3,12 @@
 //! They are placed solids, which share no surfaces: else the two faces would be one, and nothing left to weld.
 
 use crate::kit::{Sheet, evaluator, number, root_ray, seen};
+use rayweave::draw::svg::Pixels;
 use rayweave::math::UNIT_ROUNDOFF;
-use rayweave::render::svg::Pixels;
 use rayweave::rootray::RootRay;
-use rayweave::shape::surface::{delta, hugs};
 use rayweave::shapes::{box_from_corners, place as place_at};
 use rayweave::{Affine, Evaluator, Ray, Solid, Vec3};
+use rayweave_shape::surface::{coincides_along, delta};
 use std::fmt::Write;
 
 const WIDTH: f64 = 960.0;
@@ -171,8 +171,12 @@ fn steps(sheet: &mut Sheet, middle: f64, ulp: f64, place: &impl Fn(f64) -> f64) 
 fn tolerance(sheet: &mut Sheet, boxes: &[Solid; 2], ray: Ray, [leaves, enters]: [f64; 2]) {
     let weave = evaluator(&boxes[0]);
     let program = weave.program();
-    let near = program.surfaces().iter().find(|s| hugs(&s.surface, s.reach, &ray, leaves, enters)).unwrap();
-    let width = delta(near.reach, &ray, leaves);
+    let near = program
+        .surfaces()
+        .iter()
+        .find(|s| coincides_along(&s.surface, s.magnitude, &ray, leaves, enters))
+        .unwrap();
+    let width = delta(near.magnitude, &ray, leaves);
     let parts = (width / (enters - leaves)).round();
     let note = format!(
         "The gap is {} u; delta is {} u here, {} times as much.",

@@ -199,8 +199,8 @@ impl<'a> Reader<'a> {
             "a" => Some(sides[0]),
             "b" => Some(sides[1]),
             "c" => Some(sides[2]),
-            "vacuum" => Some(false),
-            "plenum" => Some(true),
+            "empty" => Some(false),
+            "universe" => Some(true),
             _ => None,
         }
     }

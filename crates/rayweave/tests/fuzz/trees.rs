@@ -3,7 +3,10 @@
 use crate::bytes::Bytes;
 use rayweave::model::{Collected, Limit, RayBatch, Rays, RegionId};
 use rayweave::shape::primitive::{MANUALS, Parameter, ParameterKind, Unit, Value, build};
-use rayweave::{Affine, AnyEvaluator, Evaluator, Program, Query, Ray, Region, Solid, Vec3, Window, explain};
+use rayweave::{
+    Affine, AnyEvaluator, Classified, ErrorKind, Evaluator, Program, Query, Ray, Region, Solid, Vec3, Window,
+    explain,
+};
 use std::sync::Arc;
 
 /// The most shapes in a model, occurrences in placed solids not counted.
@@ -39,7 +42,7 @@ pub fn run(data: &[u8]) {
     if !batch.rays().is_empty() {
         match explain(&program, batch.rays().get(0), Window::ALL) {
             Ok(told) => assert!(told.to_string().ends_with("steps.)\n")),
-            Err(error) => assert!(error.is_compile()),
+            Err(error) => assert_eq!(error.kind(), ErrorKind::Compile),
         }
     }
 }
@@ -77,7 +80,7 @@ fn check(program: &Program, answer: &Collected, ray: usize, query: &Query<'_>) {
 /// A solid of which there will be so many copies.
 fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, copies: usize, depth: usize) -> Solid {
     if *shapes == 0 || depth > 40 || bytes.rest().is_empty() {
-        return Solid::vacuum();
+        return Solid::empty();
     }
     let mut part = |bytes: &mut Bytes<'_>| solid(bytes, shapes, copies, depth + 1);
     match bytes.below(16) {
@@ -103,7 +106,7 @@ fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, copies: usize, depth: usize)
         _ => {
             *shapes -= 1;
             let moved = Affine::translate(point(bytes));
-            shape(bytes).map_or(Solid::plenum(), |solid| solid.apply(moved))
+            shape(bytes).map_or(Solid::universe(), |solid| solid.apply(moved))
         }
     }
 }

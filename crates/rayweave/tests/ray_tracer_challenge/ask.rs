@@ -1,6 +1,6 @@
 //! Solids asked in every way.
 
-use rayweave::model::{Collected, dress};
+use rayweave::model::{Collected, attributes};
 use rayweave::{AnyEvaluator, Crossing, Evaluator, Program, Query, Ray, Region, Solid, Vec3};
 use std::sync::Arc;
 
@@ -72,7 +72,7 @@ pub fn normal(solid: &Solid, point: [f64; 3], expected: [f64; 3]) -> Vec3 {
     let there =
         found.crossings.iter().min_by(|a, b| (a.t - 1.0).abs().total_cmp(&(b.t - 1.0).abs())).unwrap();
     assert!((there.t - 1.0).abs() < 1e-3 && there.enters(), "{point} {found:?}");
-    dress::normal(&program, &ray, there)
+    attributes::normal(&program, &ray, there)
 }
 
 pub fn assert_near(found: Vec3, expected: [f64; 3], tolerance: f64) {

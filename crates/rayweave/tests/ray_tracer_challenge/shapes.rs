@@ -1,7 +1,7 @@
 //! Spheres, planes, cubes: chapters 5, 6, 9 and 12; the media along a ray: chapter 11.
 
 use crate::ask::*;
-use rayweave::model::dress;
+use rayweave::model::attributes;
 use rayweave::shapes::{box_, half_space, sphere};
 use rayweave::{Affine, Program, Solid, Vec3};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -74,7 +74,7 @@ fn the_gradient_of_a_transformed_sphere() {
     let program = compiled(&solid);
     let through = ray([0.0, FRAC_1_SQRT_2, -FRAC_1_SQRT_2], [0.3, -1.0, 0.9]);
     let crossing = answer(&program, through).crossings[0];
-    let gradient = dress::world_gradient(&program, &through, crossing.face, 0.0);
+    let gradient = attributes::world_gradient(&program, &through, crossing.face, 0.0);
     assert_near(gradient.normalize(), [0.0, 0.97014, -0.24254], EPSILON);
 }
 
@@ -85,14 +85,14 @@ fn hits_from_outside_and_from_inside() {
     let outside = ray([0.0, 0.0, -5.0], [0.0, 0.0, 1.0]);
     let first = answer(&program, outside).crossings[0];
     assert!(first.t == 4.0 && first.enters());
-    assert_eq!(dress::point(&outside, &first), Vec3::new(0.0, 0.0, -1.0));
-    assert_eq!(dress::normal(&program, &outside, &first), Vec3::new(0.0, 0.0, -1.0));
+    assert_eq!(attributes::point(&outside, &first), Vec3::new(0.0, 0.0, -1.0));
+    assert_eq!(attributes::normal(&program, &outside, &first), Vec3::new(0.0, 0.0, -1.0));
     let inside = ray([0.0; 3], [0.0, 0.0, 1.0]);
     let second = answer(&program, inside).crossings[1];
     assert!(second.t == 1.0 && !second.enters());
-    assert_eq!(dress::point(&inside, &second), Vec3::new(0.0, 0.0, 1.0));
+    assert_eq!(attributes::point(&inside, &second), Vec3::new(0.0, 0.0, 1.0));
     // the book turns it towards the eye: (0, 0, -1)
-    assert_eq!(dress::normal(&program, &inside, &second), Vec3::new(0.0, 0.0, 1.0));
+    assert_eq!(attributes::normal(&program, &inside, &second), Vec3::new(0.0, 0.0, 1.0));
 }
 
 // chapter 9: planes

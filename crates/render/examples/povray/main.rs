@@ -15,8 +15,7 @@ mod scenes;
 mod similarity;
 
 use peer::Peer;
-use rayweave::picture::Wishes;
-use rayweave::picture::arrange;
+use rayweave::picture::{PictureOptions, arrange};
 use rayweave::render::{Image, Run, Settings, Size, png, render};
 use rayweave::{Compiled, scene};
 use scenes::Comparison;
@@ -91,8 +90,9 @@ fn compare(comparison: &Comparison, wish: &Wish) -> Result<Line, Box<dyn Error>>
     let mut scene = comparison.scene.clone();
     let compiled = Compiled::new(&scene)?;
     let evaluator = rayweave::trace::Packets::new(compiled.program.clone());
-    let wishes = Wishes { size: Some(wish.size), field_of_view: Some(30.0), ..Wishes::default() };
-    let (camera, _) = arrange(&scene, &compiled, &wishes)?;
+    let options =
+        PictureOptions { size: Some(wish.size), field_of_view: Some(30.0), ..PictureOptions::default() };
+    let (camera, _) = arrange(&scene, &compiled, &options)?;
     let (width, height) = (wish.size.width() as u32, wish.size.height() as u32);
     scene.camera = Some(scene::Camera {
         projection: scene::Projection::Perspective { fov: 30.0 },
@@ -102,7 +102,7 @@ fn compare(comparison: &Comparison, wish: &Wish) -> Result<Line, Box<dyn Error>>
         size: Some((width, height)),
     });
     scene.lights = vec![comparison.light(&camera)];
-    let (camera, settings) = arrange(&scene, &compiled, &Wishes::default())?;
+    let (camera, settings) = arrange(&scene, &compiled, &PictureOptions::default())?;
     let peer = Peer::new(&scene.to_povray()?.text, &wish.folder, &comparison.name, wish.size)?;
     let (mut best_peer, mut best_own, mut image) = (f64::INFINITY, f64::INFINITY, None);
     for _ in 0..wish.runs {

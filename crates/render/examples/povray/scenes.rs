@@ -30,8 +30,8 @@ impl Comparison {
 
     /// A lamp above the left shoulder of who looks, at the same distance.
     pub fn light(&self, camera: &Camera) -> Light {
-        let aside = 0.5 * camera.up() - 0.45 * camera.right();
-        let at = camera.position() + camera.position().length() * aside;
+        let perturbation = 0.5 * camera.up() - 0.45 * camera.right();
+        let at = camera.position() + camera.position().length() * perturbation;
         Light { kind: LightKind::Position(at), intensity: 1.0, colour: Colour::WHITE }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{HitArrayError, Real};
 
-/// A hit array in somebody else's memory: `rows` hits of `columns` rays, row after row without gaps.
+/// A borrowed hit array: `rows` hits of `columns` rays, row after row without gaps.
 #[derive(Clone, Copy, Debug)]
 pub struct HitArray<'a, T> {
     data: &'a [T],
@@ -11,7 +11,7 @@ pub struct HitArray<'a, T> {
 }
 
 impl<'a, T: Real> HitArray<'a, T> {
-    /// The array with this shape; either number may be 0. Contents are checked where they are used.
+    /// The array with this shape; either number may be 0. The operations check the contents.
     ///
     /// # Errors
     /// `Shape` unless `data` holds `rows * columns` numbers.

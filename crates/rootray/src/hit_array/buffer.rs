@@ -1,9 +1,9 @@
-//! A hit array that owns its memory.
+//! Hit array that owns its memory.
 
 use super::HitArray;
 use crate::Side;
 
-/// A hit array in memory of its own, to be filled again and again: H rows of N columns, row after row.
+/// Reusable hit array that owns its memory: H rows of N columns, stored row by row.
 ///
 /// H is the least even number that holds the fullest column, 0 where all are empty. The entries of a column are those of a
 /// root-ray: -inf if it starts inside, then strictly increasing finite times, then +inf.
@@ -15,7 +15,7 @@ pub struct HitArrayBuf {
 }
 
 impl HitArrayBuf {
-    /// Empties the array and gives it so many columns, each of them a ray that meets nothing. The memory is kept.
+    /// Resets the array to `columns` columns without hits. Keeps the memory.
     pub fn reset(&mut self, columns: usize) {
         self.data.clear();
         self.rows = 0;
@@ -32,13 +32,13 @@ impl HitArrayBuf {
         self.columns
     }
 
-    /// The array as others see it.
+    /// A borrowed view of the array.
     pub fn as_array(&self) -> HitArray<'_, f64> {
         HitArray::whole(&self.data, self.rows, self.columns)
     }
 
-    /// Fills a column that is empty yet with a root-ray: its start side and its times, which are finite and strictly increasing.
-    /// There are more rows afterwards if it needs them; a column that does not exist stays so.
+    /// Fills an empty column with a root-ray: its start side and its finite, strictly increasing times. Adds rows if needed;
+    /// does nothing if the column does not exist.
     pub fn fill_column(&mut self, column: usize, start: Side, times: impl IntoIterator<Item = f64>) {
         let unbounded = start.is_inside().then_some(f64::NEG_INFINITY);
         for (row, t) in unbounded.into_iter().chain(times).enumerate() {

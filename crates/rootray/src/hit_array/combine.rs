@@ -1,4 +1,4 @@
-//! A boolean function of any number of hit arrays.
+//! Boolean functions of any number of hit arrays (surface count).
 
 use super::merged::MergedHit;
 use super::{HitArrayBuf, MergedHits};
@@ -6,12 +6,13 @@ use crate::CountRule;
 
 /// The hits of a boolean function of many solids, exact: entries with equal times flip together.
 ///
-/// An operand is an array of so many columns (one of another width counts as empty) and `true` if its complement is meant. This is the surface count of the code by
-/// Frazier for any number of operands: +1 where a ray enters one of them, -1 where it leaves; a complement counts 1 from the
-/// start and the other way round. A time is kept where the function of the count changes over all its entries together.
+/// An operand is an array (empty if its number of columns differs) and a flag, `true` for its complement. The method is the
+/// surface count of Frazier's code for any number of operands: +1 where a ray enters an operand, -1 where it leaves; a
+/// complement starts at 1 and counts in reverse. A time is kept if the function of the count changes over all entries at that
+/// time.
 ///
-/// O(H N) for H rows of N columns in all operands, and O(n log n) for the n entries of each column. Nothing is allocated once
-/// `merged` and `out` have grown to their size.
+/// O(H N) for H rows of N columns in all operands, and O(n log n) for the n entries of each column. Allocates only while
+/// `merged` and `out` grow.
 pub fn combine<'a>(
     rule: CountRule,
     columns: usize,

@@ -1,4 +1,4 @@
-//! The count vector of two hit arrays: the step between the merged entries and the result.
+//! Surface count of two hit arrays: the intermediate step between merged entries and result.
 
 use super::csg::{check_pair, output_len};
 use super::kernel::Merge;
@@ -15,9 +15,8 @@ pub struct CountArray<T> {
     pub counts: Vec<u8>,
 }
 
-/// The surface count of the code by Frazier: after each merged entry, the number of solids that the ray is inside of. For
-/// [`Operation::Difference`] the second solid is replaced by its complement, which the ray is inside of at first. Padding
-/// entries count, too.
+/// Surface count of Frazier's code: the number of solids that contain the ray just after each merged entry.
+/// [`Operation::Difference`] replaces the second solid by its complement, in which the ray starts. Padding entries count, too.
 ///
 /// # Errors
 /// `OddRows`, `Columns`, `Nan`, `NotSorted`, as for [`array_csg`](super::array_csg).

@@ -1,4 +1,4 @@
-//! Boolean operations on hit arrays: the shapes, the checks and the walk over the rays.
+//! Boolean operations on hit arrays: options, checks of shapes, and the loop over the rays.
 
 use std::num::NonZeroUsize;
 
@@ -19,30 +19,30 @@ pub enum Operation {
     Difference,
 }
 
-/// What becomes of entries with equal times and of thin pieces.
+/// Treatment of entries with equal times and of thin pieces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Regularize<T = f64> {
-    /// Nothing: pieces of length zero stay, as in the code by Frazier.
+    /// Keeps pieces of length zero, as Frazier's code does.
     #[default]
     No,
     /// Entries with equal times flip together; pieces of length zero are gone.
     Exact,
-    /// As `Exact`; then pieces shorter than this length are dropped (finite, not negative; differences are taken in `T`). A
-    /// run of times of which each is closer than this to the next becomes nothing, or its last time if it is of odd length.
+    /// As `Exact`, then drops pieces shorter than this length (finite, not negative; differences are computed in `T`). A run of
+    /// times, each closer than this length to the next, is dropped, except for its last time if the run has odd length.
     Weld(T),
 }
 
 /// How [`array_csg`] writes its result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CsgOptions<T = f64> {
-    /// Whether each column is sorted, the padding last. If not, entries that are not kept stay as +inf in their places
-    /// among the merged ones, which is not a valid hit array. Default: true.
+    /// Whether to sort each column, padding last. Without sorting, dropped entries stay in place as +inf, and the result is
+    /// not a valid hit array. Default: true.
     pub sort_output: bool,
     /// Default: `Regularize::No`. Anything else needs `sort_output`.
     pub regularize: Regularize<T>,
-    /// The most threads to use; small arrays are not worth more than one. Default: 1.
+    /// Maximum number of threads; small arrays use one. Default: 1.
     pub threads: NonZeroUsize,
-    /// The instructions to use. Default: the widest.
+    /// Instruction set. Default: the widest available.
     pub instructions: Instructions,
 }
 
@@ -88,12 +88,12 @@ pub fn array_csg_1d<T: Real>(
 
 /// [`array_csg`] into memory of the caller.
 ///
-/// The bits of the result depend neither on the number of threads nor on the instructions. With `sort_output` and without
-/// `regularize` as many rays are combined at once as a register holds; otherwise one after the other.
+/// The bits of the result depend neither on the number of threads nor on the instruction set. With `sort_output` and without
+/// `regularize`, SIMD registers combine several rays at once; otherwise rays are combined one by one.
 ///
 /// # Errors
-/// As [`array_csg`]; `OutputLength` unless `out` holds (H1 + H2) * N numbers. `out` is left as it was, unless the error is
-/// `Nan` or `NotSorted`: entries are checked as they are read, and part of the result may have been written.
+/// As [`array_csg`]; `OutputLength` unless `out` holds (H1 + H2) * N numbers. After `Nan` or `NotSorted` part of the result may
+/// have been written, because entries are checked while they are read; after other errors `out` is unchanged.
 pub fn array_csg_into<T: Real>(
     array1: HitArray<'_, T>,
     array2: HitArray<'_, T>,
@@ -125,7 +125,7 @@ pub fn array_csg_into<T: Real>(
     Ok(())
 }
 
-/// [`array_csg_into`] one ray after the other, of entries that are known to be sorted.
+/// [`array_csg_into`] ray by ray, for entries that are sorted.
 fn one_by_one<T: Real>(
     array1: HitArray<'_, T>,
     array2: HitArray<'_, T>,
@@ -171,7 +171,7 @@ fn check_options<T: Real>(options: CsgOptions<T>) -> Result<(), HitArrayError> {
     Ok(())
 }
 
-/// Refuses two arrays whose shapes cannot be combined.
+/// Rejects arrays of incompatible shapes.
 fn check_shapes<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> Result<(), HitArrayError> {
     let (columns1, columns2) = (array1.columns(), array2.columns());
     if columns1 != columns2 {

@@ -7,7 +7,7 @@
 pub enum HitArrayError {
     /// The data do not fill the shape.
     #[error(
-        "{len} numbers do not fill {rows} rows of {columns} columns (rows times columns must be the length)"
+        "{len} numbers do not fill {rows} rows of {columns} columns: rows times columns must be the length."
     )]
     Shape {
         /// Numbers given.
@@ -18,7 +18,7 @@ pub enum HitArrayError {
         columns: usize,
     },
     /// An odd number of rows.
-    #[error("{array} has {rows} rows (the number of hits must be even); pad each column with +inf?")]
+    #[error("{array} has {rows} rows: the number of hits must be even. Pad each column with +inf.")]
     OddRows {
         /// Name of the array.
         array: &'static str,
@@ -27,7 +27,7 @@ pub enum HitArrayError {
     },
     /// Different numbers of rays.
     #[error(
-        "array1 has {columns1} columns and array2 has {columns2} (columns are rays, both must have the same)"
+        "array1 has {columns1} columns and array2 has {columns2}: columns are rays, both must have the same."
     )]
     Columns {
         /// Columns of `array1`.
@@ -36,7 +36,7 @@ pub enum HitArrayError {
         columns2: usize,
     },
     /// A NaN.
-    #[error("{array} row {row}, column {column} is NaN (hits must be numbers); mark misses with +inf?")]
+    #[error("{array} row {row}, column {column} is NaN: hits must be numbers. Mark misses with +inf.")]
     Nan {
         /// Name of the array.
         array: &'static str,
@@ -47,8 +47,7 @@ pub enum HitArrayError {
     },
     /// A column that is not sorted.
     #[error(
-        "{array} row {row}, column {column} is {t}, less than {previous} in the row before (columns must be sorted); \
-         sort along axis 0?"
+        "{array} row {row}, column {column} is {t}, less than {previous} in the row before: columns must be sorted. Sort along axis 0."
     )]
     NotSorted {
         /// Name of the array.
@@ -64,7 +63,7 @@ pub enum HitArrayError {
     },
     /// `out` is not as long as the result.
     #[error(
-        "out holds {found} numbers, the result has {expected} (rows of both arrays together, times columns)"
+        "out holds {found} numbers, the result has {expected}: rows of both arrays together, times columns."
     )]
     OutputLength {
         /// Length of the result.
@@ -73,10 +72,10 @@ pub enum HitArrayError {
         found: usize,
     },
     /// `regularize` together with `sort_output = false`.
-    #[error("regularize needs sort_output (a regularized result has no masked entries to leave in place)")]
+    #[error("regularize needs sort_output: a regularized result has no masked entries to leave in place.")]
     RegularizeUnsorted,
     /// A `min_sep` that is negative, infinite or NaN.
-    #[error("min_sep is {min_sep} (it must be finite and not negative)")]
+    #[error("min_sep is {min_sep}: it must be finite and not negative.")]
     MinSep {
         /// The value given.
         min_sep: f64,

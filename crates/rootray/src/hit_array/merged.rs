@@ -13,7 +13,7 @@ pub struct MergedHit {
     pub enters: bool,
 }
 
-/// The entries of many hit arrays, sorted ray by ray; padding is left out. A buffer to be reused.
+/// Reusable buffer of the entries of many hit arrays, sorted ray by ray, without padding.
 #[derive(Clone, Debug, Default)]
 pub struct MergedHits {
     entries: Vec<MergedHit>,
@@ -22,8 +22,8 @@ pub struct MergedHits {
 }
 
 impl MergedHits {
-    /// Merges arrays of so many columns, each with a tag by which its entries can be told. Entries of equal times are in no
-    /// particular order. Arrays with other numbers of columns are left out.
+    /// Merges arrays of `columns` columns; a tag identifies the entries of each array. Entries of equal times are in no
+    /// particular order. Skips arrays with other numbers of columns.
     ///
     /// O(H N) for H rows in all, and O(n log n) for the n entries of each column.
     pub fn merge<'a>(

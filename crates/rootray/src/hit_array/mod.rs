@@ -16,13 +16,12 @@
 //! union and intersection do not commute. [`Regularize`] removes them: equal times flip together, as in
 //! [`RootRay`](crate::RootRay)'s algebra, and pieces shorter than a given length may be welded.
 //!
-//! [`array_csg_into`] combines as many rays at once as a register holds, with SSE2, AVX2 or AVX-512 as the machine has them (what
-//! else the library underneath dispatches to, NEON and WebAssembly, is not tested), on as many threads as asked for. A single ray,
-//! results that are regularized or left unsorted, and columns of more than some thousand entries go one by one: [`Instructions`].
-//! `examples/array_csg_speed.rs` measures it.
+//! [`array_csg_into`] combines one ray per SIMD lane, with SSE2, AVX2 or AVX-512 (NEON and WebAssembly are compiled but not
+//! tested), on a chosen number of threads. Single rays, regularized or unsorted results, and columns of more than some thousand
+//! entries are combined one by one; see [`Instructions`]. `examples/array_csg_speed.rs` measures the speed.
 //!
-//! For whole expressions there is [`combine`]: any number of operands, complemented or not, into a [`HitArrayBuf`] whose
-//! memory is used again and which is no higher than its fullest column. It is always exact.
+//! [`combine`] evaluates whole expressions: any number of operands, complemented or not, into a reusable [`HitArrayBuf`] that
+//! has only as many rows as its fullest column. It is always exact.
 //!
 //! ```
 //! use rayweave_rootray::hit_array::{CsgOptions, Operation, Regularize, array_csg_1d};

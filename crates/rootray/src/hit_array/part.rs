@@ -1,4 +1,4 @@
-//! A range of columns of two operands and of their result, and how a call is cut into such parts.
+//! Ranges of columns of two operands and of their result, and the division of a call into such parts for threads.
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -15,10 +15,10 @@ pub struct Part<'a, T, O> {
     pub out: Vec<&'a mut [O]>,
 }
 
-/// Numbers of the result that are worth a thread of their own: about a tenth of a millisecond.
+/// Least numbers of results per thread: about a tenth of a millisecond of work.
 const NUMBERS_PER_THREAD: usize = 1 << 17;
 
-/// The most threads that a result of so many numbers is worth; [`array_csg_into`](super::array_csg_into) uses no more.
+/// Maximum number of threads for a result of this length; [`array_csg_into`](super::array_csg_into) uses no more.
 pub fn most_threads(numbers: usize) -> NonZeroUsize {
     NonZeroUsize::new(numbers / NUMBERS_PER_THREAD).unwrap_or(NonZeroUsize::MIN)
 }
@@ -38,7 +38,7 @@ impl<'a, T: Real, O> Part<'a, T, O> {
         self.out.first().map_or(0, |row| row.len())
     }
 
-    /// At most so many parts of nearly equal width, fewer if there is too little to do.
+    /// Divides the columns into at most `count` parts of nearly equal width, fewer if there is little work.
     pub fn split(mut self, threads: NonZeroUsize) -> Vec<Self> {
         let width = self.width();
         let count = threads.min(most_threads(width * self.out.len())).get();

@@ -1,4 +1,4 @@
-//! The numbers that hit arrays are made of.
+//! Element types of hit arrays: `f32` and `f64`.
 
 use std::ops::{Add, Sub};
 

@@ -1,4 +1,4 @@
-//! The walk over the rays one at a time: the plain form, which all others must equal to the bit.
+//! Scalar loop over the rays, one at a time: the reference that all SIMD forms must match to the bit.
 
 use std::ops::Range;
 
@@ -10,8 +10,8 @@ const BLOCK: usize = 16;
 
 /// Calls `kernel` with the two columns and the output column of every ray of a range.
 ///
-/// Blocks of columns are turned into contiguous scratch and back, so that a kernel sees slices, and rows that lie a power of
-/// two apart do not fight for the same cache set. The scratch is allocated once.
+/// Blocks of columns are transposed into contiguous scratch and back, so that a kernel works on slices and rows a power of two
+/// apart do not compete for one cache set. The scratch is allocated once.
 pub(super) fn walk<T: Real, O: Copy + Default>(
     part: &mut Part<'_, T, O>,
     columns: Range<usize>,
@@ -36,7 +36,7 @@ pub(super) fn walk<T: Real, O: Copy + Default>(
     }
 }
 
-/// Copies columns, each to a contiguous stretch.
+/// Copies columns, each to a contiguous slice.
 fn load<T: Copy>(rows: &[&[T]], block: Range<usize>, scratch: &mut [T]) {
     for (row, numbers) in rows.iter().enumerate() {
         for (lane, &t) in numbers[block.clone()].iter().enumerate() {

@@ -1,14 +1,13 @@
 //! Placements from NPY files.
 
-use super::Context;
-use super::solids::map_problem;
+use super::context::Context;
 use crate::diagnostic::Diagnostic;
 use crate::memory;
 use crate::source::Spanned;
 use npyz::{DType, NpyFile, Order};
 use rayweave_math::{Affine, Vec3};
-use rayweave_mesh::files::{FileError, ReadOptions};
 use rayweave_mesh::{MeshError, Polyhedron};
+use rayweave_mesh_io::{FileError, ReadOptions};
 use rayweave_shape::primitive::Mesh;
 use std::fs::File;
 use std::io::BufReader;
@@ -53,11 +52,11 @@ fn read(path: &PathBuf) -> Result<(Vec<f64>, Vec<u64>), String> {
     Ok((numbers.map_err(|error| reason(&error))?, shape))
 }
 
-/// The solid within a mesh in a file beside the model file; what is doubtful about it is told.
+/// The solid of a mesh in a file beside the model file; questionable meshes cause warnings.
 pub(super) fn mesh(context: &mut Context, file: &Spanned<String>, repair: bool) -> Option<Mesh> {
     let path = beside(context, file);
-    let limits = memory::available().map_or_else(ReadOptions::default, ReadOptions::within);
-    let found = match rayweave_mesh::files::read(&path, None, &limits) {
+    let limits = memory::available().map_or_else(ReadOptions::default, ReadOptions::for_memory);
+    let found = match rayweave_mesh_io::read(&path, None, &limits) {
         Ok(found) => found,
         Err(error) => {
             let why = match &error {
@@ -72,8 +71,8 @@ pub(super) fn mesh(context: &mut Context, file: &Spanned<String>, repair: bool) 
     for warning in found.warnings {
         context.push(Diagnostic::warning(format!("`{}`: {warning}", file.value)), file.span);
     }
-    if repair && let Some((mended, done)) = found.mesh.mended() {
-        for (count, what) in done.told() {
+    if repair && let Some((mended, done)) = found.mesh.auto_repaired() {
+        for (count, what) in done.summary() {
             let told = format!("the mesh in `{}` was repaired: {count} {what}", file.value);
             context.push(Diagnostic::warning(told), file.span);
         }
@@ -135,7 +134,7 @@ fn to_maps(numbers: &[f64], shape: &[u64]) -> Result<Vec<Affine>, String> {
         _ => return Err(format!("its shape is {shape:?}, it must be (N, 3) or (N, 4, 4)")),
     };
     for (index, map) in maps.iter().enumerate() {
-        map.inverse().map_err(|error| map_problem(index, error))?;
+        map.inverse().map_err(|error| format!("transform {index} of the file: {error}"))?;
     }
     Ok(maps)
 }

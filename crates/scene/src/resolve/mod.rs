@@ -1,5 +1,6 @@
 //! From what a document says to what it means.
 
+mod context;
 mod files;
 mod numbers;
 mod regions;
@@ -9,7 +10,7 @@ mod view;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::document::Document;
 use crate::scene::Scene;
-use crate::source::Span;
+pub(crate) use context::Context;
 pub use files::reason;
 pub(crate) use numbers::Numbers;
 pub(crate) use solids::product;
@@ -47,22 +48,4 @@ pub(crate) fn resolve(
         render,
         warnings: Diagnostics::new(context.problems),
     })
-}
-
-/// The document, and where problems are collected.
-pub(crate) struct Context<'d> {
-    pub document: &'d Document,
-    pub problems: Vec<Diagnostic>,
-    /// Names that stand in the file but could not be read.
-    pub unreadable: &'d HashSet<String>,
-}
-
-impl Context<'_> {
-    fn push(&mut self, problem: Diagnostic, span: Span) {
-        self.problems.push(problem.at(&self.document.source, span));
-    }
-
-    fn is_unreadable(&self, name: &str) -> bool {
-        self.unreadable.contains(name)
-    }
 }

@@ -1,6 +1,6 @@
 //! Parameters, and numbers given as text.
 
-use super::Context;
+use super::context::Context;
 use crate::arithmetic::{Arithmetic, CONSTANTS, FUNCTIONS};
 use crate::diagnostic::Diagnostic;
 use crate::document::{Document, Matrix, Vector};
@@ -105,7 +105,7 @@ impl Numbers {
         };
         while let Some(&name) = waiting.last() {
             if path.last() == Some(&name) {
-                // all that it needs is known by now
+                // all of its dependencies are resolved at this point
                 path.pop();
                 on_path.remove(name);
                 waiting.pop();
@@ -183,7 +183,7 @@ impl Numbers {
         let constants = CONSTANTS.iter().map(|(name, _)| *name);
         let function = FUNCTIONS.iter().find(|function| function.name == name);
         let suggestion = match function {
-            Some(function) => Some(format!("did you mean `{}(..)`?", function.name)),
+            Some(function) => Some(format!("Did you mean `{}(..)`?", function.name)),
             None => did_you_mean(name, parameters.chain(constants)),
         };
         let reason = "it does not stand in [parameters]";

@@ -1,6 +1,6 @@
 //! Regions and media.
 
-use super::Context;
+use super::context::Context;
 use super::numbers::Numbers;
 use super::solids::Solids;
 use crate::colour::Colour;

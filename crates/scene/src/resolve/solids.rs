@@ -1,7 +1,8 @@
 //! Named solids: each built once, those that it is made from first.
 
+use super::context::Context;
+use super::files;
 use super::numbers::{Numbers, cycle_text};
-use super::{Context, files};
 use crate::datum::{Datum, Table};
 use crate::diagnostic::Diagnostic;
 use crate::document::*;
@@ -9,7 +10,7 @@ use crate::expression::{Expression, Operator, Term};
 use crate::fault::place_in;
 use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
-use rayweave_math::{Affine, SingularError, Vec3};
+use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{Primitive, ShapeError, Value, build as build_shape};
 use std::collections::HashMap;
@@ -58,7 +59,7 @@ pub(super) fn build<'d>(context: &mut Context<'d>, numbers: &mut Numbers) -> Sol
     builder.solids
 }
 
-/// What a solid is made from.
+/// Body of a solid.
 #[derive(Default)]
 struct Parts {
     expression: Option<Expression>,
@@ -124,7 +125,7 @@ impl<'d> Builder<'d> {
     fn settle_all(&mut self, context: &mut Context<'d>, numbers: &mut Numbers) {
         let mut states = vec![State::New; self.parts.len()];
         for root in 0..self.parts.len() {
-            // each open solid with the number of its parts that have been looked at
+            // each open solid with the number of its parts that have been visited
             let mut path = vec![(root, 0)];
             while let Some((index, next)) = path.pop() {
                 if states[index] == State::Done {
@@ -183,8 +184,8 @@ impl<'d> Builder<'d> {
             let operands = stack.split_off(stack.len() - term.arity());
             stack.push(match term {
                 Term::Name(_) => self.solids.built[needs.next()?.0?].clone()?,
-                Term::Vacuum => Solid::vacuum(),
-                Term::Plenum => Solid::plenum(),
+                Term::Empty => Solid::empty(),
+                Term::Universe => Solid::universe(),
                 Term::Operation(operator, _) => operate(*operator, operands)?,
             });
         }
@@ -283,7 +284,7 @@ fn mesh(
         .map(|mesh| Primitive::from(mesh).into())
 }
 
-/// Where the argument, or the part of it, stands that an error is about.
+/// Span of the argument, or of the part of it, that an error refers to.
 fn place_of(error: &ShapeError, keyword: &Spanned<String>, arguments: &Table) -> Span {
     let named = |name: &str| arguments.iter().find(|(own, _)| own.value == name);
     let Some((name, datum)) = error.parameter().and_then(named) else {
@@ -474,9 +475,4 @@ fn ring(copies: u32, radius: f64, start: f64) -> Vec<Affine> {
     let out = Affine::translate(Vec3::new(radius, 0.0, 0.0));
     let angle = |k: u32| start + 360.0 * f64::from(k) / f64::from(copies);
     (0..copies).map(|k| out.then(&Affine::rotation(Vec3::Z, angle(k)))).collect()
-}
-
-/// What is wrong with a map of a file.
-pub(super) fn map_problem(index: usize, error: SingularError) -> String {
-    format!("transform {index} of the file: {error}")
 }

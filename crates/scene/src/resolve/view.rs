@@ -1,6 +1,6 @@
 //! Camera, lights, and how the picture is drawn.
 
-use super::Context;
+use super::context::Context;
 use super::numbers::Numbers;
 use super::solids::direction;
 use crate::colour::Colour;

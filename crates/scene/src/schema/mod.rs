@@ -1,10 +1,12 @@
 //! The JSON schema of the model file, so that editors complete and check it.
 
 mod optics;
+mod parts;
 
 use crate::document::Shading;
 use crate::formats::native::VERSION;
 use crate::unit::Unit;
+use parts::{list, reference, table, text};
 use rayweave_shape::primitive::{MANUALS, Manual, Parameter, ParameterKind};
 use serde_json::{Map, Value, json};
 
@@ -46,29 +48,6 @@ pub fn schema() -> Value {
         "additionalProperties": { "type": ["object", "array"] },
         "$defs": definitions(),
     })
-}
-
-fn reference(name: &str) -> Value {
-    json!({ "$ref": format!("#/$defs/{name}") })
-}
-
-/// An object that has no other keys than these.
-fn table(description: &str, properties: Value, required: &[&str]) -> Value {
-    json!({
-        "description": description,
-        "type": "object",
-        "properties": properties,
-        "required": required,
-        "additionalProperties": false,
-    })
-}
-
-fn text(description: &str) -> Value {
-    json!({ "type": "string", "description": description })
-}
-
-fn list(of: &str, length: usize) -> Value {
-    json!({ "type": "array", "items": reference(of), "minItems": length, "maxItems": length })
 }
 
 fn definitions() -> Value {

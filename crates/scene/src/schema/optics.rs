@@ -1,6 +1,6 @@
 //! The `[optics]` tables, which `rayweave-optics` reads.
 
-use super::{list, reference, table, text};
+use super::parts::{list, reference, table, text};
 use serde_json::{Value, json};
 
 pub(super) fn optics() -> Value {

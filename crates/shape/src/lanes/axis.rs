@@ -1,5 +1,5 @@
-//! Surfaces along coordinate axes, which most machine parts have: the same operations as for any direction, without
-//! those that add a zero or multiply by one.
+//! Axis-parallel slabs and cylinders in SIMD lanes, as in most machine parts: the operations of the general kernels without
+//! those that add zero or multiply by one.
 
 use super::ray::LaneRay;
 use super::vector::Lanes;
@@ -7,37 +7,37 @@ use crate::surface::{Cylinder, Plane};
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
 
-/// Two parallel planes across a coordinate axis that face away from each other: a pair of faces of a box.
+/// Two opposite faces of an axis-parallel box: parallel planes that face away from each other.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisSlab {
     /// 0, 1 or 2.
     pub axis: u8,
-    /// The offset of the plane with the normal against the axis, and the number of its face.
+    /// Offset of the plane with the normal against the axis, and the number of its face.
     pub low: (f64, f64),
-    /// The offset of the plane with the normal along the axis, and the number of its face.
+    /// Offset of the plane with the normal along the axis, and the number of its face.
     pub high: (f64, f64),
 }
 
-/// A cylinder around a parallel of a coordinate axis.
+/// A cylinder parallel to a coordinate axis.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisCylinder {
     /// 0, 1 or 2.
     pub axis: u8,
-    /// A point of its axis: the two coordinates across it.
+    /// A point of its axis: the two coordinates perpendicular to the axis.
     pub point: [f64; 2],
     /// The radius, > 0.
     pub radius: f64,
 }
 
-/// The number of the coordinate axis that a unit vector is along, either way.
+/// Index of the coordinate axis that is parallel to a unit vector.
 fn axis_of(v: Vec3) -> Option<usize> {
     (0..3).find(|&k| v.abs() == Vec3::AXES[k])
 }
 
-/// The two coordinates across an axis.
+/// Indices of the two coordinates perpendicular to an axis.
 const ACROSS: [[usize; 2]; 3] = [[1, 2], [0, 2], [0, 1]];
 
-/// The axis of a plane across it and the sign of its normal.
+/// The axis of an axis-parallel plane, and the sign of its normal.
 pub(super) fn axis_of_plane(plane: &Plane) -> Option<(u8, f64)> {
     axis_of(plane.normal).map(|axis| (axis as u8, plane.normal[axis]))
 }
@@ -45,7 +45,7 @@ pub(super) fn axis_of_plane(plane: &Plane) -> Option<(u8, f64)> {
 impl AxisCylinder {
     pub(super) fn of(cylinder: &Cylinder) -> Option<AxisCylinder> {
         let axis = axis_of(cylinder.axis)?;
-        // the point nearest the origin has no coordinate along the axis
+        // the point nearest to the origin has a zero coordinate along the axis
         let point = ACROSS[axis].map(|k| cylinder.point[k]);
         (cylinder.point[axis] == 0.0).then_some(AxisCylinder {
             axis: axis as u8,
@@ -54,7 +54,7 @@ impl AxisCylinder {
         })
     }
 
-    /// The same as a cylinder along any axis.
+    /// The general form of the cylinder.
     #[inline(always)]
     pub(super) fn general(&self) -> Cylinder {
         let mut point = Vec3::ZERO;
@@ -63,7 +63,7 @@ impl AxisCylinder {
         Cylinder { point, axis: Vec3::AXES[usize::from(self.axis)], radius: self.radius }
     }
 
-    /// The parts of origin (from the axis) and direction across the axis.
+    /// Components perpendicular to the axis: origin (relative to the axis) and direction.
     #[inline(always)]
     pub(super) fn across<S: Simd>(&self, ray: &LaneRay<S>) -> ([Lanes<S>; 2], [Lanes<S>; 2]) {
         let (o, d) = (&ray.origin, &ray.direction);

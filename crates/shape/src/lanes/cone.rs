@@ -1,4 +1,4 @@
-//! Cones along eight rays, as [`Cone::crossings`].
+//! Cones in SIMD lanes, equal to [`Cone::crossings`].
 
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{Doubt, LaneRay};
@@ -6,12 +6,12 @@ use super::vector::{Lanes, Vec3Lanes, splat};
 use crate::surface::Cone;
 use fearless_simd::Simd;
 
-/// The most by which the gradient changes over a unit of length, halved.
+/// Half of the largest change of the gradient per unit of length.
 pub(super) fn bend(cone: &Cone) -> f64 {
     1.0 + cone.slope * cone.slope
 }
 
-/// The rays as a cone sees them: the slope times the part along its axis, and the part across it.
+/// Rays in cone coordinates: the slope times the axial component, and the perpendicular component.
 struct Line<S: Simd> {
     shift: Lanes<S>,
     height: Lanes<S>,
@@ -20,7 +20,7 @@ struct Line<S: Simd> {
     along: Vec3Lanes<S>,
 }
 
-/// Where the rays are inside the cone, or outside.
+/// Roots of the rays with the cone.
 #[inline(always)]
 pub(super) fn roots<S: Simd>(simd: S, cone: &Cone, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> Roots<S> {
     let shift = ray.origin.taken_from(cone.apex).dot(ray.direction) / ray.square;
@@ -45,7 +45,7 @@ pub(super) fn departure<S: Simd>(cone: &Cone, ray: &LaneRay<S>) -> [Lanes<S>; 2]
     [along.length_squared() - rise * rise, from.dot(along) - height * rise]
 }
 
-/// As [`Cone::value_and_gradient`].
+/// Lane version of [`Cone::value_and_gradient`].
 #[inline(always)]
 pub(super) fn value_and_gradient<S: Simd>(
     simd: S,

@@ -1,5 +1,6 @@
-//! Rays that start on surfaces, as [`Surface::crossings_from`](crate::surface::Surface::crossings_from): one root at the
-//! start is divided out, so that a plane is not met again, and a surface of degree 2 once at most.
+//! Rays that start on surfaces, in SIMD lanes, equal to
+//! [`Surface::crossings_from`](crate::surface::Surface::crossings_from): the root at the start is divided out. A plane is
+//! then not crossed again, and a surface of degree 2 at most once.
 
 use super::cone;
 use super::facet::{Facet, Kernel};
@@ -11,29 +12,29 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
 
-/// The surface that each of eight rays starts on.
+/// The start surface of each of eight rays.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneStarts<S: Simd> {
-    /// Its number; -1 for none.
+    /// Number of the surface; -1 for none.
     pub surface: Lanes<S>,
-    /// Where f < 0 just after the start.
+    /// True if f < 0 just after the start.
     pub inside: Mask<S>,
 }
 
-/// Where a surface of degree 2 is met again.
+/// The remaining crossing of a surface of degree 2.
 #[derive(Clone, Copy, Debug)]
 struct Again<S: Simd> {
-    /// When; +inf for never.
+    /// Time of the crossing; +inf for none.
     t: Lanes<S>,
-    /// What is in doubt: the ray leaves the surface to the other side than is said, or it is tangent, or it is not known
-    /// here when it comes back.
+    /// Uncertain lanes: the ray leaves the surface to the other side than listed, or it is tangent, or this kernel does not
+    /// know when it returns.
     unsure: Mask<S>,
-    /// The square term is small: the ray may keep to the surface for long.
+    /// The square term is small: the ray may stay close to the surface for long.
     slow: Mask<S>,
 }
 
 impl Facet {
-    /// [`Facet::narrow`] for rays of which some may start on the facet's surface.
+    /// [`Facet::narrow`] for rays some of which may start on the surface of the facet.
     #[inline(always)]
     pub fn narrow_from<S: Simd>(
         &self,
@@ -57,7 +58,7 @@ impl Facet {
         None
     }
 
-    /// The two faces of a slab as they were.
+    /// The two faces of a slab as separate facets.
     fn planes(&self) -> Option<[Facet; 2]> {
         let [low, high] = self.surfaces;
         let plane = |kernel: Kernel, inside: bool, face: f64, surface: f64| Facet {
@@ -87,7 +88,7 @@ impl Facet {
         }
     }
 
-    /// A function of its own, on copies: the facets that no ray starts on stay in registers.
+    /// Out-of-line version on copies, so that the data of facets on which no ray starts stays in registers.
     #[inline(always)]
     fn depart<S: Simd>(
         &self,
@@ -138,7 +139,7 @@ impl Facet {
         }
     }
 
-    /// All rays as if they started on the surface: what is met once is like a plane.
+    /// Narrows the span as if all rays started on the surface; a surface with a single root acts like a plane.
     #[inline(always)]
     fn narrow_listed<S: Simd>(
         &self,
@@ -154,7 +155,7 @@ impl Facet {
         let is_met = t.simd_lt(plus);
         doubt.always |= unsure;
         if self.is_one_piece {
-            // at equal times the first face is to be named, but comes before this one
+            // at equal times the first face is reported, but the other face comes before this one
             doubt.always |= is_met & (t.simd_eq(span.from) | t.simd_eq(span.to));
         }
         let face = splat(simd, self.face);
@@ -165,7 +166,7 @@ impl Facet {
 }
 
 impl Kernel {
-    /// When rays that start on the surface meet it again.
+    /// Second crossing of rays that start on the surface.
     #[inline(always)]
     fn again<S: Simd>(&self, simd: S, ray: &LaneRay<S>, inside: Mask<S>) -> Again<S> {
         let zero = splat(simd, 0.0);
@@ -183,7 +184,7 @@ impl Kernel {
         Again { t, unsure: is_tangent | disagrees, slow: a.abs().simd_lt(ray.slow_square) }
     }
 
-    /// `[a, b]` of f along rays from the surface, `a t^2 + 2 b t`; zeros for what is to be asked one by one.
+    /// `[a, b]` of f along rays from the surface, `a t^2 + 2 b t`; zeros for kernels that are left to the scalar code.
     #[inline(always)]
     fn departure<S: Simd>(&self, simd: S, ray: &LaneRay<S>) -> [Lanes<S>; 2] {
         let zero = splat(simd, 0.0);
@@ -199,20 +200,21 @@ impl Kernel {
         }
     }
 
-    /// By how much rays at some points are late on their way through the surface, by one step of Newton.
+    /// One Newton step from some points along the rays.
     #[inline(always)]
     fn newton<S: Simd>(&self, simd: S, point: Vec3Lanes<S>, direction: Vec3Lanes<S>) -> Lanes<S> {
         let (value, gradient) = self.value_and_gradient(simd, point);
         value / gradient.dot(direction)
     }
 
-    /// True if [`Kernel::value_and_gradient`] knows the surface: not for tori and two faces as one.
+    /// True if [`Kernel::value_and_gradient`] supports the surface: all except tori and slabs.
     pub fn has_value(&self) -> bool {
         !matches!(self, Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Torus(_))
     }
 
-    /// f and its gradient at some points, as [`Surface::value_and_gradient`](crate::surface::Surface::value_and_gradient);
-    /// zeros if [`Kernel::has_value`] is false.
+    /// f and its gradient at some points, equal to
+    /// [`Surface::value_and_gradient`](crate::surface::Surface::value_and_gradient); zeros if [`Kernel::has_value`] is
+    /// false.
     #[inline(always)]
     pub fn value_and_gradient<S: Simd>(&self, simd: S, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
         match self {
@@ -234,13 +236,13 @@ impl Kernel {
     }
 }
 
-/// As [`Plane::value_and_gradient`].
+/// Lane version of [`Plane::value_and_gradient`].
 #[inline(always)]
 fn at_plane<S: Simd>(simd: S, plane: &Plane, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
     (point.dot_all(plane.normal) - plane.offset, Vec3Lanes::splat(simd, plane.normal))
 }
 
-/// As [`Cylinder`] does it.
+/// Lane version of the departure of [`Cylinder`].
 #[inline(always)]
 fn from_cylinder<S: Simd>(cylinder: &Cylinder, ray: &LaneRay<S>) -> [Lanes<S>; 2] {
     let from = ray.origin.minus_all(cylinder.point).perpendicular(cylinder.axis);
@@ -248,14 +250,14 @@ fn from_cylinder<S: Simd>(cylinder: &Cylinder, ray: &LaneRay<S>) -> [Lanes<S>; 2
     [along.length_squared(), from.dot(along)]
 }
 
-/// As [`Sphere::value_and_gradient`].
+/// Lane version of [`Sphere::value_and_gradient`].
 #[inline(always)]
 fn at_sphere<S: Simd>(simd: S, sphere: &Sphere, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
     let offset = point.minus_all(sphere.centre);
     (offset.length_squared() - sphere.radius * sphere.radius, offset.times(splat(simd, 2.0)))
 }
 
-/// As [`Cylinder::value_and_gradient`].
+/// Lane version of [`Cylinder::value_and_gradient`].
 #[inline(always)]
 fn at_cylinder<S: Simd>(simd: S, cylinder: &Cylinder, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
     let offset = point.minus_all(cylinder.point).perpendicular(cylinder.axis);

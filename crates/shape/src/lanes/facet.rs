@@ -1,4 +1,4 @@
-//! One side of a surface, ready for lanes.
+//! One side of a surface, prepared for SIMD lanes.
 
 use super::axis::{AxisCylinder, AxisSlab, axis_of_plane};
 use super::quadratic::Roots;
@@ -12,7 +12,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
 
-/// The kernels that exist for lanes.
+/// The lane kernels.
 #[derive(Clone, Debug)]
 pub enum Kernel {
     /// A plane across coordinate axis `axis`: normal `sign` along it.
@@ -21,7 +21,7 @@ pub enum Kernel {
         axis: u8,
         /// 1 or -1.
         sign: f64,
-        /// As of [`Plane`].
+        /// Offset of the [`Plane`].
         offset: f64,
     },
     /// Any other plane.
@@ -32,9 +32,9 @@ pub enum Kernel {
     Cylinder(Cylinder),
     /// A cylinder along a coordinate axis.
     AxisCylinder(AxisCylinder),
-    /// Two faces of a box.
+    /// Two opposite faces of an axis-parallel box.
     AxisSlab(AxisSlab),
-    /// Two faces of a box in any direction.
+    /// Two opposite faces of a box in any direction.
     Slab(Slab),
     /// A cone.
     Cone(Cone),
@@ -47,18 +47,18 @@ pub enum Kernel {
 /// Two parallel planes that face away from each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Slab {
-    /// The unit normal of the one that is called high.
+    /// Unit normal of the high plane.
     pub normal: Vec3,
-    /// The offset of the plane with the opposite normal, and the number of its face.
+    /// Offset of the plane with the opposite normal, and the number of its face.
     pub low: (f64, f64),
-    /// The offset of the plane with the normal, and the number of its face.
+    /// Offset of the plane with the normal, and the number of its face.
     pub high: (f64, f64),
-    /// True for those, low and high, that the leaf has as the outside of a plane with the other sign.
+    /// For the low and high plane: true if the leaf is the outside of the plane with the opposite sign.
     pub turned: [bool; 2],
 }
 
 impl Kernel {
-    /// For a surface; `None` if there is none for its kind.
+    /// The kernel for a surface; `None` if there is none.
     pub fn of(surface: &Surface) -> Option<Kernel> {
         match surface {
             Surface::Plane(plane) => Some(axis_plane(plane).unwrap_or(Kernel::Plane(*plane))),
@@ -77,8 +77,8 @@ impl Kernel {
         }
     }
 
-    /// The point between the two pieces of the inside of a cone or a hyperboloid of two sheets. (Both are on either side
-    /// of a plane through it.)
+    /// The point between the two pieces of the inside of a cone or a hyperboloid of two sheets; planes through it separate
+    /// them.
     pub fn waist(&self) -> Option<Vec3> {
         match self {
             Kernel::Cone(cone) => Some(cone.apex),
@@ -102,17 +102,17 @@ pub struct Facet {
     pub inside: bool,
     /// The number of the face.
     pub face: f64,
-    /// The number of the surface, twice; of two faces of a box, those of the lower and the higher one.
+    /// Number of the surface, twice; for two faces of a box, those of the lower and the higher one.
     pub surfaces: [f64; 2],
-    /// The greatest gap that the facet may cut out of a stretch of its leaf: see [`Facet::can_gap`].
+    /// Number of the gap that the facet may cut out of the span of its leaf, from 1: see [`Facet::can_gap`].
     pub gap: u32,
-    /// True if the other facets leave but one piece of what this one would leave of a ray, whatever gap it cuts out. Rays
-    /// where that is not so are in doubt; such a facet has to be the last.
+    /// True if the other facets leave at most one piece of the span of this one, whatever gap it has. Rays for which this
+    /// fails are uncertain; such a facet must be the last.
     pub is_one_piece: bool,
 }
 
 impl Facet {
-    /// True if the facet may hold before and after some time, but not at it.
+    /// True if the facet may hold before and after some interval, but not within it.
     pub fn can_gap(&self) -> bool {
         match &self.kernel {
             Kernel::AxisPlane { .. } | Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Plane(_) => false,
@@ -122,12 +122,12 @@ impl Facet {
         }
     }
 
-    /// False for what may hold in more than two pieces.
+    /// False if the facet may hold in more than two pieces.
     pub fn has_one_gap(&self) -> bool {
         self.inside || !matches!(self.kernel, Kernel::Torus(_))
     }
 
-    /// This facet and the next one of the same leaf as one, if they are opposite faces of a box.
+    /// This facet and the next one of the same leaf as a single slab, if they are opposite faces of a box.
     pub fn joined(&self, next: &Facet) -> Option<Facet> {
         let (here, there) = (self.surfaces[0], next.surfaces[0]);
         let (kernel, surfaces) = match (&self.kernel, &next.kernel) {
@@ -153,7 +153,7 @@ impl Facet {
         Some(Facet { kernel, surfaces, inside: true, ..self.clone() })
     }
 
-    /// The plane with the sign with which this facet is its inside. Nothing is rounded by that, here or along a ray.
+    /// The plane with the sign for which the facet is its inside. Exact, here and along a ray.
     fn outward(&self, plane: &Plane) -> Plane {
         match self.inside {
             true => *plane,
@@ -161,7 +161,7 @@ impl Facet {
         }
     }
 
-    /// Narrows the stretch of a leaf to where this facet holds; or answers with a stretch in which it does not.
+    /// Narrows the span of a leaf to where this facet holds, or returns a gap in which it does not hold.
     #[inline(always)]
     pub fn narrow<S: Simd>(
         &self,
@@ -212,7 +212,7 @@ impl Facet {
             }
             Kernel::Torus(torus) => Some(self.torus(simd, torus, ray, span, doubt)),
             Kernel::Cone(_) | Kernel::Quadric(_) => {
-                // a function of its own, on copies: what is asked most often stays in registers
+                // out of line and on copies, so that the most frequent kernels stay in registers
                 let (ray, mut copies) = (*ray, (*span, *doubt));
                 let gap = simd.vectorize(
                     #[inline(always)]
@@ -224,7 +224,7 @@ impl Facet {
         }
     }
 
-    /// [`Facet::narrow`] for surfaces with long kernels.
+    /// Lane version of [`Facet::narrow`] for surfaces with long kernels.
     #[inline(always)]
     fn narrow_curved<S: Simd>(
         &self,
@@ -246,7 +246,7 @@ impl Facet {
         }
     }
 
-    /// A torus: most rays pass it, and are not asked further.
+    /// A torus: most rays miss its bounding ball and skip the rest.
     #[inline(always)]
     fn torus<S: Simd>(
         &self,
@@ -273,7 +273,7 @@ impl Facet {
         stretch.gap
     }
 
-    /// Two planes that face away from each other: met at the same speed, one after the other.
+    /// Two parallel planes that face away from each other: crossed at the same speed, one after the other.
     #[inline(always)]
     fn slab<S: Simd>(&self, simd: S, ray: &LaneRay<S>, span: &mut Span<S>, doubt: &mut Doubt<S>) {
         let (origin, speed, low, high) = match &self.kernel {
@@ -302,7 +302,7 @@ impl Facet {
             doubt.always |= slow & near.simd_le(ray.near);
             let zero = splat(simd, 0.0);
             let parallel = speed.simd_eq(zero);
-            // a time beyond the range
+            // the time is out of range
             doubt.always |= !finite & !parallel;
             let holds = below.simd_gt(zero) & above.simd_gt(zero);
             from = parallel.select(holds.select(minus, plus), from);
@@ -314,7 +314,7 @@ impl Facet {
         doubt.grazes |= grazes & (begins | ends);
     }
 
-    /// A surface of degree 2: on some rays it holds between the roots, on others outside of them.
+    /// A surface of degree 2: for some rays it holds between the roots, for others outside of them.
     #[inline(always)]
     fn second_degree<S: Simd>(
         &self,
@@ -332,7 +332,7 @@ impl Facet {
         let mut gap = Gap { from: narrows.select(plus, roots.from), to: narrows.select(minus, roots.to) };
         if self.is_one_piece {
             let [before, after] = gap.pieces(span);
-            // at equal times the first face is to be named, but comes before this one
+            // at equal times the first face is reported, but the other face comes before this one
             doubt.always |= (before & after) | Self::meets_ends(roots, span);
             let cuts = gap.from.simd_lt(gap.to);
             to = (cuts & before).select(gap.from, to);
@@ -356,7 +356,7 @@ impl Facet {
         meets & roots.is_some()
     }
 
-    /// The stretch in which f < 0, taken from the leaf or cut out of it.
+    /// Intersects the span with the interval in which f < 0, or returns that interval as a gap.
     #[inline(always)]
     fn stretch<S: Simd>(&self, simd: S, from: Lanes<S>, to: Lanes<S>, span: &mut Span<S>) -> Option<Gap<S>> {
         if !self.inside {
@@ -367,7 +367,7 @@ impl Facet {
         None
     }
 
-    /// A plane: crossed at `height / speed`, so that the facet holds before or after that time.
+    /// A plane, crossed at `height / speed`: the facet holds before or after that time.
     #[inline(always)]
     fn plane<S: Simd>(
         &self,
@@ -400,7 +400,7 @@ impl Facet {
     }
 }
 
-/// The stretch in a sphere, as [`Sphere::crossings`]; empty, from +inf to -inf, for a ray that misses it.
+/// Interval inside a sphere, equal to [`Sphere::crossings`]; empty, from +inf to -inf, for a miss.
 #[inline(always)]
 fn sphere_times<S: Simd>(simd: S, sphere: &Sphere, ray: &LaneRay<S>) -> (Lanes<S>, Lanes<S>) {
     let closest = ray.origin.taken_from(sphere.centre).dot(ray.direction) / ray.square;
@@ -410,26 +410,26 @@ fn sphere_times<S: Simd>(simd: S, sphere: &Sphere, ray: &LaneRay<S>) -> (Lanes<S
     or_empty(simd, inside.simd_gt(0.0), closest, half)
 }
 
-/// When rays are closest to the axis of a cylinder, from the square of their speed across it and the origin, from the
-/// axis, times that velocity; 0 for rays along the axis.
+/// Time of closest approach to the axis of a cylinder, from the squared perpendicular speed and the dot product of origin
+/// (relative to the axis) and perpendicular velocity; 0 for rays along the axis.
 #[inline(always)]
 fn closest<S: Simd>(simd: S, square: Lanes<S>, approach: Lanes<S>) -> Lanes<S> {
     let zero = splat(simd, 0.0);
     square.simd_eq(zero).select(zero, -approach / square)
 }
 
-/// A ray as a cylinder sees it, across its axis.
+/// A ray perpendicular to the axis of a cylinder.
 struct Across<S: Simd> {
     radius: f64,
-    /// The square of the speed.
+    /// Squared speed.
     square: Lanes<S>,
-    /// When the ray is closest to the axis.
+    /// Time of closest approach to the axis.
     closest: Lanes<S>,
-    /// The square of its distance then.
+    /// Squared distance at that time.
     apart: Lanes<S>,
 }
 
-/// The stretch in a cylinder, as [`Cylinder::crossings`].
+/// Interval inside a cylinder, equal to [`Cylinder::crossings`].
 #[inline(always)]
 fn cylinder_times<S: Simd>(
     simd: S,
@@ -444,11 +444,11 @@ fn cylinder_times<S: Simd>(
     let inside = splat(simd, radius * radius) - apart;
     let enters = inside.simd_gt(zero);
     let half = (inside / square).sqrt();
-    // f(r(middle)) and a quarter of the square of its gradient
+    // f(r(middle)), and a quarter of the squared gradient
     let late = ray.middle - closest;
     let value = square * late * late - inside;
     let slope = value + radius * radius;
-    // |f| <= delta (|grad f| + delta): the square of it, with 2 (x^2 + y^2) >= (x + y)^2
+    // |f| <= delta (|grad f| + delta), squared, with 2 (x^2 + y^2) >= (x + y)^2
     let near = ray.near * ray.near;
     let bound = near * (slope.abs() * 4.0 + near) * 2.0;
     doubt.always |= (value * value).simd_le(bound);
@@ -456,7 +456,7 @@ fn cylinder_times<S: Simd>(
     if any_slow {
         let parallel = square.simd_eq(zero);
         doubt.grazes |= slow & enters & !parallel;
-        // half of the time in the cylinder may be infinite, though its square is none
+        // half of the interval may be infinite although its square is not
         doubt.always |= enters & !parallel & !half.simd_lt(f64::INFINITY);
         let [plus, minus] = super::ray::infinite(simd);
         let holds: Mask<S> = parallel & enters;

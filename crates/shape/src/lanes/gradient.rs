@@ -1,4 +1,4 @@
-//! Gradients of surfaces at eight points, as those of [`Surface::value_and_gradient`].
+//! Gradients of surfaces at eight points, equal to those of [`Surface::value_and_gradient`].
 
 use super::vector::{Lanes, Vec3Lanes, splat};
 use crate::surface::{AffineTorus, Cone, Cylinder, Plane, Quadric, Sphere, Surface, Torus};
@@ -6,27 +6,27 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
 
-/// What the gradients of a surface are found from.
+/// Data for the gradient of a surface.
 #[derive(Clone, Debug)]
 pub enum Gradient {
-    /// The same everywhere.
+    /// Constant gradient.
     Plane(Plane),
-    /// Along the line from the centre.
+    /// Parallel to the line from the centre.
     Sphere(Sphere),
-    /// Along the perpendicular from the axis.
+    /// Parallel to the perpendicular from the axis.
     Cylinder(Cylinder),
-    /// Along that, tilted by the slope.
+    /// Parallel to the perpendicular from the axis, tilted by the slope.
     Cone(Cone),
     /// Any other surface of degree 2. (Boxed, as the others are smaller and more frequent.)
     Quadric(Box<Quadric>),
-    /// Along the line from the circle in the middle of the tube.
+    /// Parallel to the line from the centre circle of the tube.
     Torus(Box<Torus>),
-    /// The same, carried to the image.
+    /// Gradient of a torus, transformed to the image.
     AffineTorus(Box<AffineTorus>),
 }
 
 impl Gradient {
-    /// For a surface; `None` for an object.
+    /// The gradient of a surface; `None` for an object.
     pub fn of(surface: &Surface) -> Option<Gradient> {
         Some(match surface {
             Surface::Plane(plane) => Gradient::Plane(*plane),
@@ -40,7 +40,7 @@ impl Gradient {
         })
     }
 
-    /// The gradients at some points.
+    /// Gradients at some points.
     #[inline(always)]
     pub fn at<S: Simd>(&self, simd: S, points: Vec3Lanes<S>) -> Vec3Lanes<S> {
         match self {
@@ -64,7 +64,7 @@ fn twice<S: Simd>(v: Vec3Lanes<S>) -> Vec3Lanes<S> {
     Vec3Lanes { x: v.x * 2.0, y: v.y * 2.0, z: v.z * 2.0 }
 }
 
-/// One vector for all lanes times one number in each.
+/// The same vector in all lanes, times one number per lane.
 #[inline(always)]
 fn along<S: Simd>(v: Vec3, factor: Lanes<S>) -> Vec3Lanes<S> {
     Vec3Lanes { x: factor * v.x, y: factor * v.y, z: factor * v.z }

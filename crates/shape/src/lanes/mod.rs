@@ -1,10 +1,10 @@
-//! The kernels of [`surface`](crate::surface) for eight rays at a time.
+//! The kernels of [`surface`](crate::surface) for eight rays at a time, in SIMD lanes.
 //!
-//! Each lane does what the scalar kernel does, operation by operation in the same order, so it gives the same bits: the
-//! scalar kernel is the specification. What a lane cannot do in that way (a ray that may lie in a surface, numbers near
-//! the ends of the range) it does not do at all: it raises a [`Doubt`], and the ray is asked again one by one.
+//! Each lane performs the operations of the scalar kernel in the same order, and so computes the same bits: the scalar
+//! kernel is the specification. If a lane cannot do that (the ray may lie in a surface, numbers are near the ends of the
+//! range), it raises a [`Doubt`], and the ray falls back to the scalar kernel.
 //!
-//! All functions are generic over the instruction set and have to be inlined into a caller that was compiled for it
+//! All functions are generic over the instruction set and must be inlined into a caller that is compiled for it
 //! ([`fearless_simd::dispatch`]).
 
 mod axis;

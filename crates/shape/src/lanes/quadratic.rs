@@ -1,7 +1,7 @@
-//! Surfaces of degree 2 along eight rays.
+//! Surfaces of degree 2 in SIMD lanes.
 //!
-//! The steps are those of [`quadratic_crossings`](crate::surface::quadratic_crossings) and of
-//! [`quadratic`](fn@rayweave_math::roots::quadratic), which say where they come from and why they are what they are.
+//! The operations are those of [`quadratic_crossings`](crate::surface::quadratic_crossings) and
+//! [`quadratic`](fn@rayweave_math::roots::quadratic), which document their derivation.
 
 use super::ray::{Doubt, LaneRay};
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
@@ -9,17 +9,17 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::UNIT_ROUNDOFF;
 
-/// f along the rays: `square s^2 + 2 b s + c` about the time `shift + s`. (A closure in place of [`Form::at`] might not
-/// be inlined, and then be compiled for another instruction set.)
+/// f along the rays: `square s^2 + 2 b s + c` about the time `shift + s`. (A trait, because a closure in place of
+/// [`Form::at`] might not be inlined and then be compiled for another instruction set.)
 pub(super) trait Form<S: Simd> {
-    /// When the rays are closest to the centre of the surface.
+    /// Time of closest approach to the centre of the surface.
     fn shift(&self) -> Lanes<S>;
-    /// The factor of the square.
+    /// The square term.
     fn square(&self) -> Lanes<S>;
     /// The other coefficients, `[b, c]`.
     fn at(&self, s: Lanes<S>) -> [Lanes<S>; 2];
 
-    /// The roots; for a ruled surface with its `size`, whether rays may lie in it.
+    /// The roots. For a ruled surface, `size` makes lanes uncertain whose ray may lie in the surface.
     #[inline(always)]
     fn roots(&self, simd: S, ray: &LaneRay<S>, size: Option<Size<S>>, doubt: &mut Doubt<S>) -> Roots<S> {
         let (zero, a) = (splat(simd, 0.0), self.square());
@@ -27,7 +27,7 @@ pub(super) trait Form<S: Simd> {
         if let Some(size) = size {
             doubt.always |= may_lie_in(ray, ray.middle - shift, [a, b, c], &size);
         }
-        // b^2 and a c are equal within a factor 2
+        // b^2 and a c are equal within a factor of 2
         let square = b * b;
         let cancels = ((square - a * c).abs() * 2.0).simd_lt(square);
         if cancels.any_true() {
@@ -48,39 +48,39 @@ pub(super) trait Form<S: Simd> {
     }
 }
 
-/// Where f has not the sign that it has far away: empty, from +inf to -inf, where it has that sign throughout. Where
-/// the square term is 0, where f < 0.
+/// The interval in which f has the opposite sign of its sign far away; empty, from +inf to -inf, if there is none. If the
+/// square term is 0, the interval in which f < 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Roots<S: Simd> {
-    /// When it begins.
+    /// Start of the interval.
     pub from: Lanes<S>,
-    /// When it ends.
+    /// End of the interval.
     pub to: Lanes<S>,
-    /// True where f < 0 far away.
+    /// True if f < 0 far away.
     pub opens: Mask<S>,
     /// The square term.
     pub square: Lanes<S>,
-    /// A quarter of the square of the slope of f at both ends.
+    /// A quarter of the squared slope of f at both ends.
     pub discriminant: Lanes<S>,
 }
 
-/// How much f can be where a ray is within the tolerance of the surface.
+/// Data for a bound of |f| within the tolerance of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Size<S: Simd> {
-    /// The place from the centre of the surface when the rays are closest to it.
+    /// The point of closest approach to the centre of the surface, relative to it.
     pub place: Vec3Lanes<S>,
-    /// Half of the most by which the gradient changes over a unit of length.
+    /// Half of the largest change of the gradient per unit of length.
     pub bend: f64,
-    /// The length of the gradient at the centre.
+    /// Length of the gradient at the centre.
     pub linear: f64,
-    /// The value there.
+    /// Value at the centre.
     pub constant: f64,
 }
 
-/// The square of 1e-4: see [`Roots::is_gentle`].
+/// Square of 1e-4: see [`Roots::is_gentle`].
 const GENTLE_SQUARE: f64 = 1e-8;
 
-/// 0 or 2^-450 <= |x| <= 2^450.
+/// True for 0 and for 2^-450 <= |x| <= 2^450.
 #[inline(always)]
 fn in_fast_range<S: Simd>(x: Lanes<S>) -> Mask<S> {
     const LEAST: f64 = f64::from_bits((1023 - 450) << 52);
@@ -89,7 +89,7 @@ fn in_fast_range<S: Simd>(x: Lanes<S>) -> Mask<S> {
     (size.simd_ge(LEAST) & size.simd_le(LARGEST)) | size.simd_eq(0.0)
 }
 
-/// The two roots for a square term that is not 0.
+/// The two roots if the square term is not 0.
 #[inline(always)]
 fn solved<S: Simd>(simd: S, shift: Lanes<S>, [a, b, c]: [Lanes<S>; 3]) -> Roots<S> {
     let discriminant = difference_of_products(b, a, c);
@@ -106,7 +106,7 @@ fn solved<S: Simd>(simd: S, shift: Lanes<S>, [a, b, c]: [Lanes<S>; 3]) -> Roots<
     }
 }
 
-/// Where `2 b s + c < 0`.
+/// The interval in which `2 b s + c < 0`.
 #[inline(always)]
 fn solved_linear<S: Simd>(simd: S, shift: Lanes<S>, [b, c]: [Lanes<S>; 2]) -> (Lanes<S>, Lanes<S>) {
     let [plus, minus] = super::ray::infinite(simd);
@@ -117,7 +117,7 @@ fn solved_linear<S: Simd>(simd: S, shift: Lanes<S>, [b, c]: [Lanes<S>; 2]) -> (L
     (flat.select(below.select(minus, plus), from), flat.select(below.select(plus, minus), to))
 }
 
-/// `b b - a c`, as [`rayweave_math::roots::difference_of_products`].
+/// `b b - a c`, as in [`rayweave_math::roots::difference_of_products`].
 #[inline(always)]
 fn difference_of_products<S: Simd>(b: Lanes<S>, a: Lanes<S>, c: Lanes<S>) -> Lanes<S> {
     let (p, p_error) = two_product(b, b);
@@ -149,14 +149,14 @@ fn split<S: Simd>(a: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     (high, a - high)
 }
 
-/// True where the rays may lie in the surface for all that one value can tell, `late` after they were closest to its
-/// centre: in the middle of the chord.
+/// True if the ray may lie in the surface, by a single value of f in the middle of the chord, at the time `late` after the
+/// closest approach to the centre.
 ///
-/// No farther than M from the centre the gradient is at most `2 bend M + linear`, so a ray that lies in the surface has
-/// `|f| <= delta (2 bend M + linear)` there, and `near` is twice that delta at least. Both this value and the one that
-/// [`Chord::lies_in`](crate::surface::Chord::lies_in) finds are off by at most some `3 u L (2 bend M + linear)` for the
-/// rounding of the point, with L the lengths in delta = 64 u L, and `20 u bend M^2 + 4 u (linear M + |constant|)` for
-/// that of the terms, where M is below 6 L. Twice the bound, and `16 u |constant|`, are more than all that together.
+/// Within a distance M of the centre the gradient is at most `2 bend M + linear`, so a ray in the surface has
+/// `|f| <= delta (2 bend M + linear)` there, and `near` is at least twice that delta. Both this value and the one of
+/// [`Chord::lies_in`](crate::surface::Chord::lies_in) have an error of at most `3 u L (2 bend M + linear)` from the
+/// rounding of the point, with L the lengths in delta = 64 u L, and `20 u bend M^2 + 4 u (linear M + |constant|)` from
+/// the rounding of the terms, where M is below 6 L. Twice the bound plus `16 u |constant|` exceeds the sum of all these.
 #[inline(always)]
 fn may_lie_in<S: Simd>(
     ray: &LaneRay<S>,
@@ -171,16 +171,16 @@ fn may_lie_in<S: Simd>(
 }
 
 impl<S: Simd> Roots<S> {
-    /// True where the surface is met at a time, one of the roots, at a grazing angle, and the square term is too small to
-    /// tell how long the ray keeps to it.
+    /// True if the surface is crossed at the root `t` at a grazing angle, and the square term is too small to bound how
+    /// long the ray stays close to the surface.
     ///
-    /// Where the slope is larger there, a piece of length h that begins or ends there keeps to the surface only if it is
-    /// short: with f a quadratic, `|slope| h = |4 f(middle) - f(end) - 3 f(root)| <= 8 max |f|`, where `|f|` is at most
-    /// `delta (G + bend delta)`. `G = 2 bend L` bounds the gradient, linear part included, L being the lengths in `delta
-    /// = 64 u L` at the later end. With `|slope| > 1e-4 |d| G` at the root that makes `|d| h <= 8e4 delta L / L(root)`,
-    /// where |d| is the taxicab length, as in [`LaneRay::may_hug`], which is in doubt up to `8e5 delta`: enough for an L
-    /// below 10 L(root). Farther away |d| h is L at least but for a tenth, so that L would have to be 1e9 L(root): such
-    /// times are in doubt, too.
+    /// If the slope at the root is larger, a piece of length h that begins or ends there coincides with the surface only if
+    /// it is short: f is a quadratic, so `|slope| h = |4 f(middle) - f(end) - 3 f(root)| <= 8 max |f|`, where `|f|` is at
+    /// most `delta (G + bend delta)`. `G = 2 bend L` bounds the gradient including its linear part, with L the lengths in
+    /// `delta = 64 u L` at the later end. `|slope| > 1e-4 |d| G` at the root implies `|d| h <= 8e4 delta L / L(root)`,
+    /// where |d| is the taxicab length, as in [`LaneRay::may_coincide`], which is uncertain up to `8e5 delta`: enough for L
+    /// below 10 L(root). Farther away |d| h is at least 0.9 L, so L would have to be 1e9 L(root); such times are uncertain,
+    /// too.
     #[inline(always)]
     pub fn is_gentle(&self, ray: &LaneRay<S>, t: Lanes<S>, bend: f64) -> Mask<S> {
         let slope = ray.lengths_at(t) * ray.speed * bend;
@@ -188,13 +188,13 @@ impl<S: Simd> Roots<S> {
         slow & !self.discriminant.simd_gt(slope * slope * GENTLE_SQUARE)
     }
 
-    /// True where there are two.
+    /// True if there are two roots.
     #[inline(always)]
     pub fn is_some(&self) -> Mask<S> {
         self.from.simd_lt(self.to)
     }
 
-    /// True where the square term is small.
+    /// True if the square term is small.
     #[inline(always)]
     pub fn is_slow(&self, ray: &LaneRay<S>) -> Mask<S> {
         self.square.abs().simd_lt(ray.slow_square)

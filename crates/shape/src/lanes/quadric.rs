@@ -1,4 +1,4 @@
-//! Quadrics along eight rays, as [`Quadric::crossings`].
+//! Quadrics in SIMD lanes, equal to [`Quadric::crossings`].
 
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{Doubt, LaneRay};
@@ -7,12 +7,12 @@ use crate::surface::Quadric;
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
 
-/// A quadric, and what decides how it is asked.
+/// A quadric, with precomputed data for its kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneQuadric {
     quadric: Quadric,
     is_ruled: bool,
-    /// The length of the linear part.
+    /// Length of the linear part.
     linear: f64,
     /// True if f may be negative far away.
     pub(super) may_open: bool,
@@ -41,7 +41,7 @@ impl LaneQuadric {
         has_two.then(|| *centre + shift.x * axes[0] + shift.y * axes[1] + shift.z * axes[2])
     }
 
-    /// Where the rays are inside the quadric, or outside.
+    /// Roots of the rays with the quadric.
     #[inline(always)]
     pub(super) fn roots<S: Simd>(&self, simd: S, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> Roots<S> {
         let Quadric { centre, weights, linear, constant, .. } = self.quadric;
@@ -63,7 +63,7 @@ impl LaneQuadric {
         [wv.dot(v), wx.dot(v) + ray.direction.dot_all(linear) * 0.5]
     }
 
-    /// As [`Quadric::value_and_gradient`].
+    /// Lane version of [`Quadric::value_and_gradient`].
     #[inline(always)]
     pub(super) fn value_and_gradient<S: Simd>(
         &self,
@@ -91,8 +91,7 @@ impl LaneQuadric {
     }
 }
 
-/// The rays as a quadric sees them: points and directions in principal axes, and the part of f that is not square
-/// with its rate.
+/// Rays in quadric coordinates: points and directions along the principal axes, and the non-square part of f with its rate.
 struct Line<S: Simd> {
     shift: Lanes<S>,
     weights: Vec3,

@@ -1,4 +1,4 @@
-//! Eight rays, with what every kernel needs of them.
+//! Eight rays in SIMD lanes, with common data for all kernels.
 
 use super::vector::{LANES, Lanes, Mask, Vec3Lanes, splat};
 use crate::surface::delta_of;
@@ -6,27 +6,27 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
 
-/// What a model says about the rays that can be answered eight at a time.
+/// Limits of a model within which rays can be processed in lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneLimits {
-    /// The ball that chords are cut out of, and its radius.
+    /// Centre of the ball that chords are cut out of.
     pub centre: Vec3,
-    /// > 0.
+    /// Radius of the ball, > 0.
     pub radius: f64,
-    /// The greatest reach of a surface.
-    pub reach: f64,
-    /// The greatest radius of a sphere or a cylinder.
+    /// Largest reach of a surface.
+    pub magnitude: f64,
+    /// Largest radius of a sphere or a cylinder.
     pub largest_radius: f64,
-    /// Half of the most by which the gradient of a cone or a quadric changes over a unit of length; 0 without any.
+    /// Half of the largest change of the gradient of a cone or a quadric per unit of length; 0 without any.
     pub bend: f64,
 }
 
-/// Lanes that have to be asked again one by one.
+/// Uncertain lanes, which fall back to the scalar kernels.
 #[derive(Clone, Copy, Debug)]
 pub struct Doubt<S: Simd> {
-    /// Whatever they meet: they may lie in a surface, or their numbers are near the ends of the range.
+    /// Unconditionally uncertain: the ray may lie in a surface, or numbers are near the ends of the range.
     pub always: Mask<S>,
-    /// If two of their crossings are near each other: at one of them they graze a surface.
+    /// Uncertain if two crossings are close to each other: at one of them the ray grazes a surface.
     pub grazes: Mask<S>,
 }
 
@@ -37,33 +37,33 @@ pub struct LaneRay<S: Simd> {
     pub origin: Vec3Lanes<S>,
     /// The displacements per unit of t.
     pub direction: Vec3Lanes<S>,
-    /// The squares of the lengths of the directions.
+    /// Squared lengths of the directions.
     pub square: Lanes<S>,
-    /// When they are closest to the centre of the model.
+    /// Time of closest approach to the centre of the model.
     pub middle: Lanes<S>,
     /// Twice the tolerance of any surface at that time.
     pub near: Lanes<S>,
-    /// Planes that the rays approach more slowly are met at grazing angles; or the rays may even lie in them.
+    /// Below this normal speed a ray crosses a plane at a grazing angle, or may lie in it.
     pub slow_plane: Lanes<S>,
-    /// Quadrics whose square term is below this are met at grazing angles.
+    /// Below this square term a ray crosses a quadric at a grazing angle.
     pub slow_square: Lanes<S>,
-    /// The taxicab length of the origin, and the greatest reach.
+    /// Sum of the taxicab length of the origin and the largest reach.
     pub(super) lengths: Lanes<S>,
-    /// The taxicab length of the direction.
+    /// Taxicab length of the direction.
     pub(super) speed: Lanes<S>,
 }
 
-/// Below this times its speed a ray approaches a plane slowly.
+/// Ratio of normal speed to speed below which a ray grazes a plane.
 const SLOW: f64 = 1e-5;
-/// Below this times the square of its speed the square term of a quadric is small.
+/// Ratio of the square term to the squared speed below which the square term is small.
 const SLOW_SQUARE: f64 = 1e-4;
-/// Crossings that are so many times farther away than anything else are in doubt.
+/// Ratio of distances beyond which a crossing is uncertain.
 const FAR: f64 = 1e9;
-/// A ball has to be so many times larger than the tolerance: see [`crate::surface::Chord`]; with room.
+/// Least ratio of the ball's radius to the tolerance, with a margin: see [`crate::surface::Chord`].
 const LEAST: f64 = 4096.0;
 
 impl<S: Simd> LaneRay<S> {
-    /// From components of origins and directions.
+    /// Rays from components of origins and directions.
     #[inline(always)]
     pub fn new(
         simd: S,
@@ -74,22 +74,22 @@ impl<S: Simd> LaneRay<S> {
         LaneRay::carried(simd, origin, direction, limits, splat(simd, 0.0))
     }
 
-    /// The same in the frame of a placed solid, the way into which adds `reach` to that of every surface.
+    /// Rays in the frame of a placed solid, whose placement adds `magnitude` to that of every surface.
     #[inline(always)]
     pub fn carried(
         simd: S,
         origin: Vec3Lanes<S>,
         direction: Vec3Lanes<S>,
         limits: &LaneLimits,
-        reach: Lanes<S>,
+        magnitude: Lanes<S>,
     ) -> (Self, Doubt<S>) {
         let square = direction.length_squared();
         let middle = origin.taken_from(limits.centre).dot(direction) / square;
         let (from, speed) = (origin.taxicab(), direction.taxicab());
-        let lengths = from + (reach + limits.reach);
+        let lengths = from + (magnitude + limits.magnitude);
         let at_middle = lengths + middle.abs() * speed;
         let near = at_middle * (2.0 * delta_of(1.0));
-        // in a plane at both ends of the chord, two radii apart: |n . d| 2 radius / |d| <= 2 delta; twice that
+        // a ray in a plane at both ends of the chord, two radii apart, has |n . d| 2 radius / |d| <= 2 delta; twice that
         let flat = (at_middle + limits.radius) * speed * (2.0 * delta_of(1.0) / limits.radius);
         let slow_plane = flat.max(speed * SLOW);
         let in_range = speed.simd_gt(1e-80) & speed.simd_lt(1e80) & from.simd_lt(1e80);
@@ -102,16 +102,16 @@ impl<S: Simd> LaneRay<S> {
         (ray, doubt)
     }
 
-    /// True where the piece between two neighbouring times may lie within the tolerance of a surface that it crosses at
-    /// its ends, if neither is met at a grazing angle (or if both bounds of [`Doubt::grazes`] fail).
+    /// True if the piece between two neighbouring times may lie within the tolerance of a surface that it crosses at its
+    /// ends, assuming that neither crossing is grazing (or that both bounds of [`Doubt::grazes`] fail).
     ///
-    /// With `h = b - a` and `delta` the tolerance at the later of the two: to keep to a plane takes `|n . d| h <= 2
-    /// delta`. To keep to a surface of degree 2 along which f has the square term q takes, by the second difference of
-    /// f over both ends and the middle, `q h^2 / 2 <= 4 max |f|`, where `|f| <= delta (|grad f| + bend delta)` and
-    /// `|grad f| <= 2 (radius + delta)` for spheres and cylinders, `2 bend (|r - centre|)` for others. Both are asked
-    /// for with a factor of 2 or more to spare.
+    /// With `h = b - a` and `delta` the tolerance at the later time: a piece that coincides with a plane has
+    /// `|n . d| h <= 2 delta`. A piece that coincides with a surface of degree 2, along which f has the square term q,
+    /// has `q h^2 / 2 <= 4 max |f|`, by the second difference of f over both ends and the middle, where
+    /// `|f| <= delta (|grad f| + bend delta)` and `|grad f| <= 2 (radius + delta)` for spheres and cylinders,
+    /// `2 bend (|r - centre|)` for others. Both bounds are tested with a margin of at least a factor of 2.
     #[inline(always)]
-    pub fn may_hug(&self, a: Lanes<S>, b: Lanes<S>, limits: &LaneLimits) -> Mask<S> {
+    pub fn may_coincide(&self, a: Lanes<S>, b: Lanes<S>, limits: &LaneLimits) -> Mask<S> {
         let step = b - a;
         let lengths = self.lengths_at(a.abs().max(b.abs()));
         let delta = lengths * delta_of(1.0);
@@ -123,20 +123,20 @@ impl<S: Simd> LaneRay<S> {
         plane | round | far
     }
 
-    /// All the lengths that the tolerance at a time is made of.
+    /// Sum of the lengths that determine the tolerance at a time.
     #[inline(always)]
     pub(super) fn lengths_at(&self, t: Lanes<S>) -> Lanes<S> {
         self.lengths + t.abs() * self.speed
     }
 
-    /// A ray as the scalar kernels take it.
+    /// A single ray in the form of the scalar kernels.
     pub fn lane(&self, k: usize) -> crate::Ray {
         let at = |v: &Vec3Lanes<S>| Vec3::new(v.x.as_slice()[k], v.y.as_slice()[k], v.z.as_slice()[k]);
         crate::Ray::new(at(&self.origin), at(&self.direction))
     }
 }
 
-/// All lanes infinite, for padding.
+/// +inf and -inf in all lanes, for padding.
 #[inline(always)]
 pub(super) fn infinite<S: Simd>(simd: S) -> [Lanes<S>; 2] {
     [splat(simd, f64::INFINITY), splat(simd, f64::NEG_INFINITY)]

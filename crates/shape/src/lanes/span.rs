@@ -1,39 +1,39 @@
-//! Stretches of eight rays.
+//! Spans and gaps of eight rays.
 
 use super::vector::{Lanes, Mask, splat};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-/// A stretch of each ray in which all facets so far hold, and the faces at its ends; empty unless `from < to`.
+/// An interval of each ray in which all facets so far hold, with the faces at its ends; empty unless `from < to`.
 #[derive(Clone, Copy, Debug)]
 pub struct Span<S: Simd> {
-    /// When it begins.
+    /// Start of the interval.
     pub from: Lanes<S>,
-    /// When it ends.
+    /// End of the interval.
     pub to: Lanes<S>,
-    /// The face where it begins.
+    /// Face at the start.
     pub from_face: Lanes<S>,
-    /// The face where it ends.
+    /// Face at the end.
     pub to_face: Lanes<S>,
 }
 
-/// A stretch of each ray that is cut out of a span; empty unless `from < to`.
+/// An interval of each ray that is cut out of a span; empty unless `from < to`.
 #[derive(Clone, Copy, Debug)]
 pub struct Gap<S: Simd> {
-    /// When it begins.
+    /// Start of the interval.
     pub from: Lanes<S>,
-    /// When it ends.
+    /// End of the interval.
     pub to: Lanes<S>,
 }
 
 impl<S: Simd> Gap<S> {
-    /// The same, but from one time to another where a mask says so.
+    /// Replaces the interval in the lanes of a mask.
     #[inline(always)]
     pub(super) fn or(&self, mask: Mask<S>, from: Lanes<S>, to: Lanes<S>) -> Self {
         Gap { from: mask.select(from, self.from), to: mask.select(to, self.to) }
     }
 
-    /// Whether there is anything left of a span before the gap, and after it.
+    /// True for the pieces of a span before and after the gap that are not empty.
     #[inline(always)]
     pub(super) fn pieces(&self, span: &Span<S>) -> [Mask<S>; 2] {
         let exists = self.from.simd_lt(self.to);
@@ -52,7 +52,8 @@ impl<S: Simd> Span<S> {
         Span { from: minus, to: plus, from_face: none, to_face: none }
     }
 
-    /// Not before `t`, where `face` is crossed; at equal times the first face stays. True where this changes the span.
+    /// Clamps the start to `t`, where the ray crosses `face`; at equal times the old face stays. Returns the lanes that
+    /// change.
     #[inline(always)]
     pub fn begin_after(&mut self, t: Lanes<S>, face: Lanes<S>) -> Mask<S> {
         let later = t.simd_gt(self.from);
@@ -61,7 +62,8 @@ impl<S: Simd> Span<S> {
         later
     }
 
-    /// Not after `t`, where `face` is crossed; at equal times the first face stays. True where this changes the span.
+    /// Clamps the end to `t`, where the ray crosses `face`; at equal times the old face stays. Returns the lanes that
+    /// change.
     #[inline(always)]
     pub fn end_before(&mut self, t: Lanes<S>, face: Lanes<S>) -> Mask<S> {
         let earlier = t.simd_lt(self.to);
@@ -70,7 +72,7 @@ impl<S: Simd> Span<S> {
         earlier
     }
 
-    /// Where there is anything of it.
+    /// True if the span is not empty.
     #[inline(always)]
     pub fn is_some(&self) -> Mask<S> {
         self.from.simd_lt(self.to)

@@ -1,4 +1,4 @@
-//! Tori along eight rays, as [`Torus::crossings`].
+//! Tori in SIMD lanes, equal to [`Torus::crossings`].
 
 use super::ray::{Doubt, LaneRay, infinite};
 use super::span::Gap;
@@ -9,45 +9,45 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::{Affine, Mat3, Vec3};
 
-/// A torus, or the image of one.
+/// A torus, or an affine image of one.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneTorus {
-    /// As the image of a torus about the origin.
+    /// The torus as the image of a torus about the origin.
     image: AffineTorus,
-    /// True if it is another torus.
+    /// True if the image is a torus itself.
     is_torus: bool,
-    /// The most by which the map into the frame of that torus stretches a length.
+    /// Largest stretch of lengths by the map into the frame of the torus.
     stretch: f64,
-    /// The other torus in units of its own.
+    /// The torus in its own units.
     ring: Ring,
 }
 
 /// Rays in the frame of a torus about the origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Approach<S: Simd> {
-    /// When they are closest to the centre.
+    /// Time of closest approach to the centre.
     shift: Lanes<S>,
-    /// Where they are then.
+    /// Position at that time.
     place: Vec3Lanes<S>,
     direction: Vec3Lanes<S>,
-    /// The squares of the lengths of the directions.
+    /// Squared lengths of the directions.
     square: Lanes<S>,
 }
 
-/// Where a ray is inside.
+/// The interval of each ray inside the torus, with a possible gap.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch<S: Simd> {
-    /// When it enters first.
+    /// First entry.
     pub from: Lanes<S>,
-    /// When it leaves for good.
+    /// Last exit.
     pub to: Lanes<S>,
-    /// The time between in which it is outside, if there is any.
+    /// The interval in between in which the ray is outside, if there is one.
     pub gap: Gap<S>,
 }
 
-/// Images that are squeezed by more are asked one by one.
+/// Largest compression of an image; rays with stronger ones fall back to the scalar kernel.
 const MOST_SQUEEZED: f64 = 1e6;
-/// Room around the torus, relative to its size.
+/// Margin around the torus, relative to its size.
 const ROOM: f64 = 1e-3;
 
 impl LaneTorus {
@@ -61,16 +61,16 @@ impl LaneTorus {
         LaneTorus { image, is_torus: true, stretch: 1.0, ring: Ring::of(torus) }
     }
 
-    /// `None` for an image that is too thin.
+    /// A lane torus for an image; `None` if it is compressed too strongly.
     pub(super) fn image(image: &AffineTorus) -> Option<LaneTorus> {
-        let stretch = |m: Mat3| Affine::from_linear(m).stretch();
+        let stretch = |m: Mat3| Affine::from_linear(m).linear_norm();
         let (down, up) = (stretch(image.local_from_world), stretch(image.world_from_local));
         let is_mild = down * up < MOST_SQUEEZED;
         let ring = Ring::of(&image.torus);
         is_mild.then_some(LaneTorus { image: *image, is_torus: false, stretch: down, ring })
     }
 
-    /// The rays where they are closest to the centre.
+    /// The rays at their closest approach to the centre.
     #[inline(always)]
     pub(super) fn approach<S: Simd>(&self, ray: &LaneRay<S>) -> Approach<S> {
         let (mut direction, mut square) = (ray.direction, ray.square);
@@ -87,16 +87,16 @@ impl LaneTorus {
         Approach { shift, place: from.plus(direction.times(shift)), direction, square }
     }
 
-    /// False where a ray passes the ball around the torus for certain.
+    /// False if a ray definitely misses the ball around the torus.
     #[inline(always)]
     pub(super) fn may_meet<S: Simd>(&self, ray: &LaneRay<S>, approach: &Approach<S>) -> Mask<S> {
         let Torus { major, minor, .. } = self.image.torus;
-        // the rounding of the place, with much room
+        // includes the rounding of the position, with a large margin
         let outer = ray.near * self.stretch + (major + minor) * (1.0 + ROOM);
         !approach.place.length_squared().simd_gt(outer * outer)
     }
 
-    /// Where the rays are inside.
+    /// Intervals of the rays inside the torus.
     #[inline(always)]
     pub(super) fn stretch<S: Simd>(
         &self,
@@ -135,26 +135,29 @@ impl LaneTorus {
         v.dots([map.row(0), map.row(1), map.row(2)])
     }
 
-    /// True if the torus may be met at a grazing angle at a time: then it is not told how long the ray keeps to it.
+    /// True if the ray may cross the torus at a grazing angle at a time, so that there is no bound for how long it stays
+    /// close to the torus.
     ///
-    /// In the torus's own frame, by arc length, `delta` being the tolerance at the later end of a piece [0, h] that begins
-    /// at a root (or ends there), times `stretch`. Where a ray is within it, the distance D from the circle in the middle
-    /// of the tube is at most `c = minor + 2 delta`, as |g| = |D^2 - minor^2| <= delta |grad g| = 2 delta D.
+    /// The derivation uses the torus's own frame and arc length. `delta` is the tolerance at the later end of a piece [0,
+    /// h] that begins (or ends) at a root, times `stretch`. For a ray within it, the distance D from the centre circle of
+    /// the tube is at most `c = minor + 2 delta`, as |g| = |D^2 - minor^2| <= delta |grad g| = 2 delta D.
     ///
-    /// 1. `F = g (g + 4 major rho)` is a quartic with leading coefficient 1, and its second factor is at most `2 D^2 + 8
-    ///    major^2`. From the five points that [`hugs`](crate::surface::hugs) looks at, a quarter of h apart, the fourth
-    ///    difference is `24 (h / 4)^4 <= 16 max |F|`; so `h^4 <= long = 342 delta c (2 c^2 + 8 major^2)`.
-    /// 2. Where such a piece keeps to half of its first distance rho from the axis, `rho^4 > 16 long`, g has there a
-    ///    second derivative of at most `bend = 2 + 4 major / rho`. If its slope at the root is steeper than `bend h / 4`
-    ///    for all such h, then `|g(h / 4) - g(0)| >= slope h / 8`, which is at most `4 delta c`: `h <= 32 delta c / slope`.
+    /// 1. `F = g (g + 4 major rho)` is a quartic with leading coefficient 1, and its second factor is at most
+    ///    `2 D^2 + 8 major^2`. From the five points that [`coincides_along`](crate::surface::coincides_along) tests, a quarter of h apart, the
+    ///    fourth difference is `24 (h / 4)^4 <= 16 max |F|`; so `h^4 <= long = 342 delta c (2 c^2 + 8 major^2)`.
+    /// 2. If such a piece stays beyond half of its first distance rho from the axis, `rho^4 > 16 long`, the second
+    ///    derivative of g is at most `bend = 2 + 4 major / rho` there. If the slope of g at the root is steeper than
+    ///    `bend h / 4` for all such h, then `|g(h / 4) - g(0)| >= slope h / 8`, which is at most `4 delta c`:
+    ///    `h <= 32 delta c / slope`.
     ///
-    /// [`LaneRay::may_hug`] is in doubt up to `8e5 delta / stretch` in the world, counted by the taxicab length of the
-    /// direction. That is more if `slope |d| > 1.2e-4 minor stretch |d world|` (and delta <= minor). What remains is that
-    /// delta belongs to the later end. Up to a time as far from the root as the root is from all the origins of lengths
-    /// it is at most twice that at the root, which is taken here; for a piece longer than that, 1. says that there is none.
+    /// [`LaneRay::may_coincide`] is uncertain up to `8e5 delta / stretch` in the world, measured in the taxicab length of the
+    /// direction. That is more if `slope |d| > 1.2e-4 minor stretch |d world|` (and delta <= minor). It remains that delta
+    /// belongs to the later end. Up to a time as far from the root as the root is from all the origins of lengths, it is at
+    /// most twice the delta at the root, which is used here; 1. excludes longer pieces.
     ///
-    /// The slope is taken where g was looked at last, a step from the root, an eighth of rho at most; so `1 / rho` is
-    /// larger by 8/7 at most, and the slope smaller by `bend step`. All in units in which major + minor is about 1.
+    /// The slope is that of the last evaluation of g, one step from the root, at most an eighth of rho; so `1 / rho` is
+    /// larger by at most 8/7, and the slope smaller by `bend step`. All lengths are in units in which major + minor is
+    /// about 1.
     #[inline(always)]
     fn is_gentle<S: Simd>(
         &self,
@@ -186,7 +189,7 @@ fn fourth<S: Simd>(x: Lanes<S>) -> Lanes<S> {
 }
 
 impl<S: Simd> Stretch<S> {
-    /// Nowhere.
+    /// An empty interval.
     #[inline(always)]
     pub(super) fn none(simd: S) -> Self {
         let [plus, minus] = infinite(simd);

@@ -1,5 +1,5 @@
-//! Straight lines through a torus, eight at a time: the steps of [`surface`](crate::surface)'s own lines through a torus,
-//! which says why they are what they are.
+//! Roots of eight straight lines with a torus: the operations of the scalar torus lines in [`surface`](crate::surface),
+//! which document the method.
 
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
 use crate::surface::Torus;
@@ -13,25 +13,25 @@ use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 /// A torus about the origin, in units in which major + minor is about 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ring {
-    /// The factor to these units.
+    /// Factor to these units.
     pub scale: f64,
     /// Unit vector along the axis.
     pub axis: Vec3,
-    /// The radius of the circle.
+    /// Radius of the centre circle.
     pub major: f64,
-    /// The radius of the tube.
+    /// Radius of the tube.
     pub minor: f64,
 }
 
 impl Ring {
-    /// A torus in such units, whatever its centre.
+    /// A torus in these units, about the origin.
     pub fn of(torus: &Torus) -> Ring {
         let scale = TorusLine::scale(torus);
         Ring { scale, axis: torus.axis, major: scale * torus.major, minor: scale * torus.minor }
     }
 }
 
-/// The lines, by arc length.
+/// Eight lines, parameterised by arc length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lines<'r, S: Simd> {
     ring: &'r Ring,
@@ -54,75 +54,75 @@ pub(super) struct Jet<S: Simd> {
     pub inverse: Lanes<S>,
 }
 
-/// Where the lines enter first, leave first, enter again, and leave for good.
+/// Roots of the lines: first entry, first exit, second entry, last exit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Roots<S: Simd> {
-    /// Those that go through the torus.
+    /// Lines that pass through the torus.
     pub some: Mask<S>,
-    /// Those that do so twice.
+    /// Lines that pass through it twice.
     pub two: Mask<S>,
-    /// The first and the last root.
+    /// First and last root.
     pub ends: [Root<S>; 2],
-    /// The roots between, if any line has two.
+    /// The two roots in between, if any line has them.
     pub gap: Option<[Root<S>; 2]>,
-    /// Those that have to be asked one by one.
+    /// Uncertain lines, which fall back to the scalar kernel.
     pub unsure: Mask<S>,
 }
 
 /// A root of each line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root<S: Simd> {
-    /// Where it is.
+    /// Position of the root.
     pub s: Lanes<S>,
-    /// Half of the slope of g where it was looked at last, 1 / rho there, and how far that is from the root.
+    /// Half of the slope of g and 1 / rho at the last evaluation, and the distance of that from the root.
     pub slope: Lanes<S>,
     pub inverse: Lanes<S>,
     pub step: Lanes<S>,
 }
 
-/// Two points with a root between them.
+/// Two points that bracket a root.
 #[derive(Clone, Copy, Debug)]
 struct Bracket<S: Simd> {
     lo: Jet<S>,
     hi: Jet<S>,
-    /// Where the search begins at the first; where it does at the second. Elsewhere it does where g is smaller.
+    /// Start at the first point, or at the second; otherwise at the one with smaller |g|.
     at_lo: Mask<S>,
     at_hi: Mask<S>,
 }
 
-/// A search for a root of each line.
+/// A root search on each line.
 #[derive(Clone, Copy, Debug)]
 struct Search<S: Simd> {
     lo: Lanes<S>,
     hi: Lanes<S>,
-    /// Where it looks now.
+    /// Point of the last evaluation.
     jet: Jet<S>,
     root: Root<S>,
-    /// The lines on which it goes on.
+    /// Lines without a result yet.
     active: Mask<S>,
     /// True for roots where lines enter.
     enters: bool,
 }
 
-/// The ends of the three pieces, and a point of the other side between the ends of some.
+/// Ends of the three pieces, and points of the other sign between some of them.
 struct Points<S: Simd> {
     ends: [Jet<S>; 4],
-    /// In the first piece, where the line enters the torus there and leaves it, or else in the second, where it leaves and
-    /// enters.
+    /// A point inside between two outside ends of the first piece, or else a point outside between two inside ends of the
+    /// second.
     middle: Jet<S>,
     dips: Mask<S>,
     bumps: Mask<S>,
-    /// In the third piece.
+    /// A point inside the third piece.
     last: Jet<S>,
     dips_last: Mask<S>,
-    /// g < 0 at the inflections.
+    /// True if g < 0 at each inflection.
     below: [Mask<S>; 2],
 }
 
-/// Searches that take more steps than this are left to the scalar kernel.
+/// Most steps of a search; longer ones are left to the scalar kernel.
 const STEPS: usize = 24;
 
-/// Room around the hole, relative to its size.
+/// Margin of the hole, relative to its size.
 const ROOM: f64 = 1e-3;
 
 impl<S: Simd> Jet<S> {
@@ -148,20 +148,20 @@ fn pick<S: Simd>(mask: Mask<S>, a: &Jet<S>, b: &Jet<S>) -> Jet<S> {
     }
 }
 
-/// `s` if it lies strictly between, else the middle.
+/// `s` if it is strictly between the bounds, else the midpoint.
 #[inline(always)]
 fn within<S: Simd>(lo: Lanes<S>, hi: Lanes<S>, s: Lanes<S>) -> Lanes<S> {
     (lo.simd_lt(s) & s.simd_lt(hi)).select(s, lo * 0.5 + hi * 0.5)
 }
 
-/// The root of the local parabola nearest 0; NaN if there is none.
+/// Root of the local parabola nearest to 0; NaN if there is none.
 #[inline(always)]
 fn parabola_step<S: Simd>(jet: &Jet<S>) -> Lanes<S> {
     let discriminant = jet.slope * jet.slope - jet.curvature() * jet.value;
     -jet.value / (jet.slope + discriminant.sqrt().copysign(jet.slope))
 }
 
-/// As the scalar one.
+/// Lane version of the scalar cube root.
 #[inline(always)]
 fn cube_root<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
     let high = Lanes::from_bits((x.to_bits() >> 32) | CUBE_ONE.to_bits()) - CUBE_ONE;
@@ -176,8 +176,8 @@ fn cube_root<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
 }
 
 impl<'r, S: Simd> Lines<'r, S> {
-    /// The lines through the points q relative to the torus's centre along d, of the given lengths, and the factors from
-    /// times along d to arc lengths.
+    /// The lines through the points q relative to the torus's centre along d of the given lengths, and the factors from
+    /// times to arc lengths.
     #[inline(always)]
     pub fn new(ring: &'r Ring, q: Vec3Lanes<S>, d: Vec3Lanes<S>, length: Lanes<S>) -> (Self, Lanes<S>) {
         let q = Vec3Lanes { x: q.x * ring.scale, y: q.y * ring.scale, z: q.z * ring.scale };
@@ -207,7 +207,7 @@ impl<'r, S: Simd> Lines<'r, S> {
         }
     }
 
-    /// The parts of the lines in the ball and between the two planes that hold the torus, and where there are any.
+    /// Bounds of the lines within the ball and the slab that contain the torus, and a mask of the lines that have any.
     #[inline(always)]
     fn window(&self, simd: S) -> ([Lanes<S>; 2], Mask<S>) {
         let outer = (self.ring.major + self.ring.minor) * (1.0 + MARGIN);
@@ -226,7 +226,7 @@ impl<'r, S: Simd> Lines<'r, S> {
         ([from, to], square.simd_gt(0.0) & level & from.simd_lt(to))
     }
 
-    /// The two inflections; +inf where there are none.
+    /// The two inflections; +inf if there are none.
     #[inline(always)]
     fn inflections(&self, simd: S) -> [Lanes<S>; 2] {
         let (rho, inverse) = (cube_root(simd, self.twist_squared * self.ring.major), 1.0 / self.alpha);
@@ -238,7 +238,7 @@ impl<'r, S: Simd> Lines<'r, S> {
         [some.select(closest - half, infinity), some.select(closest + half, infinity)]
     }
 
-    /// Where g changes sign on the lines asked for.
+    /// Sign changes of g on the lines of a mask.
     #[inline(always)]
     pub fn roots(&self, simd: S, asked: Mask<S>) -> Option<Roots<S>> {
         let ([from, to], some) = self.window(simd);
@@ -247,7 +247,7 @@ impl<'r, S: Simd> Lines<'r, S> {
             return None;
         }
         let (first, last) = (self.jet(simd, from), self.jet(simd, to));
-        // rho is convex: nowhere more than at the larger end
+        // rho is convex, so its maximum is at an end
         let hole = (self.ring.major - self.ring.minor) * (1.0 - ROOM);
         let asked = asked & !(first.inverse.min(last.inverse) * hole).simd_gt(1.0);
         if !asked.any_true() {
@@ -258,7 +258,7 @@ impl<'r, S: Simd> Lines<'r, S> {
         points.any(asked).then(|| points.roots(self, simd, asked, unsure))
     }
 
-    /// Points of both sides.
+    /// Points of both signs.
     #[inline(always)]
     fn points(&self, simd: S, asked: Mask<S>, [first, last]: [Jet<S>; 2], unsure: &mut Mask<S>) -> Points<S> {
         let [a, b] = self.inflections(simd);
@@ -284,7 +284,7 @@ impl<'r, S: Simd> Lines<'r, S> {
         }
     }
 
-    /// Points between two ends that have both the sign of the curvature, `up`, where g has the other one.
+    /// Points of the opposite sign between two ends that both have the sign of the curvature, `up`.
     #[inline(always)]
     fn other_side(
         &self,
@@ -327,7 +327,7 @@ impl<'r, S: Simd> Lines<'r, S> {
         (place, found)
     }
 
-    /// Two sign changes of each line, together: what one waits for fills the time of the other.
+    /// Two root searches per line, interleaved to hide latency.
     #[inline(always)]
     fn search(&self, simd: S, [mut one, mut two]: [Search<S>; 2], unsure: &mut Mask<S>) -> [Root<S>; 2] {
         for _ in 0..STEPS {
@@ -350,7 +350,7 @@ impl<S: Simd> Search<S> {
         Search { lo: bracket.lo.s, hi: bracket.hi.s, jet, root, active, enters }
     }
 
-    /// Keeps the roots of the lines that are done; where to look next on the others.
+    /// Stores the roots of finished lines, and returns the next positions of the others.
     #[inline(always)]
     fn step(&mut self, minor: f64) -> Lanes<S> {
         let jet = &self.jet;
@@ -377,7 +377,7 @@ impl<S: Simd> Search<S> {
     }
 }
 
-/// True if the parabola's root is g's but for noise.
+/// True if the root of the parabola equals the root of g up to noise.
 #[inline(always)]
 fn is_certain<S: Simd>(jet: &Jet<S>, step: Lanes<S>, minor: f64) -> Mask<S> {
     let step = step.abs();
@@ -388,7 +388,7 @@ fn is_certain<S: Simd>(jet: &Jet<S>, step: Lanes<S>, minor: f64) -> Mask<S> {
 }
 
 impl<S: Simd> Bracket<S> {
-    /// Where the search begins.
+    /// Start of the search.
     #[inline(always)]
     fn start(&self) -> Jet<S> {
         let nearer = self.lo.value.abs().simd_lt(self.hi.value.abs());
@@ -397,7 +397,7 @@ impl<S: Simd> Bracket<S> {
 }
 
 impl<S: Simd> Points<S> {
-    /// True if any line goes through the torus.
+    /// True if any line passes through the torus.
     #[inline(always)]
     fn any(&self, asked: Mask<S>) -> bool {
         (asked & (self.below[0] | self.below[1] | self.dips | self.dips_last)).any_true()
@@ -421,7 +421,7 @@ impl<S: Simd> Points<S> {
         Roots { some, two: twice, ends, gap, unsure }
     }
 
-    /// Around the first entry: the first point inside, and the one before.
+    /// Bracket of the first entry: the first point inside, and its predecessor.
     #[inline(always)]
     fn first(&self, never: Mask<S>) -> Bracket<S> {
         let ([a, b, c, _], [one, two]) = (&self.ends, self.below);
@@ -431,7 +431,7 @@ impl<S: Simd> Points<S> {
         Bracket { lo, hi, at_lo: never, at_hi: self.dips | !(one | two) }
     }
 
-    /// Around the last exit: the last point inside, and the one after it.
+    /// Bracket of the last exit: the last point inside, and its successor.
     #[inline(always)]
     fn last(&self, never: Mask<S>) -> Bracket<S> {
         let ([_, b, c, d], [one, two]) = (&self.ends, self.below);
@@ -441,7 +441,7 @@ impl<S: Simd> Points<S> {
         Bracket { lo, hi, at_lo: self.dips_last | !(one | two), at_hi: never }
     }
 
-    /// Around the first exit of two.
+    /// Bracket of the first of two exits.
     #[inline(always)]
     fn leaves(&self) -> Bracket<S> {
         let [_, b, c, _] = &self.ends;
@@ -450,7 +450,7 @@ impl<S: Simd> Points<S> {
         Bracket { lo, hi, at_lo: self.dips, at_hi: self.bumps }
     }
 
-    /// Around the second entry of two.
+    /// Bracket of the second of two entries.
     #[inline(always)]
     fn enters_again(&self) -> Bracket<S> {
         let [_, b, c, _] = &self.ends;

@@ -1,16 +1,16 @@
-//! Vectors of eight rays, with the order of operations of the scalar ones.
+//! Vectors of eight rays in SIMD lanes, with the order of operations of the scalar ones.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8, mask64x8};
 use rayweave_math::Vec3;
 
-/// Rays at a time.
+/// Number of lanes: rays processed at a time.
 pub const LANES: usize = 8;
 
-/// One number of each ray.
+/// One number per ray.
 pub type Lanes<S> = f64x8<S>;
 
-/// One truth value of each ray.
+/// One boolean per ray.
 pub type Mask<S> = mask64x8<S>;
 
 /// The same number in every lane.
@@ -19,7 +19,7 @@ pub fn splat<S: Simd>(simd: S, value: f64) -> Lanes<S> {
     Lanes::splat(simd, value)
 }
 
-/// One vector of each ray.
+/// One vector per ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Vec3Lanes<S: Simd> {
     /// The first components.
@@ -43,13 +43,13 @@ impl<S: Simd> Vec3Lanes<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
-    /// The dot product with one vector for all lanes.
+    /// Dot product with the same vector in all lanes.
     #[inline(always)]
     pub fn dot_all(self, v: Vec3) -> Lanes<S> {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 
-    /// The dot products with three vectors for all lanes.
+    /// Dot products with three vectors, the same in all lanes.
     #[inline(always)]
     pub fn dots(self, [x, y, z]: [Vec3; 3]) -> Self {
         Vec3Lanes { x: self.dot_all(x), y: self.dot_all(y), z: self.dot_all(z) }
@@ -65,7 +65,7 @@ impl<S: Simd> Vec3Lanes<S> {
         }
     }
 
-    /// The dot product with itself.
+    /// Squared length.
     #[inline(always)]
     pub fn length_squared(self) -> Lanes<S> {
         self.dot(self)
@@ -77,37 +77,37 @@ impl<S: Simd> Vec3Lanes<S> {
         Vec3Lanes { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
     }
 
-    /// Plus one vector for all lanes.
+    /// Sum with the same vector in all lanes.
     #[inline(always)]
     pub fn plus_all(self, v: Vec3) -> Self {
         Vec3Lanes { x: self.x + v.x, y: self.y + v.y, z: self.z + v.z }
     }
 
-    /// Less one vector for all lanes.
+    /// Difference to the same vector in all lanes.
     #[inline(always)]
     pub fn minus_all(self, v: Vec3) -> Self {
         Vec3Lanes { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
     }
 
-    /// One vector for all lanes less this.
+    /// The same vector in all lanes minus this one.
     #[inline(always)]
     pub fn taken_from(self, v: Vec3) -> Self {
         Vec3Lanes { x: v.x - self.x, y: v.y - self.y, z: v.z - self.z }
     }
 
-    /// Times one number in each lane.
+    /// Product with one number per lane.
     #[inline(always)]
     pub fn times(self, factor: Lanes<S>) -> Self {
         Vec3Lanes { x: factor * self.x, y: factor * self.y, z: factor * self.z }
     }
 
-    /// Each component times that of one vector for all lanes.
+    /// Componentwise product with the same vector in all lanes.
     #[inline(always)]
     pub fn times_all(self, v: Vec3) -> Self {
         Vec3Lanes { x: self.x * v.x, y: self.y * v.y, z: self.z * v.z }
     }
 
-    /// Less one vector for all lanes times one number in each lane.
+    /// Minus the same vector in all lanes times one number per lane.
     #[inline(always)]
     pub fn without(self, along: Lanes<S>, axis: Vec3) -> Self {
         Vec3Lanes { x: self.x - along * axis.x, y: self.y - along * axis.y, z: self.z - along * axis.z }
@@ -119,7 +119,7 @@ impl<S: Simd> Vec3Lanes<S> {
         self.without(self.dot_all(axis), axis)
     }
 
-    /// Another vector in some lanes.
+    /// Replaces the vector in the lanes of a mask.
     #[inline(always)]
     pub fn or_where(self, lanes: Mask<S>, other: Self) -> Self {
         Vec3Lanes {
@@ -129,13 +129,13 @@ impl<S: Simd> Vec3Lanes<S> {
         }
     }
 
-    /// The sum of the magnitudes of the components: at least the length, at most sqrt(3) times it.
+    /// Sum of the magnitudes of the components: at least the length, at most sqrt(3) times it.
     #[inline(always)]
     pub fn taxicab(self) -> Lanes<S> {
         self.x.abs() + self.y.abs() + self.z.abs()
     }
 
-    /// A component by its number.
+    /// A component by its index.
     #[inline(always)]
     pub fn component(self, k: usize) -> Lanes<S> {
         match k {

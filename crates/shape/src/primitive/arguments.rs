@@ -1,17 +1,17 @@
-//! From (name, value) pairs, as a file or a call gives them, to the numbers of one primitive.
+//! Argument checking: (name, value) pairs from a file or a call become the parameters of a primitive.
 
-use super::error::{ShapeError, nearest_name};
+use super::error::ShapeError;
 use super::parameter::Parameter;
 use super::value::Value;
 use rayweave_math::Vec3;
 
-/// The checked arguments of one primitive: every parameter has a value of its kind and range.
+/// Checked arguments of a primitive: every parameter has a value of its kind and range.
 pub struct Arguments {
     values: Vec<(&'static str, Value)>,
 }
 
 impl Arguments {
-    /// Checks the pairs against a primitive's parameters and fills in the defaults.
+    /// Checks the pairs against the parameters of a primitive and adds the defaults.
     pub fn read(
         shape: &'static str,
         parameters: &'static [Parameter],
@@ -30,7 +30,8 @@ impl Arguments {
         all.find(|(known, _)| *known == name).map(|(_, value)| value)
     }
 
-    /// A number. NaN, which no primitive accepts, if there is no number of that name; likewise below.
+    /// A number. NaN, which no primitive accepts, if there is no number with this name; the same holds for the other
+    /// getters.
     pub fn number(&self, name: &str) -> f64 {
         match self.value(name) {
             Some(Value::Number(number)) => *number,
@@ -43,7 +44,7 @@ impl Arguments {
         self.number(name) as u32
     }
 
-    /// A vector; one number stands for three.
+    /// A vector; a single number is repeated three times.
     pub fn vector(&self, name: &str) -> Vec3 {
         match self.value(name) {
             Some(Value::Number(number)) => Vec3::splat(*number),
@@ -52,7 +53,7 @@ impl Arguments {
         }
     }
 
-    /// A list of any number of numbers.
+    /// A list of numbers.
     pub fn list(&self, name: &str) -> Vec<f64> {
         match self.value(name) {
             Some(Value::Vector(list)) => list.clone(),
@@ -95,7 +96,7 @@ fn refuse_unknown(
         Some((name, _)) => Err(ShapeError::UnknownParameter {
             shape,
             name: (*name).to_owned(),
-            suggestion: nearest_name(name, names()),
+            suggestion: rayweave_error::did_you_mean(name, names()),
         }),
     }
 }

@@ -13,15 +13,16 @@
 //!
 //! Faces: `surface`, `side` and `top` (z = height).
 //!
-//! The vertex is the origin. This is the even asphere of lens design (ISO 10110-12), with the term in r^2 first, which adds
-//! to the curvature, and the odd asphere. The conic must not end within the aperture: `(1 + conic) curvature^2
-//! aperture^2` is at most 1. At most 30 coefficients of each kind. A term of first order makes a cone around the vertex (an
-//! axicon). No crossing within the aperture is missed, however the terms ripple.
+//! The vertex is the origin. This is the even asphere of lens design (ISO 10110-12), beginning with a term in r^2 that
+//! adds to the curvature, plus the odd asphere. The conic must not end within the aperture:
+//! `(1 + conic) curvature^2 aperture^2` is at most 1. There are at most 30 coefficients of each kind. A term of first
+//! order makes a cone around the vertex (an axicon). No crossing within the aperture is missed, whatever the
+//! coefficients.
 //!
-//! The box is larger than the smallest by up to a few per cent of the surface's depth.
+//! The bounding box exceeds the smallest one by up to a few per cent of the surface's depth.
 //!
-//! Volume, if the top is above the surface: pi aperture^2 height less the integral of 2 pi r times the sag; of the conic
-//! that is pi curvature aperture^4 (1 + 2 w) / (3 (1 + w)^2), w the square root at the rim.
+//! Volume, if the top is above the surface: pi aperture^2 height minus the integral of 2 pi r times the sag. For the
+//! conic the integral is pi curvature aperture^4 (1 + 2 w) / (3 (1 + w)^2), with w the square root at the rim.
 
 use super::sag::{above, checked};
 use super::shape::between;
@@ -64,7 +65,7 @@ impl Given {
         Ok(Asphere { given: self, sag })
     }
 
-    /// Of numbers that are known to give one.
+    /// The body, unchecked.
     fn certain(self) -> Asphere {
         Asphere { sag: Arc::new(Sag::unchecked(&self.description())), given: self }
     }
@@ -78,7 +79,7 @@ impl Given {
         }
     }
 
-    /// The integral of r times the sag over the radius of the aperture.
+    /// Integral of r times the sag over the radius of the aperture.
     fn moment(&self) -> f64 {
         let Given { aperture: r, curvature: c, conic: k, .. } = *self;
         let w = (1.0 - (1.0 + k) * c * c * r * r).max(0.0).sqrt();
@@ -92,7 +93,7 @@ impl Given {
 }
 
 impl Asphere {
-    /// The body above the asphere with these coefficients, up to this height, which may be infinite.
+    /// The body above the asphere with these coefficients, up to the given height, which may be infinite.
     pub fn new(
         aperture: f64,
         [curvature, conic]: [f64; 2],
@@ -152,7 +153,7 @@ impl Shape for Asphere {
     fn volume(&self) -> Option<f64> {
         let Given { aperture, height, .. } = self.given;
         let whole = PI * aperture * aperture * height - 2.0 * PI * self.given.moment();
-        // heights are bounds: they may be above the surface by roundings
+        // the heights are bounds, which may exceed the surface by roundings
         (self.sag.heights()[1] - height <= 1e-9 * aperture).then_some(whole)
     }
 
@@ -236,12 +237,11 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Asphere::new(2.0, [0.8, 0.0], [&[], &[]], 1.0)),
-            "asphere: the aperture's radius is 2 (the conic ends at 1.25, where the root in it becomes imaginary) is \
-             the curvature too large?"
+            "asphere: the aperture's radius is 2: the conic ends at 1.25, where the root in it becomes imaginary. Is the curvature too large?"
         );
         assert_eq!(
             message(Asphere::new(1.0, [0.8, 0.0], [&[0.0, f64::INFINITY], &[]], 1.0)),
-            "asphere: even[1] is inf (even must be finite)"
+            "asphere: even[1] is inf: even must be finite."
         );
         assert!(message(Asphere::new(1.0, [0.0, 0.0], [&[0.0; 31], &[]], 1.0)).contains("of degree 31"));
     }

@@ -13,10 +13,10 @@
 //!
 //! Faces: `surface`, `side` and `top` (z = height).
 //!
-//! The vertex is the origin; cx, cy, kx and ky are the curvatures and conic constants. The root must be real all over the
-//! aperture: `(1 + k) c^2 aperture^2` is at most 1 for both. No crossing within the aperture is missed.
+//! The vertex is the origin; cx, cy, kx and ky are the curvatures and conic constants. The root must be real in the
+//! whole aperture: `(1 + k) c^2 aperture^2` is at most 1 for both. No crossing within the aperture is missed.
 //!
-//! The box is larger than the smallest by up to a part of the surface's depth.
+//! The bounding box exceeds the smallest one by a fraction of the surface's depth.
 
 use super::sag::{above, checked};
 use super::shape::between;
@@ -55,7 +55,7 @@ impl Given {
         Ok(Biconic { sag: checked::<Biconic>(&self.arguments(), || self.description())?, given: self })
     }
 
-    /// Of numbers that are known to give one.
+    /// The body, unchecked.
     fn certain(self) -> Biconic {
         Biconic { sag: Arc::new(Sag::unchecked(&self.description())), given: self }
     }
@@ -67,8 +67,8 @@ impl Given {
 }
 
 impl Biconic {
-    /// The body above the biconic with these curvatures and conic constants along x and y, up to this height, which may
-    /// be infinite.
+    /// The body above the biconic with these curvatures and conic constants along x and y, up to the given height, which
+    /// may be infinite.
     pub fn new(
         aperture: f64,
         curvatures: [f64; 2],

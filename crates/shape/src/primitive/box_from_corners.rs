@@ -7,7 +7,7 @@
 //!
 //! Inside: `lo[k] < (x, y, z)[k] < hi[k] for k = 0, 1, 2`.
 //!
-//! Faces: `x-`, `x+`, `y-`, `y+`, `z-`, `z+`, named by the side of the box that they are.
+//! Faces: `x-`, `x+`, `y-`, `y+`, `z-`, `z+`, named after the sides of the box.
 //!
 //! Each component of `lo` must be less than that of `hi`.
 //!
@@ -19,7 +19,7 @@ use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, S
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
 
-/// The names of a box's faces.
+/// Names of the faces of a box.
 pub(super) const FACES: [&str; 6] = ["x-", "x+", "y-", "y+", "z-", "z+"];
 
 /// A box between two corners: [the manual page](self).
@@ -120,11 +120,11 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(BoxFromCorners::new(Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0))),
-            "box_from_corners: lo[1] is 0 and hi[1] is 0 (lo must be less than hi) are they the wrong way round?"
+            "box_from_corners: lo[1] is 0 and hi[1] is 0: lo must be less than hi. Are they the wrong way round?"
         );
         assert_eq!(
             message(BoxFromCorners::new(Vec3::NEG_INFINITY, Vec3::ONE)),
-            "box_from_corners: lo[0] is -inf (lo must be finite)"
+            "box_from_corners: lo[0] is -inf: lo must be finite."
         );
     }
 }

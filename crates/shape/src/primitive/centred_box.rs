@@ -6,9 +6,9 @@
 //!
 //! Inside: `|x| < size[0]/2, |y| < size[1]/2, |z| < size[2]/2`.
 //!
-//! Faces: `x-`, `x+`, `y-`, `y+`, `z-`, `z+`, named by the side of the box that they are.
+//! Faces: `x-`, `x+`, `y-`, `y+`, `z-`, `z+`, named after the sides of the box.
 //!
-//! One number is the side of a cube.
+//! A single number is the side of a cube.
 //!
 //! Volume: the product of the extents.
 
@@ -102,12 +102,11 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(CentredBox::new(Vec3::new(1.0, 1.0, -2.0))),
-            "box: size[2] is -2 (size must be finite and greater than 0) did you mean 2?"
+            "box: size[2] is -2: size must be finite and greater than 0. Did you mean 2?"
         );
         assert_eq!(
             message(build("box", &[("size", Value::Vector(vec![1.0, 1.0]))])),
-            "box: size is a list of 2 numbers (size must be a number or a list of 3 numbers) are there numbers \
-             missing or too many?"
+            "box: size is a list of 2 numbers: size must be a number or a list of 3 numbers. Are there numbers missing or too many?"
         );
     }
 }

@@ -10,8 +10,8 @@
 //!
 //! Faces: `side`, `bottom` (z = -height/2) and `top` (z = height/2).
 //!
-//! Either radius may be 0, but not both: that end is then a point, the apex, and the face there is only that
-//! point. With two equal radii it is a cylinder, with its faces to the bit.
+//! One radius may be 0: that end is the apex, and the face there is only a point. With two equal radii the solid is a
+//! cylinder, with bit-identical faces.
 //!
 //! Volume: pi height (radius1^2 + radius1 radius2 + radius2^2) / 3 (the frustum of Heron, *Metrica* II).
 
@@ -36,7 +36,7 @@ impl Cone {
         Cone { radius1, radius2, height }.validated()
     }
 
-    /// The cylinder, or the double cone of which the faces `bottom` and `top` cut out a piece of one nappe.
+    /// The cylinder, or the double cone; the faces `bottom` and `top` cut a piece out of one nappe.
     fn side(&self) -> Surface {
         let slope = (self.radius2 - self.radius1) / self.height;
         if slope == 0.0 {
@@ -57,15 +57,15 @@ impl Cone {
         )
     }
 
-    /// The height at which the radius is 0, exact where that is an end.
+    /// The height at which the radius is 0, exact if that is an end.
     fn apex(&self) -> f64 {
         let sum = self.radius1 + self.radius2;
         0.5 * self.height * (sum / (self.radius1 - self.radius2))
     }
 }
 
-/// An apex farther than this many times the size would cost as many digits of the points near the frustum,
-/// so that its side is written about the origin instead.
+/// Distance of the apex, relative to the size, beyond which the side is written about the origin instead: the distance
+/// would cost as many digits of the points near the frustum.
 const DISTANT: f64 = 16.0;
 
 impl Shape for Cone {
@@ -165,12 +165,12 @@ mod tests {
         assert!(at(1.0 + 0.7e-9, 0.5) && !at(1.0 + 0.8e-9, 0.5));
     }
 
-    /// The tolerances of a side are those of its size, wherever its apex is.
+    /// The tolerance of a side depends on its size, wherever its apex is.
     #[test]
     fn the_reach_of_the_side_is_about_its_size() {
         for exponent in 0..16 {
             let solid = Cone::new(1.0, 1.0 + 10f64.powi(-exponent), 2.0).unwrap();
-            assert!(solid.side().reach() < 40.0, "{:?}", solid.side());
+            assert!(solid.side().magnitude() < 40.0, "{:?}", solid.side());
         }
     }
 
@@ -192,15 +192,15 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Cone::new(0.0, 0.0, 1.0)),
-            "cone: radius1 and radius2 are both 0 (then nothing is left) did you mean one of them?"
+            "cone: radius1 and radius2 are both 0: then nothing is left. Did you mean one of them?"
         );
         assert_eq!(
             message(Cone::new(1.0, 0.5, f64::INFINITY)),
-            "cone: height is inf (height must be finite and greater than 0)"
+            "cone: height is inf: height must be finite and greater than 0."
         );
         assert_eq!(
             message(Cone::new(-1.0, 0.5, 1.0)),
-            "cone: radius1 is -1 (radius1 must be finite and at least 0) did you mean 1?"
+            "cone: radius1 is -1: radius1 must be finite and at least 0. Did you mean 1?"
         );
     }
 }

@@ -6,14 +6,13 @@
 //!
 //! Inside: `a x + b y + c z < d for all rows (a, b, c, d) of planes`.
 //!
-//! Faces: `face0..faceN-1`, in the order of the rows. A row that cuts nothing off is legal; its face is
-//! nowhere.
+//! Faces: `face0..faceN-1`, in the order of the rows. Redundant rows are allowed; their faces are empty.
 //!
-//! The planes need not enclose anything: the solid may be unbounded, and it is empty if no point is behind
-//! all of them. The first three numbers of a row must not all be 0. The bounds are the least ones up to 64
-//! planes (beyond, they may be greater); where the solid is unbounded they are infinite. Emptiness shows in
-//! the bounds if the planes enclose it from all sides, miss each other by more than one part in 1e9 and are
-//! at most 64.
+//! The planes need not enclose a bounded solid: it may be unbounded, and it is empty if no point is behind all
+//! planes. The first three numbers of a row must not all be 0. The bounds are the smallest ones for up to 64 planes
+//! (they may be larger beyond that), and infinite where the solid is unbounded. An empty solid has empty bounds if
+//! there are at most 64 planes, if they surround it on all sides, and if they miss a common point by more than one
+//! part in 1e9.
 
 use super::half_space::{check_plane, random_normal};
 use super::shape::between;
@@ -101,7 +100,7 @@ mod tests {
         Convex::new(planes.to_vec()).unwrap().lower().bounds
     }
 
-    /// The planes of a box under a rotation and a shift.
+    /// The planes of a box, rotated and translated.
     fn turned_box(half: Vec3, map: &Affine) -> Vec<[f64; 4]> {
         let plane = |(axis, h): (Vec3, f64)| {
             let normal = map.vector(axis);
@@ -154,20 +153,20 @@ mod tests {
         let inf = f64::INFINITY;
         assert_eq!(bounds(&[[0.0, 0.0, 2.0, 1.0]]).hi, Vec3::new(inf, inf, 0.5));
         assert_eq!(bounds(&[[1.0, 1.0, 0.0, 1.0]]), Bounds::ALL);
-        // a pyramid upside down without a lid
+        // an inverted pyramid without a lid
         let pyramid =
             [[1.0, 0.0, -1.0, 0.0], [-1.0, 0.0, -1.0, 0.0], [0.0, 1.0, -1.0, 0.0], [0.0, -1.0, -1.0, 0.0]];
         let open = bounds(&pyramid);
         assert_eq!((open.lo, open.hi), (Vec3::new(-inf, -inf, 0.0), Vec3::INFINITY));
-        // a beam: four planes along z, turned
+        // a beam: four planes parallel to z, rotated
         let beam = bounds(&turned_box(Vec3::ONE, &Affine::rotation(Vec3::Z, 45.0))[..4]);
         assert!((beam.hi.x - 2f64.sqrt()).abs() < 1e-15 && beam.lo.z == -inf);
-        // a slab and a plane across it, which together bound one side of one more axis
+        // a slab and a plane across it, which together bound one side of another axis
         let gutter = bounds(&[[1.0, 0.0, 1.0, 1.0], [-1.0, 0.0, 1.0, 1.0], [0.0, 1.0, 0.0, 5.0]]);
         assert_eq!(gutter.hi, Vec3::new(inf, 5.0, 1.0));
     }
 
-    /// Two planes that are parallel up to 1e-137 say nothing about the direction along both.
+    /// Two planes that are parallel up to 1e-137 do not bound the direction along both.
     #[test]
     fn nearly_parallel_planes_bound_nothing_along_them() {
         let inf = f64::INFINITY;
@@ -181,18 +180,18 @@ mod tests {
     #[test]
     fn empty_ones_have_empty_bounds() {
         assert!(bounds(&[[1.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, -1.0]]).is_empty());
-        // a box and a plane that leaves nothing of it, but does not separate it from the axes' directions
+        // a box and a plane that leaves nothing of it, but does not separate it along the coordinate axes
         let mut planes = turned_box(Vec3::ONE, &Affine::IDENTITY);
         planes.push([1.0, 1.0, 1.0, -3.1]);
         assert!(bounds(&planes).is_empty());
         planes[6] = [1.0, 1.0, 1.0, -2.9];
         assert!(!bounds(&planes).is_empty());
-        // nothing but a point is left: not told from a very small solid
+        // only a point is left: indistinguishable from a very small solid
         planes[6] = [1.0, 1.0, 1.0, -3.0];
         assert!(!bounds(&planes).is_empty());
     }
 
-    /// Planes that touch a ball: with many of them the bounds are near the ball's, and never within it.
+    /// Tangent planes of a ball: with many planes the bounds are close to those of the ball, and never inside them.
     #[test]
     fn many_planes() {
         let mut rng = uniform(6);
@@ -205,7 +204,7 @@ mod tests {
         }
     }
 
-    /// The vertices of random polyhedra, by trying all triples of planes: an independent way to the bounds.
+    /// The vertices of random polyhedra, from all triples of planes: an independent computation of the bounds.
     #[test]
     fn bounds_are_those_of_the_vertices() {
         let mut rng = uniform(7);
@@ -221,7 +220,7 @@ mod tests {
         }
     }
 
-    /// The rings (radius, height) of a solid of revolution with so many sides, turned by angles about z and x.
+    /// The rings (radius, height) of a solid of revolution with the given number of sides, rotated by angles about z and x.
     fn ring_vertices(rings: &[[f64; 2]], sides: usize, [about_z, about_x]: [f64; 2]) -> Vec<Vec<Vec3>> {
         let turn = |p: Vec3| {
             let ((s, c), (t, d)) = (sin_cos_degrees(about_z), sin_cos_degrees(about_x));
@@ -235,15 +234,15 @@ mod tests {
         rings.iter().map(|ring| (0..sides).map(|k| corner(*ring, k)).collect()).collect()
     }
 
-    /// The plane through three points, away from the origin.
+    /// The plane through three points, oriented away from the origin.
     fn plane_through([a, b, c]: [Vec3; 3]) -> [f64; 4] {
         let n = (b - a).cross(c - a).normalize();
         let n = if n.dot(a) < 0.0 { -n } else { n };
         [n.x, n.y, n.z, n.dot(a)]
     }
 
-    /// Opposite faces, and whole belts of faces along one line, whose normals differ by roundings: their combinations say
-    /// nothing, and once were taken for bounds.
+    /// Opposite faces, and whole belts of faces parallel to one line, with normals that differ by roundings: their
+    /// combinations give no valid bounds.
     #[test]
     fn bounds_of_symmetric_polyhedra_are_those_of_their_corners() {
         let shapes: [&[[f64; 2]]; 4] = [
@@ -304,21 +303,19 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Convex::new(vec![])),
-            "convex: planes is an empty list (planes must be 1 row or more of 4 numbers) are there numbers missing \
-             or too many?"
+            "convex: planes is an empty list: planes must be 1 row or more of 4 numbers. Are there numbers missing or too many?"
         );
         assert_eq!(
             message(Convex::new(vec![[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]])),
-            "convex: planes[1] is a normal of length zero (it must say which way the plane faces) did you mean \
-             [0, 0, 1]?"
+            "convex: planes[1] is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?"
         );
         assert_eq!(
             message(Convex::new(vec![[1.0, 0.0, f64::INFINITY, 1.0]])),
-            "convex: planes[0][2] is inf (planes must be finite and not all 0)"
+            "convex: planes[0][2] is inf: planes must be finite and not all 0."
         );
         assert_eq!(
             message(Convex::new(vec![[1e-100, 0.0, 0.0, 1.0]])),
-            "convex: planes[0][3] is 1e100 (only lengths from 1e-60 to 1e60 can be computed with) is the unit right?"
+            "convex: planes[0][3] is 1e100: only lengths from 1e-60 to 1e60 can be computed with. Is the unit right?"
         );
     }
 }

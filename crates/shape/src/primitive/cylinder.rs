@@ -9,7 +9,7 @@
 //!
 //! Faces: `side`, `bottom` (z = -height/2) and `top` (z = height/2).
 //!
-//! With the infinite height that it has if none is given it has no ends: the only face is `side`.
+//! The default height is infinite: the cylinder then has no ends, and its only face is `side`.
 //!
 //! Volume: pi radius^2 height.
 
@@ -113,11 +113,11 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Cylinder::new(1.0, -2.0)),
-            "cylinder: height is -2 (height must be greater than 0, or inf) did you mean 2?"
+            "cylinder: height is -2: height must be greater than 0, or inf. Did you mean 2?"
         );
         assert_eq!(
             message(Cylinder::new(f64::INFINITY, 1.0)),
-            "cylinder: radius is inf (radius must be finite and greater than 0)"
+            "cylinder: radius is inf: radius must be finite and greater than 0."
         );
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! Face: `side`.
 //!
-//! With three equal radii it is the sphere, to the bit.
+//! With three equal radii the solid is a sphere, with a bit-identical face.
 //!
 //! Volume: 4/3 pi radii\[0\] radii\[1\] radii\[2\], the affine image of the unit ball.
 
@@ -30,7 +30,7 @@ impl Ellipsoid {
         Ellipsoid { radii }.validated()
     }
 
-    /// The equation times the square of the smallest radius, so that nothing over- or underflows.
+    /// The equation times the square of the smallest radius, to avoid over- and underflow.
     fn surface(&self) -> Surface {
         let smallest = self.radii.min_element();
         if smallest == self.radii.max_element() {
@@ -122,7 +122,7 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Ellipsoid::new(Vec3::new(1.0, 0.0, 1.0))),
-            "ellipsoid: radii[1] is 0 (radii must be finite and greater than 0)"
+            "ellipsoid: radii[1] is 0: radii must be finite and greater than 0."
         );
     }
 }

@@ -1,44 +1,46 @@
-//! Why a primitive cannot be made.
+//! Errors of primitives: unknown names, wrong kinds, values out of range.
 
 use super::parameter::{ParameterKind, Range};
 use super::value::short;
 use crate::surface::sag::SagError;
+use rayweave_error::{Classified, ErrorKind};
 use rayweave_mesh::MeshError;
 
-/// Why a primitive cannot be made; the message reads "problem (why) suggestion?".
+/// The reason why a primitive cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShapeError {
     /// No primitive has this name.
-    #[error("unknown shape `{name}` (the shapes are {}){}", super::names(), or_name(.suggestion))]
+    #[error("unknown shape `{name}`: the shapes are {}.{}", super::names(), or_name(.suggestion))]
     UnknownShape {
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The nearest name that there is.
+        /// The nearest existing name.
         suggestion: Option<&'static str>,
     },
     /// The primitive has no parameter of this name.
-    #[error("{shape}: unknown parameter `{name}` (the parameters are {}){}", parameters(.shape), or_name(.suggestion))]
+    #[error("{shape}: unknown parameter `{name}`: the parameters are {}.{}", parameters(.shape), or_name(.suggestion))]
     UnknownParameter {
         /// The primitive.
         shape: &'static str,
-        /// The name given.
+        /// Given name.
         name: String,
-        /// The nearest name that there is.
+        /// The nearest existing name.
         suggestion: Option<&'static str>,
     },
-    /// A parameter without default was not given.
-    #[error("{shape}: {parameter} is missing (it is {kind} and has no default) did you forget it?")]
+    /// A required parameter is missing.
+    #[error("{shape}: {parameter} is missing: it is {kind} and has no default. Did you forget it?")]
     MissingParameter {
         /// The primitive.
         shape: &'static str,
         /// The parameter.
         parameter: &'static str,
-        /// What it should be.
+        /// Kind of the parameter.
         kind: ParameterKind,
     },
     /// A parameter was given more than once.
     #[error(
-        "{shape}: {parameter} is given more than once (each parameter has one value) which one is meant?"
+        "{shape}: {parameter} is given more than once: each parameter has one value. Which one is meant?"
     )]
     RepeatedParameter {
         /// The primitive.
@@ -47,49 +49,49 @@ pub enum ShapeError {
         parameter: &'static str,
     },
     /// A number where a list is needed, a list of the wrong length, and so on.
-    #[error("{shape}: {parameter}{} is {found} ({parameter} must be {expected}) are there numbers missing or too many?", at(.index))]
+    #[error("{shape}: {parameter}{} is {found}: {parameter} must be {expected}. Are there numbers missing or too many?", at(.index))]
     WrongKind {
         /// The primitive.
         shape: &'static str,
         /// The parameter.
         parameter: &'static str,
-        /// The row at fault, if it is one row.
+        /// The row at fault, if there is one.
         index: Vec<usize>,
-        /// What it should be.
+        /// Expected kind.
         expected: ParameterKind,
-        /// What was given.
+        /// Description of the given value.
         found: String,
     },
     /// A number outside its range, NaN and infinity included.
-    #[error("{shape}: {parameter}{} is {} ({parameter} must be {range}){}", at(.index), short(*.value), or_value(.suggestion))]
+    #[error("{shape}: {parameter}{} is {}: {parameter} must be {range}.{}", at(.index), short(*.value), or_value(.suggestion))]
     OutOfRange {
         /// The primitive.
         shape: &'static str,
         /// The parameter.
         parameter: &'static str,
-        /// The place in the parameter, if that is a list (one index) or has rows (two).
+        /// The position in the parameter: one index for a list, two for rows.
         index: Vec<usize>,
         /// The value given.
         value: f64,
-        /// The values allowed.
+        /// The allowed values.
         range: Range,
-        /// A value that may have been meant.
+        /// A value that was possibly meant.
         suggestion: Option<f64>,
     },
-    /// A length beyond what can be computed with.
-    #[error("{shape}: {parameter}{} is {} (only lengths from 1e-60 to 1e60 can be computed with) is the unit right?", at(.index), short(*.value))]
+    /// A length beyond the range of computation.
+    #[error("{shape}: {parameter}{} is {}: only lengths from 1e-60 to 1e60 can be computed with. Is the unit right?", at(.index), short(*.value))]
     Extreme {
         /// The primitive.
         shape: &'static str,
         /// The parameter.
         parameter: &'static str,
-        /// The place in the parameter, if that is a list or has rows.
+        /// The position in the parameter, if that is a list or has rows.
         index: Vec<usize>,
-        /// The length; where a plane's normal is not of unit length, after division by that.
+        /// The length; for a plane the offset after division by the length of its normal.
         value: f64,
     },
     /// A normal of length zero.
-    #[error("{shape}: {parameter}{} is a normal of length zero (it must say which way the plane faces) did you mean [0, 0, 1]?", at(.index))]
+    #[error("{shape}: {parameter}{} is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?", at(.index))]
     ZeroNormal {
         /// The primitive.
         shape: &'static str,
@@ -98,14 +100,14 @@ pub enum ShapeError {
         /// The row, if the parameter has rows.
         index: Vec<usize>,
     },
-    /// Two parameters of which one must be smaller than the other, and is not.
-    #[error("{shape}: {lower}{place} is {} and {upper}{place} is {} ({lower} must be less than {upper}) are they the wrong way round?", short(*.lo), short(*.hi), place = at(.index))]
+    /// Two parameters that are not in increasing order.
+    #[error("{shape}: {lower}{place} is {} and {upper}{place} is {}: {lower} must be less than {upper}. Are they the wrong way round?", short(*.lo), short(*.hi), place = at(.index))]
     NotIncreasing {
         /// The primitive.
         shape: &'static str,
-        /// The parameter that must be smaller.
+        /// The parameter that must be the smaller one.
         lower: &'static str,
-        /// The parameter that must be greater.
+        /// The parameter that must be the greater one.
         upper: &'static str,
         /// The component, if the parameters are vectors.
         index: Vec<usize>,
@@ -114,8 +116,8 @@ pub enum ShapeError {
         /// The value of `upper`.
         hi: f64,
     },
-    /// Two parameters that are both zero, where one may be.
-    #[error("{shape}: {first} and {second} are both 0 (then nothing is left) did you mean one of them?")]
+    /// Two parameters that are both zero; at most one may be.
+    #[error("{shape}: {first} and {second} are both 0: then nothing is left. Did you mean one of them?")]
     BothZero {
         /// The primitive.
         shape: &'static str,
@@ -129,11 +131,11 @@ pub enum ShapeError {
     Sag {
         /// The primitive.
         shape: &'static str,
-        /// Why not.
+        /// The reason.
         problem: SagError,
     },
-    /// A matrix that should be symmetric and is not.
-    #[error("{shape}: {parameter}[{row}][{column}] is {} but {parameter}[{column}][{row}] is {} (the matrix must be symmetric) did you mean {} in both places?", short(*.value), short(*.mirrored), short(0.5 * *.value + 0.5 * *.mirrored))]
+    /// A matrix that is not symmetric.
+    #[error("{shape}: {parameter}[{row}][{column}] is {} but {parameter}[{column}][{row}] is {}: the matrix must be symmetric. Did you mean {} in both places?", short(*.value), short(*.mirrored), short(0.5 * *.value + 0.5 * *.mirrored))]
     NotSymmetric {
         /// The primitive.
         shape: &'static str,
@@ -148,18 +150,24 @@ pub enum ShapeError {
         /// The entry at (column, row).
         mirrored: f64,
     },
-    /// Points and triangles that are no closed mesh.
+    /// Points and triangles that do not form a closed mesh.
     #[error("{shape}: {error}")]
     Mesh {
         /// The primitive.
         shape: &'static str,
-        /// Why not.
+        /// The reason.
         error: MeshError,
     },
 }
 
+impl Classified for ShapeError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Shape
+    }
+}
+
 impl ShapeError {
-    /// The parameter at fault, as it is spelt in the input; `None` if the shape itself is.
+    /// The parameter at fault, as spelt in the input; `None` if the shape itself is at fault.
     pub fn parameter(&self) -> Option<&str> {
         match self {
             ShapeError::UnknownShape { .. } | ShapeError::MissingParameter { .. } => None,
@@ -178,7 +186,7 @@ impl ShapeError {
         }
     }
 
-    /// The place in the parameter that is at fault: none, one index or two (row, column).
+    /// The position at fault in the parameter: none, one index or two (row, column).
     pub fn index(&self) -> Vec<usize> {
         match self {
             ShapeError::WrongKind { index, .. }
@@ -205,26 +213,15 @@ fn at(index: &[usize]) -> String {
 }
 
 fn or_name(suggestion: &Option<&'static str>) -> String {
-    suggestion.map(|name| format!(" did you mean `{name}`?")).unwrap_or_default()
+    suggestion.map(|name| format!(" Did you mean `{name}`?")).unwrap_or_default()
 }
 
 fn or_value(suggestion: &Option<f64>) -> String {
-    suggestion.map(|value| format!(" did you mean {}?", short(value))).unwrap_or_default()
+    suggestion.map(|value| format!(" Did you mean {}?", short(value))).unwrap_or_default()
 }
 
 fn parameters(shape: &str) -> String {
     let names = super::manual(shape).map(|manual| manual.parameters).unwrap_or_default();
     let names: Vec<&str> = names.iter().map(|parameter| parameter.name).collect();
     names.join(", ")
-}
-
-/// The nearest of the names, if it is near enough to be a slip of the fingers: at most a third of the
-/// letters wrong (Damerau-Levenshtein distance), and at least one letter of two right.
-pub(super) fn nearest_name<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let wrong = |other: &str| strsim::damerau_levenshtein(&name.to_lowercase(), other);
-    names
-        .map(|other| (wrong(other), other))
-        .filter(|(wrong, other)| 3 * wrong <= other.len().max(name.chars().count()))
-        .min_by_key(|(wrong, _)| *wrong)
-        .map(|(_, other)| other)
 }

@@ -14,12 +14,12 @@
 //!
 //! Faces: `surface`, `side` and `top` (z = height).
 //!
-//! Terms in x and y come degree by degree, within each with falling power of x, as in the extended polynomial of lens design
-//! programs; Zernike polynomials in the order and with the norm (root mean square 1 over the disc of `norm_radius`) of R. J. Noll,
-//! J. Opt. Soc. Am. 66 (1976) 207. Both may be given, up to degree 30. The base must not end within the aperture.
-//! No crossing within the aperture is missed.
+//! Terms in x and y are ordered by degree, and within a degree by falling power of x, as in the extended polynomial
+//! of lens design programs. Zernike polynomials have the order and norm (root mean square 1 over the disc of
+//! `norm_radius`) of R. J. Noll, J. Opt. Soc. Am. 66 (1976) 207. Both kinds may be combined, up to degree 30. The
+//! base must not end within the aperture. No crossing within the aperture is missed.
 //!
-//! The box is larger than the smallest by up to a part of the surface's depth.
+//! The bounding box exceeds the smallest one by a fraction of the surface's depth.
 
 use super::sag::{above, checked};
 use super::shape::between;
@@ -62,7 +62,7 @@ impl Given {
         Ok(Freeform { sag: checked::<Freeform>(&self.arguments(), || self.description())?, given: self })
     }
 
-    /// Of numbers that are known to give one.
+    /// The body, unchecked.
     fn certain(self) -> Freeform {
         Freeform { sag: Arc::new(Sag::unchecked(&self.description())), given: self }
     }
@@ -84,8 +84,8 @@ fn xy_terms(coefficients: &[f64], radius: f64) -> Vec<(u32, u32, f64)> {
 }
 
 impl Freeform {
-    /// The body above the freeform on a conic base with these terms in x and y and Zernike polynomials, both of
-    /// coordinates over a radius (0 for that of the aperture), up to this height, which may be infinite.
+    /// The body above the freeform: a conic base plus terms in x and y and Zernike polynomials, both with coordinates
+    /// divided by a radius (0 for that of the aperture), up to the given height, which may be infinite.
     pub fn new(
         aperture: f64,
         [curvature, conic]: [f64; 2],

@@ -1,4 +1,4 @@
-//! All points on one side of a plane.
+//! A half-space: all points on one side of a plane.
 //!
 //! | parameter | is | unit | range | default | meaning |
 //! | --- | --- | --- | --- | --- | --- |
@@ -9,8 +9,8 @@
 //!
 //! Face: `plane`.
 //!
-//! A greater normal with the same offset brings the plane nearer to the origin: only their ratio counts. The
-//! bounds are finite on one side if the normal is along an axis.
+//! Only the ratio of normal and offset matters: a longer normal with the same offset moves the plane nearer to the
+//! origin. The bounds are finite on one side if the normal is parallel to an axis.
 
 use super::parameter::check_length;
 use super::shape::between;
@@ -32,7 +32,7 @@ impl HalfSpace {
     }
 }
 
-/// The box that holds `lo < normal . p < hi`: finite in the one direction of a normal along an axis.
+/// The box around `lo < normal . p < hi`: finite along a normal that is parallel to an axis.
 pub(super) fn layer_bounds(normal: Vec3, lo: f64, hi: f64) -> Bounds {
     let mut bounds = Bounds::ALL;
     for k in 0..3 {
@@ -45,7 +45,7 @@ pub(super) fn layer_bounds(normal: Vec3, lo: f64, hi: f64) -> Bounds {
     bounds
 }
 
-/// An error if the plane `normal . p = offset` is too far from the origin to compute with.
+/// An error if the plane `normal . p = offset` is too far from the origin.
 pub(super) fn check_plane(
     shape: &'static str,
     parameter: &'static str,
@@ -54,7 +54,7 @@ pub(super) fn check_plane(
     offset: f64,
 ) -> Result<(), ShapeError> {
     let distance = Plane::new(normal, offset).offset;
-    // nearer than the smallest length is as good as through the origin
+    // distances below the smallest length count as 0
     match distance.abs() < 1.0 {
         true => Ok(()),
         false => check_length(shape, parameter, index, distance),
@@ -114,7 +114,7 @@ impl Shape for HalfSpace {
     }
 }
 
-/// Along an axis, half of the time; else anywhere, of a length about 1.
+/// A random normal: along an axis half of the time, else in any direction, of length about 1.
 pub(super) fn random_normal(rng: &mut dyn FnMut() -> f64) -> Vec3 {
     let sign = if rng() < 0.5 { -1.0 } else { 1.0 };
     match (6.0 * rng()) as usize {
@@ -158,22 +158,21 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(HalfSpace::new(Vec3::ZERO, 1.0)),
-            "half_space: normal is a normal of length zero (it must say which way the plane faces) did you mean \
-             [0, 0, 1]?"
+            "half_space: normal is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?"
         );
         assert_eq!(
             message(HalfSpace::new(Vec3::new(0.0, f64::NAN, 1.0), 1.0)),
-            "half_space: normal[1] is nan (normal must be finite and not all 0)"
+            "half_space: normal[1] is nan: normal must be finite and not all 0."
         );
         assert_eq!(
             message(HalfSpace::new(Vec3::new(0.0, 1e-200, 0.0), 1.0)),
-            "half_space: offset is 1e200 (only lengths from 1e-60 to 1e60 can be computed with) is the unit right?"
+            "half_space: offset is 1e200: only lengths from 1e-60 to 1e60 can be computed with. Is the unit right?"
         );
-        assert!(message(HalfSpace::new(Vec3::Z * 1e-310, 1.0)).contains("offset is inf (only lengths"));
+        assert!(message(HalfSpace::new(Vec3::Z * 1e-310, 1.0)).contains("offset is inf: only lengths"));
         assert_eq!(HalfSpace::new(Vec3::Z * 1e-310, 0.0).unwrap().lower().bounds.hi.z, 0.0);
         assert_eq!(
             message(HalfSpace::new(Vec3::Z, f64::INFINITY)),
-            "half_space: offset is inf (offset must be finite)"
+            "half_space: offset is inf: offset must be finite."
         );
     }
 }

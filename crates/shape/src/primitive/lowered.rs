@@ -1,4 +1,4 @@
-//! What every primitive becomes: sides of surfaces, joined by "and".
+//! Lowered primitive: a conjunction of sides of surfaces.
 
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
@@ -7,7 +7,7 @@ use std::borrow::Cow;
 /// One face of a lowered primitive: a side of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facet {
-    /// The face's name, as its manual page gives it.
+    /// Name of the face, as in the manual page.
     pub name: Cow<'static, str>,
     /// The surface, in the primitive's own frame.
     pub surface: Surface,
@@ -32,31 +32,31 @@ impl Facet {
     }
 }
 
-/// A primitive as a conjunction of sides of surfaces: inside where all facets hold, or, if `complement` is
-/// set, where not all of them hold.
+/// A primitive as a conjunction of sides of surfaces: the inside is where all facets hold, or, if `complement` is set,
+/// where not all of them hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lowered {
-    /// The faces; the conjunction of none is all of space.
+    /// The faces; without any the conjunction is all of space.
     pub facets: Vec<Facet>,
     /// True if the solid is the complement of the conjunction.
     pub complement: bool,
-    /// A box that holds the solid (not the conjunction), in the primitive's own frame: the smallest one, but
-    /// for a few roundings and for the exceptions that the manual pages of `convex` and `quadric` name.
+    /// A box around the solid (not the conjunction) in the frame of the primitive: the smallest one, up to rounding and the
+    /// exceptions in the manual pages of `convex` and `quadric`.
     pub bounds: Bounds,
 }
 
 impl Lowered {
-    /// The solid where all facets hold.
+    /// The solid in which all facets hold.
     pub fn conjunction(facets: Vec<Facet>, bounds: Bounds) -> Lowered {
         Lowered { facets, complement: false, bounds }
     }
 
-    /// The solid where not all facets hold.
+    /// The solid in which not all facets hold.
     pub fn complement(facets: Vec<Facet>, bounds: Bounds) -> Lowered {
         Lowered { facets, complement: true, bounds }
     }
 
-    /// Nothing.
+    /// The empty solid.
     pub fn nothing() -> Lowered {
         Lowered::complement(Vec::new(), Bounds::EMPTY)
     }
@@ -66,8 +66,8 @@ impl Lowered {
         Lowered::conjunction(Vec::new(), Bounds::ALL)
     }
 
-    /// True if the point is inside, by the sign of each surface's function. The answer for a point within
-    /// rounding of a surface is either; no question along a ray is answered from here.
+    /// True if the point is inside, by the sign of each surface's function. For a point within rounding of a surface either
+    /// answer is possible; ray queries do not use it.
     pub fn contains(&self, point: Vec3) -> bool {
         self.facets.iter().all(|facet| facet.holds(point)) != self.complement
     }
@@ -84,7 +84,7 @@ pub(super) fn caps(height: f64) -> Vec<Facet> {
     ]
 }
 
-/// The box around the z axis that holds a solid of revolution of the given radius, centred.
+/// The box around a centred solid of revolution about z of the given radius.
 pub(super) fn pillar(radius: f64, height: f64) -> Bounds {
     Bounds::centred(Vec3::ZERO, Vec3::new(radius, radius, 0.5 * height))
 }

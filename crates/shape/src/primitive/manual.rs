@@ -1,25 +1,25 @@
-//! The manual: what a primitive is, for help texts, documentation and editors.
+//! Manual pages of primitives, for help texts, documentation and editors.
 
 use super::parameter::Parameter;
 
-/// The manual page of one primitive. The text is the head of the primitive's own source file.
+/// The manual page of a primitive. Its text is the header of the source file of the primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manual {
-    /// The name at every door: the keyword of the model file, the function in Python.
+    /// Name in all interfaces: the keyword of the model file, the function in Python.
     pub name: &'static str,
     /// One sentence.
     pub summary: &'static str,
     /// The parameters, in order.
     pub parameters: &'static [Parameter],
-    /// The names of the faces; `side0..sideN-1` stands for as many as there are.
+    /// Names of the faces; `side0..sideN-1` is a numbered sequence.
     pub faces: &'static [&'static str],
-    /// Where a point (x, y, z) is inside.
+    /// Condition for a point (x, y, z) to be inside.
     pub equation: &'static str,
     /// The whole page, in Markdown.
     pub text: &'static str,
 }
 
-/// The parameters as a Markdown table, as every manual page holds it.
+/// The parameters as a Markdown table, as in every manual page.
 pub fn parameter_table(parameters: &[Parameter]) -> String {
     let head =
         "| parameter | is | unit | range | default | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
@@ -38,14 +38,14 @@ pub(super) const fn page_length(source: &str) -> usize {
     copy_page(source.as_bytes(), &mut [])
 }
 
-/// The `//!` lines at the head of a source file, without their marks.
+/// The `//!` lines at the head of a source file, without their prefixes.
 pub(super) const fn page<const N: usize>(source: &str) -> [u8; N] {
     let mut text = [0; N];
     copy_page(source.as_bytes(), &mut text);
     text
 }
 
-/// Copies as much of the page as fits and returns its whole length.
+/// Copies as much of the page as fits and returns its full length.
 const fn copy_page(source: &[u8], text: &mut [u8]) -> usize {
     let (mut from, mut to) = (0, 0);
     while is_page_line(source, from) {
@@ -70,7 +70,7 @@ const fn is_page_line(source: &[u8], at: usize) -> bool {
     at + 3 <= source.len() && source[at] == b'/' && source[at + 1] == b'/' && source[at + 2] == b'!'
 }
 
-/// The text of [`page`], which is a part of a `str` cut at ASCII characters.
+/// The text of [`page`], a part of a `str` that is cut at ASCII characters.
 pub(super) const fn as_text(page: &[u8]) -> &str {
     match std::str::from_utf8(page) {
         Ok(text) => text,

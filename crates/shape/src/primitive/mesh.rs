@@ -1,4 +1,4 @@
-//! The solid within a closed mesh of triangles.
+//! The solid inside a closed triangle mesh.
 //!
 //! | parameter | is | unit | range | default | meaning |
 //! | --- | --- | --- | --- | --- | --- |
@@ -9,13 +9,13 @@
 //!
 //! One face: `surface`.
 //!
-//! Each edge must belong to an even number of triangles, so that inside and outside can be told apart; points that are equal
-//! count as one, and triangles with two equal corners do not count. In which direction a triangle turns says nothing: shells
-//! within shells are hollows, and where two shells overlap there is nothing. A model file may name a file instead: `mesh = { file
-//! = "part.stl" }`.
+//! Each edge must belong to an even number of triangles, which defines inside and outside. Equal points count as one,
+//! and triangles with two equal vertices are ignored. The orientation of triangles has no meaning: shells within
+//! shells are cavities, and where two shells overlap there is no solid. A model file may name a mesh file instead:
+//! `mesh = { file = "part.stl" }`.
 //!
-//! A line through an edge or a vertex crosses the mesh as if it passed beside it, on the same side of all triangles (S. Woop,
-//! C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2, 2013).
+//! A ray through an edge or a vertex crosses the mesh as if it passed beside it, on the same side of all triangles
+//! (S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2, 2013).
 
 use super::shape::between;
 use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
@@ -24,7 +24,7 @@ use rayweave_math::Vec3;
 use rayweave_mesh::Polyhedron;
 use std::sync::Arc;
 
-/// The solid within a closed mesh: [the manual page](self).
+/// The solid inside a closed mesh: [the manual page](self).
 ///
 /// Copies share one mesh.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl From<Polyhedron> for Mesh {
 }
 
 impl Mesh {
-    /// The solid within a mesh.
+    /// The solid inside a mesh.
     ///
     /// # Errors
     /// [`ShapeError::Mesh`] if the mesh is not closed.
@@ -109,7 +109,7 @@ impl Shape for Mesh {
         let hollows =
             (0..6).map(|k| std::array::from_fn(|axis| if k / 2 == axis { sign(k, 0) } else { 0.0 }));
         let faces: Vec<[f64; 3]> = (0..8).flat_map(spike).map(|face| face.map(f64::from)).collect();
-        // the faces were counted by hand: closed
+        // closed, by a count of the faces by hand
         Mesh::from_rows(tips.chain(hollows).collect(), &faces).unwrap_or_else(|_| tetrahedron([[0.0; 3]; 5]))
     }
 
@@ -121,7 +121,7 @@ impl Shape for Mesh {
     }
 }
 
-/// The three faces of the spike over an octant, by the numbers of its tip, 0 to 7, and of the ends of the axes, 8 to 13.
+/// The three faces of the spike over an octant, by the indices of its tip, 0 to 7, and of the ends of the axes, 8 to 13.
 fn spike(octant: u32) -> [[u32; 3]; 3] {
     let end = |axis: u32| 8 + 2 * axis + (octant >> axis & 1);
     let is_mirrored = octant.count_ones().is_multiple_of(2);
@@ -129,7 +129,7 @@ fn spike(octant: u32) -> [[u32; 3]; 3] {
         .map(|(a, b)| if is_mirrored { [octant, end(b), end(a)] } else { [octant, end(a), end(b)] })
 }
 
-/// Four corners and a fifth point instead of the face opposite to the first.
+/// Four vertices, and a fifth that replaces the face opposite to the first one.
 fn tetrahedron(points: [[f64; 3]; 5]) -> Mesh {
     let faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [4, 2, 1], [4, 3, 2], [4, 1, 3]];
     let vertices = points.map(Vec3::from_array).to_vec();
@@ -147,7 +147,7 @@ mod tests {
         for scale in [1e-8, 1.0, 1e8] {
             let mesh = Mesh::example().solid().to_mesh().mapped(|p| scale * p).unwrap();
             assert!(mesh.diagnose().is_sound());
-            // each is half as large as the cube less four corners, and both have an octahedron in common
+            // each has half the volume of the cube minus four corners, and their intersection is an octahedron
             assert!((mesh.volume() - 4.0 * scale.powi(3)).abs() < 1e-14 * scale.powi(3));
             let solid = Mesh::new(&mesh).unwrap();
             let inside = |p: Vec3| {
@@ -170,10 +170,10 @@ mod tests {
         let open = build(&corners, &[[0.0, 2.0, 1.0], [0.0, 1.0, 3.0]]);
         assert!(open.starts_with("mesh: the mesh is not closed: 4 edges belong to an odd number"), "{open}");
         let index = build(&corners, &[[0.0, 2.0, 4.0]]);
-        assert!(index.starts_with("mesh: triangle 0 names vertex 4 (there are 4"), "{index}");
+        assert!(index.starts_with("mesh: triangle 0 refers to vertex 4: the mesh has 4 vertices"), "{index}");
         assert!(
             build(&corners, &[[0.0, 0.5, 1.0]])
-                .starts_with("mesh: faces[0][1] is 0.5 (faces must be a whole")
+                .starts_with("mesh: faces[0][1] is 0.5: faces must be a whole")
         );
         let empty =
             super::super::build("mesh", &[("vertices", Value::Rows(vec![])), ("faces", rows(&corners))]);

@@ -1,8 +1,8 @@
-//! Primitive solids: many, open, each in a file of its own that begins with its manual page.
+//! Primitive solids: an open set, one file per primitive, which begins with its manual page.
 //!
-//! To add one, write its file (copy the one most like it) and add two lines below: the module, and the entry
-//! in the list. From that list come the enum [`Primitive`], the names at every door, the [`MANUALS`],
-//! [`build`], the examples and the random ones that other crates test with.
+//! To add one, write its file (copy a similar one) and add two lines below: the module, and the entry in the list. The list
+//! generates the enum [`Primitive`], the names in all interfaces, the [`MANUALS`], [`build`], and the examples and random
+//! primitives that other crates use in tests.
 
 mod arguments;
 mod error;
@@ -48,7 +48,7 @@ macro_rules! primitives {
     ($($module:ident :: $shape:ident),* $(,)?) => {
         $(#[doc(no_inline)] pub use $module::$shape;)*
 
-        /// One primitive solid.
+        /// A primitive solid.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Primitive {
             $(#[doc = concat!("See [`", stringify!($module), "`].")] $shape($shape),)*
@@ -60,7 +60,7 @@ macro_rules! primitives {
             }
         })*
 
-        /// The manual pages of all primitives.
+        /// Manual pages of all primitives.
         pub static MANUALS: &[Manual] = &[$({
             const SOURCE: &str = include_str!(concat!(stringify!($module), ".rs"));
             static PAGE: [u8; manual::page_length(SOURCE)] = manual::page(SOURCE);
@@ -77,19 +77,19 @@ macro_rules! primitives {
         type Build = fn(&Arguments) -> Result<Primitive, ShapeError>;
         type Random = fn(&mut dyn FnMut() -> f64) -> Primitive;
 
-        // both in the order of MANUALS
+        // both are in the order of MANUALS
         const BUILD: &[Build] = &[$(|arguments| Ok($shape::from_arguments(arguments)?.into())),*];
         const RANDOM: &[Random] = &[$(|rng| $shape::random(rng).into()),*];
 
         impl Primitive {
-            /// The name at every door.
+            /// Name in all interfaces.
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Primitive::$shape(_) => $shape::NAME,)*
                 }
             }
 
-            /// The parameters' values, all of them, in the manual's order; [`build`] makes an equal primitive of them.
+            /// Values of all parameters in the order of the manual; [`build`] makes an equal primitive from them.
             pub fn arguments(&self) -> Vec<(&'static str, Value)> {
                 match self {
                     $(Primitive::$shape(shape) => shape.arguments(),)*
@@ -103,7 +103,7 @@ macro_rules! primitives {
                 }
             }
 
-            /// The volume, where it has a closed form (each file gives it); `inf` where it is unbounded.
+            /// The volume, if there is a closed form (in the file of the primitive); `inf` if it is unbounded.
             pub fn volume(&self) -> Option<f64> {
                 match self {
                     $(Primitive::$shape(shape) => shape.volume(),)*
@@ -141,12 +141,12 @@ primitives! {
 }
 
 impl Primitive {
-    /// An example of the kind with this name, one that shows well.
+    /// A typical example of the primitive with this name.
     pub fn example(name: &str) -> Option<Primitive> {
         Primitive::examples().into_iter().find(|primitive| primitive.name() == name)
     }
 
-    /// A primitive of any kind and of a size about 1, from numbers uniform in [0, 1).
+    /// A random primitive of size about 1, from numbers uniform in [0, 1).
     pub fn random(mut rng: impl FnMut() -> f64) -> Primitive {
         let kind = (rng() * RANDOM.len() as f64) as usize;
         RANDOM[kind.min(RANDOM.len() - 1)](&mut rng)
@@ -154,7 +154,7 @@ impl Primitive {
 
     /// The manual page.
     pub fn manual(&self) -> &'static Manual {
-        // every variant stands in the list that the pages come from
+        // every variant is in the list that generates the pages
         manual(self.name()).unwrap_or(&MANUALS[0])
     }
 }
@@ -164,22 +164,22 @@ pub fn manual(name: &str) -> Option<&'static Manual> {
     MANUALS.iter().find(|manual| manual.name == name)
 }
 
-/// A primitive from its name and arguments, in any order: the one way in for files, command line and Python.
+/// A primitive from its name and arguments, in any order: the common entry point of files, command line and Python.
 ///
 /// # Errors
 ///
-/// An unknown name; an unknown, missing or repeated parameter; a value of the wrong kind or out of range;
-/// values that do not fit together.
+/// An unknown name; an unknown, missing or repeated parameter; a value of the wrong kind or out of range; inconsistent
+/// values.
 pub fn build(name: &str, arguments: &[(&str, Value)]) -> Result<Primitive, ShapeError> {
     let found = MANUALS.iter().zip(BUILD).find(|(m, _)| m.name == name);
     let (manual, build) = found.ok_or_else(|| ShapeError::UnknownShape {
         name: name.to_owned(),
-        suggestion: error::nearest_name(name, MANUALS.iter().map(|manual| manual.name)),
+        suggestion: rayweave_error::did_you_mean(name, MANUALS.iter().map(|manual| manual.name)),
     })?;
     build(&Arguments::read(manual.name, manual.parameters, arguments)?)
 }
 
-/// The names of all primitives, for messages.
+/// Names of all primitives, for messages.
 fn names() -> String {
     let names: Vec<&str> = MANUALS.iter().map(|manual| manual.name).collect();
     names.join(", ")

@@ -9,8 +9,8 @@
 //!
 //! Faces: `side` and `top` (z = height).
 //!
-//! The vertex is the origin, the focus (0, 0, focal_length). With the infinite height that it has if none is
-//! given it has no top.
+//! The vertex is the origin, the focus (0, 0, focal_length). The default height is infinite: the solid then has no
+//! face `top`.
 //!
 //! Volume: 2 pi focal_length height^2, half of the cylinder around it (Archimedes, *On Conoids and
 //! Spheroids*).
@@ -29,7 +29,7 @@ pub struct Paraboloid {
 }
 
 impl Paraboloid {
-    /// The paraboloid with this focal length up to this height, which may be infinite.
+    /// The paraboloid with this focal length, up to the given height, which may be infinite.
     pub fn new(focal_length: f64, height: f64) -> Result<Paraboloid, ShapeError> {
         Paraboloid { focal_length, height }.validated()
     }
@@ -137,7 +137,7 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Paraboloid::new(0.0, 1.0)),
-            "paraboloid: focal_length is 0 (focal_length must be finite and greater than 0)"
+            "paraboloid: focal_length is 0: focal_length must be finite and greater than 0."
         );
     }
 }

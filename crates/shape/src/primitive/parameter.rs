@@ -1,27 +1,27 @@
-//! A primitive's parameters: what they are, and whether a value may be one.
+//! Parameters of primitives: kinds, units, ranges, defaults, and their checks.
 
 use super::error::ShapeError;
 use super::value::Value;
 use std::fmt;
 
-/// One parameter of a primitive.
+/// A parameter of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Its name at every door.
+    /// Name in all interfaces.
     pub name: &'static str,
-    /// What it is.
+    /// Kind of the value.
     pub kind: ParameterKind,
-    /// The unit of its numbers.
+    /// Unit of its numbers.
     pub unit: Unit,
-    /// The values that each of its numbers may have.
+    /// Range of each of its numbers.
     pub range: Range,
-    /// The value if it is not given; `None` if it must be, or is a list, which is empty then.
+    /// Default value; `None` if the parameter is required, or is a list, which is then empty by default.
     pub default: Option<f64>,
-    /// What it means, in a few words.
+    /// Meaning, in a few words.
     pub summary: &'static str,
 }
 
-/// What a parameter is.
+/// Kind of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterKind {
     /// A real number.
@@ -30,7 +30,7 @@ pub enum ParameterKind {
     Count,
     /// A list of three numbers.
     Vector3,
-    /// A list of three numbers, or one number that stands for three equal ones.
+    /// A list of three numbers, or one number that is repeated three times.
     NumberOrVector3,
     /// One row or more of four numbers (a, b, c, d): a plane a x + b y + c z = d.
     Planes,
@@ -38,12 +38,12 @@ pub enum ParameterKind {
     Triples,
     /// Four rows of four numbers.
     Matrix4,
-    /// Any number of numbers; none if it is not given.
+    /// A list of numbers, empty by default.
     Numbers,
 }
 
 impl ParameterKind {
-    /// How many numbers a row has, of what has rows.
+    /// Number of columns, for kinds with rows.
     fn columns(self) -> usize {
         if self == ParameterKind::Triples { 3 } else { 4 }
     }
@@ -64,14 +64,14 @@ impl fmt::Display for ParameterKind {
     }
 }
 
-/// The unit of a parameter's numbers.
+/// Unit of a parameter's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// The length unit of the document.
     Length,
     /// Degrees.
     Angle,
-    /// A number of things.
+    /// A count.
     Count,
     /// No unit, or one that differs from entry to entry.
     None,
@@ -88,7 +88,7 @@ impl fmt::Display for Unit {
     }
 }
 
-/// The values that a number may have. NaN is in no range.
+/// Range of a number. NaN is in no range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     /// Any finite number.
@@ -122,7 +122,7 @@ impl fmt::Display for Range {
 }
 
 impl Range {
-    /// True if one number is in the range; for [`Range::Direction`], if it may be a component.
+    /// True if a number is in the range; for [`Range::Direction`], if it may be a component.
     pub fn contains(&self, value: f64) -> bool {
         match *self {
             Range::Finite | Range::Direction => value.is_finite(),
@@ -134,7 +134,7 @@ impl Range {
         }
     }
 
-    /// A value in the range that may have been meant.
+    /// A value in the range that was possibly meant.
     fn suggestion(&self, value: f64) -> Option<f64> {
         let nearest = match *self {
             Range::Whole(lo, hi) => value.round().clamp(f64::from(lo), f64::from(hi)),
@@ -145,12 +145,12 @@ impl Range {
     }
 }
 
-/// The smallest and the largest length that is accepted: their fourth powers, which a torus needs, are far
-/// from the ends of the range of `f64`.
+/// Smallest and largest accepted length: their fourth powers, which occur in tori, are far from the ends of the range of
+/// `f64`.
 const LENGTHS: (f64, f64) = (1e-60, 1e60);
 
 impl Parameter {
-    /// A number that must be given.
+    /// A required number.
     pub(super) const fn number(
         name: &'static str,
         unit: Unit,
@@ -160,7 +160,7 @@ impl Parameter {
         Parameter::new(name, ParameterKind::Number, unit, range, summary)
     }
 
-    /// A parameter that must be given.
+    /// A required parameter.
     pub(super) const fn new(
         name: &'static str,
         kind: ParameterKind,
@@ -171,18 +171,18 @@ impl Parameter {
         Parameter { name, kind, unit, range, default: None, summary }
     }
 
-    /// The same with a default.
+    /// The parameter with a default.
     pub(super) const fn or(mut self, default: f64) -> Parameter {
         self.default = Some(default);
         self
     }
 
-    /// A list of any number of numbers without a unit, which need not be given.
+    /// An optional list of numbers without a unit.
     pub(super) const fn list(name: &'static str, summary: &'static str) -> Parameter {
         Parameter::new(name, ParameterKind::Numbers, Unit::None, Range::Finite, summary)
     }
 
-    /// The value if it is not given; `None` if it must be.
+    /// Default value; `None` if the parameter is required.
     pub fn default_value(&self) -> Option<Value> {
         match self.kind {
             ParameterKind::Numbers => Some(Value::Vector(Vec::new())),
@@ -190,7 +190,7 @@ impl Parameter {
         }
     }
 
-    /// The reason why a value cannot be this parameter of `shape`, if there is one.
+    /// Checks a value for this parameter of `shape`.
     pub fn check(&self, shape: &'static str, value: &Value) -> Result<(), ShapeError> {
         self.check_kind(shape, value)?;
         match value {
@@ -229,7 +229,7 @@ impl Parameter {
         for (i, &number) in list.iter().enumerate() {
             self.check_number(shape, number, [row, &[i]].concat())?;
         }
-        // of a plane's row the first three are the normal
+        // the first three numbers of a plane's row are its normal
         if self.range == Range::Direction && list[..3].iter().all(|&number| number == 0.0) {
             return Err(ShapeError::ZeroNormal { shape, parameter: self.name, index: row.to_vec() });
         }
@@ -254,7 +254,7 @@ impl Parameter {
     }
 }
 
-/// An error if a length is beyond what can be computed with, infinity included; 0 is not.
+/// An error if a length is out of range or infinite; 0 is accepted.
 pub(super) fn check_length(
     shape: &'static str,
     parameter: &'static str,

@@ -11,9 +11,9 @@
 //! Faces: `side0..sideN-1`, `bottom` (z = -height/2) and `top` (z = height/2). Vertex k is at the angle
 //! k 360/sides from +x towards +y, so the first is on +x; `side0` goes from vertex 0 to vertex 1.
 //!
-//! An infinite height has no ends.
+//! With an infinite height the prism has no ends.
 //!
-//! Volume: sides/2 radius^2 sin(360/sides) height, the triangles between the axis and the sides.
+//! Volume: sides/2 radius^2 sin(360/sides) height, the sum over the triangles between the axis and the sides.
 
 use super::lowered::caps;
 use super::shape::between;
@@ -30,13 +30,12 @@ pub struct Prism {
 }
 
 impl Prism {
-    /// The prism with this number of sides, radius of the circle through its vertices, and height, which
-    /// may be infinite.
+    /// The prism with this number of sides, circumradius, and height, which may be infinite.
     pub fn new(sides: u32, radius: f64, height: f64) -> Result<Prism, ShapeError> {
         Prism { sides, radius, height }.validated()
     }
 
-    /// The direction at the angle k 180/sides: a vertex for even k, the middle of a side for odd.
+    /// The direction at the angle k 180/sides: a vertex for even k, the middle of a side for odd k.
     fn direction(&self, k: u32) -> Vec3 {
         unit_vector_degrees(180.0 * f64::from(k) / f64::from(self.sides))
     }
@@ -113,7 +112,7 @@ mod tests {
     use crate::primitive::build;
     use std::f64::consts::PI;
 
-    /// By the polar angle: within the triangle of the nearest side's middle.
+    /// Reference by polar angles: inside the triangle of the nearest side.
     fn inside(sides: u32, radius: f64, p: Vec3) -> bool {
         let step = 2.0 * PI / f64::from(sides);
         let off = p.y.atan2(p.x).rem_euclid(step) - 0.5 * step;
@@ -158,13 +157,13 @@ mod tests {
         };
         assert_eq!(
             with(2.0),
-            "prism: sides is 2 (sides must be a whole number from 3 to 4096) did you mean 3?"
+            "prism: sides is 2: sides must be a whole number from 3 to 4096. Did you mean 3?"
         );
         assert_eq!(
             with(6.5),
-            "prism: sides is 6.5 (sides must be a whole number from 3 to 4096) did you mean 7?"
+            "prism: sides is 6.5: sides must be a whole number from 3 to 4096. Did you mean 7?"
         );
-        assert_eq!(with(f64::NAN), "prism: sides is nan (sides must be a whole number from 3 to 4096)");
+        assert_eq!(with(f64::NAN), "prism: sides is nan: sides must be a whole number from 3 to 4096.");
         assert!(message(Prism::new(0, 1.0, 1.0)).starts_with("prism: sides is 0"));
     }
 }

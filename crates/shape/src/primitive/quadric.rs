@@ -1,4 +1,4 @@
-//! The inside of any surface of the second degree.
+//! The inside of a quadric, a surface of the second degree.
 //!
 //! | parameter | is | unit | range | default | meaning |
 //! | --- | --- | --- | --- | --- | --- |
@@ -8,17 +8,16 @@
 //!
 //! Face: `side`.
 //!
-//! With A the upper left 3 x 3 block, b the first three entries of the last column and c the last entry, a
-//! point p is inside if p^T A p + 2 b . p + c < 0. Only the ratios of the entries count, but for a negative
-//! factor, which exchanges inside and outside. Q must be symmetric; differences of the size of its rounding
-//! (64 units in the last place of its greatest entry) are averaged.
+//! With A the upper left 3 x 3 block, b the first three entries of the last column and c the last entry, a point p is
+//! inside if p^T A p + 2 b . p + c < 0. A positive factor has no effect, a negative one exchanges inside and outside.
+//! Q must be symmetric; asymmetry within rounding (64 units in the last place of its largest entry) is averaged.
 //!
-//! Degenerate matrices are legal: pairs of planes (a slab or two wedges), cylinders over any conic, cones.
-//! If A is 0 it is a half-space, and if b is 0 too, everything (c < 0) or nothing (c >= 0), without a face.
-//! A solid that has no point is legal, too.
+//! Degenerate matrices are allowed: pairs of planes (a slab or two wedges), cylinders over any conic, cones. If A is
+//! 0 the solid is a half-space, and if b is 0 too, the universe (c < 0) or empty (c >= 0), without a face. Other
+//! quadrics may also be empty.
 //!
-//! The bounds are the least ones: finite where the solid is, for ellipsoids and along the axes across which
-//! cylinders, paraboloids and slabs end. An eigenvalue of A that cannot be told from 0 counts as 0.
+//! The bounds are the smallest ones: finite for ellipsoids, and along the axes along which cylinders, paraboloids and
+//! slabs are bounded. An eigenvalue of A that is indistinguishable from 0 counts as 0.
 
 use super::half_space::check_plane;
 use super::shape::between;
@@ -38,7 +37,7 @@ impl Quadric {
         Quadric { matrix }.validated()
     }
 
-    /// The matrix, symmetric to the bit, and scaled if its entries are near the ends of the range of `f64`.
+    /// The exactly symmetric matrix, scaled if its entries are near the ends of the range of `f64`.
     fn symmetric(&self) -> [[f64; 4]; 4] {
         let (q, largest) = (&self.matrix, self.largest());
         let usual = largest == 0.0 || (1e-100..1e100).contains(&largest);
@@ -116,7 +115,7 @@ impl Shape for Quadric {
     }
 
     fn example() -> Quadric {
-        // a hyperboloid of one sheet around z, the shape of a cooling tower
+        // a hyperboloid of one sheet about z, like a cooling tower
         Quadric {
             matrix: [
                 [1.0, 0.0, 0.0, 0.0],
@@ -130,7 +129,7 @@ impl Shape for Quadric {
     fn random(rng: &mut dyn FnMut() -> f64) -> Quadric {
         let mut matrix = [[0.0; 4]; 4];
         for k in 0..3 {
-            // of ten: six positive, two negative, two zero
+            // probabilities out of ten: six positive, two negative, two zero
             matrix[k][k] = match (10.0 * rng()) as u32 {
                 0..6 => between(rng, 0.4, 3.0),
                 6..8 => -between(rng, 0.4, 3.0),
@@ -255,7 +254,7 @@ mod tests {
             assert_eq!(bounds(diagonal, Vec3::ZERO, &Affine::IDENTITY), Bounds::ALL);
             assert_eq!(bounds(diagonal, Vec3::ZERO, &turn), Bounds::ALL);
         }
-        // a turned cylinder: its eigenvalue 0 cannot be told from a small one
+        // a rotated cylinder: its eigenvalue 0 is indistinguishable from a small one
         assert_eq!(bounds([1.0, 1.0, 0.0, -1.0], Vec3::ZERO, &turn), Bounds::ALL);
     }
 
@@ -291,12 +290,11 @@ mod tests {
         q[1][2] = 0.5;
         assert_eq!(
             message(Quadric::new(q)),
-            "quadric: matrix[1][2] is 0.5 but matrix[2][1] is 0 (the matrix must be symmetric) did you mean 0.25 in \
-             both places?"
+            "quadric: matrix[1][2] is 0.5 but matrix[2][1] is 0: the matrix must be symmetric. Did you mean 0.25 in both places?"
         );
         q[1][2] = 1e-15;
         assert_eq!(message(Quadric::new(q)), "");
         q[2][2] = INF;
-        assert_eq!(message(Quadric::new(q)), "quadric: matrix[2][2] is inf (matrix must be finite)");
+        assert_eq!(message(Quadric::new(q)), "quadric: matrix[2][2] is inf: matrix must be finite.");
     }
 }

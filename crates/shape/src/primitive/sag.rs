@@ -1,4 +1,4 @@
-//! What the primitives have in common that are bounded by a sag surface.
+//! Common parts of the primitives with a sag surface (asphere, biconic, freeform).
 
 use super::{Facet, Lowered, Shape, ShapeError, Value};
 use crate::surface::sag::{Description, Sag};
@@ -6,7 +6,7 @@ use crate::surface::{Object, Surface};
 use rayweave_math::{Bounds, Vec3};
 use std::sync::Arc;
 
-/// The sag surface that checked arguments describe.
+/// The sag surface of checked arguments.
 pub(super) fn checked<S: Shape>(
     arguments: &[(&'static str, Value)],
     description: impl FnOnce() -> Description,
@@ -18,7 +18,7 @@ pub(super) fn checked<S: Shape>(
     Ok(Arc::new(sag))
 }
 
-/// What lies above a sag in its aperture, up to a height.
+/// The solid above a sag in its aperture, up to a height.
 pub(super) fn above(sag: &Arc<Sag>, height: f64) -> Lowered {
     let (radius, [low, _]) = (sag.aperture(), sag.heights());
     let surface = Surface::Object(Box::new(Object::new(sag.clone())));

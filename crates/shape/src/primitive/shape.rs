@@ -1,4 +1,4 @@
-//! What every primitive provides.
+//! The trait of all primitives.
 
 use super::arguments::Arguments;
 use super::error::ShapeError;
@@ -6,24 +6,24 @@ use super::lowered::Lowered;
 use super::parameter::Parameter;
 use super::value::Value;
 
-/// A kind of primitive. Everything that the doors (files, command line, Python, manual) need is made from this.
+/// A kind of primitive. All interfaces (files, command line, Python, manual) are derived from it.
 pub trait Shape: Sized {
-    /// The name at every door.
+    /// Name in all interfaces.
     const NAME: &'static str;
-    /// Where a point (x, y, z) is inside.
+    /// Condition for a point (x, y, z) to be inside.
     const EQUATION: &'static str;
     /// The parameters, in order.
     const PARAMETERS: &'static [Parameter];
-    /// The names of the faces; `side0..sideN-1` stands for as many as there are.
+    /// Names of the faces; `side0..sideN-1` is a numbered sequence.
     const FACES: &'static [&'static str];
 
-    /// From arguments that fit [`Shape::PARAMETERS`] one by one.
+    /// A primitive from arguments that match [`Shape::PARAMETERS`] individually.
     fn from_arguments(arguments: &Arguments) -> Result<Self, ShapeError>;
 
-    /// The parameters' values: given to `from_arguments` they make an equal primitive.
+    /// Values of the parameters; `from_arguments` makes an equal primitive from them.
     fn arguments(&self) -> Vec<(&'static str, Value)>;
 
-    /// The rules that join several parameters.
+    /// Checks conditions that involve several parameters.
     fn consistent(&self) -> Result<(), ShapeError> {
         Ok(())
     }
@@ -31,18 +31,18 @@ pub trait Shape: Sized {
     /// The primitive as sides of surfaces.
     fn lower(&self) -> Lowered;
 
-    /// The volume, where it has a closed form; `inf` where it is unbounded.
+    /// The volume, if there is a closed form; `inf` if it is unbounded.
     fn volume(&self) -> Option<f64> {
         None
     }
 
-    /// One that shows well.
+    /// A typical example.
     fn example() -> Self;
 
-    /// A random one, of a size about 1, from numbers uniform in [0, 1).
+    /// A random primitive of size about 1, from numbers uniform in [0, 1).
     fn random(rng: &mut dyn FnMut() -> f64) -> Self;
 
-    /// The primitive itself if all its parameters are in their ranges and fit together.
+    /// The primitive itself if its parameters are in range and consistent.
     fn validated(self) -> Result<Self, ShapeError> {
         for (parameter, (_, value)) in Self::PARAMETERS.iter().zip(self.arguments()) {
             parameter.check(Self::NAME, &value)?;

@@ -1,4 +1,4 @@
-//! All points between two parallel planes.
+//! A slab: all points between two parallel planes.
 //!
 //! | parameter | is | unit | range | default | meaning |
 //! | --- | --- | --- | --- | --- | --- |
@@ -10,7 +10,7 @@
 //!
 //! Faces: `lo` and `hi`.
 //!
-//! `lo` must be less than `hi`. The bounds are finite in one direction if the normal is along an axis.
+//! `lo` must be less than `hi`. The bounds are finite in one direction if the normal is parallel to an axis.
 
 use super::half_space::{check_plane, layer_bounds, random_normal};
 use super::parameter::check_increasing;
@@ -114,7 +114,7 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Slab::new(Vec3::X, 1.0, 1.0)),
-            "slab: lo is 1 and hi is 1 (lo must be less than hi) are they the wrong way round?"
+            "slab: lo is 1 and hi is 1: lo must be less than hi. Are they the wrong way round?"
         );
         assert!(message(Slab::new(Vec3::ZERO, 0.0, 1.0)).contains("normal of length zero"));
         assert!(message(Slab::new(Vec3::X * 1e-100, 0.0, 1.0)).contains("hi is 1e100"));

@@ -89,11 +89,11 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Sphere::new(-1.0)),
-            "sphere: radius is -1 (radius must be finite and greater than 0) did you mean 1?"
+            "sphere: radius is -1: radius must be finite and greater than 0. Did you mean 1?"
         );
         assert_eq!(
             message(Sphere::new(0.0)),
-            "sphere: radius is 0 (radius must be finite and greater than 0)"
+            "sphere: radius is 0: radius must be finite and greater than 0."
         );
     }
 }

@@ -1,22 +1,22 @@
-//! How far a polyhedron, given by planes, reaches in a direction: linear programming in three variables.
+//! Support function of a polyhedron given by planes: linear programming in three variables.
 //!
-//! By duality the greatest `c . p` with `n_i . p <= d_i` for all i is the least `sum l_i d_i` over all
-//! `l_i >= 0` with `sum l_i n_i = c`, and it is attained with at most three planes (Dantzig, *Linear
-//! Programming and Extensions*, 1963, chapters 6 and 7). Any such combination alone already bounds `c . p`
-//! from above, so whatever is left out here can only make the answer too great, never too small.
+//! By duality the maximum of `c . p` subject to `n_i . p <= d_i` for all i is the minimum of `sum l_i d_i` over all
+//! `l_i >= 0` with `sum l_i n_i = c`, and at most three planes attain it (Dantzig, *Linear Programming and Extensions*,
+//! 1963, chapters 6 and 7). Every such combination is an upper bound of `c . p`, so that omissions can only make the
+//! result too large, never too small.
 
 use crate::surface::Plane;
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3, unit};
 
-/// How many planes are combined with each other for one direction. Up to so many the answer is the least
-/// bound; beyond, planes are added where they cut off most, which nearly always ends long before.
+/// Largest number of planes that are combined with each other for one direction. Up to this number the result is the least
+/// bound; beyond it, planes are added where they cut off most, which nearly always finishes much earlier.
 const LIMIT: usize = 64;
 
-/// Relative rounding of a solution with three planes that are not nearly parallel.
+/// Relative rounding error of a solution with three planes that are not nearly parallel.
 const ROUNDING: f64 = 32.0 * UNIT_ROUNDOFF;
 
-/// The box of the polyhedron inside all planes: empty if it is empty by more than rounding and has finite
-/// extents otherwise, infinite where it has no end.
+/// Bounding box of the intersection of half-spaces. It is empty if the intersection is finite and empty by more than
+/// rounding, and infinite where the intersection is unbounded.
 pub(super) fn polyhedron_bounds(planes: &[Plane]) -> Bounds {
     let hi = Vec3::AXES.map(|axis| support(planes, axis));
     let lo = Vec3::AXES.map(|axis| -support(planes, -axis));
@@ -28,7 +28,7 @@ pub(super) fn polyhedron_bounds(planes: &[Plane]) -> Bounds {
     }
 }
 
-/// An upper bound and the point where the planes that give it meet (the nearest to the origin).
+/// An upper bound, and the intersection of the planes that attain it (the point nearest to the origin).
 type Optimum = (f64, Vec3);
 
 fn support(planes: &[Plane], direction: Vec3) -> f64 {
@@ -49,13 +49,13 @@ fn support(planes: &[Plane], direction: Vec3) -> f64 {
     best.map_or(f64::INFINITY, |(bound, _)| bound)
 }
 
-/// True if a point is on the right side of all planes: where it attains a bound, that is the least.
+/// True if a point satisfies all planes: a bound that it attains is the least one.
 fn holds_all(planes: &[Plane], point: Vec3) -> bool {
     let holds = |plane: &Plane| plane.normal.dot(point) <= plane.offset;
     planes.iter().all(holds)
 }
 
-/// The place in `order` of the plane that is farthest on the wrong side of a point.
+/// Index in `order` of the plane that a point violates most.
 fn most_violated(planes: &[Plane], order: &[usize], vertex: Vec3) -> usize {
     let excess = |i: usize| planes[order[i]].normal.dot(vertex) - planes[order[i]].offset;
     let all = 0..order.len();
@@ -66,7 +66,7 @@ fn least(a: Option<Optimum>, others: impl Iterator<Item = Optimum>) -> Option<Op
     a.into_iter().chain(others).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// The bounds that a plane gives alone, with each other, and with each two others.
+/// Bounds from single planes, pairs and triples with a given plane.
 fn combinations<'a>(
     direction: Vec3,
     plane: &'a Plane,
@@ -86,12 +86,12 @@ fn of_one(direction: Vec3, plane: &Plane) -> Option<Optimum> {
 
 fn of_two(direction: Vec3, a: &Plane, b: &Plane) -> Option<Optimum> {
     let across = unit(a.normal.cross(b.normal));
-    // planes that are as good as parallel have a cross product of any direction, or none (NaN)
+    // the cross product of nearly parallel planes has an arbitrary direction, or is NaN
     let is_across = direction.dot(across).abs() <= ROUNDING;
     if !is_across {
         return None;
     }
-    // a plane through the origin along both normals makes it three
+    // a plane through the origin parallel to both normals completes a triple
     let third = Plane::new(across, 0.0);
     of_three(direction, [a, b, &third])
 }
@@ -102,12 +102,12 @@ fn of_three(direction: Vec3, planes: [&Plane; 3]) -> Option<Optimum> {
     let determinant = a.dot(dual[0]);
     let weights = dual.map(|column| direction.dot(column) / determinant);
     let size = weights.iter().map(|w| w.abs()).sum::<f64>();
-    // nearly parallel planes, where the bound would have lost its digits, or parallel ones (NaN)
+    // false for nearly parallel planes, where the bound has lost its digits, and for parallel ones (NaN)
     let sound = size <= 1e8;
     if !sound || weights.iter().any(|&w| w < -ROUNDING * size) {
         return None;
     }
-    // three planes along one line have weights that are quotients of roundings: they do not make up the direction
+    // three planes parallel to one line have weights that are quotients of roundings: they do not add up to the direction
     let weights = weights.map(|w| w.max(0.0));
     let left = (direction - (weights[0] * a + weights[1] * b + weights[2] * c)).length();
     if left > ROUNDING * size.max(1.0) {
@@ -118,14 +118,14 @@ fn of_three(direction: Vec3, planes: [&Plane; 3]) -> Option<Optimum> {
     Some((bound + left * vertex.length(), vertex))
 }
 
-/// The point in all three planes.
+/// Intersection of three planes.
 fn meeting(planes: [&Plane; 3], dual: [Vec3; 3], determinant: f64) -> Vec3 {
     let parts = (0..3).map(|k| dual[k] * planes[k].offset);
     parts.fold(Vec3::ZERO, |sum, part| sum + part) / determinant
 }
 
-/// True if no three planes meet in a point that is on the right side of all others, by far: then a
-/// polyhedron of finite extents is empty.
+/// True if every intersection of three planes violates another plane by far: a polyhedron with finite extents is then
+/// empty.
 fn has_no_vertex(planes: &[Plane]) -> bool {
     let n = planes.len();
     let triples = (0..n).flat_map(|i| (0..i).flat_map(move |j| (0..j).map(move |k| [i, j, k])));

@@ -1,4 +1,4 @@
-//! What holds for every primitive, and the checks that each file's own tests use.
+//! Tests of properties of all primitives, and checks that the tests of each file use.
 
 use super::*;
 use crate::Ray;
@@ -19,8 +19,8 @@ fn point_in(bounds: &Bounds, rng: &mut impl FnMut() -> f64) -> Vec3 {
     bounds.lo + Vec3::new(rng(), rng(), rng()) * bounds.size()
 }
 
-/// `contains` agrees with a direct formula at random points of the box of the given half extents about the
-/// origin, both answers occur, and no inside point is out of bounds.
+/// Asserts that `contains` agrees with a direct formula at random points of the box with the given half extents about the
+/// origin, that both answers occur, and that the bounds contain every inside point.
 pub fn check_inside(shape: &impl Shape, half: Vec3, inside: impl Fn(Vec3) -> bool) {
     let lowered = shape.lower();
     let (region, mut rng) = (Bounds::centred(Vec3::ZERO, half), uniform(1));
@@ -34,9 +34,9 @@ pub fn check_inside(shape: &impl Shape, half: Vec3, inside: impl Fn(Vec3) -> boo
     assert!(count[0] > 40 && count[1] > 40, "one-sided test: {count:?}");
 }
 
-/// Each finite face of the bounds goes through one of the points, which lie on the solid's boundary: moved a
-/// little towards `middle` they are inside. (The other direction, that nothing is out of bounds, is in
-/// `check_inside`.)
+/// Asserts that the bounds are tight: each finite face of the bounds contains one of the points, which are on the boundary
+/// of the solid, since they are inside when moved slightly towards `middle`. (`check_inside` tests that the bounds are
+/// large enough.)
 pub fn check_touched(shape: &impl Shape, middle: Vec3, points: &[Vec3]) {
     let lowered = shape.lower();
     let size = points.iter().fold(0.0f64, |size, p| size.max((*p - middle).length()));
@@ -51,10 +51,11 @@ pub fn check_touched(shape: &impl Shape, middle: Vec3, points: &[Vec3]) {
     }
 }
 
-/// The closed form agrees with counting one random point in each cell of a grid of n^3 over the bounds.
+/// Asserts that the closed form of the volume agrees with a count of one random point per cell of a grid of n^3 over the
+/// bounds.
 ///
-/// A solid whose boundary is met at most about four times by a line meets at most 12 n^2 cells; each of
-/// these errs by at most half a cell (standard deviation), so five standard deviations are 9 n^-2 of the box.
+/// If a line crosses the boundary at most about four times, the boundary intersects at most 12 n^2 cells. Each contributes
+/// a standard deviation of at most half a cell, so five standard deviations are 9 n^-2 of the box.
 pub fn check_volume(shape: &impl Shape) {
     const N: u32 = 36;
     let lowered = shape.lower();
@@ -72,7 +73,7 @@ pub fn check_volume(shape: &impl Shape) {
     assert!((counted - closed).abs() <= error, "{counted} {closed} +- {error}");
 }
 
-/// The message of a refusal.
+/// The message of an error.
 pub fn message<T>(result: Result<T, ShapeError>) -> String {
     result.err().map(|error| error.to_string()).unwrap_or_default()
 }
@@ -123,7 +124,7 @@ fn bounds_hold_what_is_inside() {
     }
 }
 
-/// Along random rays the kernels' crossings say the same as the signs of the functions at points.
+/// Along random rays the crossings of the kernels agree with the signs of the functions at points.
 #[test]
 fn crossings_agree_with_the_signs_at_points() {
     let mut rng = uniform(10);
@@ -138,7 +139,7 @@ fn crossings_agree_with_the_signs_at_points() {
             for _ in 0..20 {
                 let t = 6.0 * rng() - 2.5;
                 let (value, gradient) = facet.surface.value_and_gradient(ray.at(t));
-                // beyond its aperture a sag surface is clipped, and is not told in full
+                // beyond its aperture a sag surface is clipped, and its crossings are not guaranteed
                 let is_clipped =
                     matches!(facet.surface, Surface::Object(_)) && ray.at(t).truncate().length() >= reach;
                 let clear = value.abs() > 1e-9 * gradient.length() && !is_clipped;
@@ -162,7 +163,7 @@ fn pages_tell_what_the_code_does() {
     }
 }
 
-/// `side0..sideN-1` stands for any number.
+/// `side0..sideN-1` matches any number.
 fn is_face(pattern: &str, name: &str) -> bool {
     match pattern.split_once("0..") {
         None => pattern == name,
@@ -187,20 +188,20 @@ fn refusals_of_names() {
     let number = |x: f64| Value::Number(x);
     assert_eq!(
         message(build("spehre", &[])),
-        format!("unknown shape `spehre` (the shapes are {}) did you mean `sphere`?", names())
+        format!("unknown shape `spehre`: the shapes are {}. Did you mean `sphere`?", names())
     );
-    assert!(message(build("teapot", &[])).ends_with(&format!("{})", names())));
+    assert!(message(build("teapot", &[])).ends_with(&format!("{}.", names())));
     assert_eq!(
         message(build("sphere", &[("raduis", number(1.0))])),
-        "sphere: unknown parameter `raduis` (the parameters are radius) did you mean `radius`?"
+        "sphere: unknown parameter `raduis`: the parameters are radius. Did you mean `radius`?"
     );
     assert_eq!(
         message(build("sphere", &[])),
-        "sphere: radius is missing (it is a number and has no default) did you forget it?"
+        "sphere: radius is missing: it is a number and has no default. Did you forget it?"
     );
     assert_eq!(
         message(build("sphere", &[("radius", number(1.0)), ("radius", number(1.0))])),
-        "sphere: radius is given more than once (each parameter has one value) which one is meant?"
+        "sphere: radius is given more than once: each parameter has one value. Which one is meant?"
     );
 }
 
@@ -209,30 +210,29 @@ fn refusals_of_values() {
     let refuse = |name: &str, parameter: &str, value: Value| message(build(name, &[(parameter, value)]));
     assert_eq!(
         refuse("sphere", "radius", Value::Vector(vec![1.0, 2.0])),
-        "sphere: radius is a list of 2 numbers (radius must be a number) are there numbers missing or too many?"
+        "sphere: radius is a list of 2 numbers: radius must be a number. Are there numbers missing or too many?"
     );
     assert_eq!(
         refuse("convex", "planes", Value::Rows(vec![vec![1.0; 4], vec![1.0; 3]])),
-        "convex: planes[1] is a list of 3 numbers (planes must be 1 row or more of 4 numbers) are there \
-         numbers missing or too many?"
+        "convex: planes[1] is a list of 3 numbers: planes must be 1 row or more of 4 numbers. Are there numbers missing or too many?"
     );
     assert_eq!(
         refuse("box", "size", Value::Vector(vec![1.0, f64::NAN, 1.0])),
-        "box: size[1] is nan (size must be finite and greater than 0)"
+        "box: size[1] is nan: size must be finite and greater than 0."
     );
     assert_eq!(
         refuse("sphere", "radius", Value::Number(f64::INFINITY)),
-        "sphere: radius is inf (radius must be finite and greater than 0)"
+        "sphere: radius is inf: radius must be finite and greater than 0."
     );
     assert_eq!(
         refuse("sphere", "radius", Value::Number(1e200)),
-        "sphere: radius is 1e200 (only lengths from 1e-60 to 1e60 can be computed with) is the unit right?"
+        "sphere: radius is 1e200: only lengths from 1e-60 to 1e60 can be computed with. Is the unit right?"
     );
     let error = build("box", &[("size", Value::Vector(vec![1.0, 2.0, -3.0]))]).unwrap_err();
     assert_eq!((error.parameter(), error.index()), (Some("size"), vec![2]));
 }
 
-/// Every parameter of every primitive refuses NaN in every place, and every default is in range.
+/// Every parameter of every primitive refuses NaN at every position, and every default is in range.
 #[test]
 fn nan_is_refused_everywhere() {
     for example in Primitive::examples() {

@@ -9,13 +9,13 @@
 //!
 //! Face: `side`.
 //!
-//! The solid is what is nearer than `minor` to the circle, in every case: with `major` > `minor` a ring, with
-//! `major` = `minor` a horn torus, whose hole is a point, and with `major` < `minor` a spindle torus without
-//! a hole, the lemon in its middle filled. A spindle's face is only its outer skin.
+//! The solid is the set of points nearer than `minor` to the circle: with `major` > `minor` a ring torus, with
+//! `major` = `minor` a horn torus, whose hole is a point, and with `major` < `minor` a spindle torus without a hole,
+//! whose lemon is filled. The face of a spindle torus is only its outer skin.
 //!
-//! Volume: 2 pi^2 major minor^2 for a ring (Pappus). For a spindle the half disc of the section beyond the
-//! axis is turned: 4 pi (major (pi m^2/4 + major h/2 + m^2/2 asin(major/m)) + h^3/3) with m = minor and
-//! h = sqrt(m^2 - major^2), the height of the point where the skin meets the axis.
+//! Volume: 2 pi^2 major minor^2 for a ring (Pappus). For a spindle torus it is that of the half disc of the section
+//! beyond the axis, revolved: 4 pi (major (pi m^2/4 + major h/2 + m^2/2 asin(major/m)) + h^3/3) with m = minor and h
+//! = sqrt(m^2 - major^2), the height at which the skin meets the axis.
 
 use super::shape::between;
 use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
@@ -31,7 +31,7 @@ pub struct Torus {
 }
 
 impl Torus {
-    /// What is nearer than `minor` to the circle of radius `major` around z.
+    /// The solid of points nearer than `minor` to the circle of radius `major` about z.
     pub fn new(major: f64, minor: f64) -> Result<Torus, ShapeError> {
         Torus { major, minor }.validated()
     }
@@ -99,7 +99,7 @@ mod tests {
     use super::super::tests::{check_inside, check_touched, check_volume, message};
     use super::*;
 
-    /// By the distance from the circle, all around.
+    /// Reference by the distance from the circle.
     fn inside(major: f64, minor: f64, p: Vec3) -> bool {
         (p.x.hypot(p.y) - major).hypot(p.z) < minor
     }
@@ -113,7 +113,7 @@ mod tests {
                 let size = major + minor;
                 check_inside(&solid, 1.1 * Vec3::new(size, size, minor), |p| inside(major, minor, p));
                 check_volume(&solid);
-                // each half of the section is convex: touched as seen from its own middle
+                // each half of the section is convex, and is tested from its own centre
                 let middle = Vec3::X * major;
                 let lowered = solid.lower();
                 assert_eq!(lowered.bounds.hi, Vec3::new(size, size, minor));
@@ -152,11 +152,11 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Torus::new(1.0, 0.0)),
-            "torus: minor is 0 (minor must be finite and greater than 0)"
+            "torus: minor is 0: minor must be finite and greater than 0."
         );
         assert_eq!(
             message(Torus::new(-1.0, 0.5)),
-            "torus: major is -1 (major must be finite and greater than 0) did you mean 1?"
+            "torus: major is -1: major must be finite and greater than 0. Did you mean 1?"
         );
     }
 }

@@ -10,8 +10,8 @@
 //!
 //! Faces: `outer`, `inner`, `bottom` (z = -height/2) and `top` (z = height/2).
 //!
-//! The inner radius must be less than the outer one. If it is 0 there is no hole and no face `inner`; an
-//! infinite height has no ends.
+//! The inner radius must be less than the outer one. If it is 0 there is no hole and no face `inner`; with an
+//! infinite height there are no ends.
 //!
 //! Volume: pi (outer_radius^2 - inner_radius^2) height.
 
@@ -125,7 +125,7 @@ mod tests {
                 inner < distance && distance < outer && 2.0 * p.z.abs() < height
             });
             for axis in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y] {
-                // the tube is not convex: each side is touched on its own
+                // the tube is not convex: each side is tested on its own
                 let near = Tube::new(outer, inner, height).unwrap().lower();
                 assert!(near.contains(axis * outer * (1.0 - 1e-12)));
                 assert!(!near.contains(axis * inner * (1.0 - 1e-12)));
@@ -150,12 +150,11 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Tube::new(1.0, 2.0, 1.0)),
-            "tube: inner_radius is 2 and outer_radius is 1 (inner_radius must be less than outer_radius) are they \
-             the wrong way round?"
+            "tube: inner_radius is 2 and outer_radius is 1: inner_radius must be less than outer_radius. Are they the wrong way round?"
         );
         assert_eq!(
             message(Tube::new(1.0, -0.5, 1.0)),
-            "tube: inner_radius is -0.5 (inner_radius must be finite and at least 0) did you mean 0.5?"
+            "tube: inner_radius is -0.5: inner_radius must be finite and at least 0. Did you mean 0.5?"
         );
     }
 }

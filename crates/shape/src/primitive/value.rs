@@ -1,4 +1,4 @@
-//! What a parameter can be set to, whatever the door it comes through.
+//! Parameter values, in all interfaces.
 
 use rayweave_math::Vec3;
 use std::fmt;
@@ -15,7 +15,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// What it is, for messages: `a number`, `a list of 3 numbers`, `4 rows of 2 numbers`.
+    /// Description for messages: `a number`, `a list of 3 numbers`, `4 rows of 2 numbers`.
     pub(super) fn description(&self) -> String {
         match self {
             Value::Number(_) => "a number".to_owned(),
@@ -69,7 +69,7 @@ impl<const N: usize> From<&[[f64; N]]> for Value {
     }
 }
 
-/// As the model file writes it: `1.5`, `[1, 2, 3]`, `inf`.
+/// The syntax of the model file: `1.5`, `[1, 2, 3]`, `inf`.
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -88,7 +88,7 @@ fn bracketed(list: &[f64]) -> String {
     format!("[{}]", list.join(", "))
 }
 
-/// The shortest text that reads back to the same bits, with an exponent where plain digits would be many.
+/// The shortest text that reads back to the same bits, with an exponent for very large or small numbers.
 pub(super) fn short(number: f64) -> String {
     let plain = number == 0.0 || (1e-5..1e15).contains(&number.abs()) || !number.is_finite();
     match number {

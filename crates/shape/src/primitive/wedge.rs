@@ -1,4 +1,4 @@
-//! A sector of all space around the z axis, like a slice of a cake without end.
+//! A sector of space around the z axis, unbounded along it.
 //!
 //! | parameter | is | unit | range | default | meaning |
 //! | --- | --- | --- | --- | --- | --- |
@@ -9,9 +9,9 @@
 //!
 //! Faces: `start` and `end`, half-planes that meet in the z axis.
 //!
-//! With a sweep of 180 both faces lie in one plane, and both are called `start`. With more than 180 the solid
-//! is the complement of the wedge that is missing. Angles that are multiples of 90 degrees are exact. The
-//! bounds are finite on the sides of the axes that the sector does not reach.
+//! With a sweep of 180 both faces lie in one plane, and both are called `start`. With more than 180 the solid is the
+//! complement of the missing wedge. Angles that are multiples of 90 degrees are exact. The bounds are finite on those
+//! sides of the axes that the sector does not contain.
 
 use super::shape::between;
 use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
@@ -26,18 +26,18 @@ pub struct Wedge {
 }
 
 impl Wedge {
-    /// The sector that begins at an angle and sweeps through another, in degrees.
+    /// The sector from an angle through a sweep, in degrees.
     pub fn new(start_degrees: f64, sweep_degrees: f64) -> Result<Wedge, ShapeError> {
         Wedge { start_degrees, sweep_degrees }.validated()
     }
 
-    /// The directions of the two faces. The start is reduced first, so that whole turns cost no digits.
+    /// The directions of the two faces. The start angle is reduced first, so that full turns cost no digits.
     fn directions(&self) -> [Vec3; 2] {
         let start = self.start_degrees % 360.0;
         [start, start + self.sweep_degrees].map(unit_vector_degrees)
     }
 
-    /// The box of the directions inside, by quarter turns: an axis is reached or bounded by 0.
+    /// Bounding box by quadrants: an axis in the sector is unbounded, otherwise the bound is 0.
     fn bounds(&self) -> Bounds {
         let start = self.start_degrees.rem_euclid(360.0);
         let faces = self.directions();
@@ -54,7 +54,7 @@ impl Wedge {
     }
 }
 
-/// The normal of the face along a direction, towards greater angles; `+ 0` leaves no negative zero.
+/// The normal of the face along a direction, towards larger angles; `+ 0` avoids -0.0.
 fn ahead(direction: Vec3) -> Vec3 {
     Vec3::new(-direction.y, direction.x, 0.0) + Vec3::ZERO
 }
@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(xy(0.0, 270.0), (-inf, inf, -inf, inf));
     }
 
-    /// Neighbours in a fan share a plane to the bit, opposite faces too, so the fan has no gaps.
+    /// Neighbours in a fan share bit-identical planes, also opposite faces, so the fan has no gaps.
     #[test]
     fn a_fan_shares_its_planes() {
         let surface = |start: f64, sweep: f64, k: usize| {
@@ -184,15 +184,15 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Wedge::new(0.0, 360.0)),
-            "wedge: sweep_degrees is 360 (sweep_degrees must be greater than 0 and less than 360)"
+            "wedge: sweep_degrees is 360: sweep_degrees must be greater than 0 and less than 360."
         );
         assert_eq!(
             message(Wedge::new(0.0, 400.0)),
-            "wedge: sweep_degrees is 400 (sweep_degrees must be greater than 0 and less than 360) did you mean 40?"
+            "wedge: sweep_degrees is 400: sweep_degrees must be greater than 0 and less than 360. Did you mean 40?"
         );
         assert_eq!(
             message(Wedge::new(f64::INFINITY, 10.0)),
-            "wedge: start_degrees is inf (start_degrees must be finite)"
+            "wedge: start_degrees is inf: start_degrees must be finite."
         );
     }
 }

@@ -1,4 +1,4 @@
-//! The image of a torus under an affine map that is no similarity: asked in the torus's own frame.
+//! Affine image of a torus that is not a torus: rays are transformed into the frame of the torus.
 
 use super::along::{Departure, recentred};
 use super::{Surface, Torus};
@@ -6,12 +6,12 @@ use crate::Ray;
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Affine, Bounds, Mat3, Transform, Vec3};
 
-/// A stretched or sheared torus: `q = local_from_world (p - centre)` lies on the torus about the origin.
+/// A scaled or sheared torus: `q = local_from_world (p - centre)` lies on a torus about the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AffineTorus {
-    /// The image of the torus's centre.
+    /// Image of the torus's centre.
     pub centre: Vec3,
-    /// The linear map into the torus's own frame.
+    /// Linear map into the frame of the torus.
     pub local_from_world: Mat3,
     /// Its inverse.
     pub world_from_local: Mat3,
@@ -20,7 +20,7 @@ pub struct AffineTorus {
 }
 
 impl AffineTorus {
-    /// A torus as its own image.
+    /// A torus as an image of itself.
     pub(super) fn of(torus: &Torus) -> AffineTorus {
         AffineTorus {
             centre: torus.centre,
@@ -37,7 +37,7 @@ impl AffineTorus {
         self.torus.crossings_about(shift, q, local.direction)
     }
 
-    /// The ray that starts on the torus.
+    /// Departure of a ray that starts on the torus.
     pub(super) fn departure(&self, ray: &Ray) -> Departure {
         let local = self.local(ray);
         self.torus.departure_from(local.origin, local.direction)
@@ -54,27 +54,27 @@ impl AffineTorus {
         Ray::new(self.local_from_world * (ray.origin - self.centre), self.local_from_world * ray.direction)
     }
 
-    /// g in the torus's own frame, and its gradient outside it.
+    /// g in the frame of the torus, and its gradient in the outer frame.
     pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
         let local = self.local_from_world * (point - self.centre);
         let (value, gradient) = self.torus.value_and_gradient(local);
         (value, self.local_from_world.transpose() * gradient)
     }
 
-    /// Distance of the centre from the origin plus the distance to the farthest point of the torus, at most.
-    pub fn reach(&self) -> f64 {
-        let stretch = Affine::from_linear(self.world_from_local).stretch();
-        self.centre.length() + stretch * self.torus.reach()
+    /// Upper bound of the distance from the origin to the farthest point of the torus.
+    pub fn magnitude(&self) -> f64 {
+        let stretch = Affine::from_linear(self.world_from_local).linear_norm();
+        self.centre.length() + stretch * self.torus.magnitude()
     }
 
-    /// The smallest box that holds the torus: `max n . L q = max (L^T n) . q`.
+    /// Smallest bounding box: `max n . L q = max (L^T n) . q`.
     pub fn inside_bounds(&self) -> Bounds {
         let turned = self.world_from_local.transpose();
         let half = Vec3::from_array(Vec3::AXES.map(|n| self.torus.support(turned * n)));
         Bounds::centred(self.centre, half)
     }
 
-    /// The image; a plain torus if the maps together are a similarity.
+    /// The image; a plain torus if the composed map is a similarity.
     pub fn transformed(&self, to: &Transform) -> Surface {
         let centre = to.world_from_local.point(self.centre);
         let world_from_local = to.world_from_local.linear * self.world_from_local;

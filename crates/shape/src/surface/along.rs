@@ -1,10 +1,9 @@
-//! A surface of degree 2 along a ray.
+//! Surfaces of degree 2 along a ray.
 //!
-//! With q = r(t) - centre, `f = a t^2 + 2 b t + c`. The coefficients are formed where few digits are lost:
-//! first at the point of the ray closest to the surface's centre, and, if `b^2 - a c` still cancels there
-//! (a long thin ellipsoid, a ray far out along a cone), once more at the extremum -b/a of f itself. A shift
-//! costs a rounding of the point, u (|o| + |t| |d|), which is that of the ray; what remains is an error of f
-//! relative to its terms *at the place where f is asked*.
+//! With q = r(t) - centre, `f = a t^2 + 2 b t + c`. The coefficients are computed where little precision is lost: first at
+//! the closest approach to the surface's centre, and, if `b^2 - a c` still cancels there (a long thin ellipsoid, a ray far
+//! out along a cone), again at the extremum -b/a of f. A shift costs a rounding of the point, u (|o| + |t| |d|), the same
+//! as for the ray itself; the remaining error of f is relative to its terms *at the point of evaluation*.
 
 use super::SurfaceCrossings;
 use crate::Ray;
@@ -14,17 +13,17 @@ use rayweave_math::roots::{Crossings, quadratic};
 /// Coefficients `[a, b, c]` of `a t^2 + 2 b t + c`.
 pub type Coefficients = [f64; 3];
 
-/// The time at which the ray is closest to `centre`, and that point relative to it.
+/// Time of closest approach to `centre`, and that point relative to it.
 pub fn recentred(ray: &Ray, centre: Vec3) -> (f64, Vec3) {
     let shift = ray.closest_time(centre);
     (shift, (ray.origin - centre) + shift * ray.direction)
 }
 
-/// Crossings of a surface of degree 2 from its coefficients about the time `shift + s`: `at(s)`.
+/// Crossings of a surface of degree 2 from its coefficients `at(s)` about the time `shift + s`.
 ///
-/// `at` moves along the ray in the surface's own coordinates, each by itself: across the axis of a cylinder a
-/// ray that is parallel to it but for rounding moves by 1 in a time of 1e16, and the place of the extremum
-/// would be lost in the rounding of the other coordinate.
+/// `at` shifts each coordinate of the surface's own frame separately. For a cylinder and a ray that is parallel to its axis
+/// up to rounding, the perpendicular coordinate moves by 1 in a time of 1e16, and a shift in world coordinates would lose
+/// the extremum in the rounding of the axial one.
 pub fn quadratic_crossings(shift: f64, at: impl Fn(f64) -> Coefficients) -> Crossings<2> {
     let [a, b, c] = at(0.0);
     let again = -b / a;
@@ -35,23 +34,23 @@ pub fn quadratic_crossings(shift: f64, at: impl Fn(f64) -> Coefficients) -> Cros
     quadratic(a, b, c).shifted(shift)
 }
 
-/// True if `b^2` and `a c` are equal within a factor 2, so that their difference has fewer correct digits.
+/// True if `b^2` and `a c` are equal within a factor of 2, so that their difference has fewer correct digits.
 fn cancels(a: f64, b: f64, c: f64) -> bool {
     let (square, product) = (b * b, a * c);
     2.0 * (square - product).abs() < square
 }
 
-/// What a ray that starts on a surface sees of it, once the root at its start is divided out.
+/// A surface along a ray that starts on it, with the root at the start divided out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Departure {
-    /// The side just after the start into which the direction leads; `None` if the ray lies in the surface.
+    /// The side just after the start; `None` if the ray lies in the surface.
     pub negative_after: Option<bool>,
     /// The remaining sign changes, all > 0.
     pub times: Crossings<4>,
 }
 
 impl Departure {
-    /// From `f(r(t)) = a t^2 + 2 b t`: dividing by t leaves the root `-2 b / a`.
+    /// Departure for `f(r(t)) = a t^2 + 2 b t`: dividing by t leaves the root `-2 b / a`.
     pub fn quadratic(a: f64, half_b: f64) -> Departure {
         let leading = if half_b == 0.0 { a } else { half_b };
         let t = -2.0 * half_b / a;
@@ -62,9 +61,9 @@ impl Departure {
         }
     }
 
-    /// The remaining root of a quadric after one step of Newton: the start lies on the surface within a
-    /// rounding only, and far away, near the apex of a cone say, that f(0) may weigh more than f itself. A step
-    /// that is not small would confuse the root with the one at the start, and is not taken.
+    /// Refines the remaining root of a quadric by one Newton step. The start lies on the surface only up to rounding, and
+    /// far away, e.g. near the apex of a cone, this f(0) may exceed f itself. A large step is rejected, since it would
+    /// reach the root at the start.
     pub fn polished(self, step: impl FnOnce(f64) -> f64) -> Departure {
         let &[t] = self.times.times() else {
             return self;
@@ -76,7 +75,7 @@ impl Departure {
         self
     }
 
-    /// The crossings of a ray that is `inside` just after its start by the start list, where `along_w` is the
+    /// Crossings of a ray that is on the side `inside` just after its start according to the start list. `along_w` is the
     /// side of a ray that lies in the surface. If list and direction disagree, the first time is 0.
     pub fn crossings(&self, inside: bool, along_w: impl FnOnce() -> bool) -> SurfaceCrossings {
         let led = self.negative_after.unwrap_or_else(along_w);

@@ -1,4 +1,4 @@
-//! The double cone `|perp(p - apex)| = slope |h|` with h the height above the apex, inside both nappes.
+//! Double cone `|perp(p - apex)| = slope |h|` with h the height above the apex; the inside is that of both nappes.
 
 use super::along::{Coefficients, Departure, quadratic_crossings, recentred};
 use super::cylinder::{circular, perpendicular};
@@ -10,9 +10,9 @@ use rayweave_math::{Transform, UNIT_ROUNDOFF, Vec3, any_perpendicular, unit};
 /// An unbounded circular double cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// Where the nappes meet.
+    /// The common point of both nappes.
     pub apex: Vec3,
-    /// Unit vector along the axis; either sense is the same cone.
+    /// Unit vector along the axis; both senses describe the same cone.
     pub axis: Vec3,
     /// Radius per height, > 0: the tangent of the half angle.
     pub slope: f64,
@@ -24,8 +24,7 @@ impl Cone {
         Cone { apex, axis: unit(axis), slope }
     }
 
-    /// Roots of `|perp|^2 - slope^2 h^2`; at most two, and none through the apex, where the ray changes from
-    /// one nappe into the other.
+    /// Roots of `|perp|^2 - slope^2 h^2`: at most two, and none through the apex, where the ray changes nappes.
     pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
         let (shift, q) = recentred(ray, self.apex);
         let (height, from) = self.split(q);
@@ -35,7 +34,7 @@ impl Cone {
         })
     }
 
-    /// The slope times the part along the axis, and the part across it.
+    /// The slope times the axial component, and the perpendicular component.
     fn split(&self, v: Vec3) -> (f64, Vec3) {
         let height = self.axis.dot(v);
         (self.slope * height, v - height * self.axis)
@@ -49,7 +48,7 @@ impl Cone {
         ]
     }
 
-    /// The ray that starts on the cone.
+    /// Departure of a ray that starts on the cone.
     pub(super) fn departure(&self, ray: &Ray) -> Departure {
         let [a, b, _] = Self::coefficients(self.split(ray.origin - self.apex), self.split(ray.direction));
         Departure::quadratic(a, b)
@@ -64,8 +63,7 @@ impl Cone {
         (offset.length_squared() - radius * radius, 2.0 * (offset - (self.slope * radius) * self.axis))
     }
 
-    /// The image: a cone again under a similarity or where only lengths along the axis change otherwise, else an
-    /// elliptic one.
+    /// The image: a circular cone under a similarity, possibly with a scale along the axis, else an elliptic cone.
     pub fn transformed(&self, to: &Transform) -> Surface {
         let map = &to.world_from_local;
         if map.similarity().is_some() {

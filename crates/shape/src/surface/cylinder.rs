@@ -1,4 +1,4 @@
-//! The circular cylinder, unbounded: `|perp(p - point)|^2 = radius^2`, inside nearer to the axis.
+//! Circular cylinder, unbounded: `|perp(p - point)|^2 = radius^2`; the inside is nearer to the axis.
 
 use super::along::Departure;
 use super::{Quadric, Surface};
@@ -9,22 +9,22 @@ use rayweave_math::{Bounds, Transform, UNIT_ROUNDOFF, Vec3, any_perpendicular, u
 /// An unbounded circular cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
-    /// The point of the axis nearest the frame's origin.
+    /// The point of the axis nearest to the frame's origin.
     pub point: Vec3,
-    /// Unit vector along the axis; either sense is the same cylinder.
+    /// Unit vector along the axis; both senses describe the same cylinder.
     pub axis: Vec3,
     /// The radius, > 0.
     pub radius: f64,
 }
 
 impl Cylinder {
-    /// About the line through `point` along `axis`, which need not be of unit length.
+    /// The cylinder about the line through `point` along `axis`, which need not have unit length.
     pub fn new(point: Vec3, axis: Vec3, radius: f64) -> Cylinder {
         let axis = unit(axis);
         Cylinder { point: perpendicular(point, axis), axis, radius }
     }
 
-    /// Roots about the point of closest approach to the axis. A ray along the axis has none.
+    /// Roots, computed about the closest approach to the axis. A ray parallel to the axis has none.
     pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
         let from = perpendicular(ray.origin - self.point, self.axis);
         let along = perpendicular(ray.direction, self.axis);
@@ -39,12 +39,12 @@ impl Cylinder {
             return Crossings::constant(false);
         }
         let half = (inside / square).sqrt();
-        // a ray that leaves the axis by 1e-150 a unit of time has a finite way, though its square is none
+        // a ray that diverges from the axis by 1e-150 per unit of time has a finite interval, although its square overflows
         let half = if half.is_finite() { half } else { inside.sqrt() / square.sqrt() };
         Crossings::new(false, &[closest - half, closest + half])
     }
 
-    /// The ray that starts on the cylinder.
+    /// Departure of a ray that starts on the cylinder.
     pub(super) fn departure(&self, ray: &Ray) -> Departure {
         let from = perpendicular(ray.origin - self.point, self.axis);
         let along = perpendicular(ray.direction, self.axis);
@@ -58,18 +58,17 @@ impl Cylinder {
     }
 
     /// Distance of the axis from the origin plus the radius.
-    pub fn reach(&self) -> f64 {
+    pub fn magnitude(&self) -> f64 {
         self.point.length() + self.radius
     }
 
-    /// Finite across a coordinate axis that is perpendicular to the cylinder's.
+    /// Bounding box, finite along coordinate axes that are perpendicular to the cylinder's axis.
     pub fn inside_bounds(&self) -> Bounds {
         let half = self.axis.map(|u| if u == 0.0 { self.radius } else { f64::INFINITY });
         Bounds::centred(self.point, half)
     }
 
-    /// The image: a cylinder again under a similarity or where only lengths along the axis change otherwise, else
-    /// an elliptic one.
+    /// The image: a circular cylinder under a similarity, possibly with a scale along the axis, else an elliptic cylinder.
     pub fn transformed(&self, to: &Transform) -> Surface {
         let map = &to.world_from_local;
         if let Some(scale) = map.similarity() {
@@ -81,7 +80,7 @@ impl Cylinder {
         }
         let side = any_perpendicular(self.axis);
         let rows = [side, self.axis.cross(side), self.axis];
-        // n . q is (L^-T n) . p in the image
+        // n . q equals (L^-T n) . p in the image
         let turned = to.local_from_world.linear.transpose();
         if let Some(shrink) = circular(turned * rows[0], turned * rows[1]) {
             let (point, axis) = (map.point(self.point), map.vector(self.axis));
@@ -95,15 +94,15 @@ impl Cylinder {
     }
 }
 
-/// The length of two vectors if `(a . p)^2 + (b . p)^2` is the same for all p at equal distances from the origin in
-/// their plane: they are perpendicular and equally long within 64 roundings, the bound for similarities.
+/// The length of two vectors that are perpendicular and equally long within 64 roundings, the tolerance for similarities;
+/// then `(a . p)^2 + (b . p)^2` depends only on the distance of p from the origin in their plane.
 pub(super) fn circular(a: Vec3, b: Vec3) -> Option<f64> {
     let (square, other) = (a.length_squared(), b.length_squared());
     let off = (square - other).abs().max(2.0 * a.dot(b).abs());
     (off <= 64.0 * UNIT_ROUNDOFF * square).then(|| square.sqrt())
 }
 
-/// The part of `v` perpendicular to a unit vector.
+/// The component of `v` perpendicular to a unit vector.
 pub(super) fn perpendicular(v: Vec3, axis: Vec3) -> Vec3 {
     v - v.dot(axis) * axis
 }

@@ -1,28 +1,28 @@
-//! The boundary of a closed triangle mesh.
+//! Boundary of a closed triangle mesh.
 //!
-//! f is the signed distance from the mesh, negative inside; its gradient is the unit vector away from the nearest point of it
-//! and, within rounding of the mesh, the normal of the nearest triangle. Crossings come from [`Polyhedron::crossings`], which
-//! shares no arithmetic with f.
+//! f is the signed distance from the mesh, negative inside. Its gradient is the unit vector away from the nearest point of
+//! the mesh and, within rounding of the mesh, the normal of the nearest triangle. Crossings come from
+//! [`Polyhedron::crossings`], which shares no arithmetic with f.
 //!
-//! *Guarantee*: the number of crossings of every line is even, and each lies within `64 u (|o| + |t| |d| + reach)` of its
-//! triangle. A ray that lies in a face is on the side of it into which the directions aside lead.
+//! *Guarantee*: each line has an even number of crossings, each within `64 u (|o| + |t| |d| + magnitude)` of its triangle. A
+//! ray that lies in a face is on the side of it that the perturbation directions lead to.
 
 use super::object::{Departing, Form};
-use super::{Aside, hugs_along};
+use super::{Perturbation, coincides_between};
 use crate::Ray;
 use rayweave_math::{Bounds, Interval, UNIT_ROUNDOFF, Vec3};
 use rayweave_mesh::{Crossing, Line, Polyhedron};
 use std::any::Any;
 use std::cell::RefCell;
 
-/// The boundary of a closed triangle mesh, as a surface.
+/// Boundary of a closed triangle mesh, as a surface.
 #[derive(Debug, PartialEq)]
 pub struct MeshForm {
     solid: Polyhedron,
 }
 
 thread_local! {
-    /// The crossings of one line: kept, so that no ray allocates.
+    /// Buffer for the crossings of one line, so that rays do not allocate.
     static FOUND: RefCell<Vec<Crossing>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -41,24 +41,24 @@ impl MeshForm {
         &self.solid
     }
 
-    /// The distance within which a point cannot be told from the mesh.
+    /// Tolerance within which a point counts as on the mesh.
     fn delta(&self, point: Vec3) -> f64 {
-        64.0 * UNIT_ROUNDOFF * (point.length() + self.solid.reach())
+        64.0 * UNIT_ROUNDOFF * (point.length() + self.solid.magnitude())
     }
 
-    /// Calls `take` with the crossings of a line, less those pairs that are at the same time.
-    fn each_crossing(&self, line: &Line, aside: &Aside, mut take: impl FnMut(&Crossing)) {
+    /// Calls `take` with the crossings of a line, except pairs at the same time, which cancel.
+    fn each_crossing(&self, line: &Line, perturbation: &Perturbation, mut take: impl FnMut(&Crossing)) {
         FOUND.with_borrow_mut(|found| {
-            self.solid.crossings(line, &aside.directions(), found);
+            self.solid.crossings(line, &perturbation.directions(), found);
             for at_once in found.chunk_by(|a, b| a.t == b.t).filter(|at_once| at_once.len() % 2 == 1) {
                 take(&at_once[0]);
             }
         });
     }
 
-    /// Whether a piece of a ray keeps to the plane of some triangle that is at its end; `None` if there are only such as the ray
-    /// lies in, through the ball around the mesh: these it does not cross.
-    fn faces_hugged_from(
+    /// True if a piece of a ray lies in the plane of a triangle at the given end; `None` if each such triangle contains the
+    /// whole chord of the ray through the ball around the mesh, and so is not crossed.
+    fn faces_coincident_from(
         &self,
         end: f64,
         ray: &Ray,
@@ -66,20 +66,20 @@ impl MeshForm {
         delta: &dyn Fn(f64) -> f64,
     ) -> Option<bool> {
         let chord = self.solid.chord(&line(ray)).unwrap_or((a, b));
-        let start = (ray.origin.length() + self.solid.reach()) / ray.direction.length();
-        let mut hugged = None;
+        let start = (ray.origin.length() + self.solid.magnitude()) / ray.direction.length();
+        let mut coincident = None;
         self.solid.triangles_within(ray.at(end), delta(end), |triangle| {
             let (normal, [corner, ..]) = (self.solid.normal(triangle), self.solid.triangle(triangle));
             let is_near = |t: f64| normal.dot(ray.at(t) - corner).abs() <= delta(t);
             let lies_in_it = is_near(chord.0) && is_near(chord.1);
             if !lies_in_it && normal.is_finite() {
-                hugged = Some(hugged == Some(true) || hugs_along(is_near, start, 1, a, b));
+                coincident = Some(coincident == Some(true) || coincides_between(is_near, start, 1, a, b));
             }
         });
-        hugged
+        coincident
     }
 
-    /// True if a crossing ahead is the one at the start: its triangle holds the start, within rounding.
+    /// True if a crossing ahead is the one at the start, i.e. its triangle contains the start within rounding.
     fn is_at_start(&self, crossing: &Crossing, start: Vec3) -> bool {
         self.solid.distance_from(crossing.triangle, start) <= self.delta(start)
     }
@@ -87,25 +87,30 @@ impl MeshForm {
 
 impl Form for MeshForm {
     fn crossings(&self, ray: &Ray, flip: &mut dyn FnMut(f64)) -> bool {
-        self.crossings_aside(ray, &Aside::WORLD, flip)
+        self.crossings_perturbation(ray, &Perturbation::WORLD, flip)
     }
 
-    fn crossings_aside(&self, ray: &Ray, aside: &Aside, flip: &mut dyn FnMut(f64)) -> bool {
-        self.each_crossing(&line(ray), aside, |crossing| flip(crossing.t));
+    fn crossings_perturbation(
+        &self,
+        ray: &Ray,
+        perturbation: &Perturbation,
+        flip: &mut dyn FnMut(f64),
+    ) -> bool {
+        self.each_crossing(&line(ray), perturbation, |crossing| flip(crossing.t));
         false
     }
 
-    /// Of the crossings ahead those through triangles that hold the start are left out; the others say on which side the ray is
-    /// after it, since far away it is outside.
+    /// Crossings through triangles that contain the start are skipped. The parity of the others gives the side after the
+    /// start, since the ray is outside far away.
     fn crossings_from(&self, start: &Departing<'_>, flip: &mut dyn FnMut(f64)) {
         let (line, origin) = (line(&start.ray), start.ray.origin);
         let is_ahead = |crossing: &Crossing| crossing.t > 0.0 && !self.is_at_start(crossing, origin);
         let mut is_inside = false;
-        self.each_crossing(&line, &start.aside, |crossing| is_inside ^= is_ahead(crossing));
+        self.each_crossing(&line, &start.perturbation, |crossing| is_inside ^= is_ahead(crossing));
         if is_inside != start.inside_after {
             flip(0.0);
         }
-        self.each_crossing(&line, &start.aside, |crossing| {
+        self.each_crossing(&line, &start.perturbation, |crossing| {
             if is_ahead(crossing) {
                 flip(crossing.t);
             }
@@ -114,7 +119,7 @@ impl Form for MeshForm {
 
     fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
         let Some(nearest) = self.solid.nearest(point, f64::INFINITY) else {
-            // so far away that squares of distances are infinite
+            // so far away that squared distances are infinite
             return (point.length(), point.normalize_or(Vec3::X));
         };
         let away = point - nearest.point;
@@ -122,19 +127,20 @@ impl Form for MeshForm {
         if away.length() <= self.delta(point) && normal.is_finite() {
             return (away.dot(normal), normal);
         }
-        let aside = Aside::WORLD.directions();
-        let is_inside = FOUND.with_borrow_mut(|found| self.solid.contains_with(point, &aside, found));
+        let perturbation = Perturbation::WORLD.directions();
+        let is_inside = FOUND.with_borrow_mut(|found| self.solid.contains_with(point, &perturbation, found));
         let outward = if is_inside { -1.0 } else { 1.0 };
         (outward * away.length(), outward * away.normalize_or(Vec3::X))
     }
 
-    fn hugged_faces(&self, ray: &Ray, (a, b): (f64, f64), delta: &dyn Fn(f64) -> f64) -> Option<bool> {
+    fn coincident_faces(&self, ray: &Ray, (a, b): (f64, f64), delta: &dyn Fn(f64) -> f64) -> Option<bool> {
         let is_near = |t: f64| self.solid.nearest(ray.at(t), delta(t)).is_some();
         let is_near_all_along = is_near(0.5 * (a + b)) && is_near(a) && is_near(b);
         Some(
             is_near_all_along && {
-                let ends = [a, b].map(|end| self.faces_hugged_from(end, ray, (a, b), delta));
-                ends.iter().any(Option::is_some) && ends.into_iter().all(|hugged| hugged.unwrap_or(true))
+                let ends = [a, b].map(|end| self.faces_coincident_from(end, ray, (a, b), delta));
+                ends.iter().any(Option::is_some)
+                    && ends.into_iter().all(|coincident| coincident.unwrap_or(true))
             },
         )
     }
@@ -144,19 +150,19 @@ impl Form for MeshForm {
     }
 
     fn is_ruled(&self) -> bool {
-        // settled by `crossings_aside`
+        // `crossings_perturbation` handles rays in faces
         false
     }
 
-    fn reach(&self) -> f64 {
-        self.solid.reach()
+    fn magnitude(&self) -> f64 {
+        self.solid.magnitude()
     }
 
     fn inside_bounds(&self) -> Bounds {
         self.solid.bounds()
     }
 
-    /// f changes by no more than the distance.
+    /// f changes by at most the distance.
     fn ranges(&self, cell: &[Interval; 3]) -> (Interval, [Interval; 3]) {
         let middle = Vec3::from_array(cell.map(|side| 0.5 * side.lo + 0.5 * side.hi));
         let half = Vec3::from_array(cell.map(|side| 0.5 * side.hi - 0.5 * side.lo));
@@ -189,7 +195,7 @@ mod tests {
     use rayweave_mesh::Mesh;
     use std::sync::Arc;
 
-    /// The unit cube with a notch: a second, smaller cube in its corner at the origin is left out.
+    /// The unit cube minus a smaller cube in its corner at the origin.
     fn notched() -> Surface {
         let boxes =
             [[0.0, 0.0, 0.5, 1.0, 1.0, 1.0], [0.5, 0.0, 0.0, 1.0, 1.0, 0.5], [0.0, 0.5, 0.0, 0.5, 1.0, 0.5]];
@@ -213,11 +219,11 @@ mod tests {
 
     fn ahead(surface: &Surface, ray: &Ray, inside: bool) -> Vec<f64> {
         let mut times = Vec::new();
-        surface.all_crossings_from(ray, inside, &Aside::WORLD, |t| times.push(t));
+        surface.all_crossings_from(ray, inside, &Perturbation::WORLD, |t| times.push(t));
         times
     }
 
-    /// Faces within the mesh, where its boxes touch, cancel, and the sides are those of the formula.
+    /// Interior faces, where the two boxes touch, cancel, and the sides are those of the formula.
     #[test]
     fn crossings_and_signs_are_those_of_the_formula() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -246,7 +252,7 @@ mod tests {
         assert!(several > 5, "{several}");
     }
 
-    /// A ray that starts on a face, an edge or a corner meets what lies ahead, and the start only if the list says so.
+    /// A ray that starts on a face, an edge or a vertex hits what is ahead, and its start only if the list disagrees.
     #[test]
     fn rays_from_the_mesh_never_meet_their_start_again() {
         let surface = notched();
@@ -262,7 +268,7 @@ mod tests {
         let times = ahead(&surface, &notch, false);
         assert_eq!(times.len(), 2);
         assert!((times[0] - 0.3).abs() < 1e-15 && (times[1] - 0.5).abs() < 1e-15);
-        // from a corner and from an edge, in and out
+        // from a vertex and from an edge, inwards and outwards
         let corner = Ray::new(Vec3::ONE, Vec3::new(-1.0, -1.1, -1.2));
         assert_eq!(ahead(&surface, &corner, true).len() % 2, 1);
         assert!(ahead(&surface, &corner, true).iter().all(|&t| t > 0.4));

@@ -1,16 +1,16 @@
-//! The kernels: surfaces `f(p) = 0`, inside where `f < 0`.
+//! Surface kernels: implicit surfaces `f(p) = 0`, with the inside where `f < 0`.
 //!
-//! A surface is given in the frame in which rays are asked (the frame of one un-instanced group), in a
-//! canonical form about its own centre, never expanded about the world origin.
+//! A surface is given in the frame of the rays (that of one un-instanced group), in a canonical form about its own centre,
+//! never expanded about the world origin.
 //!
-//! # What holds for every kernel
+//! # Properties of all kernels
 //!
-//! - *Pure*: crossings are a function of (surface, origin, direction) and nothing else; only +, -, *, / and
-//!   square roots in a fixed order, nothing fused. Equal input gives equal bits.
-//! - *Backward stable*: a computed point r(t) lies within `64 u (|o| + |t| |d| + reach)` of the surface, and
-//!   a pair of crossings exists or not as it should if the ray clears tangency by more: see [`delta`].
-//! - *Scales*: lengths times a power of two give times times that power, to the bit.
-//! - *Range*: lengths between 1e-70 and 1e70 (squares of squares are formed), directions of any length.
+//! - *Pure*: crossings are a function of (surface, origin, direction) only, computed with +, -, *, / and square
+//!   roots in a fixed order, without fused operations. Equal input gives equal bits.
+//! - *Backward stable*: a computed point r(t) lies within `64 u (|o| + |t| |d| + magnitude)` of the surface, and the
+//!   number of crossings is exact if the ray is farther from tangency than that: see [`delta`].
+//! - *Scaling*: lengths times a power of two give times multiplied by that power, to the bit.
+//! - *Range*: lengths between 1e-70 and 1e70 (fourth powers are formed), directions of any length.
 
 mod affine_torus;
 mod along;
@@ -40,7 +40,8 @@ pub use sag::Sag;
 pub use share::{Shared, WideClass, share};
 pub use sphere::Sphere;
 pub use tolerance::{
-    Aside, Chord, LIE_DIRECTION, clears, delta, delta_of, hugs, hugs_along, is_near, lies_in,
+    Chord, Perturbation, coincides_along, coincides_between, delta, delta_of, is_near, lies_in,
+    separated_along,
 };
 pub use torus::Torus;
 
@@ -49,12 +50,12 @@ use along::Departure;
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Affine, Bounds, Mat3, Transform, Vec3};
 
-/// The sides and times that a surface gives along a ray: at most four sign changes.
+/// Sides and times of a surface along a ray: at most four sign changes.
 pub type SurfaceCrossings = Crossings<4>;
 
-/// One surface, in canonical form.
+/// A surface in canonical form.
 ///
-/// The kinds with many numbers are boxed, so that a million planes do not pay for them.
+/// Kinds with many parameters are boxed, to keep the size of a plane small.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// A plane.
@@ -69,15 +70,15 @@ pub enum Surface {
     Quadric(Box<Quadric>),
     /// A torus.
     Torus(Torus),
-    /// A torus under an affine map that is no similarity.
+    /// An affine image of a torus that is not a torus.
     AffineTorus(Box<AffineTorus>),
-    /// A surface that may be crossed any number of times.
+    /// A surface with any number of crossings.
     Object(Box<Object>),
 }
 
-/// Constructors. Lengths are finite, directions not zero, radii > 0; nothing is checked.
+/// Constructors, unchecked: lengths must be finite, directions not zero, radii > 0.
 impl Surface {
-    /// The plane `normal . p = offset`, inside where it is smaller; the normal may have any length.
+    /// The plane `normal . p = offset`, with the inside where `normal . p` is smaller; the normal may have any length.
     pub fn plane(normal: Vec3, offset: f64) -> Surface {
         Surface::Plane(Plane::new(normal, offset))
     }
@@ -97,28 +98,29 @@ impl Surface {
         Surface::Cone(Cone::new(apex, axis, slope))
     }
 
-    /// The quadric `q . M q + linear . q + constant = 0` with q = p - centre. M is symmetric and not zero.
+    /// The quadric `q . M q + linear . q + constant = 0` with q = p - centre; M is symmetric and not zero.
     pub fn quadric_about(centre: Vec3, matrix: Mat3, linear: Vec3, constant: f64) -> Surface {
         Surface::Quadric(Box::new(Quadric::about(centre, &matrix, linear, constant)))
     }
 
-    /// The surface `[x y z 1] Q [x y z 1]^T = 0`, inside where it is negative, about its centre or vertex.
+    /// The surface `[x y z 1] Q [x y z 1]^T = 0`, with the inside where the left side is negative, about its centre or
+    /// vertex.
     ///
-    /// Only the symmetric part of Q counts. A Q without squares gives a plane, one without any variable (or
-    /// that is not finite) `None`.
+    /// Only the symmetric part of Q matters. A Q without quadratic terms gives a plane, a constant or non-finite one
+    /// `None`.
     pub fn quadric(matrix: &[[f64; 4]; 4]) -> Option<Surface> {
         quadric::from_matrix(matrix)
     }
 
-    /// The torus about `centre` with this axis, radius of the circle and radius of the tube.
+    /// The torus with this centre, axis, radius of the centre circle and radius of the tube.
     pub fn torus(centre: Vec3, axis: Vec3, major: f64, minor: f64) -> Surface {
         Surface::Torus(Torus::new(centre, axis, major, minor))
     }
 }
 
 impl Surface {
-    /// Where the ray crosses the surface: a pure function of (surface, origin, direction). Of an [`Object`] the first four
-    /// times; there may be more ([`Surface::few_crossings`], [`Surface::all_crossings`]).
+    /// Crossings of the ray: a pure function of (surface, origin, direction). For an [`Object`] only the first four times
+    /// ([`Surface::few_crossings`] and [`Surface::all_crossings`] give all).
     pub fn crossings(&self, ray: &Ray) -> SurfaceCrossings {
         if let Surface::Plane(s) = self {
             return s.crossings(ray).widen();
@@ -138,97 +140,110 @@ impl Surface {
             Surface::Quadric(s) => s.crossings(ray).widen(),
             Surface::Torus(s) => s.crossings(ray),
             Surface::AffineTorus(s) => s.crossings(ray),
-            Surface::Object(s) => object::first_four(|flip| s.crossings(ray, &Aside::WORLD, flip)).0,
+            Surface::Object(s) => object::first_four(|flip| s.crossings(ray, &Perturbation::WORLD, flip)).0,
         }
     }
 
-    /// Where the ray crosses the surface, or `None` if it does so more than four times.
+    /// Crossings of the ray, or `None` if there are more than four.
     pub fn few_crossings(&self, ray: &Ray) -> Option<SurfaceCrossings> {
-        self.few_crossings_in(ray, &Aside::WORLD)
+        self.few_crossings_in(ray, &Perturbation::WORLD)
     }
 
-    /// [`Surface::few_crossings`] in a frame that is not the world's.
+    /// [`Surface::few_crossings`] in a frame other than the world's.
     #[inline]
-    pub fn few_crossings_in(&self, ray: &Ray, aside: &Aside) -> Option<SurfaceCrossings> {
+    pub fn few_crossings_in(&self, ray: &Ray, perturbation: &Perturbation) -> Option<SurfaceCrossings> {
         let Surface::Object(object) = self else { return Some(self.crossings(ray)) };
-        let (crossings, is_all) = object::first_four(|flip| object.crossings(ray, aside, flip));
+        let (crossings, is_all) = object::first_four(|flip| object.crossings(ray, perturbation, flip));
         is_all.then_some(crossings)
     }
 
-    /// Passes all times at which the ray crosses the surface to `flip`, in order; true if it is inside at -inf.
+    /// Passes all crossing times to `flip`, in order; returns true if the ray is inside at -inf.
     pub fn all_crossings(&self, ray: &Ray, flip: impl FnMut(f64)) -> bool {
-        self.all_crossings_in(ray, &Aside::WORLD, flip)
+        self.all_crossings_in(ray, &Perturbation::WORLD, flip)
     }
 
-    /// [`Surface::all_crossings`] in a frame that is not the world's.
-    pub fn all_crossings_in(&self, ray: &Ray, aside: &Aside, mut flip: impl FnMut(f64)) -> bool {
+    /// [`Surface::all_crossings`] in a frame other than the world's.
+    pub fn all_crossings_in(
+        &self,
+        ray: &Ray,
+        perturbation: &Perturbation,
+        mut flip: impl FnMut(f64),
+    ) -> bool {
         if let Surface::Object(object) = self {
-            return object.crossings(ray, aside, flip);
+            return object.crossings(ray, perturbation, flip);
         }
         let crossings = self.crossings(ray);
         crossings.times().iter().for_each(|&t| flip(t));
         crossings.starts_negative()
     }
 
-    /// Where a ray that starts *on* the surface crosses it, for t >= 0: the answer for a surface on the start
-    /// list of a ray.
+    /// Crossings, for t >= 0, of a ray that starts *on* the surface, i.e. that has the surface on its start list.
     ///
-    /// One root at 0 is divided out of f(r(t)). The side at the start of the answer is `inside_after`, as
-    /// listed; each time flips it. If the direction leads to the other side, the surface is crossed at the
-    /// very start: the first time is exactly 0 (and no other one is). Where the direction is tangent, the
-    /// side into which it leads is that of the next derivative; for a ray in the surface it is that of
-    /// [`LIE_DIRECTION`].
+    /// One root at 0 is divided out of f(r(t)). The answer starts on the side `inside_after` of the list, and each time
+    /// changes the side. If the direction leads to the other side, the ray crosses the surface at its start: the first time
+    /// is exactly 0 (and no other one is). For a tangent direction the next derivative determines the side; for a ray in
+    /// the surface it is the side of [`rayweave_math::PERTURBATION_DIRECTION`].
     pub fn crossings_from(&self, ray: &Ray, inside_after: bool) -> SurfaceCrossings {
-        self.crossings_from_in(ray, inside_after, &Aside::WORLD)
+        self.crossings_from_in(ray, inside_after, &Perturbation::WORLD)
     }
 
-    /// [`Surface::crossings_from`] in a frame that is not the world's.
-    pub fn crossings_from_in(&self, ray: &Ray, inside_after: bool, aside: &Aside) -> SurfaceCrossings {
-        self.first_crossings_from(ray, inside_after, aside).0
+    /// [`Surface::crossings_from`] in a frame other than the world's.
+    pub fn crossings_from_in(
+        &self,
+        ray: &Ray,
+        inside_after: bool,
+        perturbation: &Perturbation,
+    ) -> SurfaceCrossings {
+        self.first_crossings_from(ray, inside_after, perturbation).0
     }
 
-    /// The same, or `None` if there are more than four.
+    /// [`Surface::crossings_from_in`], or `None` if there are more than four crossings.
     pub fn few_crossings_from(
         &self,
         ray: &Ray,
         inside_after: bool,
-        aside: &Aside,
+        perturbation: &Perturbation,
     ) -> Option<SurfaceCrossings> {
-        let (crossings, is_all) = self.first_crossings_from(ray, inside_after, aside);
+        let (crossings, is_all) = self.first_crossings_from(ray, inside_after, perturbation);
         is_all.then_some(crossings)
     }
 
-    /// The same, all times passed to `flip`.
+    /// [`Surface::crossings_from_in`] that passes all times to `flip`.
     pub fn all_crossings_from(
         &self,
         ray: &Ray,
         inside_after: bool,
-        aside: &Aside,
+        perturbation: &Perturbation,
         mut flip: impl FnMut(f64),
     ) {
         match self {
-            Surface::Object(object) => object.crossings_from(ray, inside_after, aside, flip),
+            Surface::Object(object) => object.crossings_from(ray, inside_after, perturbation, flip),
             _ => {
-                let crossings = self.crossings_from_in(ray, inside_after, aside);
+                let crossings = self.crossings_from_in(ray, inside_after, perturbation);
                 crossings.times().iter().for_each(|&t| flip(t));
             }
         }
     }
 
     /// The first four crossings of a ray from the surface, and whether these are all.
-    fn first_crossings_from(&self, ray: &Ray, inside_after: bool, aside: &Aside) -> (SurfaceCrossings, bool) {
+    fn first_crossings_from(
+        &self,
+        ray: &Ray,
+        inside_after: bool,
+        perturbation: &Perturbation,
+    ) -> (SurfaceCrossings, bool) {
         if let Surface::Object(object) = self {
             return object::first_four(|flip| {
-                object.crossings_from(ray, inside_after, aside, flip);
+                object.crossings_from(ray, inside_after, perturbation, flip);
                 inside_after
             });
         }
-        (self.departing(ray, inside_after, aside), true)
+        (self.departing(ray, inside_after, perturbation), true)
     }
 
-    fn departing(&self, ray: &Ray, inside_after: bool, aside: &Aside) -> SurfaceCrossings {
+    fn departing(&self, ray: &Ray, inside_after: bool, perturbation: &Perturbation) -> SurfaceCrossings {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
-        let along_w = || aside.leads_inside(self.value_and_gradient(ray.origin).1);
+        let along_w = || perturbation.leads_inside(self.value_and_gradient(ray.origin).1);
         let newton = |t: f64| {
             let (value, gradient) = self.value_and_gradient(ray.at(t));
             value / gradient.dot(ray.direction)
@@ -249,7 +264,7 @@ impl Surface {
             Surface::Quadric(s) => s.departure(ray),
             Surface::Torus(s) => s.departure(ray),
             Surface::AffineTorus(s) => s.departure(ray),
-            // asked through `Object::crossings_from`
+            // `Object::crossings_from` handles objects
             Surface::Object(_) => Departure { negative_after: None, times: Crossings::constant(false) },
         }
     }
@@ -268,16 +283,16 @@ impl Surface {
         }
     }
 
-    /// [`hugs`] by the faces that a surface is made of, if it is made of many.
-    fn hugged_faces(&self, reach: f64, ray: &Ray, a: f64, b: f64) -> Option<bool> {
+    /// The test of [`coincides_along`] per face, for surfaces of many faces.
+    fn coincident_faces(&self, magnitude: f64, ray: &Ray, a: f64, b: f64) -> Option<bool> {
         match self {
-            Surface::Object(s) => s.hugged_faces(reach, ray, a, b),
+            Surface::Object(s) => s.coincident_faces(magnitude, ray, a, b),
             _ => None,
         }
     }
 
-    /// The degree of `f` along a straight line: at most so many crossings, except of an [`Object`], where it says at how
-    /// many places [`hugs`] looks.
+    /// The degree of `f` along a straight line, which bounds the number of crossings. For an [`Object`] it only sets the
+    /// number of points that [`coincides_along`] tests.
     pub fn degree(&self) -> u8 {
         match self {
             Surface::Plane(_) => 1,
@@ -287,7 +302,7 @@ impl Surface {
         }
     }
 
-    /// True if a straight line might lie in the surface.
+    /// True if a straight line may lie in the surface.
     pub fn is_ruled(&self) -> bool {
         match self {
             Surface::Plane(_) | Surface::Cylinder(_) | Surface::Cone(_) => true,
@@ -297,21 +312,21 @@ impl Surface {
         }
     }
 
-    /// The size and position of the surface: how far from the origin the numbers that describe it reach.
-    pub fn reach(&self) -> f64 {
+    /// Upper bound of the lengths that describe the surface, including its position relative to the origin.
+    pub fn magnitude(&self) -> f64 {
         match self {
-            Surface::Plane(s) => s.reach(),
-            Surface::Sphere(s) => s.reach(),
-            Surface::Cylinder(s) => s.reach(),
+            Surface::Plane(s) => s.magnitude(),
+            Surface::Sphere(s) => s.magnitude(),
+            Surface::Cylinder(s) => s.magnitude(),
             Surface::Cone(s) => s.apex.length(),
-            Surface::Quadric(s) => s.reach(),
-            Surface::Torus(s) => s.reach(),
-            Surface::AffineTorus(s) => s.reach(),
-            Surface::Object(s) => s.reach(),
+            Surface::Quadric(s) => s.magnitude(),
+            Surface::Torus(s) => s.magnitude(),
+            Surface::AffineTorus(s) => s.magnitude(),
+            Surface::Object(s) => s.magnitude(),
         }
     }
 
-    /// A point that says where the surface is: its centre, apex, vertex or foot of the perpendicular.
+    /// A reference point of the surface: its centre, apex, vertex or foot of the perpendicular.
     pub fn anchor(&self) -> Vec3 {
         match self {
             Surface::Plane(s) => s.anchor(),
@@ -325,8 +340,8 @@ impl Surface {
         }
     }
 
-    /// The smallest box that holds the inside, `f < 0`, up to the rounding of its faces (a few u times their
-    /// distance from the origin); infinite where it is unbounded, empty if f is nowhere negative.
+    /// Smallest box around the inside, `f < 0`, up to rounding (a few u times its distance from the origin); infinite if
+    /// the inside is unbounded, empty if f is nowhere negative.
     pub fn inside_bounds(&self) -> Bounds {
         match self {
             Surface::Plane(s) => s.inside_bounds(),
@@ -340,7 +355,7 @@ impl Surface {
         }
     }
 
-    /// The canonical form of the image of this surface; inside stays inside, and the identity keeps all bits.
+    /// Canonical form of the image of this surface. The inside maps to the inside, and the identity preserves all bits.
     pub fn transformed(&self, to: &Transform) -> Surface {
         if to.world_from_local == Affine::IDENTITY {
             return self.clone();
@@ -357,7 +372,7 @@ impl Surface {
         }
     }
 
-    /// True if no number of the surface is NaN or infinite.
+    /// True if all parameters of the surface are finite.
     pub fn is_finite(&self) -> bool {
         match self {
             Surface::Plane(s) => s.normal.is_finite() && s.offset.is_finite(),

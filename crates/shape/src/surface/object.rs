@@ -1,90 +1,93 @@
-//! Objects: surfaces that a straight line may cross any number of times, each in a frame of its own.
+//! Objects: surfaces that a straight line may cross any number of times, each in its own frame.
 //!
-//! The other kernels of [`Surface`](super::Surface) answer with at most four sign changes, in place. What is described
-//! by a list of numbers of any length (a freeform, a mesh) is a [`Form`]: it is asked through a sink, is kept once
-//! however often it is placed, and is reached from `Surface` through one variant, so that hot loops over the other
-//! kinds do not know it.
+//! The other kernels of [`Surface`](super::Surface) return at most four sign changes by value. A surface that is described
+//! by a list of numbers of any length (a freeform, a mesh) is a [`Form`]: it passes its crossings to a sink and is stored
+//! once, regardless of its placements. A single variant of `Surface` refers to it, so that hot loops over the other kinds
+//! are unaffected.
 
-use super::{Aside, SurfaceCrossings, delta};
+use super::{Perturbation, SurfaceCrossings, delta};
 use crate::Ray;
 use rayweave_math::{Affine, Bounds, Interval, Mat3, Transform, Vec3};
 use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// A closed or unbounded surface `f = 0` about its own origin, inside where `f < 0`.
+/// A closed or unbounded surface `f = 0` about its own origin, with the inside where `f < 0`.
 ///
-/// What holds for every kernel (see the [module](super)) holds for a form: its crossings are a function of the form,
-/// the origin and the direction alone, and a point r(t) that it reports lies within
-/// `64 u (|o| + |t| |d| + reach)` of the surface.
+/// Forms have the properties of all kernels (see the [module](super)): crossings are a function of the form, the origin and
+/// the direction only, and each reported point r(t) lies within `64 u (|o| + |t| |d| + magnitude)` of the surface.
 pub trait Form: Any + Debug + Send + Sync {
-    /// Passes the times at which f changes sign along the ray to `flip`, in increasing order; true if f is negative
-    /// as t -> -inf. The direction is of a length between 1e-90 and 1e90.
+    /// Passes the times at which f changes sign along the ray to `flip`, in increasing order; returns true if f is negative
+    /// as t -> -inf. The length of the direction is between 1e-90 and 1e90.
     fn crossings(&self, ray: &Ray, flip: &mut dyn FnMut(f64)) -> bool;
 
-    /// The same in a frame in which the directions aside are not those of the world: for a form that settles itself on which side
-    /// of its faces a ray is that lies in them.
-    fn crossings_aside(&self, ray: &Ray, _aside: &Aside, flip: &mut dyn FnMut(f64)) -> bool {
+    /// Like `crossings`, in a frame whose perturbation directions are not those of the world; for a form that itself
+    /// determines the side of a ray that lies in one of its faces.
+    fn crossings_perturbation(
+        &self,
+        ray: &Ray,
+        _perturbation: &Perturbation,
+        flip: &mut dyn FnMut(f64),
+    ) -> bool {
         self.crossings(ray, flip)
     }
 
-    /// The same for a ray that starts *on* the surface, for t >= 0: see
+    /// Like `crossings` for a ray that starts *on* the surface, for t >= 0: see
     /// [`Surface::crossings_from`](super::Surface::crossings_from). The side just after the start is
     /// [`Departing::inside_after`]; if the direction leads to the other one, the first time is 0.
     fn crossings_from(&self, start: &Departing<'_>, flip: &mut dyn FnMut(f64));
 
-    /// f and its gradient at a point: f of the order of the distance times the length of the gradient near the surface.
+    /// f and its gradient at a point; near the surface |f| is about the distance times the length of the gradient.
     fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3);
 
-    /// Whether the piece of a ray between two times keeps to the surface, for a form of many faces: to each face that it crosses
-    /// at an end, alone, and not to one in which it runs from one face to the next. `delta` is the distance at a time within which
-    /// they cannot be told apart. `None` if the form is one face.
-    fn hugged_faces(&self, _ray: &Ray, _ends: (f64, f64), _delta: &dyn Fn(f64) -> f64) -> Option<bool> {
+    /// For a form of many faces: true if the piece of a ray between two times coincides with every face that it crosses at
+    /// its ends, within the tolerance `delta` at a time. Each face is tested separately, so that a piece from one face to
+    /// the next does not count. `None` if the form is a single face.
+    fn coincident_faces(&self, _ray: &Ray, _ends: (f64, f64), _delta: &dyn Fn(f64) -> f64) -> Option<bool> {
         None
     }
 
-    /// One less than the number of places at which a piece of a line is looked at to tell whether it lies in the
-    /// surface: the degree of f along a line, if that is a polynomial. At least 5.
+    /// One less than the number of points at which a piece of a line is tested for coincidence with the surface: the degree
+    /// of f along a line, if that is a polynomial; at least 5.
     fn degree(&self) -> u8;
 
-    /// True if a straight line might lie in the surface over the size of a model.
+    /// True if a straight line may lie in the surface over the size of a model.
     fn is_ruled(&self) -> bool;
 
-    /// How far from its origin the numbers that describe it reach.
-    fn reach(&self) -> f64;
+    /// Upper bound of the lengths that describe the form, about its origin.
+    fn magnitude(&self) -> f64;
 
-    /// A box that holds the inside; infinite where it is unbounded.
+    /// A box around the inside; infinite where it is unbounded.
     fn inside_bounds(&self) -> Bounds;
 
     /// Bounds of f, and of each component of its gradient, over all points of a box.
     fn ranges(&self, cell: &[Interval; 3]) -> (Interval, [Interval; 3]);
 
-    /// The numbers that describe it, first to last, as far as they tell it from others: forms that are the same surface
-    /// have equal fingerprints.
+    /// A hash of the numbers that define the form: equal for forms that are the same surface.
     fn fingerprint(&self) -> u64;
 
-    /// True if another form is the same surface to the bit.
+    /// True if another form is bit-identical.
     fn is_same(&self, other: &dyn Form) -> bool;
 }
 
 /// A ray that starts on a form.
 pub struct Departing<'a> {
-    /// The ray; its origin lies on the surface but for rounding.
+    /// The ray; its origin lies on the surface up to rounding.
     pub ray: Ray,
-    /// The side just after the start, as the start list says.
+    /// The side just after the start, according to the start list.
     pub inside_after: bool,
-    /// The directions aside in the form's frame.
-    pub aside: Aside,
-    /// Whether the ray would be inside if it lay in the surface.
+    /// Perturbation directions in the frame of the form.
+    pub perturbation: Perturbation,
+    /// The side of a ray that lies in the surface, true for inside.
     pub led_inside: &'a dyn Fn() -> bool,
 }
 
-/// A form in its place: `q = local_from_world (p - centre)` lies on the form.
+/// A placed form: `q = local_from_world (p - centre)` lies on the form.
 #[derive(Clone, Debug)]
 pub struct Object {
-    /// Where the form's origin is.
+    /// Position of the form's origin.
     pub centre: Vec3,
-    /// The linear map into the form's own frame.
+    /// Linear map into the frame of the form.
     pub local_from_world: Mat3,
     /// Its inverse.
     pub world_from_local: Mat3,
@@ -109,7 +112,7 @@ impl Object {
         (self.centre, self.local_from_world, self.world_from_local)
     }
 
-    /// True if both are copies of one form.
+    /// True if both are placements of the same form.
     pub(super) fn has_form_of(&self, other: &Object) -> bool {
         Arc::ptr_eq(&self.form, &other.form) || self.form.is_same(&*other.form)
     }
@@ -118,39 +121,48 @@ impl Object {
         Ray::new(self.local_from_world * (ray.origin - self.centre), self.local_from_world * ray.direction)
     }
 
-    /// Passes all times at which f changes sign along the ray to `flip`, in order; true if f is negative at -inf.
-    pub fn crossings(&self, ray: &Ray, aside: &Aside, mut flip: impl FnMut(f64)) -> bool {
+    /// Passes the times at which f changes sign along the ray to `flip`, in order; returns true if f is negative at -inf.
+    pub fn crossings(&self, ray: &Ray, perturbation: &Perturbation, mut flip: impl FnMut(f64)) -> bool {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
-        let aside = aside.mapped(&self.local_from_world);
-        self.form.crossings_aside(&self.local(&ray), &aside, &mut |t| finite(t * rate, &mut flip))
+        let perturbation = perturbation.mapped(&self.local_from_world);
+        self.form
+            .crossings_perturbation(&self.local(&ray), &perturbation, &mut |t| finite(t * rate, &mut flip))
     }
 
-    /// The same for a ray that starts on the surface: see [`Surface::crossings_from`](super::Surface::crossings_from).
-    pub fn crossings_from(&self, ray: &Ray, inside_after: bool, aside: &Aside, mut flip: impl FnMut(f64)) {
+    /// Crossings of a ray that starts on the surface: see [`Surface::crossings_from`](super::Surface::crossings_from).
+    pub fn crossings_from(
+        &self,
+        ray: &Ray,
+        inside_after: bool,
+        perturbation: &Perturbation,
+        mut flip: impl FnMut(f64),
+    ) {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
-        let led_inside = || aside.leads_inside(self.value_and_gradient(ray.origin).1);
-        let local_aside = aside.mapped(&self.local_from_world);
+        let led_inside = || perturbation.leads_inside(self.value_and_gradient(ray.origin).1);
+        let local_perturbation = perturbation.mapped(&self.local_from_world);
         let ray = self.local(&ray);
-        let start = Departing { ray, inside_after, aside: local_aside, led_inside: &led_inside };
+        let start =
+            Departing { ray, inside_after, perturbation: local_perturbation, led_inside: &led_inside };
         self.form.crossings_from(&start, &mut |t| finite(t * rate, &mut flip));
     }
 
-    /// f of the form and its gradient outside of its frame.
+    /// f of the form, and its gradient in the outer frame.
     pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
         let (value, gradient) = self.form.value_and_gradient(self.local_from_world * (point - self.centre));
         (value, self.local_from_world.transpose() * gradient)
     }
 
-    pub(super) fn hugged_faces(&self, reach: f64, ray: &Ray, a: f64, b: f64) -> Option<bool> {
-        // no vector is stretched by more than the root of the sum of squares
+    pub(super) fn coincident_faces(&self, magnitude: f64, ray: &Ray, a: f64, b: f64) -> Option<bool> {
+        // the Frobenius norm bounds the stretch of a vector
         let columns = self.local_from_world.to_cols_array();
         let stretch = columns.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let delta = |t: f64| stretch * delta(reach, ray, t);
-        self.form.hugged_faces(&self.local(ray), (a, b), &delta)
+        let delta = |t: f64| stretch * delta(magnitude, ray, t);
+        self.form.coincident_faces(&self.local(ray), (a, b), &delta)
     }
 
-    pub(super) fn reach(&self) -> f64 {
-        self.centre.length() + Affine::from_linear(self.world_from_local).stretch() * self.form.reach()
+    pub(super) fn magnitude(&self) -> f64 {
+        self.centre.length()
+            + Affine::from_linear(self.world_from_local).linear_norm() * self.form.magnitude()
     }
 
     pub(super) fn inside_bounds(&self) -> Bounds {
@@ -162,7 +174,7 @@ impl Object {
         self.centre.is_finite()
             && self.local_from_world.is_finite()
             && self.world_from_local.is_finite()
-            && self.form.reach().is_finite()
+            && self.form.magnitude().is_finite()
     }
 
     pub(super) fn transformed(&self, to: &Transform) -> Object {
@@ -177,12 +189,12 @@ impl Object {
 
 fn finite(t: f64, flip: &mut impl FnMut(f64)) {
     if t.is_finite() {
-        // one zero only: times are compared by their bits, too
+        // turns -0.0 into 0.0, since times are also compared by their bits
         flip(t + 0.0);
     }
 }
 
-/// The first four crossings, and whether these are all: most rays meet an object no more often.
+/// The first four crossings, and whether these are all, which holds for most rays.
 pub(super) fn first_four(crossings: impl FnOnce(&mut dyn FnMut(f64)) -> bool) -> (SurfaceCrossings, bool) {
     let (mut times, mut count) = ([0.0; 4], 0);
     let starts_negative = crossings(&mut |t| {
@@ -196,7 +208,7 @@ pub(super) fn first_four(crossings: impl FnOnce(&mut dyn FnMut(f64)) -> bool) ->
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Shared, Surface, hugs, share};
+    use super::super::{Shared, Surface, coincides_along, share};
     use super::*;
     use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -249,7 +261,7 @@ mod tests {
             true
         }
 
-        fn reach(&self) -> f64 {
+        fn magnitude(&self) -> f64 {
             self.0.iter().fold(0.0, |most, z| most.max(z.abs()))
         }
 
@@ -292,13 +304,13 @@ mod tests {
         let map = Affine::scale(Vec3::new(1.0, 1.0, 3.0)).then(&Affine::rotation(Vec3::X, 90.0));
         let ray = Ray::new(Vec3::new(0.3, 3.0, 0.2), Vec3::new(0.1, -0.75, 0.0));
         let stack = moved(&floors(7), map);
-        // the axis of the stack goes along -y, its floors are 3 apart
+        // the axis of the stack is -y, and its floors are 3 apart
         assert_eq!(all(&stack, &ray), (true, (0..7).map(|k| 4.0 * f64::from(k + 1)).collect()));
         assert_eq!(stack.few_crossings(&ray), None);
         assert_eq!(stack.crossings(&ray).times(), [4.0, 8.0, 12.0, 16.0]);
         let few = moved(&floors(3), map);
         assert_eq!(few.few_crossings(&ray).unwrap().times(), [4.0, 8.0, 12.0]);
-        // directions whose squares would underflow
+        // directions with squares that would underflow
         let slow = Ray::new(ray.origin, 1e-95 * ray.direction);
         for (slow, t) in all(&stack, &slow).1.iter().zip(all(&stack, &ray).1) {
             assert!((slow * 1e-95 - t).abs() <= 1e-15 * t, "{slow} {t}");
@@ -310,24 +322,27 @@ mod tests {
         let (stack, up) = (floors(7), Ray::new(Vec3::new(0.0, 0.0, 1.0), Vec3::Z));
         let ahead = |inside: bool| {
             let mut times = Vec::new();
-            stack.all_crossings_from(&up, inside, &Aside::WORLD, |t| times.push(t));
-            assert_eq!(stack.few_crossings_from(&up, inside, &Aside::WORLD).is_some(), times.len() <= 4);
+            stack.all_crossings_from(&up, inside, &Perturbation::WORLD, |t| times.push(t));
+            assert_eq!(
+                stack.few_crossings_from(&up, inside, &Perturbation::WORLD).is_some(),
+                times.len() <= 4
+            );
             times
         };
-        // between floors 1 and 2, the second and third of seven, f is negative
+        // f is negative between floors 1 and 2, the second and third of seven
         assert_eq!(ahead(true), [1.0, 2.0, 3.0, 4.0, 5.0]);
         assert_eq!(ahead(false), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     }
 
-    /// A piece between two floors is near neither, and one along a floor is near it all along.
+    /// A piece between two floors is close to neither, and one along a floor is close to it throughout.
     #[test]
     fn pieces_are_looked_at_in_as_many_places_as_the_degree_asks_for() {
         let stack = floors(9);
         let along = Ray::new(Vec3::new(0.0, 0.0, 3.0), Vec3::X);
-        assert!(hugs(&stack, 8.0, &along, -5.0, 5.0));
-        // at the ends, the middle and the quarter points it meets a floor
+        assert!(coincides_along(&stack, 8.0, &along, -5.0, 5.0));
+        // the piece touches a floor at its ends, middle and quarter points
         let up = Ray::new(Vec3::ZERO, Vec3::Z);
-        assert!(!hugs(&stack, 8.0, &up, 0.0, 8.0));
+        assert!(!coincides_along(&stack, 8.0, &up, 0.0, 8.0));
     }
 
     #[test]
@@ -342,8 +357,8 @@ mod tests {
             moved(&floors(3), there(0.31)),
             moved(&floors(3), turn),
         ];
-        let reach = |s: &Surface| s.reach();
-        let shared = share(&surfaces.each_ref().map(|s| (s, reach(s)))).unwrap();
+        let magnitude = |s: &Surface| s.magnitude();
+        let shared = share(&surfaces.each_ref().map(|s| (s, magnitude(s)))).unwrap();
         let Shared { representative, flipped } = shared;
         assert_eq!(representative[0], representative[1]);
         assert_eq!(representative[2..], [2, 3, 4]);

@@ -1,4 +1,4 @@
-//! The plane `n . p = c`, inside where `n . p < c`.
+//! Plane `n . p = c`, with the inside where `n . p < c`.
 
 use super::along::Departure;
 use crate::Ray;
@@ -15,17 +15,17 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane `normal . p = offset`, scaled to a unit normal. The normal must be finite and not zero.
+    /// The plane `normal . p = offset`, normalised. The normal must be finite and not zero.
     pub fn new(normal: Vec3, offset: f64) -> Plane {
-        // by the largest component first: exact for coordinate axes, and no square over- or underflows
+        // division by the largest component first: exact for coordinate axes, and squares cannot over- or underflow
         let largest = normal.abs().max_element();
         let scaled = normal / largest;
         let length = scaled.length();
         Plane { normal: scaled / length, offset: offset / largest / length }
     }
 
-    /// One root at `(c - n.o) / (n.d)`, in this order of operations for every solid that owns a plane.
-    /// A ray along the plane has none, and the side of its origin throughout.
+    /// One root at `(c - n.o) / (n.d)`, with this order of operations for every solid with this plane. A ray parallel to
+    /// the plane has none, and stays on the side of its origin.
     pub fn crossings(&self, ray: &Ray) -> Crossings<1> {
         let height = self.offset - self.normal.dot(ray.origin);
         let speed = self.normal.dot(ray.direction);
@@ -38,12 +38,12 @@ impl Plane {
         (self.normal.dot(point) - self.offset, self.normal)
     }
 
-    /// The ray that starts on the plane: nothing remains once its root is divided out.
+    /// Departure of a ray that starts on the plane: no root remains.
     pub(super) fn departure(&self, ray: &Ray) -> Departure {
         Departure::quadratic(0.0, self.normal.dot(ray.direction))
     }
 
-    /// Bounded on one side if the normal is a coordinate axis.
+    /// Bounding box, finite on one side if the normal is a coordinate axis.
     pub fn inside_bounds(&self) -> Bounds {
         let mut bounds = Bounds::ALL;
         for (k, axis) in Vec3::AXES.into_iter().enumerate() {
@@ -57,7 +57,7 @@ impl Plane {
     }
 
     /// The distance from the origin.
-    pub fn reach(&self) -> f64 {
+    pub fn magnitude(&self) -> f64 {
         self.offset.abs()
     }
 
@@ -70,7 +70,7 @@ impl Plane {
     pub fn transformed(&self, to: &Transform) -> Plane {
         let map = &to.world_from_local;
         if let Some(scale) = map.uniform_scale() {
-            // a unit normal made unit once more may change in its last bit
+            // normalising a unit vector again may change its last bit
             let offset = scale * self.offset + self.normal.dot(map.translation);
             return Plane { normal: self.normal, offset };
         }

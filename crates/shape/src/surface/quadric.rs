@@ -1,10 +1,10 @@
-//! Any surface of degree 2, written in its principal axes: `f = sum w_k (e_k . q)^2 + linear . q + constant`
-//! with q = p - centre, orthonormal e_k and the largest |w_k| = 1.
+//! Quadric (any surface of degree 2) in its principal axes: `f = sum w_k (e_k . q)^2 + linear . q + constant` with q = p -
+//! centre, orthonormal e_k and the largest |w_k| = 1.
 //!
-//! The matrix `sum w_k e_k e_k^T` itself is not kept: in a thin ellipsoid with half axes 1 and h its entries,
-//! rounded to u, would move the far ends by u / h^2. A rounding of e_k . q, at most 3 u |q|, moves the
-//! surface by no more than `sum |w_k (e_k . q)| 3 u |q| / |sum w_k (e_k . q) e_k|`, which is below `3 sqrt(3)
-//! u |q|` because the axes are perpendicular, whatever the weights are.
+//! The matrix `sum w_k e_k e_k^T` is not stored: for a thin ellipsoid with half axes 1 and h, rounding its entries to u
+//! would move the far ends by u / h^2. A rounding of e_k . q, at most 3 u |q|, moves the surface by at most
+//! `sum |w_k (e_k . q)| 3 u |q| / |sum w_k (e_k . q) e_k|`, which is below `3 sqrt(3) u |q|` for perpendicular axes,
+//! whatever the weights.
 
 use super::Surface;
 use super::along::{Coefficients, Departure, quadratic_crossings, recentred};
@@ -17,33 +17,32 @@ use rayweave_math::{
 /// A quadric in principal axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quadric {
-    /// The point about which the equation is written: centre, vertex or apex.
+    /// The reference point of the equation: centre, vertex or apex.
     pub centre: Vec3,
     /// Orthonormal principal axes.
     pub axes: [Vec3; 3],
-    /// The factor of the square along each axis; the largest magnitude is 1.
+    /// Coefficient of the square along each axis; the largest magnitude is 1.
     pub weights: Vec3,
-    /// The factor of q.
+    /// Coefficient of q.
     pub linear: Vec3,
-    /// The value at the centre.
+    /// Value at the centre.
     pub constant: f64,
 }
 
-/// Eigenvalues of a matrix that is not diagonal are 0 if they are below this times the largest: the error of
-/// the eigenvalues.
+/// Relative size below which an eigenvalue of a non-diagonal matrix counts as 0: the error of the eigenvalues.
 const NOISE: f64 = 8.0 * UNIT_ROUNDOFF;
 
 impl Quadric {
-    /// `f = q . M q + linear . q + constant` with q = p - centre, about the centre as given. The matrix is
-    /// symmetric and not zero.
+    /// `f = q . M q + linear . q + constant` with q = p - centre, about the given centre. The matrix is symmetric and not
+    /// zero.
     pub fn about(centre: Vec3, matrix: &Mat3, linear: Vec3, constant: f64) -> Quadric {
         let eigen = symmetric_eigen(matrix);
         let weights = if eigen.exact { eigen.values } else { without_noise(&eigen) };
         Quadric { centre, axes: eigen.vectors, weights, linear, constant }.normalised()
     }
 
-    /// `f = sum signs_k (rows_k . q)^2 + linear . q + constant`; the rows need not be perpendicular, signs
-    /// are 1, -1 or 0 (then the row only completes the frame). At least one sign is not 0.
+    /// `f = sum signs_k (rows_k . q)^2 + linear . q + constant`. The rows need not be perpendicular. Signs are 1, -1 or 0
+    /// (the row then only completes the frame); at least one is not 0.
     pub fn from_squares(
         centre: Vec3,
         mut rows: [Vec3; 3],
@@ -94,13 +93,13 @@ impl Quadric {
         quadratic_crossings(shift, |s| self.coefficients((x + s * v, v), (level + s * rise, rise)))
     }
 
-    /// From point and direction in principal axes, and the part of f that is not square with its rate.
+    /// Coefficients from point and direction in principal axes, and the non-square part of f with its rate.
     fn coefficients(&self, (x, v): (Vec3, Vec3), (level, rise): (f64, f64)) -> Coefficients {
         let (wx, wv) = (self.weights * x, self.weights * v);
         [wv.dot(v), wx.dot(v) + 0.5 * rise, wx.dot(x) + level]
     }
 
-    /// The ray that starts on the quadric.
+    /// Departure of a ray that starts on the quadric.
     pub(super) fn departure(&self, ray: &Ray) -> Departure {
         let at = (self.coordinates(ray.origin - self.centre), self.coordinates(ray.direction));
         let [a, b, _] = self.coefficients(at, (0.0, self.linear.dot(ray.direction)));
@@ -120,18 +119,18 @@ impl Quadric {
         !(self.weights.cmpgt(Vec3::ZERO).all() || self.weights.cmplt(Vec3::ZERO).all())
     }
 
-    /// Distance of the centre from the origin plus the size: the *shortest* half axis `sqrt(|constant|)` and
-    /// the length `|linear|` over the largest weight.
+    /// Distance of the centre from the origin plus the size: the *shortest* half axis `sqrt(|constant|)` and the length
+    /// `|linear|` over the largest weight.
     ///
-    /// Longer half axes need not count: an error of u in the constant moves the surface by `u |constant| /
-    /// |grad f|`, and where the linear part is 0 the surface has `q . grad f = -2 constant`, so that this is
-    /// at most `u |q| / 2`; and |q| is counted with the point of the ray. (It would be wrong to count them: a
-    /// frustum that is nearly a cylinder has its apex at any distance, and would be welded away.)
-    pub fn reach(&self) -> f64 {
+    /// Longer half axes do not matter: an error of u in the constant moves the surface by `u |constant| / |grad f|`. If the
+    /// linear part is 0, the surface has `q . grad f = -2 constant`, so that this is at most `u |q| / 2`, and |q| is
+    /// already included in the point of the ray. (Counting them would be wrong: the apex of a frustum that is nearly a
+    /// cylinder may be at any distance, and the frustum would be welded away.)
+    pub fn magnitude(&self) -> f64 {
         self.centre.length() + self.constant.abs().sqrt() + self.linear.length()
     }
 
-    /// The image under any map: `e . q = (L^-T e) . L q`.
+    /// The image under an affine map: `e . q = (L^-T e) . L q`.
     pub fn transformed(&self, to: &Transform) -> Quadric {
         let turned = to.local_from_world.linear.transpose();
         let centre = to.world_from_local.point(self.centre);
@@ -156,8 +155,8 @@ impl Quadric {
         )
     }
 
-    /// A box that holds f < 0: tight for ellipsoids, elliptic cylinders and paraboloids, all of space for
-    /// what is unbounded in every direction, empty where f is nowhere negative.
+    /// A box around f < 0: tight for ellipsoids, elliptic cylinders and paraboloids, infinite if the inside is unbounded in
+    /// every direction, empty if f is nowhere negative.
     pub fn inside_bounds(&self) -> Bounds {
         if self.weights.min_element() < 0.0 {
             return Bounds::ALL;
@@ -178,13 +177,13 @@ fn without_noise(eigen: &Eigen) -> Vec3 {
     eigen.values.map(|v| if v.abs() <= NOISE * largest { 0.0 } else { v })
 }
 
-/// A row of weight 0 still has a direction.
+/// Replaces weight 0 by 1, so that the row keeps a direction.
 fn nonzero(weight: f64) -> f64 {
     if weight == 0.0 { 1.0 } else { weight }
 }
 
-/// A quadric without negative weights as `sum w_k x_k^2 + slope . x + level` in coordinates about the middle,
-/// slope having parts along axes of weight 0 only.
+/// A quadric without negative weights as `sum w_k x_k^2 + slope . x + level`, in coordinates about the centre of the
+/// squares; the slope has components only along axes of weight 0.
 struct Bowl {
     middle: Vec3,
     weights: Vec3,
@@ -193,7 +192,7 @@ struct Bowl {
 }
 
 impl Bowl {
-    /// `None` if f is nowhere negative.
+    /// The normal form; `None` if f is nowhere negative.
     fn new(quadric: &Quadric) -> Option<Bowl> {
         let weights = quadric.weights;
         let linear = quadric.coordinates(quadric.linear);
@@ -214,10 +213,10 @@ impl Bowl {
         })
     }
 
-    /// The supremum of n . x over f < 0.
+    /// Supremum of n . x over f < 0 (support function).
     fn farthest(&self, n: Vec3) -> f64 {
         let flat = Vec3::from_array(std::array::from_fn(|k| if self.weights[k] == 0.0 { n[k] } else { 0.0 }));
-        // of the directions in which f has no square only the one up the slope is bounded
+        // among the directions without a square only the one up the slope is bounded
         let multiplier =
             if self.slope == Vec3::ZERO { 0.0 } else { flat.dot(self.slope) / self.slope.length_squared() };
         let beside = flat - multiplier * self.slope;
@@ -227,7 +226,7 @@ impl Bowl {
         let spread: f64 =
             (0..3).filter(|&k| self.weights[k] != 0.0).map(|k| n[k] * n[k] / self.weights[k]).sum();
         if multiplier * self.slope.length() > NOISE {
-            // maximise over x: n.x - multiplier * (w x^2 + level)
+            // Lagrange multiplier: maximise n.x - multiplier * (w x^2 + level) over x
             return spread / (4.0 * multiplier) - multiplier * self.level;
         }
         if self.slope != Vec3::ZERO && spread > 0.0 {
@@ -237,10 +236,10 @@ impl Bowl {
     }
 }
 
-/// One-sided Jacobi rotations, ordinary between rows of equal sign and hyperbolic between rows of opposite
-/// sign, until rows that count are perpendicular; they change no value of f (J. Demmel, K. Veselic, "Jacobi's
-/// method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992), and the hyperbolic form of K.
-/// Veselic, "A Jacobi eigenreduction algorithm for definite matrix pairs", Numer. Math. 64 (1993)).
+/// One-sided Jacobi rotations, ordinary between rows of equal sign and hyperbolic between rows of opposite sign, until the
+/// rows with nonzero signs are perpendicular. They leave f unchanged (J. Demmel, K. Veselic, "Jacobi's method is more
+/// accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992), and the hyperbolic form of K. Veselic, "A Jacobi eigenreduction
+/// algorithm for definite matrix pairs", Numer. Math. 64 (1993)).
 fn make_perpendicular(rows: &mut [Vec3; 3], signs: &[f64; 3]) {
     for _ in 0..40 {
         let mut done = true;
@@ -276,7 +275,7 @@ fn jacobi_pair(aa: f64, bb: f64, ab: f64, sign: f64) -> (f64, f64) {
     (c, tanh * c)
 }
 
-/// Puts rows of sign 0 perpendicular to the others.
+/// Makes rows of sign 0 perpendicular to the others.
 fn complete_frame(rows: &mut [Vec3; 3], signs: &[f64; 3]) {
     match std::array::from_fn(|k| signs[k] != 0.0) {
         [true, true, false] => rows[2] = unit(rows[0]).cross(unit(rows[1])),
@@ -295,8 +294,8 @@ fn complete_pair(rows: &mut [Vec3; 3], [only, next, last]: [usize; 3]) {
     rows[last] = axis.cross(rows[next]);
 }
 
-/// The surface `[x y z 1] Q [x y z 1]^T = 0` of a symmetric 4 x 4 matrix: a quadric about its centre or
-/// vertex, a plane where Q has no squares, `None` where it has no variables at all or is not finite.
+/// The surface `[x y z 1] Q [x y z 1]^T = 0` of a symmetric 4 x 4 matrix: a quadric about its centre or vertex, a plane if
+/// Q has no quadratic terms, `None` if Q is constant or not finite.
 pub(super) fn from_matrix(rows: &[[f64; 4]; 4]) -> Option<Surface> {
     let entry = |i: usize, j: usize| 0.5 * rows[i][j] + 0.5 * rows[j][i];
     let column = |j: usize| Vec3::new(entry(0, j), entry(1, j), entry(2, j));
@@ -312,7 +311,7 @@ pub(super) fn from_matrix(rows: &[[f64; 4]; 4]) -> Option<Surface> {
     Some(Surface::Quadric(Box::new(at_centre(about_origin))))
 }
 
-/// The same quadric written about its centre nearest the old one or, if it has none, its vertex.
+/// The same quadric about the centre nearest to the old one or, without a centre, about its vertex.
 fn at_centre(quadric: Quadric) -> Quadric {
     let (w, b) = (quadric.weights, quadric.coordinates(quadric.linear));
     let small = NOISE * b.length();

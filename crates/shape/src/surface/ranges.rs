@@ -1,11 +1,11 @@
-//! What f and its gradient can be at most over a box: for trajectories that bend.
+//! Interval bounds of f and its gradient over a box, for curved trajectories.
 //!
-//! Each range is the natural interval extension of the kernel's own formula (R. E. Moore, *Interval Analysis*,
-//! 1966), about the surface's own centre, with outward rounding: it holds the exact value at every point of the
-//! box. The gradient's range is the exact one, up to rounding, where the gradient is a linear function of
-//! one coordinate, and shrinks in proportion to the box for all kernels. Where the gradient of a torus is not
-//! defined, on its axis, the range holds the gradients of all points nearby and their convex hull, so that
-//! the mean value theorem holds across it (G. Lebourg, C. R. Acad. Sci. Paris 281 (1975)).
+//! Each range is the natural interval extension of the kernel's formula (R. E. Moore, *Interval Analysis*, 1966), about the
+//! surface's own centre, with outward rounding: it contains the exact value at every point of the box. The gradient's range
+//! is exact up to rounding where the gradient is a linear function of one coordinate, and shrinks in proportion to the box
+//! for all kernels. On the axis of a torus, where the gradient is undefined, the range contains the convex hull of the
+//! gradients of all nearby points, so that the mean value theorem holds across it (G. Lebourg, C. R. Acad. Sci. Paris 281
+//! (1975)).
 
 use super::{AffineTorus, Cone, Cylinder, Object, Plane, Quadric, Sphere, Surface, Torus};
 use rayweave_math::{Interval, Mat3, Vec3};
@@ -44,7 +44,8 @@ fn square(q: &Cell) -> Interval {
     q[0].square() + q[1].square() + q[2].square()
 }
 
-/// The part of q perpendicular to a unit vector, row by row of the projection, so that q is used only once.
+/// The component of q perpendicular to a unit vector, by rows of the projection matrix, so that each coordinate of q occurs
+/// once.
 fn across(q: &Cell, axis: Vec3) -> Cell {
     let row = |k: usize| {
         let entry =
@@ -97,7 +98,7 @@ fn quadric(s: &Quadric, cell: &Cell) -> (Interval, Cell) {
     (value, gradient)
 }
 
-/// With q relative to the centre.
+/// Ranges for q relative to the centre.
 fn torus(s: &Torus, q: &Cell) -> (Interval, Cell) {
     let (z, offset) = (form(s.axis, q), across(q, s.axis));
     let rho = square(&offset).sqrt();
@@ -109,13 +110,13 @@ fn torus(s: &Torus, q: &Cell) -> (Interval, Cell) {
     (value, doubled(plus_along(outwards.map(|x| x * ring), z, s.axis)))
 }
 
-/// g in the torus's own frame, its gradient carried out of it.
+/// Ranges of g in the frame of the torus, with the gradient in the outer frame.
 fn affine_torus(s: &AffineTorus, cell: &Cell) -> (Interval, Cell) {
     let (value, gradient) = torus(&s.torus, &turned(s.local_from_world, &about(cell, s.centre)));
     (value, turned(s.local_from_world.transpose(), &gradient))
 }
 
-/// f of the form in its own frame, its gradient carried out of it.
+/// Ranges of the form in its own frame, with the gradient in the outer frame.
 fn object(s: &Object, cell: &Cell) -> (Interval, Cell) {
     let (value, gradient) = s.form.ranges(&turned(s.local_from_world, &about(cell, s.centre)));
     (value, turned(s.local_from_world.transpose(), &gradient))
@@ -150,7 +151,7 @@ mod tests {
         ]
     }
 
-    /// Values at points of a box lie in the ranges, and differences of values in those of the mean value theorem.
+    /// Values at points of a box lie in the ranges, and differences of values satisfy the mean value theorem.
     #[test]
     fn points_of_a_box_are_in_range() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -166,7 +167,7 @@ mod tests {
                     let (value, gradient) = surface.ranges(&cell);
                     let (fa, ga) = surface.value_and_gradient(a);
                     let (fb, _) = surface.value_and_gradient(b);
-                    // the kernel's own rounding
+                    // rounding of the kernel itself
                     let slack = 1e-14 * (scale + ga.length() * scale + fa.abs() + scale * scale);
                     assert!(value.lo - slack <= fa && fa <= value.hi + slack, "{i}: {fa} in {value:?}");
                     for k in 0..3 {
@@ -182,7 +183,7 @@ mod tests {
         }
     }
 
-    /// Small boxes give narrow gradients: in proportion to their size.
+    /// Small boxes give narrow gradient ranges, in proportion to their size.
     #[test]
     fn gradients_narrow_with_the_box() {
         for (i, surface) in surfaces(1.0).iter().enumerate() {

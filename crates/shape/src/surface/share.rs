@@ -1,39 +1,35 @@
-//! Which surfaces of a group are one and the same.
+//! Surface sharing: finds equal surfaces of a group and replaces them by one canonical representative.
 //!
-//! Solids that touch bring each its own copy of the common face, and the copies differ by the rounding of the
-//! maps that placed them. Equal surfaces are found once, when a model is compiled, and replaced by one
-//! representative, so that their roots are equal to the bit. What is not found here is still welded along
-//! each ray: sharing strengthens, it decides nothing.
+//! Touching solids each bring a copy of their common face, and the copies differ by the rounding of their placement maps.
+//! Compilation identifies equal surfaces, so that their roots are bit-identical. Copies that are not identified here are
+//! still welded along each ray: sharing is an improvement, not a requirement.
 //!
-//! Two surfaces of one kind are equal if all their numbers are: components of unit vectors within 64 u,
-//! lengths within 64 u times the larger reach of the two, factors within 64 u relative; axes and planes of
-//! either sense. Objects are equal if they are of one form to the bit, in places that are equal like this.
+//! Two surfaces of the same kind are equal if all their parameters are: components of unit vectors within 64 u, lengths
+//! within 64 u times the larger reach of the two, factors within 64 u relative; axes and planes in either sense. Objects
+//! are equal if their forms are bit-identical and their placements equal in this sense.
 //!
-//! *Method*: a sorted sweep. The surfaces of one kind are sorted by one of their numbers and cut wherever
-//! neighbours differ by more than the tolerance; each part is treated the same by the next number, until no
-//! number cuts it. (Hashing of rounded numbers would tear pairs apart that lie on both sides of a border.)
-//! Parts are usually of one bit pattern, or narrower than the tolerance in every number and then one class;
-//! in others pairs are compared and joined (union-find). O(n log n) for n surfaces unless many of them form a
-//! chain that is wider than the tolerance.
+//! *Method*: a sorted sweep. The surfaces of one kind are sorted by one parameter and cut wherever neighbours differ by
+//! more than the tolerance; each part is sorted by the next parameter, until no parameter cuts it. (Hashing of rounded
+//! parameters would separate pairs on both sides of a rounding border.) Usually a part has one bit pattern, or is narrower
+//! than the tolerance in every parameter, and is one class; in other parts all pairs are compared and joined (union-find).
+//! The cost is O(n log n) for n surfaces unless many of them form a chain wider than the tolerance.
 
 use super::{Plane, Surface};
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use std::borrow::Borrow;
 use std::cmp::Ordering;
 
-/// For each surface the one that stands for it.
+/// The classes of equal surfaces.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Shared {
-    /// The number of the surface that stands for the class: the smallest by the total order of its bits.
+    /// Index of the representative of each surface: the smallest member of its class in the total order of bits.
     pub representative: Vec<u32>,
-    /// True if f of the surface has the opposite sign of the representative's: a plane that faces the other
-    /// way.
+    /// True if f of the surface has the opposite sign of that of the representative: a plane with the opposite normal.
     pub flipped: Vec<bool>,
 }
 
-/// A chain of surfaces, each equal to the next within the tolerance, whose ends are more than four tolerances
-/// (of the largest reach among them) apart: neither one surface nor several. The model is nearly but not quite
-/// aligned.
+/// A chain of surfaces, each equal to the next within the tolerance, with ends more than four tolerances (for the largest
+/// reach in the chain) apart: neither one surface nor several. The model is nearly but not exactly aligned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WideClass {
     /// One member.
@@ -46,8 +42,7 @@ impl std::fmt::Display for WideClass {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "surfaces {} and {} are too far apart to be one and too well joined by others to be two (a chain of \
-             nearly equal faces) round their coordinates to fewer digits?",
+            "surfaces {} and {} are too far apart to be one and too well joined by others to be two: a chain of nearly equal faces. Round their coordinates to fewer digits.",
             self.first, self.second
         )
     }
@@ -57,11 +52,11 @@ impl std::error::Error for WideClass {}
 
 const TOLERANCE: f64 = 64.0 * UNIT_ROUNDOFF;
 
-/// Finds equal surfaces. Each is given with its reach: its own or, better, one that counts the translations
-/// composed on its way. At most `u32::MAX` surfaces.
+/// Finds equal surfaces. Each comes with its reach: its own or, better, one that includes the composed translations. At
+/// most `u32::MAX` surfaces.
 pub fn share<S: Borrow<Surface>>(surfaces: &[(S, f64)]) -> Result<Shared, WideClass> {
     let surfaces: &[(&Surface, f64)] =
-        &surfaces.iter().map(|(s, reach)| (s.borrow(), *reach)).collect::<Vec<_>>();
+        &surfaces.iter().map(|(s, magnitude)| (s.borrow(), *magnitude)).collect::<Vec<_>>();
     let entries = entries(surfaces);
     let mut classes = Classes::new(surfaces.len());
     for kind in Kind::ALL {
@@ -74,7 +69,7 @@ pub fn share<S: Borrow<Surface>>(surfaces: &[(S, f64)]) -> Result<Shared, WideCl
     classes.into_shared(surfaces)
 }
 
-/// Entries of one kind apart by what no tolerance joins: the forms of objects.
+/// Splits entries of one kind by properties without a tolerance: the forms of objects.
 fn by_form(surfaces: &[(&Surface, f64)], mut entries: Vec<Entry>) -> Vec<Vec<Entry>> {
     let object = |entry: &Entry| match surfaces[entry.index()].0 {
         Surface::Object(object) => Some(object),
@@ -86,7 +81,7 @@ fn by_form(surfaces: &[(&Surface, f64)], mut entries: Vec<Entry>) -> Vec<Vec<Ent
     entries.chunk_by(is_same).map(<[Entry]>::to_vec).collect()
 }
 
-/// A surface, perhaps with all its unit vectors reversed.
+/// A surface, possibly with all its unit vectors reversed.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     index: u32,
@@ -99,8 +94,8 @@ impl Entry {
     }
 }
 
-/// Each surface in the sense in which its vector points along a fixed direction; in both senses where that is
-/// within the tolerance of neither.
+/// Each surface in the sense for which its vector points along a fixed direction; in both senses if it is perpendicular to
+/// that direction within the tolerance.
 fn entries(surfaces: &[(&Surface, f64)]) -> Vec<Entry> {
     let mut entries = Vec::with_capacity(surfaces.len());
     for (index, (surface, _)) in surfaces.iter().enumerate() {
@@ -115,10 +110,10 @@ fn entries(surfaces: &[(&Surface, f64)]) -> Vec<Entry> {
     entries
 }
 
-/// A direction that no plane or axis of a man-made model is likely to be perpendicular to.
+/// A direction to which hardly any plane or axis of a man-made model is perpendicular.
 const SENSE: Vec3 = Vec3::new(0.617_340_218_6, 0.531_871_409_3, 0.579_913_306_7);
 
-/// The unit vector of which either sense gives the same surface.
+/// The unit vector that describes the same surface in either sense.
 fn sense(surface: &Surface) -> Option<Vec3> {
     match surface {
         Surface::Plane(s) => Some(s.normal),
@@ -167,7 +162,7 @@ impl Kind {
         }
     }
 
-    /// How many numbers describe a surface of the kind.
+    /// Number of parameters of a surface of this kind.
     fn numbers(self) -> usize {
         match self {
             Kind::Plane | Kind::Sphere => 4,
@@ -180,10 +175,10 @@ impl Kind {
     }
 }
 
-/// Number `k` of a surface, with the tolerance within which another is equal.
-fn number(surface: &Surface, reach: f64, reversed: bool, k: usize) -> (f64, f64) {
+/// Parameter `k` of a surface, with the tolerance for equality.
+fn number(surface: &Surface, magnitude: f64, reversed: bool, k: usize) -> (f64, f64) {
     let sign = if reversed { -1.0 } else { 1.0 };
-    let length = |x: f64| (x, TOLERANCE * reach);
+    let length = |x: f64| (x, TOLERANCE * magnitude);
     let unit = |x: f64| (sign * x, TOLERANCE);
     match surface {
         Surface::Plane(Plane { offset, .. }) if k == 3 => length(sign * offset),
@@ -198,7 +193,7 @@ fn number(surface: &Surface, reach: f64, reversed: bool, k: usize) -> (f64, f64)
         Surface::Cone(s) => match k {
             0..3 => length(s.apex[k]),
             3..6 => unit(s.axis[k - 3]),
-            // an angle within the tolerance
+            // tolerance as an angle
             _ => (s.slope, TOLERANCE * (1.0 + s.slope * s.slope)),
         },
         Surface::Quadric(s) => match k {
@@ -214,7 +209,7 @@ fn number(surface: &Surface, reach: f64, reversed: bool, k: usize) -> (f64, f64)
             6 => length(s.major),
             _ => length(s.minor),
         },
-        // only under the same map
+        // only under an equal map
         Surface::AffineTorus(s) => match k {
             0..3 => (s.centre[k], 0.0),
             3..12 => (s.local_from_world.to_cols_array()[k - 3], 0.0),
@@ -237,7 +232,7 @@ fn relative(x: f64) -> (f64, f64) {
     (x, TOLERANCE * x.abs())
 }
 
-/// Entries from `first` to `last` that `uncut` numbers up to `next` have not cut.
+/// Entries from `first` to `last`, which the `uncut` parameters before `next` did not cut.
 struct Part {
     first: usize,
     last: usize,
@@ -245,7 +240,7 @@ struct Part {
     uncut: usize,
 }
 
-/// Cuts the entries of one kind until nothing cuts them, and joins what is left.
+/// Cuts the entries of one kind until no parameter cuts them, and joins the parts.
 fn sweep(surfaces: &[(&Surface, f64)], kind: Kind, mut entries: Vec<Entry>, classes: &mut Classes) {
     let numbers = kind.numbers();
     let whole = Part { first: 0, last: entries.len(), next: 0, uncut: 0 };
@@ -276,7 +271,7 @@ fn sweep(surfaces: &[(&Surface, f64)], kind: Kind, mut entries: Vec<Entry>, clas
     }
 }
 
-/// True if all entries are of one bit pattern: copies of one face, of which large models have many.
+/// True if all entries are bit-identical: copies of one face, which are common in large models.
 fn are_same_bits(surfaces: &[(&Surface, f64)], entries: &[Entry]) -> bool {
     let (first, rest) = (&entries[0], &entries[1..]);
     rest.iter().all(|entry| {
@@ -285,14 +280,14 @@ fn are_same_bits(surfaces: &[(&Surface, f64)], entries: &[Entry]) -> bool {
     })
 }
 
-/// An entry with one of its numbers and its tolerance.
+/// An entry with one of its parameters and the tolerance.
 type Keyed = (f64, f64, Entry);
 
 fn sort_by_number(surfaces: &[(&Surface, f64)], entries: &mut [Entry], k: usize, keyed: &mut Vec<Keyed>) {
     keyed.clear();
     keyed.extend(entries.iter().map(|e| {
-        let (surface, reach) = &surfaces[e.index()];
-        let (value, tolerance) = number(surface, *reach, e.reversed, k);
+        let (surface, magnitude) = &surfaces[e.index()];
+        let (value, tolerance) = number(surface, *magnitude, e.reversed, k);
         (value, tolerance, *e)
     }));
     keyed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
@@ -301,7 +296,7 @@ fn sort_by_number(surfaces: &[(&Surface, f64)], entries: &mut [Entry], k: usize,
     }
 }
 
-/// Where the sorted numbers, each widened by its tolerance, leave a gap: no entry before equals one after.
+/// Gaps between the sorted parameters, each widened by its tolerance: no entry before a gap equals one after it.
 fn cuts(keyed: &[Keyed]) -> impl Iterator<Item = usize> {
     let mut end = f64::NEG_INFINITY;
     keyed.iter().enumerate().filter_map(move |(k, &(value, tolerance, _))| {
@@ -311,7 +306,7 @@ fn cuts(keyed: &[Keyed]) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Joins the entries of an uncut part: all of them if it is narrow, else those pairs that are equal.
+/// Joins the entries of an uncut part: all of them if it is narrow, else all equal pairs.
 fn join(surfaces: &[(&Surface, f64)], numbers: usize, part: &mut [Entry], classes: &mut Classes) {
     let widths = (0..numbers).map(|k| width(surfaces, part, k));
     let widest = widths.max_by(|a, b| a.in_smallest().total_cmp(&b.in_smallest()));
@@ -338,8 +333,8 @@ fn join(surfaces: &[(&Surface, f64)], numbers: usize, part: &mut [Entry], classe
 
 fn equal(surfaces: &[(&Surface, f64)], numbers: usize, a: &Entry, b: &Entry) -> bool {
     let of = |e: &Entry, k: usize| {
-        let (surface, reach) = &surfaces[e.index()];
-        number(surface, *reach, e.reversed, k)
+        let (surface, magnitude) = &surfaces[e.index()];
+        number(surface, *magnitude, e.reversed, k)
     };
     (0..numbers).all(|k| {
         let ((a, a_tolerance), (b, b_tolerance)) = (of(a, k), of(b, k));
@@ -347,23 +342,23 @@ fn equal(surfaces: &[(&Surface, f64)], numbers: usize, a: &Entry, b: &Entry) -> 
     })
 }
 
-/// The range of one number in a set of entries.
+/// Range of one parameter in a set of entries.
 #[derive(Clone, Copy)]
 struct Width {
     number: usize,
     lo: (f64, usize),
     hi: (f64, usize),
-    /// Of the member of the smallest reach, and of the largest.
+    /// Tolerances of the members with the smallest and the largest reach.
     tolerances: [f64; 2],
 }
 
 impl Width {
-    /// The range in units of the smallest tolerance: up to 1, all are equal to each other.
+    /// The range in units of the smallest tolerance; up to 1, all members are equal to each other.
     fn in_smallest(&self) -> f64 {
         self.in_units(self.tolerances[0])
     }
 
-    /// The range in units of the largest tolerance, which the class has if its members are made one.
+    /// The range in units of the largest tolerance, which the class has if its members are merged.
     fn in_largest(&self) -> f64 {
         self.in_units(self.tolerances[1])
     }
@@ -382,8 +377,8 @@ fn width(surfaces: &[(&Surface, f64)], entries: &[Entry], k: usize) -> Width {
         tolerances: [f64::INFINITY, 0.0],
     };
     for entry in entries {
-        let (surface, reach) = &surfaces[entry.index()];
-        let (value, tolerance) = number(surface, *reach, entry.reversed, k);
+        let (surface, magnitude) = &surfaces[entry.index()];
+        let (value, tolerance) = number(surface, *magnitude, entry.reversed, k);
         if value < width.lo.0 {
             width.lo = (value, entry.index());
         }
@@ -395,7 +390,7 @@ fn width(surfaces: &[(&Surface, f64)], entries: &[Entry], k: usize) -> Width {
     width
 }
 
-/// Union-find with path halving; the root of a class is its lowest number.
+/// Union-find with path halving; the root of a class is its lowest index.
 struct Classes {
     parent: Vec<u32>,
 }
@@ -471,7 +466,7 @@ fn add_class(
 /// The total order of the bits of two surfaces of one kind.
 fn by_bits(a: &Surface, b: &Surface) -> Ordering {
     match (a, b) {
-        // by far the most common kinds, spelled out for speed
+        // explicit for speed: by far the most frequent kinds
         (Surface::Plane(a), Surface::Plane(b)) => {
             by_numbers(&a.normal.to_array(), &b.normal.to_array()).then(a.offset.total_cmp(&b.offset))
         }

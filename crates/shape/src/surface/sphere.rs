@@ -1,4 +1,4 @@
-//! The sphere `|p - centre|^2 = radius^2`, inside where the distance is smaller.
+//! Sphere `|p - centre|^2 = radius^2`, with the inside at smaller distances.
 
 use super::along::Departure;
 use super::{Quadric, Surface};
@@ -16,7 +16,7 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// Roots about the point of closest approach, where no digits of a distant origin are lost.
+    /// Roots, computed about the closest approach, so that a distant origin costs no digits.
     pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
         let closest = ray.closest_time(self.centre);
         let offset = ray.at(closest) - self.centre;
@@ -35,17 +35,17 @@ impl Sphere {
     }
 
     /// Distance of the centre from the origin plus the radius.
-    pub fn reach(&self) -> f64 {
+    pub fn magnitude(&self) -> f64 {
         self.centre.length() + self.radius
     }
 
-    /// The ray that starts on the sphere.
+    /// Departure of a ray that starts on the sphere.
     pub(super) fn departure(&self, ray: &Ray) -> Departure {
         let from = ray.origin - self.centre;
         Departure::quadratic(ray.direction.length_squared(), from.dot(ray.direction))
     }
 
-    /// The image: a sphere again under a similarity, else an ellipsoid.
+    /// The image: a sphere under a similarity, else an ellipsoid.
     pub fn transformed(&self, to: &Transform) -> Surface {
         let map = &to.world_from_local;
         if let Some(scale) = map.similarity() {

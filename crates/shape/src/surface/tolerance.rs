@@ -1,90 +1,84 @@
-//! When a point is *on* a surface and a ray *in* one: `delta` and `hugs`, for the whole project.
+//! Tolerances: the distance `delta` for points *on* a surface, and tests for rays *in* one (`coincides_along`), for the whole project.
 
 use super::Surface;
 use crate::Ray;
-use rayweave_math::{Affine, Mat3, UNIT_ROUNDOFF, Vec3};
+use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, UNIT_ROUNDOFF, Vec3};
 
-/// The fixed direction into which a ray that lies in a surface is moved in thought: `w_k = g^(1-k)` with g
-/// the real root > 1 of `g^3 = g + 1`, which no plane of a man-made model is likely to contain.
-pub const LIE_DIRECTION: Vec3 = Vec3::new(1.0, 0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
-
-/// Where a ray that lies in a surface is moved in thought: along [`LIE_DIRECTION`] of the world and, for a surface
-/// that contains it, along x, y or z. A placed solid is asked in its own frame, where these directions are
-/// others: each frame has its own `Aside`, so that two solids that share a face agree on the side of a ray in
-/// it however they are placed.
+/// Perturbation directions for rays that lie in a surface: [`PERTURBATION_DIRECTION`] of the world and, for a surface that
+/// contains it, x, y or z. In the frame of a placed solid these world directions differ: each frame has its own `Perturbation`, so
+/// that two solids with a common face agree on the side of a ray in it, however they are placed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Aside([Vec3; 4]);
+pub struct Perturbation([Vec3; 4]);
 
-impl Aside {
-    /// In the frame of the world.
-    pub const WORLD: Aside = Aside([LIE_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z]);
+impl Perturbation {
+    /// The directions in the frame of the world.
+    pub const WORLD: Perturbation = Perturbation([PERTURBATION_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z]);
 
     /// The same directions in another frame.
-    pub fn transformed(&self, local_from_world: &Affine) -> Aside {
-        Aside(self.0.map(|v| local_from_world.vector(v)))
+    pub fn transformed(&self, local_from_world: &Affine) -> Perturbation {
+        Perturbation(self.0.map(|v| local_from_world.vector(v)))
     }
 
-    /// The directions, the first that leaves a surface counts.
+    /// The directions; the first that leaves the surface determines the side.
     pub fn directions(&self) -> [Vec3; 4] {
         self.0
     }
 
     /// The same directions after a linear map.
-    pub(super) fn mapped(&self, map: &Mat3) -> Aside {
-        Aside(self.0.map(|v| *map * v))
+    pub(super) fn mapped(&self, map: &Mat3) -> Perturbation {
+        Perturbation(self.0.map(|v| *map * v))
     }
 
-    /// True (inside) if moving aside makes a function with this gradient negative.
+    /// True (inside) if the perturbation makes a function with this gradient negative.
     pub fn leads_inside(&self, gradient: Vec3) -> bool {
         let mut slopes = self.0.iter().map(|v| v.dot(gradient));
         slopes.find(|&slope| slope != 0.0).unwrap_or(0.0) < 0.0
     }
 }
 
-/// The distance within which a computed point at time `t` of a ray cannot be told from a surface.
+/// Tolerance: the distance within which a computed point at time `t` of a ray counts as on a surface.
 ///
-/// `64 u (|o| + |t| |d| + reach)`: the rounding of a point of the ray is bounded by `3 u (|o| + |t| |d|)`,
-/// that of the surface's own numbers by a few u times `reach`, which counts every translation composed on
-/// its way; 64 leaves room for the dozen roundings of a kernel.
-pub fn delta(reach: f64, ray: &Ray, t: f64) -> f64 {
-    delta_of(ray.origin.length() + t.abs() * ray.direction.length() + reach)
+/// `64 u (|o| + |t| |d| + magnitude)`: the rounding of a point of the ray is at most `3 u (|o| + |t| |d|)`, that of the
+/// surface's parameters a few u times `magnitude`, which includes the composed translations; 64 leaves room for the dozen
+/// roundings of a kernel.
+pub fn delta(magnitude: f64, ray: &Ray, t: f64) -> f64 {
+    delta_of(ray.origin.length() + t.abs() * ray.direction.length() + magnitude)
 }
 
-/// The same from the sum of all lengths involved, in a space of any dimension.
+/// Tolerance from the sum of all lengths involved, in a space of any dimension.
 pub fn delta_of(lengths: f64) -> f64 {
     64.0 * UNIT_ROUNDOFF * lengths
 }
 
-/// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: see [`hugs_along`].
-pub fn hugs(surface: &Surface, reach: f64, ray: &Ray, a: f64, b: f64) -> bool {
-    if let Some(hugs) = surface.hugged_faces(reach, ray, a, b) {
-        return hugs;
+/// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: see [`coincides_between`].
+pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: f64) -> bool {
+    if let Some(coincides_along) = surface.coincident_faces(magnitude, ray, a, b) {
+        return coincides_along;
     }
     let near = |t: f64| {
         let (value, gradient) = surface.value_and_gradient(ray.at(t));
-        is_near(value, gradient.length(), delta(reach, ray, t), bend(surface))
+        is_near(value, gradient.length(), delta(magnitude, ray, t), bend(surface))
     };
-    let start = (ray.origin.length() + reach) / ray.direction.length();
-    hugs_along(near, start, surface.degree(), a, b)
+    let start = (ray.origin.length() + magnitude) / ray.direction.length();
+    coincides_between(near, start, surface.degree(), a, b)
 }
 
-/// True if a point where a function has this value and length of the gradient is within `delta` of its surface:
-/// `|f| <= delta |grad f|`. `bend` is half of the most by which the gradient changes over a unit of length; it
-/// matters where all of a surface is smaller than `delta`: in its centre the gradient is 0.
+/// True if a point with this value of f and length of the gradient is within `delta` of the surface:
+/// `|f| <= delta |grad f|`. `bend` is half of the largest change of the gradient per unit of length. It matters for
+/// surfaces smaller than `delta`, at whose centre the gradient is 0.
 pub fn is_near(value: f64, gradient_length: f64, delta: f64, bend: f64) -> bool {
     value.abs() <= delta * (gradient_length + delta * bend)
 }
 
-/// True if a piece of a straight line lies in a surface, by what [`is_near`] says of single times, in a space of
-/// any dimension: at both ends, the middle and, for degree 4, the quarter points; for a higher degree n, at n + 1
-/// places that divide it evenly, too. (The middle alone would weld the two crossings of a ray through two tangent
-/// spheres.)
+/// True if a piece of a straight line lies in a surface, by tests of [`is_near`] at single times, in a space of any
+/// dimension: at both ends, the middle and, for degree 4, the quarter points; for a higher degree n at n + 1 equidistant
+/// points, too. (The middle alone would weld the two crossings of a ray through two tangent spheres.)
 ///
-/// `delta` grows with |t|, so a piece much longer than the lengths at the ray's start, `start` in units of time,
-/// is also looked at where it is smallest: at the time `c` closest to 0, and one such length before and after it.
-/// Without that, faces far apart are welded if the ray, parallel to them but for rounding, would meet them at
-/// times of 1e16.
-pub fn hugs_along(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: f64, b: f64) -> bool {
+/// `delta` grows with |t|, so a piece much longer than the lengths at the ray's start, `start` in units of time, is also
+/// tested where `delta` is smallest: at the time `c` closest to 0, and at a distance of `start` before and after it.
+/// Without these tests, distant faces would be welded if the ray, parallel to them up to rounding, crosses them at times of
+/// 1e16.
+pub fn coincides_between(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: f64, b: f64) -> bool {
     let middle = 0.5 * (a + b);
     let near_the_start = || {
         let c = 0.0f64.clamp(a, b);
@@ -99,13 +93,14 @@ pub fn hugs_along(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: f64, b:
 }
 
 /// True only if no piece of the ray from `a` to a time between `from` and `to` lies within `delta` of the surface
-/// ([`hugs`]), `a <= from <= to`: for who cannot know yet where the piece ends. Surfaces of degree 4 are never told.
+/// ([`coincides_along`]), with `a <= from <= to`; for callers that do not know yet where the piece ends. Always false for surfaces of
+/// degree 4.
 ///
-/// Along the ray f is a polynomial q of degree 2 at most. On a piece [a, b] it differs from the straight line through its
-/// values at the ends by `k (t - a) (b - t)`, most of all in the middle. So wherever |q| is at most T at the ends and in the
-/// middle, it is at most 3 T all along. T, the tolerance of [`is_near`], grows with delta and the gradient, which are
-/// largest at a or at `to`, being convex in t. What the kernel rounds is less than T; 16 leaves room for both.
-pub fn clears(surface: &Surface, reach: f64, ray: &Ray, a: f64, (from, to): (f64, f64)) -> bool {
+/// Along the ray f is a polynomial q of degree at most 2. On a piece [a, b] it differs from the straight line through its
+/// values at the ends by `k (t - a) (b - t)`, with the maximum in the middle. So if |q| is at most T at the ends and in the
+/// middle, it is at most 3 T throughout. T, the tolerance of [`is_near`], grows with delta and the gradient, which are
+/// largest at `a` or at `to`, being convex in t. The rounding of the kernel is less than T; 16 leaves room for both.
+pub fn separated_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, (from, to): (f64, f64)) -> bool {
     if surface.degree() > 2 {
         return false;
     }
@@ -113,12 +108,12 @@ pub fn clears(surface: &Surface, reach: f64, ray: &Ray, a: f64, (from, to): (f64
         let (value, gradient) = surface.value_and_gradient(ray.at(t));
         (value.abs(), gradient.length())
     };
-    let delta = delta(reach, ray, a.abs().max(to.abs()));
+    let delta = delta(magnitude, ray, a.abs().max(to.abs()));
     let slope = value_and_slope(a).1.max(value_and_slope(to).1);
     value_and_slope(from).0 > 16.0 * delta * (slope + delta * bend(surface))
 }
 
-/// The most by which the gradient of a surface changes over a unit of length, halved.
+/// Half of the largest change of the gradient of a surface per unit of length.
 fn bend(surface: &Surface) -> f64 {
     match surface {
         Surface::Plane(_) | Surface::Torus(_) | Surface::AffineTorus(_) | Surface::Object(_) => 0.0,
@@ -127,14 +122,14 @@ fn bend(surface: &Surface) -> f64 {
     }
 }
 
-/// A piece of a ray as long as its model, with what every test against a surface needs of it.
+/// A piece of a ray as long as its model, with the common data of all tests against surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chord {
-    /// Decides the side of a ray in a surface.
-    pub aside: Aside,
+    /// Determines the side of a ray in a surface.
+    pub perturbation: Perturbation,
     ends: (f64, f64),
     middle: Vec3,
-    /// `delta` in the middle, for a surface without reach.
+    /// `delta` in the middle, for a surface with reach 0.
     delta: f64,
 }
 
@@ -142,31 +137,37 @@ impl Chord {
     /// The piece of the ray between two times, in the frame of the world.
     pub fn new(ray: &Ray, ends: (f64, f64)) -> Chord {
         let middle = 0.5 * (ends.0 + ends.1);
-        Chord { aside: Aside::WORLD, ends, middle: ray.at(middle), delta: delta(0.0, ray, middle) }
+        Chord {
+            perturbation: Perturbation::WORLD,
+            ends,
+            middle: ray.at(middle),
+            delta: delta(0.0, ray, middle),
+        }
     }
 
-    /// The side of a ray that lies in the surface all along the chord: `Some(inside)`, or `None` if it does
-    /// not lie in it.
+    /// The side of a ray that lies in the surface along the whole chord: `Some(inside)`, or `None` if it does not lie in
+    /// it.
     ///
-    /// Such a ray is answered as if moved infinitesimally along [`LIE_DIRECTION`]: by the sign of `w . grad
-    /// f` in the middle of the chord or, where that is 0, of the first component of grad f that is not.
-    pub fn lies_in(&self, surface: &Surface, reach: f64, ray: &Ray) -> Option<bool> {
+    /// The answer is that of the ray moved infinitesimally along [`PERTURBATION_DIRECTION`] (symbolic perturbation): the
+    /// sign of `w . grad f` in the middle of the chord or, if that is 0, of the first nonzero component of grad f.
+    pub fn lies_in(&self, surface: &Surface, magnitude: f64, ray: &Ray) -> Option<bool> {
         if !surface.is_ruled() {
             return None;
         }
-        // nearly every ray is told apart here, by one value and no root
+        // fast path: a single value and no root decide for nearly every ray
         let (value, gradient) = surface.value_and_gradient(self.middle);
-        let delta = self.delta + delta_of(reach);
+        let delta = self.delta + delta_of(magnitude);
         if value * value > delta * delta * gradient.length_squared() {
             return None;
         }
-        hugs(surface, reach, ray, self.ends.0, self.ends.1).then(|| self.aside.leads_inside(gradient))
+        coincides_along(surface, magnitude, ray, self.ends.0, self.ends.1)
+            .then(|| self.perturbation.leads_inside(gradient))
     }
 }
 
 /// [`Chord::lies_in`] for the piece of the ray between two times.
-pub fn lies_in(surface: &Surface, reach: f64, ray: &Ray, ends: (f64, f64)) -> Option<bool> {
-    Chord::new(ray, ends).lies_in(surface, reach, ray)
+pub fn lies_in(surface: &Surface, magnitude: f64, ray: &Ray, ends: (f64, f64)) -> Option<bool> {
+    Chord::new(ray, ends).lies_in(surface, magnitude, ray)
 }
 
 #[cfg(test)]
@@ -191,20 +192,20 @@ mod tests {
         round.into_iter().chain(saddle).chain([Surface::plane(axis, size)]).collect()
     }
 
-    /// Rays in general direction and ones that hardly leave the surface, from each crossing on: a piece that ends where
-    /// the surface is said to be left for good never hugs it, wherever it ends.
+    /// Rays in general direction, and rays that hardly leave the surface, from each crossing on: if a piece is reported
+    /// clear, it does not coincide with the surface, wherever it ends.
     #[test]
-    fn no_piece_hugs_a_surface_that_was_cleared() {
+    fn no_piece_coincides_along_a_surface_that_was_cleared() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         let (mut cleared, mut near) = (0, 0);
         for round in 0..30_000 {
             let size = [1e-6, 1.0, 1e7][round % 3];
             let surfaces = surfaces(size);
             let surface = &surfaces[round % surfaces.len()];
-            let reach = surface.reach();
+            let magnitude = surface.magnitude();
             let mut vector = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
             let (through, direction) = (size * vector(), vector());
-            // along the surface but for a little
+            // nearly along the surface
             let normal = surface.value_and_gradient(through).1.normalize_or(Vec3::Z);
             let tilt = [1.0, 1e-3, 1e-7, 1e-12, 0.0][rng.random_range(0..5)];
             let direction = direction - (1.0 - tilt) * direction.dot(normal) * normal;
@@ -212,7 +213,7 @@ mod tests {
             let to = 20.0 * size;
             for &a in surface.crossings(&ray).times().iter().filter(|t| t.abs() < to) {
                 let from = a + (to - a) * libm::pow(10.0, rng.random_range(-16.0..0.0));
-                if !clears(surface, reach, &ray, a, (from, to)) {
+                if !separated_along(surface, magnitude, &ray, a, (from, to)) {
                     near += 1;
                     continue;
                 }
@@ -220,23 +221,32 @@ mod tests {
                 let others = surface.crossings(&ray);
                 let ends = others.times().iter().copied().chain((0..20).map(|_| rng.random_range(from..to)));
                 for b in ends.filter(|b| (from..=to).contains(b)) {
-                    assert!(!hugs(surface, reach, &ray, a, b), "{surface:?} {ray:?} {a} {from} {b}");
+                    assert!(
+                        !coincides_along(surface, magnitude, &ray, a, b),
+                        "{surface:?} {ray:?} {a} {from} {b}"
+                    );
                 }
             }
         }
         assert!(cleared > 5000 && near > 1000, "{cleared} cleared, {near} not");
     }
 
-    /// A ray through a ball is clear of it after a millionth of its size, and one along a plane is not.
+    /// A ray through a ball is clear of it after a millionth of its size; a ray along a plane is not.
     #[test]
     fn ordinary_rays_clear_a_surface_at_once() {
         let ball = Surface::sphere(Vec3::new(0.0, 0.0, 5.0), 1.0);
         let ray = Ray::new(Vec3::new(0.3, 0.2, 0.0), Vec3::Z);
         let enter = ball.crossings(&ray).times()[0];
-        assert!(clears(&ball, 6.0, &ray, enter, (enter + 1e-6, 100.0)));
-        assert!(!clears(&ball, 6.0, &ray, enter, (enter, 100.0)));
+        assert!(separated_along(&ball, 6.0, &ray, enter, (enter + 1e-6, 100.0)));
+        assert!(!separated_along(&ball, 6.0, &ray, enter, (enter, 100.0)));
         let plane = Surface::plane(Vec3::X, 0.3);
-        assert!(!clears(&plane, 0.3, &ray, 1.0, (4.0, 100.0)));
-        assert!(clears(&plane, 0.3, &Ray::new(Vec3::ZERO, Vec3::new(1.0, 0.0, 1e3)), 0.3, (0.3001, 100.0)));
+        assert!(!separated_along(&plane, 0.3, &ray, 1.0, (4.0, 100.0)));
+        assert!(separated_along(
+            &plane,
+            0.3,
+            &Ray::new(Vec3::ZERO, Vec3::new(1.0, 0.0, 1e3)),
+            0.3,
+            (0.3001, 100.0)
+        ));
     }
 }

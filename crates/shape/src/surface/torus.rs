@@ -1,9 +1,9 @@
-//! The torus: points at distance `minor` from a circle of radius `major`, inside nearer to the circle.
+//! Torus: the points at distance `minor` from a circle of radius `major`, with the inside nearer to the circle.
 //!
-//! `g = (rho - major)^2 + z^2 - minor^2` with rho the distance from the axis and z the height. For
-//! `major < minor` (a spindle) the balls about the circle overlap and fill the lemon in the middle, so it is
-//! solid. The quartic `g (g + 4 major rho)` vanishes on the lemon's skin, too; g does not, and in a thin
-//! torus it loses no digits where the quartic loses those of `(major / minor)^2`. So roots are found from g.
+//! `g = (rho - major)^2 + z^2 - minor^2` with rho the distance from the axis and z the height. For `major < minor` (a
+//! spindle torus) the balls about the circle overlap and fill the lemon in the middle, so it is solid. The quartic
+//! `g (g + 4 major rho)` also vanishes on the lemon's skin, and in a thin torus it loses the digits of
+//! `(major / minor)^2`. Neither is true of g, so roots are found from g.
 
 use super::Surface;
 use super::affine_torus::AffineTorus;
@@ -18,27 +18,27 @@ use rayweave_math::{Bounds, Transform, Vec3, unit};
 pub struct Torus {
     /// The centre.
     pub centre: Vec3,
-    /// Unit vector along the axis of revolution; either sense is the same torus.
+    /// Unit vector along the axis of revolution; both senses describe the same torus.
     pub axis: Vec3,
-    /// Radius of the circle in the middle of the tube, > 0.
+    /// Radius of the centre circle of the tube, > 0.
     pub major: f64,
     /// Radius of the tube, > 0.
     pub minor: f64,
 }
 
 impl Torus {
-    /// About `centre`, the axis along `axis`, which need not be of unit length.
+    /// The torus about `centre` with its axis along `axis`, which need not have unit length.
     pub fn new(centre: Vec3, axis: Vec3, major: f64, minor: f64) -> Torus {
         Torus { centre, axis: unit(axis), major, minor }
     }
 
-    /// At most four roots, found about the point of closest approach to the centre.
+    /// At most four roots, computed about the closest approach to the centre.
     pub fn crossings(&self, ray: &Ray) -> Crossings<4> {
         let (shift, q) = recentred(ray, self.centre);
         self.crossings_about(shift, q, ray.direction)
     }
 
-    /// The same from a point of the ray relative to the centre and its time.
+    /// The roots from a point of the ray relative to the centre, and its time.
     pub(super) fn crossings_about(&self, shift: f64, q: Vec3, d: Vec3) -> Crossings<4> {
         let (line, rate) = TorusLine::new(self, q, d);
         let mut times = line.sign_changes();
@@ -48,7 +48,7 @@ impl Torus {
         Crossings::new(false, times.found())
     }
 
-    /// The ray that starts on the torus.
+    /// Departure of a ray that starts on the torus.
     pub(super) fn departure(&self, ray: &Ray) -> Departure {
         self.departure_from(ray.origin - self.centre, ray.direction)
     }
@@ -59,7 +59,7 @@ impl Torus {
         for t in times.found_mut() {
             *t /= rate;
         }
-        // far away the ray is outside, so the parity of the remaining roots is the side just after the start
+        // far away the ray is outside, so the parity of the remaining roots gives the side just after the start
         let inside = times.found().len() % 2 == 1;
         Departure { negative_after: Some(inside), times: Crossings::new(inside, times.found()) }
     }
@@ -71,7 +71,7 @@ impl Torus {
         let across = q - z * self.axis;
         let rho = across.length();
         let ring = rho - self.major;
-        // on the axis g has a ridge: the gradient of the two sides cancels across it
+        // on the axis g has a ridge: the gradients of both sides cancel across it
         let outwards = if rho > 0.0 { across / rho } else { Vec3::ZERO };
         (ring * ring + z * z - self.minor * self.minor, 2.0 * (ring * outwards + z * self.axis))
     }
@@ -81,23 +81,23 @@ impl Torus {
     }
 
     /// Distance of the centre from the origin plus the outer radius.
-    pub fn reach(&self) -> f64 {
+    pub fn magnitude(&self) -> f64 {
         self.centre.length() + self.major + self.minor
     }
 
-    /// The largest value of `n . (p - centre)` in the torus.
+    /// Support function: the largest value of `n . (p - centre)` in the torus.
     pub(super) fn support(&self, n: Vec3) -> f64 {
         let across = n - self.axis.dot(n) * self.axis;
         self.major * across.length() + self.minor * n.length()
     }
 
-    /// The smallest box that holds the torus.
+    /// Smallest bounding box.
     pub fn inside_bounds(&self) -> Bounds {
         let half = Vec3::from_array(Vec3::AXES.map(|n| self.support(n)));
         Bounds::centred(self.centre, half)
     }
 
-    /// The image: a torus again under a similarity, else in a frame of its own.
+    /// The image: a torus under a similarity, else an affine torus.
     pub fn transformed(&self, to: &Transform) -> Surface {
         let map = &to.world_from_local;
         match map.similarity() {

@@ -1,16 +1,16 @@
-//! A straight line through a torus: where `g(s) = (rho - major)^2 + z^2 - minor^2` changes sign.
+//! Torus roots along a straight line: sign changes of `g(s) = (rho - major)^2 + z^2 - minor^2`, by Newton-like steps with
+//! bisection.
 //!
-//! With a unit direction `g = s^2 + linear - 2 major rho(s)`, and rho, the distance from the axis, is convex
-//! with `rho'' = twist^2 / rho^3`, twist being the moment of the line about the axis. So g is convex where
-//! `rho^3 > major twist^2`, that is before and after one interval about the point closest to the axis, and
-//! concave within it. On each of these at most three pieces the signs at the two ends, and at the extremum
-//! between them where the ends have the sign of the curvature, tell the number of sign changes; each is then
-//! found by guarded steps in its bracket. Nothing is decided by the size of a residual, so the list always
-//! has the right parity and order, and a crossing is lost or invented only if the sign of g at an extremum is
-//! within its rounding, a few u (major + minor) in distance.
+//! With a unit direction `g = s^2 + linear - 2 major rho(s)`. The distance rho from the axis is convex with `rho'' =
+//! twist^2 / rho^3`, where twist is the moment of the line about the axis. So g is convex where `rho^3 > major twist^2`,
+//! i.e. before and after one interval about the point closest to the axis, and concave within it. On each of these at most
+//! three pieces the signs of g at the two ends, and at the extremum in between if both ends have the sign of the curvature,
+//! determine the number of sign changes. Each sign change is then found by safeguarded steps in its bracket. No decision
+//! depends on the size of a residual, so the list always has the right parity and order, and a crossing is lost or invented
+//! only if the sign of g at an extremum is within its rounding, a few u (major + minor) in distance.
 //!
-//! Lengths are scaled by a power of two such that major + minor is about 1: scaling a scene by a power of two
-//! changes no digit.
+//! Lengths are scaled by a power of two such that major + minor is about 1: scaling a scene by a power of two changes no
+//! digit.
 
 use super::Torus;
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
@@ -35,7 +35,7 @@ impl Times {
         &self.times[..self.count]
     }
 
-    /// The times, to be scaled.
+    /// The times, mutable for scaling.
     pub fn found_mut(&mut self) -> &mut [f64] {
         &mut self.times[..self.count]
     }
@@ -47,7 +47,7 @@ struct Jet {
     value: f64,
     /// Half of the slope; NaN on the axis.
     slope: f64,
-    /// `major twist^2 / rho^3`: 1 less half of the second derivative.
+    /// `major twist^2 / rho^3`: 1 minus half of the second derivative.
     turn: f64,
     /// 1 / rho.
     inverse: f64,
@@ -68,7 +68,7 @@ struct Piece {
     convex: bool,
 }
 
-/// The line, in units in which major + minor is about 1, by arc length.
+/// The line, by arc length, in units in which major + minor is about 1.
 #[derive(Clone, Copy, Debug)]
 pub struct TorusLine {
     across: Vec3,
@@ -81,25 +81,24 @@ pub struct TorusLine {
     alpha: f64,
     beta: f64,
     twist_squared: f64,
-    /// If the line starts on the torus: `rho` there; then g is taken relative to its value there.
+    /// If the line starts on the torus: `rho` at the start; g is then relative to its value there.
     start: Option<f64>,
 }
 
-/// A distance from the axis at which the rounding of a point is not small any more.
+/// Distance from the axis below which the rounding of a point matters.
 pub(crate) const AXIS: f64 = 128.0 * UNIT_ROUNDOFF;
 
-/// The last step to a root is not longer: at a nearly double root, the noise of g over a slope of its root.
+/// Largest final step: at a nearly double root, the noise of g divided by its slope.
 pub(crate) const POLISH: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// A step whose error is this part of the noise of g need not be looked at again.
+/// Largest error of a step, relative to the noise of g, that is accepted without another evaluation.
 pub(crate) const CERTAIN: f64 = 1.0 / 16.0;
 
-/// Room around a region outside of which g > 0 for certain, against the rounding of its border.
+/// Margin around a region outside of which g > 0, against rounding of its border.
 pub(crate) const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
 
 impl TorusLine {
-    /// The line through the point q relative to the torus's centre along d, and the factor from times along d
-    /// to its arc length.
+    /// The line through the point q relative to the torus's centre along d, and the factor from times to arc lengths.
     pub fn new(torus: &Torus, q: Vec3, d: Vec3) -> (TorusLine, f64) {
         let scale = TorusLine::scale(torus);
         let length = d.length();
@@ -122,12 +121,12 @@ impl TorusLine {
         (line, scale * length)
     }
 
-    /// The factor to units in which major + minor is about 1: a power of two.
+    /// Factor to units in which major + minor is about 1: a power of two.
     pub(crate) fn scale(torus: &Torus) -> f64 {
         libm::ldexp(1.0, -libm::ilogb(torus.major + torus.minor))
     }
 
-    /// Where g changes sign; it is positive far away.
+    /// Sign changes of g; it is positive far away.
     pub fn sign_changes(&self) -> Times {
         let mut times = Times::default();
         let Some((from, to)) = self.window() else {
@@ -140,15 +139,15 @@ impl TorusLine {
         times
     }
 
-    /// Where g, less its value at s = 0, changes sign for s > 0.
+    /// Sign changes, for s > 0, of g minus its value at s = 0.
     ///
-    /// g = s k(s), and k has no root that belongs to s = 0. On the first piece k is monotonic, because g is
-    /// convex or concave there and 0 at its beginning: k has a root there if its signs at the ends differ.
+    /// g = s k(s), and k has no root at s = 0. On the first piece k is monotonic, because g is convex or concave there and
+    /// 0 at its beginning: k has a root there if its signs at the ends differ.
     pub fn sign_changes_from_start(&self) -> Times {
         let line = TorusLine { start: Some(self.across.length()), ..*self };
         let mut times = Times::default();
         let k = line.chord_slope(0.0);
-        // beyond it s^2 + 2 s (q . d) exceeds 2 major (rho(s) - rho(0)) <= 2 major s
+        // beyond this bound s^2 + 2 s (q . d) exceeds 2 major (rho(s) - rho(0)) <= 2 major s
         let radial = (self.beta + self.z * self.rise).abs();
         let to = 2.0 * (1.0 + MARGIN) * (self.major + radial);
         for piece in line.pieces(0.0, to).into_iter().flatten() {
@@ -165,7 +164,7 @@ impl TorusLine {
         times
     }
 
-    /// `g(s) / s` where g is relative to its value at 0: `s + 2 q.d - 2 major (rho(s) - rho(0)) / s`.
+    /// `g(s) / s` with g relative to its value at 0: `s + 2 q.d - 2 major (rho(s) - rho(0)) / s`.
     fn chord_slope(&self, s: f64) -> f64 {
         let rho = (self.across + s * self.along).length();
         let sum = rho + self.start.unwrap_or(0.0);
@@ -178,13 +177,13 @@ impl TorusLine {
         let z = self.z + s * self.rise;
         let rho = p.length();
         let (ring, inverse) = (rho - self.major, 1.0 / rho);
-        // k is the better conditioned near the start, g farther away, where its rounding is below that of s k
+        // k is better conditioned near the start, and g farther away, where its rounding is below that of s k
         let value = if self.start.is_some() && s <= self.minor {
             s * self.chord_slope(s)
         } else {
             ring * ring + (z * z - self.minor * self.minor)
         };
-        // so near the axis the direction of p is noise, and g has a kink anyway
+        // so close to the axis the direction of p is noise, and g has a kink
         let outwards = if rho > AXIS { p.dot(self.along) * inverse } else { f64::NAN };
         Jet {
             value,
@@ -194,7 +193,7 @@ impl TorusLine {
         }
     }
 
-    /// The part of the line in the ball and between the two planes that hold the torus.
+    /// The part of the line within the ball and the slab that contain the torus.
     fn window(&self) -> Option<(f64, f64)> {
         let outer = (self.major + self.minor) * (1.0 + MARGIN);
         let middle = -(self.beta + self.z * self.rise);
@@ -227,7 +226,7 @@ impl TorusLine {
         }
     }
 
-    /// The points at which `rho^3 = major twist^2`, if there are any.
+    /// The points with `rho^3 = major twist^2`, if there are any.
     fn inflections(&self) -> Option<(f64, f64)> {
         if self.alpha == 0.0 {
             return None;
@@ -239,8 +238,8 @@ impl TorusLine {
         (square >= 0.0 && half.is_finite()).then_some((closest - half, closest + half))
     }
 
-    /// The sign changes in one piece: g has at most one between ends of different sign, and none or two
-    /// between ends that both have the sign of the curvature.
+    /// The sign changes in one piece: g has at most one between ends of different sign, and none or two between ends that
+    /// both have the sign of the curvature.
     fn search(&self, piece: &Piece, from: Jet, to: Jet, times: &mut Times) {
         let (first, last) = (from.value < 0.0, to.value < 0.0);
         if first != last {
@@ -255,11 +254,11 @@ impl TorusLine {
         }
     }
 
-    /// A point of the piece where g has not the sign of the ends: a search for the extremum that stops as
-    /// soon as one is found, or as soon as the tangent shows that there is none.
+    /// A point of the piece where g has the opposite sign of both ends: a search for the extremum that stops as soon as
+    /// such a point is found, or a tangent shows that there is none.
     fn other_side(&self, piece: &Piece, from: Jet, to: Jet) -> Option<(f64, Jet)> {
         let up = if piece.convex { 1.0 } else { -1.0 };
-        // a slope of NaN says nothing
+        // a NaN slope decides nothing
         if up * from.slope >= 0.0 || up * to.slope <= 0.0 {
             return None;
         }
@@ -270,7 +269,7 @@ impl TorusLine {
             if (jet.value < 0.0) == piece.convex {
                 return Some((s, jet));
             }
-            // only the ends of a piece are on the axis
+            // only ends of a piece are on the axis
             let rising = up * jet.slope > 0.0 || (jet.slope.is_nan() && hi - s < s - lo);
             if rising {
                 hi = s;
@@ -288,8 +287,8 @@ impl TorusLine {
         None
     }
 
-    /// The sign change in a bracket, by steps to the root of the local parabola (Euler's method, of third
-    /// order, and as fast at a nearly double root), or to the middle where that leaves the bracket.
+    /// The sign change in a bracket: steps to the root of the local parabola (Euler's method, of third order, and as fast
+    /// at a nearly double root), or bisection if a step leaves the bracket.
     fn root(&self, piece: &Piece, starts_negative: bool, near: (f64, Jet)) -> f64 {
         let (mut lo, mut hi, (mut s, mut jet)) = (piece.from, piece.to, near);
         for _ in 0..120 {
@@ -306,13 +305,13 @@ impl TorusLine {
                 return near;
             }
             if jet.value.abs() <= UNIT_ROUNDOFF * least || (near - s).abs() <= UNIT_ROUNDOFF * s.abs() {
-                // where slope and curvature vanish, too, the parabola is made of noise and may lead anywhere
+                // if slope and curvature vanish too, the parabola is noise and its root may be anywhere
                 let polished = between && (near - s).abs() <= POLISH;
                 return if polished { near } else { s };
             }
             let next = within(lo, hi, near);
             if next == s {
-                // so it would be ever after
+                // no further step changes s
                 return s;
             }
             (s, jet) = (next, self.jet(next));
@@ -320,11 +319,11 @@ impl TorusLine {
         s
     }
 
-    /// True if the parabola's root is g's but for noise.
+    /// True if the root of the parabola equals the root of g up to noise.
     ///
     /// By Taylor's theorem `g = 0 +- max |g'''| |step|^3 / 6` there, and `|g'''| = 6 turn |rho'| / rho <= 6 turn / rho`
-    /// grows by at most (8/7)^4 < 2 where rho shrinks by an eighth of it. That is to be small against the noise of g
-    /// near a root, `u minor`; so is the noise at the point itself, which grows with g, if g is at most `minor^2`.
+    /// grows by at most (8/7)^4 < 2 if rho shrinks by at most an eighth. This must be small against the noise of g near a
+    /// root, `u minor`. The noise at the point itself, which grows with g, is small, too, if g is at most `minor^2`.
     fn is_certain(&self, jet: &Jet, step: f64, least: f64) -> bool {
         let step = step.abs();
         let error = 2.0 * (jet.turn * jet.inverse) * (step * step * step);
@@ -334,21 +333,22 @@ impl TorusLine {
     }
 }
 
-/// `s` if it lies strictly between, else the middle.
+/// `s` if it is strictly between the bounds, else the midpoint.
 fn within(lo: f64, hi: f64, s: f64) -> f64 {
     if lo < s && s < hi { s } else { 0.5 * lo + 0.5 * hi }
 }
 
-/// The root of `value + 2 slope x + curvature x^2` nearest 0; NaN if there is none.
+/// Root of `value + 2 slope x + curvature x^2` nearest to 0; NaN if there is none.
 fn parabola_step(jet: &Jet) -> f64 {
     let discriminant = jet.slope * jet.slope - jet.curvature() * jet.value;
     -jet.value / (jet.slope + discriminant.sqrt().copysign(jet.slope))
 }
 
-/// The cube root of a number >= 0 within a few roundings; 0 for less than 2^-600.
+/// Cube root of a number >= 0 within a few roundings; 0 for less than 2^-600.
 ///
-/// The inverse cube root by a guess from the exponent and two steps of fourth order (Moroz, Samotyy, Walczyk, Cieslinski:
-/// "Fast calculation of cube and inverse cube roots using a magic constant", 2021): nothing that lanes could not do.
+/// The inverse cube root is a guess from the exponent with two steps of fourth order (Moroz, Samotyy, Walczyk, Cieslinski:
+/// "Fast calculation of cube and inverse cube roots using a magic constant", 2021); all operations are available in SIMD
+/// lanes.
 pub(crate) fn cube_root(x: f64) -> f64 {
     if x < CUBE_LEAST {
         return 0.0;
@@ -363,13 +363,13 @@ pub(crate) fn cube_root(x: f64) -> f64 {
     x * (y * y)
 }
 
-/// Smaller numbers have the cube root 0.
+/// Smallest number with a nonzero cube root.
 pub(crate) const CUBE_LEAST: f64 = f64::from_bits((1023 - 600) << 52);
 
-/// 2^52: numbers of 32 bits stand in the last bits of their sum with it.
+/// 2^52: the last bits of its sum with a 32-bit number hold that number.
 pub(crate) const CUBE_ONE: f64 = (1u64 << 52) as f64;
 
-/// The first half of the bits of the magic number for inverse cube roots.
+/// Upper 32 bits of the magic number for inverse cube roots.
 pub(crate) const CUBE_MAGIC: f64 = 0x553e_f0ff as f64;
 
 #[cfg(test)]

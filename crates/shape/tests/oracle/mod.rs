@@ -1,6 +1,5 @@
-//! Surfaces in exact rational arithmetic, for the tests of the kernels: written from the definitions, with no
-//! rounding anywhere.
-#![allow(dead_code)] // each test uses its part
+//! Oracle for the tests of the kernels: surfaces in exact rational arithmetic, from their definitions, without rounding.
+#![allow(dead_code)] // each test uses a part of it
 
 use dashu::base::Sign;
 use dashu::rational::RBig;
@@ -11,7 +10,7 @@ use rayweave_shape::surface::Surface;
 
 pub type Point = [RBig; 3];
 
-/// How many times as many cases as usual, by the variable `RAYWEAVE_EFFORT`.
+/// Factor of the number of test cases, from the variable `RAYWEAVE_EFFORT`.
 pub fn effort() -> usize {
     std::env::var("RAYWEAVE_EFFORT").ok().and_then(|s| s.parse().ok()).unwrap_or(1)
 }
@@ -52,14 +51,14 @@ pub fn sign(x: &RBig) -> i32 {
     }
 }
 
-/// The exact point of a ray.
+/// Exact point of a ray.
 pub fn at(ray: &Ray, t: &RBig) -> Point {
     let (o, d) = (point(ray.origin), point(ray.direction));
     std::array::from_fn(|k| &o[k] + t * &d[k])
 }
 
-/// The polynomial that vanishes on the surface, of degree 1, 2 or 4, negative inside (of a ring torus), after
-/// its solid is grown by `grow`: the radius of a sphere, cylinder or tube, the offset of a plane.
+/// A polynomial that vanishes on the surface, of degree 1, 2 or 4, negative inside (for a ring torus), for the solid grown
+/// by `grow`: this adds to the radius of a sphere, cylinder or tube, or to the offset of a plane.
 pub fn polynomial(surface: &Surface, grow: f64, p: &Point) -> RBig {
     let grow = exact(grow);
     match surface {
@@ -107,11 +106,11 @@ fn torus(q: &Point, u: &Point, major: f64, minor: RBig) -> RBig {
     square(all + &major - square(minor)) - exact(4.0) * major * rho
 }
 
-/// `|F| / |grad F|` at the exact point of the ray: the distance from the surface, to first order. The
-/// gradient is an exact difference quotient.
+/// `|F| / |grad F|` at the exact point of the ray: the distance from the surface to first order. The gradient is an exact
+/// difference quotient.
 pub fn distance(surface: &Surface, ray: &Ray, t: f64) -> f64 {
     let p = at(ray, &exact(t));
-    // exact for degree 2; for a torus, small against the tube
+    // exact for degree 2; for a torus, small relative to the tube
     let step = exact(match surface {
         Surface::Torus(s) => s.minor * 1e-8,
         Surface::AffineTorus(s) => s.torus.minor * 1e-9,
@@ -140,7 +139,7 @@ pub fn coefficients(surface: &Surface, grow: f64, ray: &Ray, degree: usize) -> V
             differences[k] = (&differences[k] - &differences[k - 1]) / step;
         }
     }
-    // Newton's form to powers of t
+    // from Newton's form to powers of t
     let mut powers = vec![RBig::ZERO; degree + 1];
     for k in (0..=degree).rev() {
         for j in (1..=degree).rev() {
@@ -151,7 +150,7 @@ pub fn coefficients(surface: &Surface, grow: f64, ray: &Ray, degree: usize) -> V
     powers
 }
 
-/// The number of distinct real roots: Sturm's theorem.
+/// Number of distinct real roots, by Sturm's theorem.
 pub fn count_real_roots(coefficients: &[RBig]) -> usize {
     let derivative = |p: &[RBig]| -> Vec<RBig> { (1..p.len()).map(|k| exact(k as f64) * &p[k]).collect() };
     let first = trimmed(coefficients.to_vec());
@@ -177,7 +176,7 @@ pub fn count_real_roots(coefficients: &[RBig]) -> usize {
     changes(true) - changes(false)
 }
 
-/// The number of different real roots between two numbers that are no roots: Sturm's theorem.
+/// Number of distinct real roots between two numbers that are not roots, by Sturm's theorem.
 pub fn count_between(coefficients: &[RBig], from: f64, to: f64) -> usize {
     let chain = Sturm::new(coefficients);
     chain.variations(&exact(from)).saturating_sub(chain.variations(&exact(to)))
@@ -204,9 +203,9 @@ fn negated_remainder(a: &[RBig], b: &[RBig]) -> Vec<RBig> {
     rest.into_iter().map(|c| -c).collect()
 }
 
-/// `u (|o| + |t| |d| + reach)`.
+/// `u (|o| + |t| |d| + magnitude)`.
 pub fn rounding(surface: &Surface, ray: &Ray, t: f64) -> f64 {
-    UNIT_ROUNDOFF * (ray.origin.length() + t.abs() * ray.direction.length() + surface.reach())
+    UNIT_ROUNDOFF * (ray.origin.length() + t.abs() * ray.direction.length() + surface.magnitude())
 }
 
 pub fn unit_vector(rng: &mut ChaCha8Rng) -> Vec3 {
@@ -218,12 +217,12 @@ pub fn unit_vector(rng: &mut ChaCha8Rng) -> Vec3 {
     }
 }
 
-/// Evenly distributed in the exponent.
+/// A random number with a uniformly distributed exponent.
 pub fn size(rng: &mut ChaCha8Rng, lo: f64, hi: f64) -> f64 {
     libm::exp10(rng.random_range(lo.log10()..hi.log10()))
 }
 
-/// A ray towards a point from as near or far as 1e-8 to 1e8, with a direction of any length.
+/// A ray towards a point from a distance between 1e-8 and 1e8, with a direction of any length.
 pub fn ray_through(target: Vec3, size_of_scene: f64, rng: &mut ChaCha8Rng) -> Ray {
     let far = size_of_scene * size(rng, 1e-2, 1e2);
     let far = if rng.random_range(0..4) == 0 { far * size(rng, 1e-6, 1e6) } else { far };
@@ -232,7 +231,7 @@ pub fn ray_through(target: Vec3, size_of_scene: f64, rng: &mut ChaCha8Rng) -> Ra
     Ray::new(target - way, way * (length / far))
 }
 
-/// Sturm's chain of a polynomial, for several questions about its roots.
+/// Sturm chain of a polynomial.
 pub struct Sturm(Vec<Vec<RBig>>);
 
 impl Sturm {
@@ -256,7 +255,7 @@ impl Sturm {
         signs.windows(2).filter(|w| w[0] != w[1]).count()
     }
 
-    /// Each simple root between two numbers that are no roots, to a few bits of f64, in order.
+    /// The simple roots between two numbers that are not roots, to a few bits of f64, in order.
     pub fn roots(&self, from: f64, to: f64) -> Vec<RBig> {
         let mut found = Vec::new();
         let ends = [from, to].map(exact);
@@ -291,7 +290,7 @@ impl Sturm {
     }
 }
 
-/// The value of a polynomial.
+/// Value of a polynomial.
 pub fn value(p: &[RBig], t: &RBig) -> RBig {
     p.iter().rev().fold(RBig::ZERO, |sum, c| sum * t + c)
 }

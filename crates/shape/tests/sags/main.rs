@@ -12,7 +12,7 @@ use rayweave_math::{Affine, Mat3, Transform, UNIT_ROUNDOFF, Vec3};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::object::Object;
 use rayweave_shape::surface::sag::{Base, Description, Sag, SagError, Zernike, zernike_terms};
-use rayweave_shape::surface::{Aside, Surface};
+use rayweave_shape::surface::{Perturbation, Surface};
 use std::sync::Arc;
 
 const FLAT: Base = Base::Conic { curvature: 0.0, conic: 0.0 };
@@ -42,7 +42,7 @@ fn ripples(aperture: f64, depth: f64) -> Description {
     Description { even, ..Description::new(aperture, FLAT) }
 }
 
-/// Polynomials alone, hostile ones among them, of apertures of any size.
+/// Polynomials without a base, including difficult ones, with apertures of any size.
 fn polynomials(scale: f64, rng: &mut ChaCha8Rng) -> Vec<Description> {
     let mut number = |half: f64| rng.random_range(-half..half);
     let even = (1..=4).map(|k| number(0.3) / scale.powi(2 * k - 1)).collect();
@@ -63,20 +63,20 @@ fn polynomials(scale: f64, rng: &mut ChaCha8Rng) -> Vec<Description> {
     ]
 }
 
-/// To few digits, for the sake of exact arithmetic.
+/// Rounds to few digits, to keep exact arithmetic fast.
 fn rounded(x: f64) -> f64 {
     f64::from(x as f32)
 }
 
 fn short(mut of: Description) -> Description {
-    // coefficients of high powers are beyond f32: all but 24 bits are dropped
+    // coefficients of high powers exceed the range of f32: all but 24 bits are dropped
     let few = |x: &mut f64| *x = f64::from_bits(x.to_bits() & !0x1fff_ffff);
     of.even.iter_mut().for_each(few);
     of.mixed.iter_mut().for_each(|term| few(&mut term.2));
     of
 }
 
-/// The exact polynomial of t that is z - sag along the ray, without a base.
+/// The exact polynomial in t of z - sag along the ray, without a base.
 fn along(of: &Description, ray: &Ray, raise: f64) -> Vec<RBig> {
     let linear = |k: usize| vec![exact(ray.origin[k]), exact(ray.direction[k])];
     let (x, y) = (linear(0), linear(1));
@@ -114,7 +114,7 @@ fn value(p: &[RBig], t: f64) -> f64 {
     approximate(&oracle::value(p, &exact(t)))
 }
 
-/// When the ray is in the aperture, a little less at both ends.
+/// The interval of the ray in the aperture, slightly shortened at both ends.
 fn inside(of: &Description, ray: &Ray) -> Option<(f64, f64)> {
     let (o, d) = (ray.origin.truncate(), ray.direction.truncate());
     let closest = -o.dot(d) / d.length_squared();
@@ -139,7 +139,7 @@ fn ray(scale: f64, round: usize, rng: &mut ChaCha8Rng) -> Ray {
     Ray::new(through - away * direction, direction * rng.random_range(0.3..4.0))
 }
 
-/// The number of crossings in the aperture is that of Sturm's theorem, wherever that is the same for the surface raised and
+/// The number of crossings in the aperture is that of Sturm's theorem, if that is the same for the surface raised and
 /// lowered by delta; and each time is that of an exact sign change within delta.
 #[test]
 fn polynomials_are_crossed_as_often_as_sturms_theorem_says() {
@@ -153,7 +153,7 @@ fn polynomials_are_crossed_as_often_as_sturms_theorem_says() {
             let surface = surface(&of);
             let Some((from, to)) = inside(&of, &ray) else { continue };
             let lengths =
-                ray.origin.length() + to.abs().max(from.abs()) * ray.direction.length() + surface.reach();
+                ray.origin.length() + to.abs().max(from.abs()) * ray.direction.length() + surface.magnitude();
             let delta = 64.0 * UNIT_ROUNDOFF * lengths;
             let steep = ray.direction.truncate().length() / ray.direction.length();
             let exact = |raise: f64| along(&of, &ray, raise);
@@ -181,7 +181,7 @@ fn polynomials_are_crossed_as_often_as_sturms_theorem_says() {
     );
 }
 
-/// Bases of all kinds with and without terms.
+/// Bases of all kinds, with and without terms.
 fn mixtures(scale: f64) -> Vec<Description> {
     let even =
         |list: &[f64]| list.iter().zip(1..).map(|(c, n)| c / scale.powi(2 * n - 1)).collect::<Vec<f64>>();
@@ -213,7 +213,7 @@ fn is_round(of: &Description) -> bool {
     matches!(of.base, Base::Conic { .. }) && of.mixed.is_empty()
 }
 
-/// z - sag by the textbook formula, the sag of the rim beyond the aperture.
+/// z - sag by the textbook formula, with the sag of the rim beyond the aperture.
 fn depth(of: &Description, p: Vec3) -> f64 {
     let r = libm::hypot(p.x, p.y);
     let by = if r > of.aperture { of.aperture / r } else { 1.0 };
@@ -235,8 +235,8 @@ fn depth(of: &Description, p: Vec3) -> f64 {
     p.z - (base + even + odd + mixed)
 }
 
-/// Along each ray the side between the crossings is that of the textbook formula at many points, in and beyond the
-/// aperture; and crossings lie on the surface.
+/// Along each ray the side between crossings agrees with the textbook formula at many points, in the aperture and beyond;
+/// and crossings lie on the surface.
 #[test]
 fn sides_along_rays_are_those_of_the_textbook_formula() {
     let mut rng = rng(2);
@@ -245,10 +245,11 @@ fn sides_along_rays_are_those_of_the_textbook_formula() {
         for of in mixtures(scale).into_iter().chain([ripples(scale, 0.05 * scale)]) {
             let (surface, ray) = (surface(&of), ray(scale, round, &mut rng));
             let (starts, times) = all(&surface, &ray);
-            // where the rim is vertical, a rounding of r is a root of one in z
+            // at a vertical rim a rounding of r becomes its square root in z
             let rim = if of == conic(scale, 1.0 / scale, 0.0) { 1e-6 * scale } else { 0.0 };
-            let tolerance =
-                |t: f64| 1e-12 * (ray.origin.length() + t.abs() * ray.direction.length() + surface.reach());
+            let tolerance = |t: f64| {
+                1e-12 * (ray.origin.length() + t.abs() * ray.direction.length() + surface.magnitude())
+            };
             for &t in &times {
                 let (_, gradient) = surface.value_and_gradient(ray.at(t));
                 let off = depth(&of, ray.at(t)).abs() / gradient.length();
@@ -261,7 +262,7 @@ fn sides_along_rays_are_those_of_the_textbook_formula() {
                 let expected = depth(&of, ray.at(t));
                 let slack = tolerance(t) * gradient.length() + rim;
                 assert!((value - expected).abs() <= slack, "{value} {expected} {of:?}");
-                // beyond the aperture only surfaces of revolution are told in full
+                // beyond the aperture only surfaces of revolution are guaranteed
                 if !is_round(&of) && ray.at(t).truncate().length() > 0.999 * scale {
                     continue;
                 }
@@ -275,7 +276,7 @@ fn sides_along_rays_are_those_of_the_textbook_formula() {
     }
 }
 
-/// A conic written as a sag is crossed where the quadric is, within the aperture and on the sheet of the vertex.
+/// A conic as a sag has the crossings of the quadric, within the aperture and on the sheet of the vertex.
 #[test]
 fn conics_are_quadrics() {
     let mut rng = rng(3);
@@ -310,7 +311,7 @@ fn conics_are_quadrics() {
     assert!(seen > 500, "{seen}");
 }
 
-/// A ray that starts on the surface meets it again where the whole line does, and never where it starts.
+/// A ray that starts on the surface has the crossings of the whole line, without its start.
 #[test]
 fn rays_from_the_surface_meet_it_where_the_line_does() {
     let mut rng = rng(4);
@@ -329,13 +330,13 @@ fn rays_from_the_surface_meet_it_where_the_line_does() {
             let ray = Ray::new(foot, direction);
             let slope = gradient.dot(direction);
             let mut ahead = Vec::new();
-            surface.all_crossings_from(&ray, slope < 0.0, &Aside::WORLD, |t| ahead.push(t));
+            surface.all_crossings_from(&ray, slope < 0.0, &Perturbation::WORLD, |t| ahead.push(t));
             let mut refused = Vec::new();
-            surface.all_crossings_from(&ray, slope > 0.0, &Aside::WORLD, |t| refused.push(t));
+            surface.all_crossings_from(&ray, slope > 0.0, &Perturbation::WORLD, |t| refused.push(t));
             assert_eq!(refused.first(), Some(&0.0), "{of:?} {ray:?}");
             assert_eq!(refused[1..], ahead);
-            // what the whole line says, but for the root at the start
-            let near = 1e-12 * (1e3 * scale + surface.reach()) / tilt;
+            // the crossings of the whole line, except the root at the start
+            let near = 1e-12 * (1e3 * scale + surface.magnitude()) / tilt;
             let line: Vec<f64> = all(&surface, &ray).1.into_iter().filter(|&t| t > near).collect();
             let close = ahead.iter().filter(|&&t| t <= near).count();
             assert!(ahead.iter().all(|&t| t > 0.0));
@@ -347,7 +348,7 @@ fn rays_from_the_surface_meet_it_where_the_line_does() {
                 let (_, there) = surface.value_and_gradient(ray.at(*a));
                 let off = (a - b).abs() * there.dot(direction).abs() / there.length();
                 assert!(
-                    off <= 128.0 * UNIT_ROUNDOFF * (4.0 * scale + surface.reach()),
+                    off <= 128.0 * UNIT_ROUNDOFF * (4.0 * scale + surface.magnitude()),
                     "{off} {of:?} {ray:?}"
                 );
             }
@@ -357,7 +358,7 @@ fn rays_from_the_surface_meet_it_where_the_line_does() {
     assert!(alone > 100 && again > 100, "{alone} {again}");
 }
 
-/// In a place of its own, stretched and turned, times are those of the ray carried back.
+/// For a sag that is placed, scaled and rotated, the times are those of the ray in the frame of the sag.
 #[test]
 fn placed_sags_are_asked_in_their_own_frame() {
     let mut rng = rng(5);
@@ -390,8 +391,7 @@ fn refusals() {
     let message = |of: &Description| Sag::new(of).unwrap_err().to_string();
     assert_eq!(
         message(&conic(2.0, 0.8, 0.0)),
-        "the aperture's radius is 2 (the conic ends at 1.25, where the root in it becomes imaginary) is the curvature too \
-         large?"
+        "the aperture's radius is 2: the conic ends at 1.25, where the root in it becomes imaginary. Is the curvature too large?"
     );
     assert!(Sag::new(&conic(1.25, 0.8, 0.0)).is_ok());
     assert!(Sag::new(&conic(2.0, 0.8, -1.0)).is_ok());

@@ -1,4 +1,4 @@
-//! Where bounds of the second derivative have no end: tips of odd terms, vertical rims, and lines along both.
+//! Unbounded second derivatives: tips of odd terms, vertical rims, and lines along both.
 
 use super::oracle::{Sturm, approximate, effort, exact, rng, unit_vector, value};
 use super::{all, along, conic, depth, plus, surface, times};
@@ -8,7 +8,7 @@ use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::sag::{Base, Description, Sag};
 
-/// A hemisphere with odd terms, and even ones.
+/// A hemisphere with odd terms, and with even ones.
 fn hemispheres() -> Vec<Description> {
     let odd = |list: &[f64]| Description { odd: list.to_vec(), ..conic(1.0, 1.0, 0.0) };
     vec![
@@ -22,8 +22,8 @@ fn hemispheres() -> Vec<Description> {
     ]
 }
 
-/// A line along the axis, or so near to it and so nearly along it that it can hardly be told, meets the surface once: at its
-/// vertex, but for what the line's place is off.
+/// A line along the axis, or nearly so within rounding, crosses the surface once: at its vertex, up to the offset of the
+/// line.
 #[test]
 fn lines_along_the_axis_meet_the_vertex() {
     let offsets = [0.0, 1e-300, 1e-17, 1e-9];
@@ -41,7 +41,7 @@ fn lines_along_the_axis_meet_the_vertex() {
     }
 }
 
-/// A line through the tip of a cone, or past it by less than anything, to both sides of the slope.
+/// A line through the tip of a cone, or past it at a tiny distance, to both sides of the slope.
 #[test]
 fn lines_past_the_tip_of_a_cone_meet_it_as_often_as_they_must() {
     let cone = |slope: f64| surface(&Description { odd: vec![slope], ..conic(1.0, 0.0, 0.0) });
@@ -49,7 +49,7 @@ fn lines_past_the_tip_of_a_cone_meet_it_as_often_as_they_must() {
         for height in [1e-3, 1e-12, -1e-3, -1e-12] {
             let level = Ray::new(Vec3::new(-3.0, offset, height), Vec3::X);
             let (starts, times) = all(&cone(0.5), &level);
-            // z = r / 2, level beyond r = 1: above the rim nowhere
+            // z = r / 2, level beyond r = 1: no surface above the rim
             let expected =
                 if height > 0.5 * offset { vec![3.0 - 2.0 * height, 3.0 + 2.0 * height] } else { vec![] };
             assert!(starts, "{offset} {height}");
@@ -62,7 +62,7 @@ fn lines_past_the_tip_of_a_cone_meet_it_as_often_as_they_must() {
     }
 }
 
-/// Lines that touch a vertical rim from within: the chord that is left is crossed at its two ends, or not at all.
+/// Lines that touch a vertical rim from inside: both ends of the remaining chord are crossings, or neither is.
 #[test]
 fn lines_along_a_vertical_rim_are_told_to_its_last_bits() {
     for of in hemispheres() {
@@ -80,7 +80,7 @@ fn lines_along_a_vertical_rim_are_told_to_its_last_bits() {
                 );
                 for &t in &times {
                     let p = ray.at(t);
-                    // near the rim a rounding of r is a root of one in z
+                    // near the rim a rounding of r becomes its square root in z
                     let s = (1.0 - p.truncate().length_squared()).abs().sqrt();
                     let across = UNIT_ROUNDOFF / s.max(1e-8);
                     let off = depth(&of, p).abs();
@@ -94,15 +94,15 @@ fn lines_along_a_vertical_rim_are_told_to_its_last_bits() {
     }
 }
 
-/// To 12 bits, for the sake of exact arithmetic.
+/// Rounds to 12 bits, to keep exact arithmetic fast.
 fn few_bits(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & !((1 << 41) - 1))
 }
 
-/// All crossings along a line for a conic base with even and odd terms, without a search along the line: with the base's
-/// root s, `c s = M + g r O` where `M = c - g L`, and L is z less the even terms; squared twice that is a polynomial, whose
-/// roots are isolated by Sturm's theorem and kept if both roots have the right sign. `None` where a sign is too near 0 to
-/// be told.
+/// Number of crossings along a line for a conic base with even and odd terms, without a search along the line. With the
+/// base's root s, `c s = M + g r O` where `M = c - g L`, and L is z minus the even terms. Squared twice, this is a
+/// polynomial; its roots are isolated by Sturm's theorem and kept if both square roots have the right sign. `None` if a
+/// sign is undecided.
 fn crossings_by_algebra(of: &Description, ray: &Ray, raise: f64, window: (f64, f64)) -> Option<usize> {
     let Base::Conic { curvature: c, conic: k } = of.base else { return None };
     let (c, g) = (exact(c), exact((1.0 + k) * c * c));
@@ -115,7 +115,7 @@ fn crossings_by_algebra(of: &Description, ray: &Ray, raise: f64, window: (f64, f
     let odd = scaled(&odd, &g);
     // c^2 s^2
     let square = plus(&[&c * &c], &scaled(&v, &-(&c * &c * &g)));
-    // (M + r O)^2 = c^2 s^2, apart from its term with r
+    // (M + r O)^2 = c^2 s^2, without its term in r
     let even = plus(&plus(&times(&m, &m), &times(&v, &times(&odd, &odd))), &scaled(&square, &exact(-1.0)));
     let mixed = scaled(&times(&m, &odd), &exact(2.0));
     let whole = match of.odd.is_empty() {
@@ -135,8 +135,8 @@ fn crossings_by_algebra(of: &Description, ray: &Ray, raise: f64, window: (f64, f
     Some(count)
 }
 
-/// Lines past the axis and along the rim of hemispheres with odd terms are crossed as often as algebra says, wherever that is the
-/// same for the surface raised and lowered a little.
+/// Lines past the axis and along the rim of hemispheres with odd terms have the number of crossings of the algebraic
+/// solution, if that is the same for the surface raised and lowered slightly.
 #[test]
 fn steep_surfaces_are_crossed_as_often_as_algebra_says() {
     let mut rng = rng(21);

@@ -1,11 +1,11 @@
-//! The circle `r(t) = centre + cos(w t) a + sin(w t) b`, an arc of it by the window; an ellipse if the axes are not
-//! of equal length or not perpendicular.
+//! Circles and ellipses, `r(t) = centre + cos(w t) a + sin(w t) b`; the time window selects an arc. An ellipse if the axes are not
+//! perpendicular or of different lengths.
 
 use crate::curve::vector::{self, Direction};
 use crate::point::{along, dot, is_finite, length, minus};
 use crate::{Curve, CurveError, Point};
 
-/// A circle or ellipse in R^d, run through with constant rate of its parameter.
+/// A circle or ellipse in R^d, traversed at a constant rate of its parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc<const D: usize> {
     centre: Point<D>,
@@ -14,14 +14,14 @@ pub struct Arc<const D: usize> {
 }
 
 impl<const D: usize> Arc<D> {
-    /// `centre + cos(w t) axes[0] + sin(w t) axes[1]` with w the angular speed in radians per unit of t: 1 makes t
-    /// the angle.
+    /// The curve `centre + cos(w t) axes[0] + sin(w t) axes[1]` with the angular speed w in radians per unit of t; for 1, t is the
+    /// angle.
     ///
-    /// The curve is at `centre + axes[0]` at t = 0. Two perpendicular axes of the length of the radius give a circle,
-    /// any others an ellipse (conjugate semi-diameters).
+    /// The curve is at `centre + axes[0]` at t = 0. Two perpendicular axes of equal length give a circle, others an ellipse (conjugate
+    /// semi-diameters).
     ///
     /// # Errors
-    /// A number that is NaN or infinite.
+    /// A number is NaN or infinite.
     pub fn new(centre: Point<D>, axes: [Point<D>; 2], angular_speed: f64) -> Result<Arc<D>, CurveError> {
         vector::finite("centre", &centre)?;
         vector::finite("axes", &axes[0])?;
@@ -58,7 +58,7 @@ impl<const D: usize> Arc<D> {
 
     /// The largest distance from the centre: the largest singular value of the axes as columns,
     /// `s^2 = (aa + bb) / 2 + sqrt(((aa - bb) / 2)^2 + ab^2)` (the larger eigenvalue of a symmetric 2 x 2 matrix).
-    fn reach(&self) -> f64 {
+    fn radius(&self) -> f64 {
         let [a, b] = &self.axes;
         let unit = length(a).max(length(b));
         if unit == 0.0 || !is_finite(&[unit]) {
@@ -72,13 +72,11 @@ impl<const D: usize> Arc<D> {
 }
 
 impl Arc<3> {
-    /// The circle about `centre` from `start`, turning by the right hand about `normal` with `angular_speed`
-    /// radians per unit of t. The part of `start - centre` along the normal is dropped, so that the circle lies in
-    /// the plane through the centre.
+    /// The circle around `centre` from `start`, right-handed about `normal`, with `angular_speed` radians per unit of t. The component of
+    /// `start - centre` along the normal is dropped: the circle lies in the plane through the centre.
     ///
     /// # Errors
-    /// A number that is NaN or infinite; a normal of length 0; a start on the line through the centre along the
-    /// normal.
+    /// A number is NaN or infinite, the normal is zero, or `start` lies on the axis of the circle.
     pub fn about(
         centre: Point<3>,
         normal: Point<3>,
@@ -89,7 +87,10 @@ impl Arc<3> {
         let normal = Direction::new("normal", &normal)?;
         let from = normal.across(&minus(&start, &centre));
         if from == [0.0; 3] {
-            return Err(CurveError::BadInput { what: "start", why: "it lies on the axis of the circle" });
+            return Err(CurveError::InvalidArgument {
+                what: "start",
+                why: "it lies on the axis of the circle",
+            });
         }
         Arc::new(centre, [from, normal.cross(&from)], angular_speed)
     }
@@ -107,11 +108,11 @@ impl<const D: usize> Curve<D> for Arc<D> {
     }
 
     fn acceleration_bound(&self, _: f64, _: f64) -> f64 {
-        self.angular_speed * self.angular_speed * self.reach()
+        self.angular_speed * self.angular_speed * self.radius()
     }
 
     fn size(&self, t: f64) -> f64 {
-        // the angle is rounded to u |w t|, which moves the point by that much along the circle
-        length(&self.centre) + self.reach() * (1.0 + (self.angular_speed * t).abs())
+        // the rounding error u |w t| of the angle moves the point along the circle
+        length(&self.centre) + self.radius() * (1.0 + (self.angular_speed * t).abs())
     }
 }

@@ -1,37 +1,39 @@
-//! What can be wrong with a curve.
+//! Errors of curves.
 
-/// Why a curve could not be made, or not be followed.
+/// Error: a curve cannot be constructed or traced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurveError {
-    /// A number that a curve is made from is NaN or infinite, or a vector has no direction, or the like.
-    #[error("{what} ({why})")]
-    BadInput {
+    /// An argument of a constructor is invalid.
+    #[error("{what} is invalid: {why}.")]
+    InvalidArgument {
         /// The name of the argument.
         what: &'static str,
-        /// What is wrong with it.
+        /// The reason.
         why: &'static str,
     },
-    /// A row of an array of knots cannot be used.
-    #[error("{what}[{index}] ({why})")]
-    BadKnot {
+    /// A row of an array of knots is invalid.
+    #[error("{what}[{index}] is invalid: {why}.")]
+    InvalidKnot {
         /// The name of the array.
         what: &'static str,
-        /// The index of the first bad row.
+        /// The index of the first invalid row.
         index: usize,
-        /// What is wrong with it.
+        /// The reason.
         why: &'static str,
     },
-    /// The window is no bounded stretch of time.
-    #[error("the window from {t0} to {t1} (both ends must be finite, the first before the last)")]
+    /// The time window is not finite or not increasing.
+    #[error(
+        "the window from {t0} to {t1} is invalid: both ends must be finite, and the first before the last."
+    )]
     Window {
         /// The first time.
         t0: f64,
         /// The last time.
         t1: f64,
     },
-    /// The window reaches beyond the curve.
-    #[error("the window from {t0} to {t1} (the curve is defined from {first} to {last} only)")]
+    /// The time window exceeds the domain of the curve.
+    #[error("the window from {t0} to {t1} is out of range: the curve is defined from {first} to {last}.")]
     OutsideDomain {
         /// The first time of the window.
         t0: f64,
@@ -43,40 +45,40 @@ pub enum CurveError {
         last: f64,
     },
     /// Position or velocity is NaN or infinite.
-    #[error("the curve at t = {t} (its position or velocity is NaN or infinite)")]
+    #[error("the curve at t = {t} is invalid: its position or velocity is NaN or infinite.")]
     NotFinite {
-        /// When.
+        /// The time.
         t: f64,
     },
     /// The acceleration bound is NaN, infinite or negative.
     #[error(
-        "the acceleration bound between t = {t0} and t = {t1} is {bound} (it must be finite and at least 0)"
+        "the acceleration bound between t = {t0} and t = {t1} is {bound}: it must be finite and nonnegative."
     )]
-    BadBound {
-        /// The first time asked about.
+    InvalidBound {
+        /// The first time.
         t0: f64,
-        /// The last time asked about.
+        /// The last time.
         t1: f64,
-        /// The bound given.
+        /// The returned bound.
         bound: f64,
     },
-    /// The curve moves more than its acceleration bound allows.
+    /// The curve violates its acceleration bound.
     #[error(
-        "the curve between t = {t0} and t = {t1} (its positions or velocities differ by more than its \
-         acceleration bound {bound} allows) is the velocity the derivative of the position?"
+        "the curve between t = {t0} and t = {t1} is inconsistent: its positions or velocities differ by more than its \
+         acceleration bound {bound} allows. Check that the velocity is the derivative of the position."
     )]
-    BoundBroken {
+    BoundViolated {
         /// One time.
         t0: f64,
         /// The other.
         t1: f64,
-        /// The bound given.
+        /// The returned bound.
         bound: f64,
     },
-    /// Isolation gave up.
+    /// Isolation exceeded its limit of work.
     #[error(
-        "the curve from t = {t0} to t = {t1} (more than {pieces} pieces of it had to be looked at) is its acceleration \
-         bound far too large, or the window too long for a curve that keeps close to a surface?"
+        "the curve from t = {t0} to t = {t1} takes too much work: more than {pieces} subdivisions are needed. Tighten its \
+         acceleration bound, or shorten the window if the curve runs close to a surface."
     )]
     TooMuchWork {
         /// The first time of the window.

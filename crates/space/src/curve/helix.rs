@@ -1,20 +1,20 @@
-//! The path of a charged particle in a uniform magnetic field: a helix about the field.
+//! Helix, the path of a charged particle in a uniform magnetic field.
 //!
-//! The equation of motion is `r'' = w r' x b` with b the unit vector of the field and w = q B / m the signed gyro
-//! frequency (J. D. Jackson, *Classical Electrodynamics*, 3rd ed. (1999), section 12.2; in the relativistic case m is
+//! The equation of motion is `r'' = w r' x b` with b the unit vector of the field and w = q B / m the signed gyrofrequency
+//!  (J. D. Jackson, *Classical Electrodynamics*, 3rd ed. (1999), section 12.2; in the relativistic case m is
 //! the relativistic mass, which a magnetic field does not change). With v0 split into `v_b` along and `v_p` across
 //! the field and `n = v_p x b` it is solved by
 //!
 //! `r(t) = r0 + t v_b + (sin(w t) / w) v_p + ((1 - cos(w t)) / w) n`.
 //!
-//! Both factors are written as `t sinc(w t)` and `t sin(w t / 2) sinc(w t / 2)` with `sinc x = sin(x) / x`, which lose
-//! no digits for any w: 0 gives the straight line, and a velocity across the field a circle.
+//! Both factors are computed as `t sinc(w t)` and `t sin(w t / 2) sinc(w t / 2)` with `sinc x = sin(x) / x`, which are accurate
+//! for any w: 0 gives a straight line, a velocity across the field a circle.
 
 use crate::curve::vector::{self, Direction};
 use crate::point::{along, length};
 use crate::{Curve, CurveError, Point};
 
-/// A helix by its motion. A particle of positive frequency turns clockwise as seen against the field.
+/// A helix as a motion. A particle of positive frequency turns clockwise as seen against the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Helix {
     position: Point<3>,
@@ -26,11 +26,11 @@ pub struct Helix {
 }
 
 impl Helix {
-    /// The particle at `position` with `velocity` at t = 0, in a field along `axis` (of any length but 0), with the
-    /// signed gyro frequency `q B / m` in radians per unit of t.
+    /// The particle at `position` with `velocity` at t = 0, in a field along `axis` (of any nonzero length), with the
+    /// signed gyrofrequency `q B / m` in radians per unit of t.
     ///
     /// # Errors
-    /// A number that is NaN or infinite; an axis of length 0.
+    /// A number is NaN or infinite, or the axis is zero.
     pub fn new(
         position: Point<3>,
         velocity: Point<3>,
@@ -46,10 +46,10 @@ impl Helix {
         Ok(Helix { position, parallel: axis.times(axis.dot(&velocity)), across, normal, frequency })
     }
 
-    /// The same with the signed gyro radius, `|v_p| / w`, in place of the frequency. Infinity is a straight line.
+    /// Like [`Helix::new`], with the signed gyroradius `|v_p| / w` instead of the frequency. Infinity is a straight line.
     ///
     /// # Errors
-    /// As [`Helix::new`]; a radius that is NaN or 0.
+    /// As [`Helix::new`]; the radius is NaN or 0.
     pub fn with_radius(
         position: Point<3>,
         velocity: Point<3>,
@@ -57,8 +57,8 @@ impl Helix {
         radius: f64,
     ) -> Result<Helix, CurveError> {
         if radius.is_nan() || radius == 0.0 {
-            let why = "it must not be 0; infinity is a straight line";
-            return Err(CurveError::BadInput { what: "radius", why });
+            let why = "it must not be 0, and infinity is a straight line";
+            return Err(CurveError::InvalidArgument { what: "radius", why });
         }
         let straight = Helix::new(position, velocity, axis, 0.0)?;
         let frequency = length(&straight.across) / radius;
@@ -66,11 +66,11 @@ impl Helix {
         Ok(Helix { frequency, ..straight })
     }
 
-    /// The helix from `start` about the line through `centre` along `axis`, by the right hand, rising along the axis
-    /// by `pitch` in every turn of 2 pi of t. A pitch of 0 is a circle, a negative one makes the helix left-handed.
+    /// The right-handed helix from `start` around the line through `centre` along `axis`, with a rise of `pitch` per turn of 2 pi of t.
+    /// A pitch of 0 gives a circle, a negative one a left-handed helix.
     ///
     /// # Errors
-    /// A number that is NaN or infinite; an axis of length 0.
+    /// A number is NaN or infinite, or the axis is zero.
     pub fn about(centre: Point<3>, axis: Point<3>, start: Point<3>, pitch: f64) -> Result<Helix, CurveError> {
         vector::finite("centre", &centre)?;
         vector::finite("start", &start)?;
@@ -81,12 +81,12 @@ impl Helix {
         Helix::new(start, along(&direction.cross(&from), 1.0, &rise), axis, -1.0)
     }
 
-    /// The signed gyro frequency, in radians per unit of t.
+    /// The signed gyrofrequency, in radians per unit of t.
     pub fn frequency(&self) -> f64 {
         self.frequency
     }
 
-    /// The gyro radius, without sign; infinite for a straight line.
+    /// The gyroradius without sign; infinite for a straight line.
     pub fn radius(&self) -> f64 {
         length(&self.across) / self.frequency.abs()
     }
@@ -100,9 +100,9 @@ fn sinc(x: f64) -> f64 {
 impl Curve<3> for Helix {
     fn position(&self, t: f64) -> Point<3> {
         let angle = self.frequency * t;
-        let (forward, aside) = (sinc(angle), libm::sin(0.5 * angle) * sinc(0.5 * angle));
+        let (forward, sideways) = (sinc(angle), libm::sin(0.5 * angle) * sinc(0.5 * angle));
         std::array::from_fn(|k| {
-            let mean = self.parallel[k] + forward * self.across[k] + aside * self.normal[k];
+            let mean = self.parallel[k] + forward * self.across[k] + sideways * self.normal[k];
             self.position[k] + t * mean
         })
     }
@@ -117,7 +117,7 @@ impl Curve<3> for Helix {
     }
 
     fn size(&self, t: f64) -> f64 {
-        // the angle is rounded to u |w t|, which moves the point by u |t v_p|
+        // the rounding error u |w t| of the angle moves the point by u |t v_p|
         length(&self.position) + t.abs() * (length(&self.parallel) + length(&self.across))
     }
 }
@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_name_one_curve() {
+    fn constructors_agree() {
         let by_radius = Helix::with_radius([1.0, 0.0, 0.0], [0.0, 2.0, 1.0], [0.0, 0.0, 3.0], -1.0).unwrap();
         let wound = Helix::about([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], std::f64::consts::PI).unwrap();
         assert_eq!((by_radius.frequency(), wound.frequency()), (-2.0, -1.0));
@@ -141,16 +141,16 @@ mod tests {
     }
 
     #[test]
-    fn no_frequency_is_a_line_and_bad_numbers_are_named() {
+    fn frequency_zero_is_a_line_and_invalid_arguments_are_named() {
         let slow = |w: f64| Helix::new([1.0, 2.0, 3.0], [0.5, -1.0, 0.25], [1.0, 1.0, 0.0], w).unwrap();
         assert_eq!(slow(0.0).position(8.0), [5.0, -6.0, 5.0]);
-        // 1 - cos(w t) would have lost every digit; the sideways step is w t^2 / 2 |v_p|
-        let aside = slow(1e-9).position(1.0)[2] - slow(0.0).position(1.0)[2];
-        assert!(aside != 0.0 && aside.abs() < 1e-8);
+        // 1 - cos(w t) would cancel completely; the sideways displacement is w t^2 / 2 |v_p|
+        let sideways = slow(1e-9).position(1.0)[2] - slow(0.0).position(1.0)[2];
+        assert!(sideways != 0.0 && sideways.abs() < 1e-8);
         let bad = Helix::new([0.0; 3], [1.0; 3], [0.0; 3], 1.0);
-        assert!(matches!(bad, Err(CurveError::BadInput { what: "axis", .. })), "{bad:?}");
+        assert!(matches!(bad, Err(CurveError::InvalidArgument { what: "axis", .. })), "{bad:?}");
         let bad = Helix::with_radius([0.0; 3], [1.0; 3], [1.0; 3], 0.0);
-        assert!(matches!(bad, Err(CurveError::BadInput { what: "radius", .. })), "{bad:?}");
+        assert!(matches!(bad, Err(CurveError::InvalidArgument { what: "radius", .. })), "{bad:?}");
         assert!(Helix::with_radius([0.0; 3], [1.0; 3], [1.0; 3], f64::INFINITY).is_ok());
     }
 }

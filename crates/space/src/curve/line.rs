@@ -1,9 +1,9 @@
-//! The straight line `r(t) = origin + t direction`.
+//! Straight line `r(t) = origin + t direction`.
 
 use crate::point::{along, length};
 use crate::{Curve, Point};
 
-/// A straight line in R^d; `t` is counted in units of the direction, which need not be of unit length.
+/// A straight line in R^d; `t` is counted in units of the direction, of any length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line<const D: usize> {
     /// r(0).

@@ -1,4 +1,4 @@
-//! A curve carried by an affine map: how a placed solid sees it.
+//! Affine image of a curve: a curve in the frame of a placed solid.
 
 use crate::{Curve, Point};
 use rayweave_math::{Affine, Vec3};
@@ -8,15 +8,15 @@ use rayweave_math::{Affine, Vec3};
 pub struct Mapped<C> {
     curve: C,
     map: Affine,
-    /// The most by which the map lengthens a vector.
-    stretch: f64,
+    /// Upper bound of the factor by which the map lengthens a vector.
+    norm: f64,
 }
 
 impl<C: Curve<3>> Mapped<C> {
-    /// `map(r(t))`; `curve` may be a reference.
+    /// The curve `map(r(t))`; `curve` may be a reference.
     pub fn new(curve: C, map: Affine) -> Mapped<C> {
-        let stretch = map.similarity().unwrap_or_else(|| map.stretch());
-        Mapped { curve, map, stretch }
+        let norm = map.similarity().unwrap_or_else(|| map.linear_norm());
+        Mapped { curve, map, norm }
     }
 }
 
@@ -30,7 +30,7 @@ impl<C: Curve<3>> Curve<3> for Mapped<C> {
     }
 
     fn acceleration_bound(&self, t0: f64, t1: f64) -> f64 {
-        self.stretch * self.curve.acceleration_bound(t0, t1)
+        self.norm * self.curve.acceleration_bound(t0, t1)
     }
 
     fn domain(&self) -> (f64, f64) {
@@ -38,6 +38,6 @@ impl<C: Curve<3>> Curve<3> for Mapped<C> {
     }
 
     fn size(&self, t: f64) -> f64 {
-        self.stretch * self.curve.size(t) + self.map.translation.length()
+        self.norm * self.curve.size(t) + self.map.translation.length()
     }
 }

@@ -1,4 +1,4 @@
-//! Trajectories r(t) in R^d, each kind in its own file; and those of a user, who implements [`Curve`].
+//! Curves r(t) in R^d: lines, parabolas, arcs, helices, splines, and user-defined ones by the trait [`Curve`].
 
 mod arc;
 mod error;
@@ -20,42 +20,38 @@ pub use spline::{Spline, SplineEnds};
 use crate::Point;
 use crate::point::length;
 
-/// How far a curve may be from what it promises, relative to its [`Curve::size`], before it counts as broken. A promise is
-/// meant up to rounding, and a user's functions may lose digits; a curve that is off by less than this is followed
-/// all the same, with roots that are off by as much.
-pub(crate) const TRUST: f64 = 1e-11;
+/// The tolerance for violations of the contract of [`Curve`], relative to [`Curve::size`]. The contract holds up to rounding, and
+/// user functions may lose digits. A curve with a smaller violation is traced, with roots that are wrong by as much.
+pub(crate) const CONTRACT_TOLERANCE: f64 = 1e-11;
 
-/// A trajectory whose second derivative is bounded.
+/// A curve with a bound on its second derivative.
 ///
-/// Whatever is found on a curve is found from these three functions: isolation evaluates the curve at some times
-/// and concludes from the bound what it can do between them. So the bound is a promise: `r` is continuously
+/// Isolation evaluates the curve at some times and derives enclosures between them from the bound. *Contract*: `r` is continuously
 /// differentiable, and `|r(t) - r(s) - v(s) (t - s)| <= A (t - s)^2 / 2` for s and t in `[t0, t1]` with
-/// `A = acceleration_bound(t0, t1)`. Promises that are seen to be broken are reported as a [`CurveError`].
+/// `A = acceleration_bound(t0, t1)`. A detected violation is a [`CurveError`].
 pub trait Curve<const D: usize> {
-    /// r(t).
+    /// The position r(t).
     fn position(&self, t: f64) -> Point<D>;
 
-    /// r'(t).
+    /// The velocity r'(t).
     fn velocity(&self, t: f64) -> Point<D>;
 
-    /// A number that `|r''|` (Euclidean) nowhere exceeds between two times, `t0 < t1`: finite, 0 for a straight
-    /// line. The closer the bound the less work.
+    /// An upper bound of `|r''|` (Euclidean norm) between two times, `t0 < t1`: finite, 0 for a straight line. Tighter bounds mean
+    /// less work.
     fn acceleration_bound(&self, t0: f64, t1: f64) -> f64;
 
-    /// The first and the last time at which the curve is defined; infinite where it never begins or ends.
+    /// The first and the last time of the curve; infinite if it is unbounded.
     fn domain(&self) -> (f64, f64) {
         (f64::NEG_INFINITY, f64::INFINITY)
     }
 
-    /// The sum of the lengths from which `position(t)` is computed, so that the rounding of that point is at most
-    /// a few unit roundoffs of it. The larger the size, the wider the zone around a surface in which the curve
-    /// counts as being *on* it.
+    /// The sum of the lengths from which `position(t)` is computed: the rounding error of the position is at most a few unit
+    /// roundoffs times this size. A larger size widens the zone around a surface in which the curve counts as *on* it.
     ///
-    /// Functions that are less exact than that, off by e say, should have a size of e / 1e-15 at least, or a curve that
-    /// touches a surface may be told to cross it.
+    /// Less accurate functions, with an error e, should return a size of at least e / 1e-15. Otherwise a curve that touches a
+    /// surface may be reported to cross it.
     ///
-    /// As long as it is not overridden it is `|r(t)| + |t| |r'(t)|`, which holds for everything that is computed
-    /// from `t` and lengths of the size of the result.
+    /// The default, `|r(t)| + |t| |r'(t)|`, holds for positions computed from `t` and lengths of the magnitude of the result.
     fn size(&self, t: f64) -> f64 {
         length(&self.position(t)) + t.abs() * length(&self.velocity(t))
     }

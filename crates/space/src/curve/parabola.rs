@@ -1,10 +1,10 @@
-//! The path of a projectile, `r(t) = p + t (v + t a / 2)`: constant acceleration.
+//! Parabola, the path of a projectile under constant acceleration: `r(t) = p + t (v + t a / 2)`.
 
 use crate::point::{along, length};
 use crate::{Curve, Point};
 
-/// A parabola in R^d by its motion: position and velocity at t = 0, and the constant acceleration. A straight line
-/// if the acceleration is 0 or along the velocity.
+/// A parabola in R^d as a motion with position and velocity at t = 0 and constant acceleration. A straight line if the acceleration
+/// is 0 or parallel to the velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parabola<const D: usize> {
     /// r(0).
@@ -16,7 +16,7 @@ pub struct Parabola<const D: usize> {
 }
 
 impl<const D: usize> Parabola<D> {
-    /// The motion that starts at `position` with `velocity`, and falls with `acceleration`.
+    /// The motion from `position` with `velocity` under `acceleration`.
     pub fn new(position: Point<D>, velocity: Point<D>, acceleration: Point<D>) -> Parabola<D> {
         Parabola { position, velocity, acceleration }
     }

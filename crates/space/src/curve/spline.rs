@@ -1,86 +1,84 @@
-//! Cubic splines: curves through given points whose second derivative is continuous.
+//! Cubic splines: curves through given points with continuous second derivative.
 //!
-//! The slopes at the knots are the solution of a tridiagonal system that is diagonally dominant, so that elimination
-//! without pivoting is stable (C. de Boor, *A Practical Guide to Splines*, revised ed. (2001), chapter IV): with
+//! The slopes at the knots solve a tridiagonal, diagonally dominant system, for which elimination without pivoting is stable (C. de Boor, *A Practical Guide to Splines*, revised ed. (2001), chapter IV): with
 //! `h_k = t_{k+1} - t_k` and `m_k = (y_{k+1} - y_k) / h_k`, continuity of r'' at knot k reads
 //!
 //! `s_{k-1} / h_{k-1} + 2 s_k (1 / h_{k-1} + 1 / h_k) + s_{k+1} / h_k = 3 (m_{k-1} / h_{k-1} + m_k / h_k)`.
 
-use crate::curve::TRUST;
+use crate::curve::CONTRACT_TOLERANCE;
 use crate::curve::vector::finite;
 use crate::point::{along, is_finite, length, minus};
 use crate::{Curve, CurveError, Point};
 
-/// What a spline does at its two ends.
+/// Boundary conditions of a spline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SplineEnds<const D: usize> {
-    /// r'' = 0 there: a thin rod that is only held at the points.
+    /// r'' = 0 at both ends.
     Natural,
-    /// The velocities there.
+    /// Given velocities at both ends.
     Clamped {
         /// r' at the first knot.
         first: Point<D>,
         /// r' at the last knot.
         last: Point<D>,
     },
-    /// A closed curve: r' and r'' at the last knot are those at the first one, and so must the points be.
+    /// A closed curve: r' and r'' agree at the first and last knot. The points there must be equal.
     Periodic,
 }
 
-/// A cubic spline on the stretch of time between its first and its last knot.
+/// A cubic spline, defined between its first and last knot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline<const D: usize> {
     knots: Vec<f64>,
-    /// Of each piece the coefficients of powers of `t - t_k`.
+    /// The coefficients of each piece in powers of `t - t_k`.
     pieces: Vec<[Point<D>; 4]>,
 }
 
 impl<const D: usize> Spline<D> {
-    /// The spline that is at `points[k]` at time `knots[k]`. At least two knots, strictly increasing.
+    /// The spline through `points[k]` at time `knots[k]`, for at least two strictly increasing knots.
     ///
     /// # Errors
-    /// Lists of different lengths, fewer than two knots; the first knot or point that is NaN or infinite, or not in
-    /// order; a periodic spline whose last point is not its first.
+    /// The lists differ in length, there are fewer than two knots, a knot or point is not finite, knots are not increasing, or the last
+    /// point of a periodic spline is not its first.
     pub fn new(knots: &[f64], points: &[Point<D>], ends: SplineEnds<D>) -> Result<Spline<D>, CurveError> {
         check_knots(knots, points.len())?;
         if let Some(index) = points.iter().position(|point| !is_finite(point)) {
-            return Err(CurveError::BadKnot { what: "points", index, why: NOT_FINITE });
+            return Err(CurveError::InvalidKnot { what: "points", index, why: NOT_FINITE });
         }
         match &ends {
             SplineEnds::Clamped { first, last } => finite("first", first).and(finite("last", last))?,
             SplineEnds::Periodic if points.first() != points.last() => {
                 let why = "the last point of a periodic spline must be the first one";
-                return Err(CurveError::BadKnot { what: "points", index: points.len() - 1, why });
+                return Err(CurveError::InvalidKnot { what: "points", index: points.len() - 1, why });
             }
             _ => {}
         }
         let slopes = slopes(knots, points, &ends);
         let pieces: Vec<_> = (0..knots.len() - 1).map(|k| piece(knots, points, &slopes, k)).collect();
         if let Some(index) = pieces.iter().position(|piece| !piece.iter().all(is_finite)) {
-            let why = "the spline overflows there; are two knots too close?";
-            return Err(CurveError::BadKnot { what: "knots", index, why });
+            let why = "the spline overflows there, because two knots are too close";
+            return Err(CurveError::InvalidKnot { what: "knots", index, why });
         }
         Ok(Spline { knots: knots.to_vec(), pieces })
     }
 
-    /// The curve with `c[0] + c[1] s + c[2] s^2 + c[3] s^3`, `s = t - knots[k]` and `c = pieces[k]`, between knots k and
-    /// k + 1. Positions and velocities must fit together at the knots; second derivatives may jump.
+    /// The piecewise cubic `c[0] + c[1] s + c[2] s^2 + c[3] s^3` with `s = t - knots[k]` and `c = pieces[k]` between knots k and k + 1.
+    /// Positions and velocities must be continuous at the knots; second derivatives may jump.
     ///
     /// # Errors
-    /// One piece less than knots are needed; the first knot or piece that is NaN or infinite, not in order, or does
-    /// not go on where the one before ended.
+    /// The number of pieces is not one less than that of knots, a knot or piece is not finite, knots are not increasing, or the curve is
+    /// not continuous.
     pub fn from_pieces(knots: &[f64], pieces: &[[Point<D>; 4]]) -> Result<Spline<D>, CurveError> {
         check_knots(knots, pieces.len() + 1)?;
         if let Some(index) = pieces.iter().position(|piece| !piece.iter().all(is_finite)) {
-            return Err(CurveError::BadKnot { what: "pieces", index, why: NOT_FINITE });
+            return Err(CurveError::InvalidKnot { what: "pieces", index, why: NOT_FINITE });
         }
         let spline = Spline { knots: knots.to_vec(), pieces: pieces.to_vec() };
         match (1..pieces.len()).find(|&k| !spline.fits(k)) {
             None => Ok(spline),
             Some(index) => {
-                let why =
-                    "its position or velocity at its first knot is not that at the end of the piece before";
-                Err(CurveError::BadKnot { what: "pieces", index, why })
+                let why = "its position or velocity at its first knot differs from that at the end of the previous piece";
+                Err(CurveError::InvalidKnot { what: "pieces", index, why })
             }
         }
     }
@@ -95,17 +93,18 @@ impl<const D: usize> Spline<D> {
         &self.pieces
     }
 
-    /// True if piece k begins as piece k - 1 ends.
+    /// True if position and velocity are continuous between pieces k - 1 and k.
     fn fits(&self, k: usize) -> bool {
         let h = self.knots[k] - self.knots[k - 1];
         let [c0, c1, ..] = &self.pieces[k];
         let before = &self.pieces[k - 1];
         let (at, speed) = (value(before, h), slope(before, h));
         let size = terms(before, h);
-        length(&minus(c0, &at)) <= TRUST * size && length(&minus(c1, &speed)) * h <= TRUST * size
+        length(&minus(c0, &at)) <= CONTRACT_TOLERANCE * size
+            && length(&minus(c1, &speed)) * h <= CONTRACT_TOLERANCE * size
     }
 
-    /// The piece in which a time lies, the first or last one beyond the ends, and the time since its knot.
+    /// The piece that contains a time (the first or last one beyond the ends), and the time since its knot.
     fn locate(&self, t: f64) -> (&[Point<D>; 4], f64) {
         let k = self.index(t);
         (&self.pieces[k], t - self.knots[k])
@@ -127,7 +126,7 @@ impl<const D: usize> Curve<D> for Spline<D> {
         slope(piece, s)
     }
 
-    /// Exact up to rounding: r'' is linear between knots, so its length is largest at the end of a piece.
+    /// Exact up to rounding: r'' is linear between knots, so that its norm is largest at an end of a piece.
     fn acceleration_bound(&self, t0: f64, t1: f64) -> f64 {
         let at = |k: usize, t: f64| {
             let [.., c2, c3] = &self.pieces[k];
@@ -169,19 +168,19 @@ fn terms<const D: usize>(piece: &[Point<D>; 4], s: f64) -> f64 {
 
 fn check_knots(knots: &[f64], expected: usize) -> Result<(), CurveError> {
     if knots.len() < 2 {
-        return Err(CurveError::BadInput { what: "knots", why: "there must be at least two" });
+        return Err(CurveError::InvalidArgument { what: "knots", why: "there must be at least two" });
     }
     if knots.len() != expected {
-        let why = "one for each point, or one more than pieces";
-        return Err(CurveError::BadInput { what: "knots", why });
+        let why = "one for each point, or one more than pieces, is required";
+        return Err(CurveError::InvalidArgument { what: "knots", why });
     }
     for (index, knot) in knots.iter().enumerate() {
         if !knot.is_finite() {
-            return Err(CurveError::BadKnot { what: "knots", index, why: NOT_FINITE });
+            return Err(CurveError::InvalidKnot { what: "knots", index, why: NOT_FINITE });
         }
         if index > 0 && knots[index - 1] >= *knot {
-            let why = "it must be greater than the one before";
-            return Err(CurveError::BadKnot { what: "knots", index, why });
+            let why = "it must be greater than the previous one";
+            return Err(CurveError::InvalidKnot { what: "knots", index, why });
         }
     }
     Ok(())
@@ -197,7 +196,7 @@ fn piece<const D: usize>(knots: &[f64], points: &[Point<D>], slopes: &[Point<D>]
     [points[k], *s0, c2, c3]
 }
 
-/// The velocities at the knots.
+/// Solves for the velocities at the knots.
 fn slopes<const D: usize>(knots: &[f64], points: &[Point<D>], ends: &SplineEnds<D>) -> Vec<Point<D>> {
     let inverse: Vec<f64> = knots.windows(2).map(|pair| 1.0 / (pair[1] - pair[0])).collect();
     let chord = |k: usize| minus(&points[k + 1], &points[k]).map(|x| x * inverse[k]);
@@ -227,7 +226,7 @@ fn slopes<const D: usize>(knots: &[f64], points: &[Point<D>], ends: &SplineEnds<
         }
         SplineEnds::Clamped { first, last } => solve(Row::known(*first), &inner, Row::known(*last)),
         SplineEnds::Periodic => {
-            // the slopes are linear in the one at the ends, which then follows from the equation there
+            // the slopes depend linearly on the slope at the ends, which the equation there determines
             let mut slopes = solve(Row::known([0.0; D]), &inner, Row::known([0.0; D]));
             let unit = solve(Row::known([1.0; D]), &|_| [0.0; D], Row::known([1.0; D]));
             let (a, b, m) = (inverse[last - 1], inverse[0], last - 1);
@@ -243,7 +242,7 @@ fn slopes<const D: usize>(knots: &[f64], points: &[Point<D>], ends: &SplineEnds<
     }
 }
 
-/// One equation of a tridiagonal system: `before x_{k-1} + here x_k + after x_{k+1} = right`.
+/// A row of a tridiagonal system: `before x_{k-1} + here x_k + after x_{k+1} = right`.
 struct Row<const D: usize> {
     before: f64,
     here: f64,
@@ -307,7 +306,7 @@ mod tests {
         }
     }
 
-    /// All kinds of ends: through the points, smooth twice over, and as the ends say.
+    /// For all boundary conditions: interpolation, continuous second derivatives, and the condition itself.
     #[test]
     fn smooth_through_the_points() {
         let points: Vec<Point<2>> = vec![[0.0, 1.0], [2.0, -1.0], [1.0, 0.5], [-3.0, 2.0], [0.0, 1.0]];
@@ -367,13 +366,13 @@ mod tests {
     fn what_is_refused() {
         let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         let of = |knots: &[f64]| Spline::new(knots, &points, SplineEnds::Natural).unwrap_err();
-        assert!(matches!(of(&[0.0, 1.0]), CurveError::BadInput { what: "knots", .. }));
-        assert!(matches!(of(&[0.0, 1.0, 1.0]), CurveError::BadKnot { what: "knots", index: 2, .. }));
-        assert!(matches!(of(&[0.0, f64::NAN, 1.0]), CurveError::BadKnot { what: "knots", index: 1, .. }));
+        assert!(matches!(of(&[0.0, 1.0]), CurveError::InvalidArgument { what: "knots", .. }));
+        assert!(matches!(of(&[0.0, 1.0, 1.0]), CurveError::InvalidKnot { what: "knots", index: 2, .. }));
+        assert!(matches!(of(&[0.0, f64::NAN, 1.0]), CurveError::InvalidKnot { what: "knots", index: 1, .. }));
         let open = Spline::new(&[0.0, 1.0, 2.0], &points, SplineEnds::Periodic).unwrap_err();
-        assert!(matches!(open, CurveError::BadKnot { what: "points", index: 2, .. }));
+        assert!(matches!(open, CurveError::InvalidKnot { what: "points", index: 2, .. }));
         let apart = [[[0.0], [1.0], [0.0], [0.0]], [[1.0], [1.5], [0.0], [0.0]]];
         let kink = Spline::from_pieces(&[0.0, 1.0, 2.0], &apart).unwrap_err();
-        assert!(matches!(kink, CurveError::BadKnot { what: "pieces", index: 1, .. }), "{kink}");
+        assert!(matches!(kink, CurveError::InvalidKnot { what: "pieces", index: 1, .. }), "{kink}");
     }
 }

@@ -1,13 +1,13 @@
-//! Checks of vectors that curves are made from, and unit vectors in space.
+//! Validation of arguments of curves, and unit vectors of space.
 
 use crate::point::{dot, is_finite};
 use crate::vector::{largest, unit};
 use crate::{CurveError, Point};
 
-/// Refuses NaN and infinities in an argument.
+/// Rejects NaN and infinite components.
 pub fn finite<const D: usize>(what: &'static str, v: &Point<D>) -> Result<(), CurveError> {
     let why = "it has a number that is NaN or infinite";
-    if is_finite(v) { Ok(()) } else { Err(CurveError::BadInput { what, why }) }
+    if is_finite(v) { Ok(()) } else { Err(CurveError::InvalidArgument { what, why }) }
 }
 
 /// A unit vector in space.
@@ -15,16 +15,16 @@ pub fn finite<const D: usize>(what: &'static str, v: &Point<D>) -> Result<(), Cu
 pub struct Direction(Point<3>);
 
 impl Direction {
-    /// The direction of a vector of any length but 0.
+    /// The direction of a nonzero vector.
     pub fn new(what: &'static str, v: &Point<3>) -> Result<Direction, CurveError> {
         finite(what, v)?;
         if largest(v) == 0.0 {
-            return Err(CurveError::BadInput { what, why: "a vector of length 0 has no direction" });
+            return Err(CurveError::InvalidArgument { what, why: "a vector of length 0 has no direction" });
         }
         Ok(Direction(unit(v).0))
     }
 
-    /// The part of a vector along the direction, as a number.
+    /// The component of a vector along the direction.
     pub fn dot(&self, v: &Point<3>) -> f64 {
         dot(&self.0, v)
     }

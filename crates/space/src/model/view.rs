@@ -1,59 +1,59 @@
-//! A curve as one group of a model sees it.
+//! Curve in the local frame of a group of a model.
 
 use crate::curve::{CurveError, Mapped};
-use crate::isolate::{hugs, isolate_aside};
+use crate::isolate::{coincides_along, isolate_with};
 use crate::{Curve, Field, Point};
 use rayweave_math::{Affine, Interval, Vec3};
 use rayweave_model::{Place, PlacementId, SurfaceEntry};
 use rayweave_rootray::{Root, RootRay, Side};
-use rayweave_shape::surface::{Aside, Surface};
+use rayweave_shape::surface::{Perturbation, Surface};
 
 /// A curve in the frame of a group.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
     world: &'a dyn Curve<3>,
-    /// From the world into the frame of the group.
+    /// Maps from the world into the frame of the group.
     pub map: Affine,
-    /// What the way into the frame adds to the reach of every surface.
-    pub reach: f64,
-    aside: Aside,
+    /// The magnitude that the placement adds to that of every surface.
+    pub magnitude: f64,
+    perturbation: Perturbation,
     /// The placement of the group.
     pub placement: PlacementId,
 }
 
 impl<'a> View<'a> {
-    /// As the model itself sees it.
+    /// The curve in the world frame.
     pub fn world(curve: &'a dyn Curve<3>) -> View<'a> {
         View {
             world: curve,
             map: Affine::IDENTITY,
-            reach: 0.0,
-            aside: Aside::WORLD,
+            magnitude: 0.0,
+            perturbation: Perturbation::WORLD,
             placement: PlacementId(0),
         }
     }
 
-    /// As a solid placed in the group sees it; `placement` is counted from that of the group. The reach grows as
-    /// that of a ray ([`rayweave_model::carried`]), whose position is counted with the curve's own size.
+    /// The curve in the frame of a solid placed in the group; `placement` is relative to that of the group. The magnitude grows as for
+    /// a ray ([`rayweave_model::carried`]), whose position is part of the curve's size.
     pub fn placed(&self, place: &Place, placement: u32) -> View<'a> {
         let down = &place.local_from_world;
         View {
             world: self.world,
             map: self.map.then(down),
-            reach: down.stretch() * (place.path + self.reach),
-            aside: self.aside.transformed(down),
+            magnitude: down.linear_norm() * (place.path + self.magnitude),
+            perturbation: self.perturbation.transformed(down),
             placement: PlacementId(self.placement.0 + placement),
         }
     }
 
     /// The sign changes of a surface along the curve.
     pub fn isolate(&self, entry: &SurfaceEntry, (t0, t1): (f64, f64)) -> Result<RootRay, CurveError> {
-        let side = |gradient: &Point<3>| self.aside.leads_inside(Vec3::from_array(*gradient));
-        self.with_curve(|curve| isolate_aside(&self.field(entry), curve, t0, t1, side))
+        let side = |gradient: &Point<3>| self.perturbation.leads_inside(Vec3::from_array(*gradient));
+        self.with_curve(|curve| isolate_with(&self.field(entry), curve, t0, t1, side))
     }
 
-    /// The sign changes of a surface along a curve that is on its side `inside` just after the window begins, if it begins
-    /// within delta of the surface at all: see [`trace_curve_from`](crate::trace_curve_from).
+    /// The sign changes of a surface along a curve with a known side just after the beginning of the window, if it begins within delta of
+    /// the surface: see [`trace_curve_from`](crate::trace_curve_from).
     pub fn departing(
         &self,
         entry: &SurfaceEntry,
@@ -61,16 +61,16 @@ impl<'a> View<'a> {
         found: RootRay,
         inside: bool,
     ) -> Result<RootRay, CurveError> {
-        if !self.hugs(entry, t0, t0)? {
+        if !self.coincides_along(entry, t0, t0)? {
             return Ok(found);
         }
         let side = Side::from_inside(inside);
-        if found.roots().is_empty() && self.hugs(entry, t0, t1)? {
+        if found.roots().is_empty() && self.coincides_along(entry, t0, t1)? {
             return Ok(RootRay::from_flips(side, Vec::new()).unwrap_or_default());
         }
         let (start, mut roots) = found.into_parts();
         let mut near = 0;
-        while near < roots.len() && self.hugs(entry, t0, roots[near].t)? {
+        while near < roots.len() && self.coincides_along(entry, t0, roots[near].t)? {
             near += 1;
         }
         let last = near.checked_sub(1).map_or(t0.next_up(), |k| roots[k].t);
@@ -78,32 +78,32 @@ impl<'a> View<'a> {
         if start.after(near) != side {
             roots.insert(0, Root::new(last, ()));
         }
-        // in order and finite, as they were
+        // never fails: the times stay finite and in order
         Ok(RootRay::from_flips(side, roots).unwrap_or_default())
     }
 
-    /// True if the curve keeps within delta of a surface between two times.
-    pub fn hugs(&self, entry: &SurfaceEntry, a: f64, b: f64) -> Result<bool, CurveError> {
-        self.with_curve(|curve| hugs(&self.field(entry), curve, a, b))
+    /// True if the curve stays within delta of a surface between two times.
+    pub fn coincides_along(&self, entry: &SurfaceEntry, a: f64, b: f64) -> Result<bool, CurveError> {
+        self.with_curve(|curve| coincides_along(&self.field(entry), curve, a, b))
     }
 
-    /// The curve in this frame; in the world's itself it is not carried at all.
-    fn with_curve<T>(&self, ask: impl FnOnce(&dyn Curve<3>) -> T) -> T {
-        if self.map == Affine::IDENTITY { ask(self.world) } else { ask(&Mapped::new(self.world, self.map)) }
+    /// Calls a function with the curve in this frame; the world frame needs no transformation.
+    fn with_curve<T>(&self, f: impl FnOnce(&dyn Curve<3>) -> T) -> T {
+        if self.map == Affine::IDENTITY { f(self.world) } else { f(&Mapped::new(self.world, self.map)) }
     }
 
-    fn field<'s>(&self, entry: &'s SurfaceEntry) -> Reached<'s> {
-        Reached { surface: &entry.surface, reach: entry.reach + self.reach }
+    fn field<'s>(&self, entry: &'s SurfaceEntry) -> PlacedSurface<'s> {
+        PlacedSurface { surface: &entry.surface, magnitude: entry.magnitude + self.magnitude }
     }
 }
 
-/// A surface with the reach that its way into the model has given it.
-struct Reached<'a> {
+/// A surface with the magnitude of its placement.
+struct PlacedSurface<'a> {
     surface: &'a Surface,
-    reach: f64,
+    magnitude: f64,
 }
 
-impl Field<3> for Reached<'_> {
+impl Field<3> for PlacedSurface<'_> {
     fn value_and_gradient(&self, point: &Point<3>) -> (f64, Point<3>) {
         let (value, gradient) = self.surface.value_and_gradient(Vec3::from_array(*point));
         (value, gradient.to_array())
@@ -113,8 +113,8 @@ impl Field<3> for Reached<'_> {
         self.surface.ranges(cell)
     }
 
-    fn reach(&self) -> f64 {
-        self.reach
+    fn magnitude(&self) -> f64 {
+        self.magnitude
     }
 }
 
@@ -128,7 +128,7 @@ impl Field<3> for Surface {
         Surface::ranges(self, cell)
     }
 
-    fn reach(&self) -> f64 {
-        Surface::reach(self)
+    fn magnitude(&self) -> f64 {
+        Surface::magnitude(self)
     }
 }

@@ -1,6 +1,7 @@
-//! Surfaces of degree 1 and 2 in R^d, each written about its own centre; inside where `f < 0`.
+//! Hyperplanes and quadrics in R^d, each in coordinates about its own centre; the inside is `f < 0`.
 //!
-//! Roots along a line are a function of surface and line alone: +, -, *, / and square roots in a fixed order.
+//! Roots along a line depend on surface and line alone and have the same bits everywhere: only +, -, *, / and square roots in a
+//! fixed order.
 
 mod plane;
 mod quadric;
@@ -11,22 +12,22 @@ pub use quadric::Quadric;
 use crate::affine::Affine;
 use crate::curve::Line;
 use crate::point::length;
-use crate::{Curve, Field, Point, leads_inside, lie_direction};
-use rayweave_math::Interval;
+use crate::{Curve, Field, Point};
 use rayweave_math::roots::Crossings;
-use rayweave_shape::surface::{delta_of, hugs_along, is_near};
+use rayweave_math::{Interval, perturbation_direction, perturbs_inside};
+use rayweave_shape::surface::{coincides_between, delta_of, is_near};
 
-/// One surface, in canonical form: the kernel of the solids of this crate.
+/// A surface in canonical form.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface<const D: usize> {
     /// A hyperplane.
     Plane(Plane<D>),
-    /// A surface of degree 2 with a centre.
+    /// A quadric with a centre.
     Quadric(Box<Quadric<D>>),
 }
 
 impl<const D: usize> Surface<D> {
-    /// Where the line crosses the surface: the side as t -> -inf (negative is inside) and at most two times.
+    /// The crossings of a line: the side as t -> -inf (negative is inside) and at most two times.
     pub fn crossings(&self, line: &Line<D>) -> Crossings<2> {
         match self {
             Surface::Plane(s) => s.crossings(line),
@@ -34,23 +35,23 @@ impl<const D: usize> Surface<D> {
         }
     }
 
-    /// Where a line that lies in the surface crosses it once it is moved a little along [`lie_direction`]: where
-    /// `w . grad f` changes sign. In a plane or along a cylinder it never does, and the side is that in the middle.
+    /// The crossings of a line in the surface after an infinitesimal shift along w = [`perturbation_direction`]: the sign changes of
+    /// `w . grad f`. In a plane or along a cylinder there are none, and the side is that in the middle.
     ///
-    /// In a cone or a hyperboloid that function is linear along the line: moved off a line of a cone one crosses to
-    /// the other side next to the apex. (One side for all of the line would be that of some point of it, and that
-    /// of a line would change with whatever else is in the solid.)
-    pub(crate) fn crossings_aside(&self, line: &Line<D>, middle: f64) -> Crossings<2> {
+    /// In a cone or a hyperboloid this function is linear along the line: a line shifted off a generator of a cone changes the side
+    /// near the apex. (A single side for the whole line would depend on the choice of a point, and thus on the other parts of the
+    /// solid.)
+    pub(crate) fn perturbed_crossings(&self, line: &Line<D>, middle: f64) -> Crossings<2> {
         let along_w = match self {
             Surface::Plane(_) => None,
-            Surface::Quadric(s) => s.slope_aside(line, &lie_direction()),
+            Surface::Quadric(s) => s.perturbed_slope(line, &perturbation_direction()),
         };
         along_w.unwrap_or_else(|| {
-            Crossings::constant(leads_inside(&self.value_and_gradient(&line.position(middle)).1))
+            Crossings::constant(perturbs_inside(&self.value_and_gradient(&line.position(middle)).1))
         })
     }
 
-    /// A point that says where the surface is: its centre or the foot of the perpendicular from the origin.
+    /// A point that represents the position of the surface: its centre or the foot point of the origin.
     pub fn anchor(&self) -> Point<D> {
         match self {
             Surface::Plane(s) => s.anchor(),
@@ -58,7 +59,7 @@ impl<const D: usize> Surface<D> {
         }
     }
 
-    /// True if a straight line might lie in the surface.
+    /// True if the surface may contain straight lines.
     pub fn is_ruled(&self) -> bool {
         match self {
             Surface::Plane(_) => true,
@@ -66,7 +67,7 @@ impl<const D: usize> Surface<D> {
         }
     }
 
-    /// The image under a map, given with its inverse; inside stays inside, and the identity keeps all bits.
+    /// The image under a map, given with its inverse. The inside maps to the inside; the identity keeps all bits.
     pub fn transformed(&self, map: &Affine<D>, inverse: &Affine<D>) -> Surface<D> {
         match self {
             _ if *map == Affine::identity() => self.clone(),
@@ -90,7 +91,7 @@ impl<const D: usize> Surface<D> {
         }
     }
 
-    /// Half of the most by which the gradient changes over a unit of length: the largest weight of a quadric is 1.
+    /// Half of the largest change of the gradient per unit of length; the largest weight of a quadric is 1.
     fn bend(&self) -> f64 {
         match self {
             Surface::Plane(_) => 0.0,
@@ -98,15 +99,15 @@ impl<const D: usize> Surface<D> {
         }
     }
 
-    /// True if the piece of the line between two times lies in the surface: within `delta`, where `reach` is that
-    /// of the surface plus the lengths of all translations composed on its way.
-    pub(crate) fn hugs(&self, reach: f64, line: &Line<D>, a: f64, b: f64) -> bool {
+    /// True if the span of the line between two times lies in the surface, within the tolerance `delta`. `magnitude` is that of the
+    /// surface plus the lengths of all composed translations.
+    pub(crate) fn coincides_along(&self, magnitude: f64, line: &Line<D>, a: f64, b: f64) -> bool {
         let (from, speed) = (length(&line.origin), length(&line.direction));
         let near = |t: f64| {
             let (value, gradient) = self.value_and_gradient(&line.position(t));
-            is_near(value, length(&gradient), delta_of(from + t.abs() * speed + reach), self.bend())
+            is_near(value, length(&gradient), delta_of(from + t.abs() * speed + magnitude), self.bend())
         };
-        hugs_along(near, (from + reach) / speed, self.degree(), a, b)
+        coincides_between(near, (from + magnitude) / speed, self.degree(), a, b)
     }
 }
 
@@ -125,10 +126,10 @@ impl<const D: usize> Field<D> for Surface<D> {
         }
     }
 
-    fn reach(&self) -> f64 {
+    fn magnitude(&self) -> f64 {
         match self {
             Surface::Plane(s) => s.offset.abs(),
-            Surface::Quadric(s) => s.reach(),
+            Surface::Quadric(s) => s.magnitude(),
         }
     }
 }
@@ -153,18 +154,18 @@ mod tests {
     }
 
     #[test]
-    fn ranges_hold_the_values_of_all_points_of_a_box_and_are_no_wider_than_needed() {
+    fn ranges_contain_all_values_in_a_box_and_are_tight() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for k in 0..400 {
             let surface = random_surface(&mut rng, k);
             let middle: Point<3> = from_fn(|_| rng.random_range(-3.0..3.0));
             let half = libm::pow(10.0, rng.random_range(-6.0..0.0));
             let (value, gradient) = surface.ranges(&middle.map(|x| Interval::around(x, half)));
-            let holds = |interval: Interval, x: f64| interval.lo - 1e-14 <= x && x <= interval.hi + 1e-14;
+            let contains = |interval: Interval, x: f64| interval.lo - 1e-14 <= x && x <= interval.hi + 1e-14;
             for _ in 0..50 {
                 let point = from_fn(|j| middle[j] + half * rng.random_range(-1.0..1.0));
                 let (f, grad) = surface.value_and_gradient(&point);
-                assert!(holds(value, f) && (0..3).all(|j| holds(gradient[j], grad[j])), "{surface:?}");
+                assert!(contains(value, f) && (0..3).all(|j| contains(gradient[j], grad[j])), "{surface:?}");
             }
             let (_, grad) = surface.value_and_gradient(&middle);
             let steepest = length(&grad) + 8.0 * half;
@@ -173,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn gradients_are_those_of_the_values() {
+    fn gradients_agree_with_differences_of_values() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         for k in 0..100 {
             let surface = random_surface(&mut rng, k);
@@ -184,7 +185,7 @@ mod tests {
                     let moved = from_fn(|i| point[i] + if i == j { step } else { 0.0 });
                     surface.value_and_gradient(&moved).0
                 };
-                // exact for squares but for rounding
+                // exact for squares up to rounding
                 assert!(((at(0.5) - at(-0.5)) - gradient[j]).abs() < 1e-12);
             }
         }

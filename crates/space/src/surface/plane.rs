@@ -1,4 +1,4 @@
-//! The hyperplane `n . p = c`, inside where `n . p < c`.
+//! Hyperplane `n . p = c`; the inside is `n . p < c`.
 
 use crate::Point;
 use crate::affine::Affine;
@@ -8,24 +8,24 @@ use crate::vector::{times, unit};
 use rayweave_math::Interval;
 use rayweave_math::roots::Crossings;
 
-/// A hyperplane with unit normal; the inside is the half-space that the normal points away from.
+/// A hyperplane with unit normal; the inside is the half-space on the side opposite to the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane<const D: usize> {
-    /// Unit normal, pointing outside.
+    /// The unit normal, which points outside.
     pub normal: Point<D>,
-    /// Signed distance of the plane from the origin along the normal.
+    /// The signed distance of the plane from the origin along the normal.
     pub offset: f64,
 }
 
 impl<const D: usize> Plane<D> {
-    /// The plane `normal . p = offset`, scaled to a unit normal. The normal must be finite and not zero.
+    /// The plane `normal . p = offset`, scaled to a unit normal. The normal must be finite and nonzero.
     pub fn new(normal: &Point<D>, offset: f64) -> Self {
         let (normal, [size, length]) = unit(normal);
         Plane { normal, offset: offset / size / length }
     }
 
-    /// One root at `(c - n.o) / (n.d)`; the same bits for the plane with normal and offset negated. A line along
-    /// the plane has none, and the side of its origin throughout.
+    /// The root `(c - n.o) / (n.d)`, with the same bits if normal and offset are negated. A line parallel to the plane has no root and
+    /// the side of its origin.
     pub(super) fn crossings(&self, line: &Line<D>) -> Crossings<2> {
         let height = self.offset - dot(&self.normal, &line.origin);
         let speed = dot(&self.normal, &line.direction);
@@ -50,7 +50,7 @@ impl<const D: usize> Plane<D> {
     /// With p = L q + T, `n . q = c` becomes `(L^-T n) . p = c + (L^-T n) . T`.
     pub(super) fn transformed(&self, map: &Affine<D>, inverse: &Affine<D>) -> Self {
         if let Some(scale) = map.uniform_scale() {
-            // a unit normal made unit once more may change in its last bit
+            // normalising a unit normal again may change its last bit
             let offset = scale * self.offset + dot(&self.normal, map.offset());
             return Plane { normal: self.normal, offset };
         }

@@ -1,7 +1,7 @@
-//! A surface of degree 2 with a centre, in its principal axes: `f = sum w_k (e_k . q)^2 + constant` with
-//! q = p - centre, orthonormal e_k where w_k is not 0, and the largest |w_k| = 1.
+//! Quadric with a centre, in principal axes: `f = sum w_k (e_k . q)^2 + constant` with q = p - centre, orthonormal e_k for nonzero
+//! w_k, and the largest |w_k| = 1.
 //!
-//! The matrix itself is not kept: its entries, rounded, would move the far ends of a thin ellipsoid.
+//! The matrix is not stored: rounding of its entries would move the far ends of a thin ellipsoid.
 
 use crate::Point;
 use crate::affine::Affine;
@@ -16,18 +16,18 @@ use std::array::from_fn;
 /// A quadric in principal axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quadric<const D: usize> {
-    /// The point about which the equation is written; of all centres the one nearest the origin.
+    /// The centre; if there are several, the one closest to the origin.
     pub centre: Point<D>,
-    /// The principal axes; zero where the weight is.
+    /// The principal axes; zero for zero weights.
     pub axes: [Point<D>; D],
-    /// The factor of the square along each axis.
+    /// The coefficient of the square along each axis.
     pub weights: Point<D>,
     /// The value at the centre.
     pub constant: f64,
 }
 
 impl<const D: usize> Quadric<D> {
-    /// `sum w_k x_k^2 + constant`, about the origin and along the coordinate axes; some weight is not 0.
+    /// The quadric `sum w_k x_k^2 + constant`. At least one weight must be nonzero.
     pub fn along_axes(weights: Point<D>, constant: f64) -> Self {
         let axes = from_fn(|k| if weights[k] == 0.0 { [0.0; D] } else { axis_vector(k) });
         Quadric { centre: [0.0; D], axes, weights, constant }.normalised()
@@ -43,13 +43,13 @@ impl<const D: usize> Quadric<D> {
         self.axes.each_ref().map(|e| dot(e, v))
     }
 
-    /// `sum w_k a_k b_k`.
+    /// The weighted product `sum w_k a_k b_k`.
     fn product(&self, a: &Point<D>, b: &Point<D>) -> f64 {
         (0..D).fold(0.0, |sum, k| sum + self.weights[k] * a[k] * b[k])
     }
 
-    /// At most two roots. The coefficients are formed where the line is closest to the centre, so that no digits are
-    /// lost to a distant origin.
+    /// The crossings of a line, at most two. The coefficients are computed at the point of the line closest to the centre, which avoids
+    /// cancellation for distant origins.
     pub(super) fn crossings(&self, line: &Line<D>) -> Crossings<2> {
         let (x, v, shift) = self.closest(line);
         quadratic_crossings(shift, |s| {
@@ -58,19 +58,19 @@ impl<const D: usize> Quadric<D> {
         })
     }
 
-    /// Where `w . grad f` changes sign along a line; `None` where it is constant but for rounding.
-    pub(super) fn slope_aside(&self, line: &Line<D>, w: &Point<D>) -> Option<Crossings<2>> {
+    /// The sign changes of `w . grad f` along a line; `None` if it is constant up to rounding.
+    pub(super) fn perturbed_slope(&self, line: &Line<D>, w: &Point<D>) -> Option<Crossings<2>> {
         let (x, v, shift) = self.closest(line);
         let w = self.coordinates(w);
         let rise = self.product(&v, &w);
-        // coordinates of the direction are off by a few u of its length
+        // the error of the direction's coordinates is a few u times its length
         let is_noise = rise.abs() <= delta_of(length(&line.direction) * length(&w));
         let level = self.product(&x, &w);
         (!is_noise).then(|| Crossings::new(rise > 0.0, &[shift - level / rise]))
     }
 
-    /// Where the line is closest to the centre, measured along the axes that count: there its coordinates, those of
-    /// its direction, and the time.
+    /// The point of the line closest to the centre, measured along the axes with nonzero weight: its coordinates, those of the
+    /// direction, and the time.
     fn closest(&self, line: &Line<D>) -> (Point<D>, Point<D>, f64) {
         let x = self.coordinates(&minus(&line.origin, &self.centre));
         let v = self.coordinates(&line.direction);
@@ -95,7 +95,7 @@ impl<const D: usize> Quadric<D> {
         let value = weighted_sum(Interval::point(self.constant), squares);
         let slope = |j: usize| (0..D).map(move |k| (k, self.axes[k][j]));
         let gradient = from_fn(|j| {
-            // twice a weight is exact, the product with a component of an axis is not
+            // the factor 2 is exact, the product with a component of an axis is not
             weighted_sum(zero, slope(j).map(|(k, a)| (2.0 * self.weights[k], x[k] * a)))
         });
         (value, gradient)
@@ -106,13 +106,13 @@ impl<const D: usize> Quadric<D> {
         !(self.weights.iter().all(|&w| w > 0.0) || self.weights.iter().all(|&w| w < 0.0))
     }
 
-    /// Distance of the centre from the origin plus the shortest half axis (longer ones need not count: an error
-    /// of u in the constant moves the surface by at most u |q| / 2).
-    pub(super) fn reach(&self) -> f64 {
+    /// The distance of the centre from the origin plus the shortest half axis. Longer ones do not matter: an error of u in the constant
+    /// moves the surface by at most u |q| / 2.
+    pub(super) fn magnitude(&self) -> f64 {
         length(&self.centre) + self.constant.abs().sqrt()
     }
 
-    /// The image under any map: `e . q = (L^-T e) . L q`.
+    /// The image under an affine map: `e . q = (L^-T e) . L q`.
     pub(super) fn transformed(&self, map: &Affine<D>, inverse: &Affine<D>) -> Self {
         let centre = map.point(&self.centre);
         if let Some(scale) = map.uniform_scale() {
@@ -121,13 +121,14 @@ impl<const D: usize> Quadric<D> {
         let signs = self.weights.map(|w| if w == 0.0 { 0.0 } else { w.signum() });
         let row = |k: usize| inverse.covector(&times(self.weights[k].abs().sqrt(), &self.axes[k]));
         let mut rows = from_fn(row);
-        make_perpendicular(&mut rows, &signs);
+        orthogonalise(&mut rows, &signs);
         let weights = from_fn(|k| signs[k] * dot(&rows[k], &rows[k]));
         let axes = from_fn(|k| if signs[k] == 0.0 { [0.0; D] } else { unit(&rows[k]).0 });
         Quadric { centre, axes, weights, constant: self.constant }.normalised().at_nearest_centre()
     }
 
-    /// Where some weight is 0 every point in these directions is a centre; far ones only cost digits.
+    /// Moves the centre to the closest one to the origin. In directions of zero weight every point is a centre, and distant ones only
+    /// lose precision.
     fn at_nearest_centre(self) -> Self {
         if self.weights.iter().all(|&w| w != 0.0) {
             return self;
@@ -146,21 +147,21 @@ impl<const D: usize> Quadric<D> {
 }
 
 fn weighted_sum(start: Interval, terms: impl Iterator<Item = (f64, Interval)>) -> Interval {
-    // terms of factor 0 are left out: their interval may be infinite
+    // skips terms with factor 0: their interval may be infinite
     terms.filter(|&(factor, _)| factor != 0.0).fold(start, |sum, (factor, x)| sum + x * factor)
 }
 
-/// One-sided Jacobi rotations, ordinary between rows of equal sign and hyperbolic between rows of opposite
-/// sign, until rows that count are perpendicular; they change no value of f (J. Demmel, K. Veselic, "Jacobi's
+/// Makes the rows with nonzero sign orthogonal by one-sided Jacobi rotations, circular between rows of equal sign and hyperbolic
+/// between rows of opposite sign, which do not change f (J. Demmel, K. Veselic, "Jacobi's
 /// method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992), and the hyperbolic form of K.
 /// Veselic, "A Jacobi eigenreduction algorithm for definite matrix pairs", Numer. Math. 64 (1993)).
-fn make_perpendicular<const D: usize>(rows: &mut [Point<D>; D], signs: &Point<D>) {
+fn orthogonalise<const D: usize>(rows: &mut [Point<D>; D], signs: &Point<D>) {
     const SWEEPS: usize = 60;
     for _ in 0..SWEEPS {
         let mut done = true;
         for i in 0..D {
             for j in i + 1..D {
-                done &= !turn_pair(rows, (i, j), signs[i] * signs[j]);
+                done &= !rotate_pair(rows, (i, j), signs[i] * signs[j]);
             }
         }
         if done {
@@ -169,8 +170,8 @@ fn make_perpendicular<const D: usize>(rows: &mut [Point<D>; D], signs: &Point<D>
     }
 }
 
-/// Makes two rows perpendicular; false if they are.
-fn turn_pair<const D: usize>(rows: &mut [Point<D>; D], (i, j): (usize, usize), sign: f64) -> bool {
+/// Makes two rows orthogonal; false if they already are.
+fn rotate_pair<const D: usize>(rows: &mut [Point<D>; D], (i, j): (usize, usize), sign: f64) -> bool {
     let product = dot(&rows[i], &rows[j]);
     let squares = (dot(&rows[i], &rows[i]), dot(&rows[j], &rows[j]));
     if sign == 0.0 || product.abs() <= 4.0 * UNIT_ROUNDOFF * (squares.0 * squares.1).sqrt() {

@@ -1,11 +1,11 @@
-//! A curve made of closures, and polynomials in exact arithmetic: what tests of curves have in common.
+//! Shared helpers of curve tests: a curve of closures, and polynomials in exact arithmetic.
 #![allow(dead_code, reason = "each test program uses a part of it")]
 
 use dashu::base::Sign;
 use dashu::rational::RBig;
 use rayweave_space::{Curve, Point};
 
-/// A curve as a user would write one.
+/// A user-defined curve.
 pub struct Own<P, V, A> {
     pub position: P,
     pub velocity: V,
@@ -82,7 +82,7 @@ impl Polynomial {
         Polynomial(terms.map(|(k, c)| c * RBig::from(k as u32)).collect())
     }
 
-    /// The remainder of a division, with its sign turned.
+    /// The negated remainder of a division.
     fn minus_remainder(&self, by: &Polynomial) -> Polynomial {
         let mut rest = self.0.clone();
         let leading = by.0.last().unwrap();

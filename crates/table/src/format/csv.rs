@@ -1,4 +1,4 @@
-//! Comma-separated values, RFC 4180 with `\n` as the end of a line.
+//! CSV writer: comma-separated values by RFC 4180, with lines ending in `\n`.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -8,7 +8,7 @@ use crate::chunk::Values;
 use crate::format::Sink;
 use crate::{AtomicFile, Chunk, Column, DType, NO_NAME, Schema, TableError};
 
-/// A CSV file or standard output.
+/// Output to a CSV file or to standard output.
 pub(super) struct CsvSink {
     csv: ::csv::Writer<Output>,
     path: PathBuf,
@@ -95,7 +95,7 @@ impl Sink for CsvSink {
     }
 }
 
-/// The only failures of `csv` here are those of the file below it.
+/// Converts an error of `csv`, which fails here only if the file does.
 fn write_error(path: &Path, error: ::csv::Error) -> TableError {
     let error = match error.into_kind() {
         ::csv::ErrorKind::Io(error) => error,
@@ -104,7 +104,7 @@ fn write_error(path: &Path, error: ::csv::Error) -> TableError {
     TableError::io("write", path, error)
 }
 
-/// The name of a checked id; empty for [`NO_NAME`].
+/// The name with a valid index; empty for [`NO_NAME`].
 fn name(dtype: &DType, id: u32) -> &str {
     match dtype {
         DType::Name(names) if id != NO_NAME => &names[id as usize],
@@ -112,7 +112,7 @@ fn name(dtype: &DType, id: u32) -> &str {
     }
 }
 
-/// Scratch for the text of numbers.
+/// Scratch buffers for formatting numbers.
 #[derive(Default)]
 struct Number {
     float: Option<ryu::Buffer>,
@@ -120,7 +120,7 @@ struct Number {
 }
 
 impl Number {
-    /// The shortest decimal text that reads back to the same bits. NaN has no sign and no payload in text.
+    /// The shortest decimal text that reads back to the same bits. Sign and payload of NaN are lost.
     fn float(&mut self, value: f64) -> &str {
         if value.is_nan() {
             "nan"

@@ -1,24 +1,19 @@
-//! The formats of tables: one file each.
+//! Table formats, one file each.
 
 mod csv;
 mod npy;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod sink;
 
 use std::path::Path;
 
-use crate::{Chunk, Schema, TableError};
+use rayweave_error::Message;
 
-/// Where chunks go. Chunks have been checked against the schema.
-pub(crate) trait Sink: Send {
-    /// Appends rows.
-    fn write(&mut self, schema: &Schema, chunk: &Chunk) -> Result<(), TableError>;
+use crate::{Schema, TableError};
+pub(crate) use sink::Sink;
 
-    /// Completes the file; `rows` is the number of rows in all chunks.
-    fn finish(self: Box<Self>, schema: &Schema, rows: u64) -> Result<(), TableError>;
-}
-
-/// Opens the format that the path's extension names.
+/// Opens an output of the format given by the path's extension.
 pub(crate) fn open(path: &Path, schema: &Schema) -> Result<Box<dyn Sink>, TableError> {
     if path == Path::new("-") {
         return Ok(Box::new(csv::CsvSink::stdout(schema)?));
@@ -29,7 +24,7 @@ pub(crate) fn open(path: &Path, schema: &Schema) -> Result<Box<dyn Sink>, TableE
         "parquet" => open_parquet(path, schema),
         _ => Err(TableError::format(
             path,
-            "unknown table format (the extension says it: .csv, .npy or .parquet)",
+            Message::new("the table format is unknown", "the extension must be .csv, .npy or .parquet"),
         )),
     }
 }
@@ -49,7 +44,10 @@ fn open_parquet(path: &Path, schema: &Schema) -> Result<Box<dyn Sink>, TableErro
 fn open_parquet(path: &Path, _schema: &Schema) -> Result<Box<dyn Sink>, TableError> {
     Err(TableError::format(
         path,
-        "this build cannot write Parquet (it is heavy to compile, so it is a cargo feature); \
-         build with `--features parquet`, or write .csv or .npy",
+        Message::new(
+            "this build cannot write Parquet",
+            "it was compiled without the cargo feature `parquet`",
+        )
+        .suggest("Build with `--features parquet`, or write .csv or .npy"),
     ))
 }

@@ -1,4 +1,4 @@
-//! NumPy's NPY: a structured array whose length is known only at the end.
+//! NPY writer (NumPy): a structured array whose length is patched into the header at the end.
 
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -8,13 +8,13 @@ use crate::format::Sink;
 use crate::npy_header;
 use crate::{AtomicFile, Chunk, DType, Schema, TableError};
 
-/// Rows are interleaved in blocks of so many, so that the scratch does not grow with the chunk.
+/// Number of rows that are interleaved at once, which bounds the scratch memory.
 const ROWS_PER_BLOCK: usize = 1024;
 
-/// An NPY file and the name tables beside it.
+/// Output to an NPY file and the file of name tables beside it.
 pub(super) struct NpySink {
     file: AtomicFile,
-    /// Complete from the start; renamed just before the array, so that a complete array always has its names.
+    /// Written at the start and renamed before the array, so that a complete array always has its names.
     names: Option<AtomicFile>,
     block: Vec<u8>,
     row_size: usize,
@@ -23,7 +23,7 @@ pub(super) struct NpySink {
 impl NpySink {
     pub(super) fn create(path: &Path, schema: &Schema) -> Result<Self, TableError> {
         let mut file = AtomicFile::create(path)?;
-        // of the same length as the final header, which replaces it
+        // same length as the final header, which replaces it
         let written = file.write_all(&npy_header::table(schema, 0));
         written.map_err(|error| TableError::io("write", path, error))?;
         Ok(Self {
@@ -51,7 +51,7 @@ impl NpySink {
     }
 }
 
-/// Puts one column's values `stride` bytes apart; returns the size of one.
+/// Stores the values of a column `stride` bytes apart; returns the size of a value.
 fn scatter<T: Copy, const SIZE: usize>(
     target: &mut [u8],
     stride: usize,
@@ -83,7 +83,7 @@ impl Sink for NpySink {
     }
 }
 
-/// `{"COLUMN": ["name 0", "name 1", ...], ...}` for the columns of names; no file if there are none.
+/// Writes `{"COLUMN": ["name 0", "name 1", ...], ...}` for the columns of names; no file if there are none.
 fn write_names(path: &PathBuf, schema: &Schema) -> Result<Option<AtomicFile>, TableError> {
     let tables = schema.columns().iter().filter_map(|column| match &column.dtype {
         DType::Name(names) => Some((&column.name, names)),

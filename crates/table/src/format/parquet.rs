@@ -1,4 +1,4 @@
-//! Apache Parquet: columns in row groups, compressed with Snappy.
+//! Apache Parquet writer: columns in row groups, compressed with Snappy.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,15 +15,15 @@ use crate::chunk::Values;
 use crate::format::Sink;
 use crate::{AtomicFile, Chunk, Column, DType, NO_NAME, Schema, TableError};
 
-/// Rows collected before they become a row group: some tens of MB for the widest of our tables.
+/// Number of rows per row group: some tens of MB for the widest tables.
 const ROWS_PER_GROUP: usize = 100_000;
 
-/// A Parquet file.
+/// Output to a Parquet file.
 pub(super) struct ParquetSink {
     writer: SerializedFileWriter<AtomicFile>,
     pending: Vec<Chunk>,
     pending_rows: usize,
-    /// The name table of each column; empty for other columns.
+    /// The names of each column of names; empty for other columns.
     names: Vec<Vec<ByteArray>>,
     path: String,
 }
@@ -87,7 +87,7 @@ fn start(file: AtomicFile, schema: &Schema) -> Result<SerializedFileWriter<Atomi
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_key_value_metadata((!units.is_empty()).then_some(units));
-    // coordinates hardly repeat: a dictionary of them would be built and thrown away
+    // coordinates rarely repeat: a dictionary would be built and discarded
     for column in schema.columns().iter().filter(|column| column.dtype == DType::F64) {
         let path = ColumnPath::new(vec![column.name.clone()]);
         properties = properties.set_column_dictionary_enabled(path, false);
@@ -101,7 +101,7 @@ fn message(schema: &Schema) -> Result<TypePtr> {
     Ok(Arc::new(message))
 }
 
-/// Names may be missing; nothing else may.
+/// The Parquet type of a column. Only names are optional.
 fn field(column: &Column) -> Result<TypePtr> {
     let (physical, logical, repetition) = match column.dtype {
         DType::F64 => (Physical::DOUBLE, None, Repetition::REQUIRED),
@@ -133,7 +133,7 @@ fn write_column(column: &mut SerializedColumnWriter, values: &Values, names: &[B
     }
 }
 
-/// Texts whose copies share their memory.
+/// The names as byte arrays with shared memory.
 fn name_table(dtype: &DType) -> Vec<ByteArray> {
     match dtype {
         DType::Name(names) => names.iter().map(|name| ByteArray::from(name.as_str())).collect(),

@@ -1,20 +1,19 @@
-//! Some rays of a file.
+//! Chunk of rays, stored by column (structure of arrays).
 
-use super::{Has, Row};
+use super::columns::{Present, Row};
 
-/// Rays number `first`, `first + 1`, ... of a file, as structure of arrays: six vectors of equal length, made to be
-/// filled again and again.
+/// A chunk of consecutive rays of a file, stored by column. [`RayReader::read`](crate::RayReader::read) reuses its memory.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RayChunk {
-    /// The number of the first ray, from 0.
+    /// The index of the first ray, from 0.
     pub first: u64,
     /// x, y and z of the origins, in document units.
     pub origin: [Vec<f64>; 3],
-    /// x, y and z of the directions: finite, not zero, of any length.
+    /// x, y and z of the directions: finite, nonzero, of any length.
     pub direction: [Vec<f64>; 3],
-    /// Vacuum wavelengths in nanometres, greater than 0; empty if the file has none.
+    /// Empty wavelengths in nanometres, greater than 0; empty if the file has none.
     pub wavelength_nm: Vec<f64>,
-    /// Powers, at least 0; empty if the file has none.
+    /// Powers, nonnegative; empty if the file has none.
     pub power: Vec<f64>,
 }
 
@@ -24,7 +23,7 @@ impl RayChunk {
         self.origin[0].len()
     }
 
-    /// Whether there are no rays.
+    /// True if there are no rays.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -34,9 +33,9 @@ impl RayChunk {
         self.columns_mut().for_each(Vec::clear);
     }
 
-    /// Appends a row, of which only those columns count that the file has.
-    pub(super) fn push(&mut self, row: &Row, has: &Has) {
-        let columns = self.columns_mut().zip(row).zip(has).filter(|(_, has)| **has);
+    /// Appends the present columns of a row.
+    pub(super) fn push(&mut self, row: &Row, present: &Present) {
+        let columns = self.columns_mut().zip(row).zip(present).filter(|(_, is_present)| **is_present);
         columns.for_each(|((column, &x), _)| column.push(x));
     }
 

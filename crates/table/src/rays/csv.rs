@@ -1,62 +1,66 @@
-//! Rays from CSV.
+//! CSV reader of rays.
 //!
-//! Lines are cut here and fields by `csv-core`: so a line has a number that an editor shows, whatever its ending, and
-//! a bounded length, and a quote that is never closed cannot swallow the file.
+//! Splits lines itself and fields with `csv-core`. Line numbers therefore agree with editors for all line endings, the length of
+//! lines is bounded, and an unclosed quote cannot extend over the rest of the file.
 
 use std::io::{self, BufRead, BufReader, Read};
 
 use csv_core::ReadRecordResult;
+use rayweave_error::did_you_mean;
 
-use super::{
-    COLUMNS, Findings, Has, Kind, Place, Progress, RAY_COLUMNS, RayChunk, RaySource, Row, check_row,
-};
+use super::RayChunk;
+use super::check::check_row;
+use super::columns::{COLUMNS, Content, Present, RAY_COLUMNS, Row};
+use super::problems::{ProblemList, RayLocation};
+use super::source::{Progress, RaySource};
 use crate::error::RayProblem;
 use crate::npy_header;
 
-/// Six numbers need 150 bytes; a longer line than this is no line of rays.
+/// The maximal length of a line, in bytes. Six numbers take at most 150.
 const MAX_LINE: usize = 1 << 16;
 
-/// A line with more fields is refused by their number anyway.
+/// The maximal number of fields that are split.
 const MAX_FIELDS: usize = 64;
 
 /// A CSV source whose header has been read.
 pub(super) struct CsvRays {
     lines: Lines,
     fields: Fields,
-    /// Field of the line that holds each of [`COLUMNS`].
+    /// The field with each of [`COLUMNS`].
     field_of: FieldOf,
-    has: Has,
+    present: Present,
     total: Option<u64>,
 }
 
-/// Which field holds a column, if there is one.
+/// The field with each column, if there is one.
 type FieldOf = [Option<usize>; COLUMNS.len()];
 
 impl CsvRays {
-    /// Reads the header; `None` if it has problems.
+    /// Reads the header; `None` if it is invalid.
     pub(super) fn open(
         source: impl Read + Send + 'static,
         total: Option<u64>,
-        kind: Kind,
-        found: &mut Findings,
+        content: Content,
+        problems: &mut ProblemList,
     ) -> io::Result<Option<Self>> {
         let mut lines = Lines::new(Box::new(source));
         let mut fields = Fields::new();
         let Some(line) = lines.next()? else {
-            found.add(RayProblem::whole("the file is empty (the first line is ox,oy,oz,dx,dy,dz)"));
+            let message = "the file is empty: the first line must be ox,oy,oz,dx,dy,dz.";
+            problems.add(RayProblem::whole(message));
             return Ok(None);
         };
         let header = check_start(&line).and_then(|()| fields.split(&line));
         let field_of = match header {
-            Ok(()) => read_header(&fields, line.number, kind, found),
+            Ok(()) => read_header(&fields, line.number, content, problems),
             Err(message) => {
-                found.add(header_problem(line.number, message));
+                problems.add(header_problem(line.number, message));
                 None
             }
         };
         Ok(field_of.map(|field_of| {
-            let has = field_of.map(|field| field.is_some());
-            Self { lines, fields, field_of, has, total }
+            let present = field_of.map(|field| field.is_some());
+            Self { lines, fields, field_of, present, total }
         }))
     }
 }
@@ -67,21 +71,21 @@ impl RaySource for CsvRays {
         chunk: &mut RayChunk,
         first: u64,
         max_rays: usize,
-        found: &mut Findings,
+        problems: &mut ProblemList,
     ) -> io::Result<u64> {
         let mut rows = 0;
-        while rows < max_rays as u64 && !found.is_full() {
+        while rows < max_rays as u64 && !problems.is_full() {
             let Some(line) = self.lines.next()? else {
                 break;
             };
-            let place = Place { line: Some(line.number), row: first + rows };
+            let location = RayLocation { line: Some(line.number), row: first + rows };
             match self.fields.split(&line) {
-                Err(message) => found.add(place.problem(None, message)),
+                Err(message) => problems.add(location.problem(None, message)),
                 Ok(()) => {
-                    if let Some(row) = read_row(&self.fields, &self.field_of, place, found)
-                        && check_row(&row, &self.has, place, found)
+                    if let Some(row) = read_row(&self.fields, &self.field_of, location, problems)
+                        && check_row(&row, &self.present, location, problems)
                     {
-                        chunk.push(&row, &self.has);
+                        chunk.push(&row, &self.present);
                     }
                 }
             }
@@ -99,11 +103,16 @@ impl RaySource for CsvRays {
     }
 }
 
-/// The numbers of a line; those of columns that the file does not have stay 0.
-fn read_row(fields: &Fields, field_of: &FieldOf, place: Place, found: &mut Findings) -> Option<Row> {
-    let wanted = field_of.iter().flatten().count();
-    if fields.count != wanted {
-        found.add(place.problem(None, wrong_count(fields.count, wanted)));
+/// The numbers of a line; columns that the file lacks are 0.
+fn read_row(
+    fields: &Fields,
+    field_of: &FieldOf,
+    location: RayLocation,
+    problems: &mut ProblemList,
+) -> Option<Row> {
+    let expected = field_of.iter().flatten().count();
+    if fields.count != expected {
+        problems.add(location.problem(None, wrong_count(fields.count, expected)));
         return None;
     }
     let mut row = Row::default();
@@ -114,8 +123,8 @@ fn read_row(fields: &Fields, field_of: &FieldOf, place: Place, found: &mut Findi
         match parse(field) {
             Some(x) => row[column] = x,
             None => {
-                let message = format!("{} is {} (not a number)", COLUMNS[column], shown(field));
-                found.add(place.problem(Some(column), message));
+                let message = format!("{} is {}: it must be a number.", COLUMNS[column], excerpt(field));
+                problems.add(location.problem(Some(column), message));
                 all_numbers = false;
             }
         }
@@ -123,23 +132,23 @@ fn read_row(fields: &Fields, field_of: &FieldOf, place: Place, found: &mut Findi
     all_numbers.then_some(row)
 }
 
-fn wrong_count(count: usize, wanted: usize) -> String {
+fn wrong_count(count: usize, expected: usize) -> String {
     let suggestion = match count {
-        _ if count < wanted => "; is the file cut off?",
-        _ if count == 2 * wanted => "; write decimals with a point, not a comma",
+        _ if count < expected => " Check that the file is complete.",
+        _ if count == 2 * expected => " Write decimals with a point, not a comma.",
         _ => "",
     };
     let plural = if count == 1 { "" } else { "s" };
-    let wanted = ["six", "seven", "eight"].get(wanted.wrapping_sub(6)).copied().unwrap_or("more");
-    format!("{count} field{plural} (a ray has {wanted}){suggestion}")
+    let expected = ["six", "seven", "eight"].get(expected.wrapping_sub(6)).copied().unwrap_or("more");
+    format!("the line has {count} field{plural}: a ray has {expected}.{suggestion}")
 }
 
 fn parse(field: &[u8]) -> Option<f64> {
     str::from_utf8(field).ok()?.parse().ok()
 }
 
-/// A field in a message: quoted, without control characters, not too long.
-fn shown(field: &[u8]) -> String {
+/// A field in a message: quoted, with control characters escaped, shortened.
+fn excerpt(field: &[u8]) -> String {
     let text = String::from_utf8_lossy(field);
     match text.char_indices().nth(30) {
         _ if text.is_empty() => "empty".into(),
@@ -148,13 +157,13 @@ fn shown(field: &[u8]) -> String {
     }
 }
 
-/// Looks for files that are not CSV at all.
+/// Rejects files that are not CSV.
 fn check_start(line: &Line) -> Result<(), String> {
     if npy_header::is_npy(line.bytes) {
-        return Err("this is an NPY file, not CSV; name it .npy".into());
+        return Err("this is an NPY file: the extension .csv is for text. Name it .npy.".into());
     }
     if line.bytes.starts_with(b"\xff\xfe") || line.bytes.starts_with(b"\xfe\xff") {
-        return Err("the text is UTF-16 (CSV is read as UTF-8); save it as UTF-8".into());
+        return Err("the text is UTF-16: CSV is read as UTF-8. Save it as UTF-8.".into());
     }
     Ok(())
 }
@@ -163,53 +172,57 @@ fn header_problem(line: u64, message: String) -> RayProblem {
     RayProblem { line: Some(line), ..RayProblem::whole(message) }
 }
 
-/// The field of each column, if the header names the six columns, and no others but those that the file may have.
-fn read_header(fields: &Fields, line: u64, kind: Kind, found: &mut Findings) -> Option<FieldOf> {
+/// The field of each column, if the header has the six required columns and no unsupported ones.
+fn read_header(fields: &Fields, line: u64, content: Content, problems: &mut ProblemList) -> Option<FieldOf> {
     if let Some(message) = not_a_header(fields) {
-        found.add(header_problem(line, message));
+        problems.add(header_problem(line, message));
         return None;
     }
     let names: Vec<_> = (0..fields.count).map(|i| fields.get(i)).collect();
-    let known = kind.columns();
+    let known = content.columns();
     let is_known = |column: &str| known.contains(&column);
-    let place = |column: &str| names.iter().position(|name| is_known(column) && *name == column.as_bytes());
-    let places = COLUMNS.map(place);
-    let needed = RAY_COLUMNS.iter().zip(&places);
-    let missing: Vec<_> = needed.filter(|(_, place)| place.is_none()).map(|(column, _)| *column).collect();
-    let open: Vec<_> =
-        known.iter().zip(&places).filter(|(_, place)| place.is_none()).map(|(c, _)| *c).collect();
+    let position =
+        |column: &str| names.iter().position(|name| is_known(column) && *name == column.as_bytes());
+    let positions = COLUMNS.map(position);
+    let absent = |columns: &[&'static str]| -> Vec<&'static str> {
+        let columns = columns.iter().zip(&positions).filter(|(_, position)| position.is_none());
+        columns.map(|(column, _)| *column).collect()
+    };
+    let (missing, absent) = (absent(&RAY_COLUMNS), absent(known));
 
     let mut messages = Vec::new();
     for (i, name) in names.iter().enumerate() {
         let column = known.iter().position(|column| column.as_bytes() == *name);
         match column {
-            None => messages.push(unknown_column(name, &open)),
-            Some(column) if places[column] != Some(i) => {
-                messages.push(format!("column {} occurs twice", COLUMNS[column]));
+            None => messages.push(unknown_column(name, &absent)),
+            Some(column) if positions[column] != Some(i) => {
+                messages
+                    .push(format!("the column {} occurs twice: column names are unique.", COLUMNS[column]));
             }
             Some(_) => {}
         }
     }
     if !missing.is_empty() {
-        messages.push(format!("missing: {} (rays have ox,oy,oz,dx,dy,dz, in any order)", missing.join(", ")));
+        let missing = missing.join(", ");
+        messages.push(format!("columns are missing, {missing}: rays have ox,oy,oz,dx,dy,dz in any order."));
     }
-    let is_good = messages.is_empty();
-    messages.into_iter().for_each(|message| found.add(header_problem(line, message)));
-    is_good.then_some(places)
+    let is_valid = messages.is_empty();
+    messages.into_iter().for_each(|message| problems.add(header_problem(line, message)));
+    is_valid.then_some(positions)
 }
 
-/// A first line of another kind, and what to do.
+/// The message about a first line that is not a header.
 fn not_a_header(fields: &Fields) -> Option<String> {
     let first = fields.get(0);
     if (0..fields.count).all(|i| parse(fields.get(i)).is_some()) {
         return Some(
-            "the first line holds numbers (it is the header); put ox,oy,oz,dx,dy,dz before it".into(),
+            "the first line has numbers: it must be the header. Insert the line ox,oy,oz,dx,dy,dz.".into(),
         );
     }
     if first.starts_with(b"#") {
         return Some(
-            "the header begins with # (there are no comments in CSV); \
-             remove it, or pass comments=\"\" to numpy.savetxt"
+            "the header begins with #: CSV has no comments. \
+             Remove it, or pass comments=\"\" to numpy.savetxt."
                 .into(),
         );
     }
@@ -219,34 +232,17 @@ fn not_a_header(fields: &Fields) -> Option<String> {
         b'\t' => "tabs",
         _ => "spaces",
     };
-    Some(format!("fields are separated by {name} (CSV is read with commas); write it with commas"))
+    Some(format!("fields are separated by {name}: CSV is read with commas. Write it with commas."))
 }
 
-/// Suggests the one missing column that the name may stand for.
-fn unknown_column(name: &[u8], missing: &[&str]) -> String {
-    let lower = String::from_utf8_lossy(name).to_ascii_lowercase();
-    let exact = missing.iter().find(|column| **column == lower);
-    let mut alike = missing.iter().filter(|column| one_change_apart(&lower, column));
-    let only = alike.next().filter(|_| alike.next().is_none());
-    let suggestion = match exact.or(only) {
-        Some(column) => format!("; did you mean {column}?"),
-        None if missing.is_empty() => "; remove it".into(),
+/// The message about an unsupported column, with the absent column that was probably meant.
+fn unknown_column(name: &[u8], absent: &[&str]) -> String {
+    let suggestion = match did_you_mean(&String::from_utf8_lossy(name), absent.iter().copied()) {
+        Some(column) => format!(" Did you mean {column}?"),
+        None if absent.is_empty() => " Remove it.".into(),
         None => String::new(),
     };
-    format!("unknown column {}{suggestion}", shown(name))
-}
-
-/// Whether one character replaced, inserted or removed (or none) makes one of the other.
-fn one_change_apart(a: &str, b: &str) -> bool {
-    let (a, b): (Vec<_>, Vec<_>) = (a.chars().collect(), b.chars().collect());
-    let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
-    let same_start = short.iter().zip(&long).take_while(|(x, y)| x == y).count();
-    let (short, long) = (&short[same_start..], &long[same_start..]);
-    match long.len() - short.len() {
-        0 => short.get(1..).is_none_or(|rest| rest == &long[1..]),
-        1 => short == &long[1..],
-        _ => false,
-    }
+    format!("the column {} is unknown: it is not a column of rays.{suggestion}", excerpt(name))
 }
 
 /// The fields of one line.
@@ -261,49 +257,51 @@ impl Fields {
     fn new() -> Self {
         Self {
             splitter: csv_core::Reader::new(),
-            // unquoting never lengthens, and one byte is the line's end
+            // unquoting never lengthens a line; one byte is the line ending
             text: vec![0; MAX_LINE + 1],
             ends: [0; MAX_FIELDS],
             count: 0,
         }
     }
 
-    /// Splits a line; `Err` says why it has no fields.
+    /// Splits a line into fields; `Err` is the message about an invalid line.
     fn split(&mut self, line: &Line) -> Result<(), String> {
         if line.too_long {
-            return Err(format!("the line is longer than {MAX_LINE} bytes (a ray needs 150 at most)"));
+            return Err(format!("the line is longer than {MAX_LINE} bytes: a ray takes 150 at most."));
         }
         self.splitter.reset();
         let (result, read, _, count) = self.splitter.read_record(line.bytes, &mut self.text, &mut self.ends);
         match result {
             ReadRecordResult::Record if read < line.bytes.len() => {
-                Err("a carriage return within the line (lines end with \\n or \\r\\n)".into())
+                Err("the line has a carriage return inside: lines end with \\n or \\r\\n.".into())
             }
             ReadRecordResult::Record => {
                 self.count = count;
                 Ok(())
             }
-            ReadRecordResult::OutputEndsFull => Err(format!("more than {MAX_FIELDS} fields (a ray has six)")),
-            _ => Err("a quote is opened and not closed on its line".into()),
+            ReadRecordResult::OutputEndsFull => {
+                Err(format!("the line has more than {MAX_FIELDS} fields: a ray has six."))
+            }
+            _ => Err("a quote is not closed on its line: a field cannot extend over several lines.".into()),
         }
     }
 
-    /// One field without the spaces around it; empty if there is none.
+    /// A field without surrounding spaces; empty if it does not exist.
     fn get(&self, i: usize) -> &[u8] {
         let start = if i == 0 { 0 } else { self.ends[i - 1] };
-        let is_there = i < self.count;
-        if is_there { self.text[start..self.ends[i]].trim_ascii() } else { b"" }
+        let exists = i < self.count;
+        if exists { self.text[start..self.ends[i]].trim_ascii() } else { b"" }
     }
 }
 
-/// A line that is not blank. `bytes` ends with one `\n` and has no other white space at its end.
+/// A line that is not blank. `bytes` ends with one `\n` and has no other trailing whitespace.
 struct Line<'a> {
     number: u64,
     bytes: &'a [u8],
     too_long: bool,
 }
 
-/// Cuts a source into lines of bounded length.
+/// Splits a source into lines of bounded length.
 struct Lines {
     source: BufReader<Box<dyn Read + Send>>,
     line: Vec<u8>,
@@ -331,7 +329,7 @@ impl Lines {
             if too_long {
                 self.skip_rest_of_line()?;
             }
-            self.tidy();
+            self.normalise();
             if too_long || self.line != b"\n" {
                 return Ok(Some(Line { number: self.number, bytes: &self.line, too_long }));
             }
@@ -351,8 +349,8 @@ impl Lines {
         }
     }
 
-    /// Brings the line's end to one form and removes a byte order mark.
-    fn tidy(&mut self) {
+    /// Normalises the line ending and removes a byte order mark.
+    fn normalise(&mut self) {
         let end = self.line.trim_ascii_end().len();
         self.line.truncate(end);
         self.line.push(b'\n');

@@ -1,56 +1,44 @@
-//! Files of rays: streamed in chunks, checked at the door.
+//! Ray files: streaming readers of CSV and NPY with validation.
 
+mod check;
 mod chunk;
+mod columns;
 mod csv;
 mod npy;
+mod problems;
+mod source;
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use crate::error::{RayProblem, RayProblems, TableError};
+use rayweave_error::Message;
+
+use crate::error::TableError;
 use crate::format::extension;
+use columns::Content;
+use problems::ProblemList;
+use source::RaySource;
+
 pub use chunk::RayChunk;
+pub use columns::{LIGHT_COLUMNS, RAY_COLUMNS};
+pub use source::Progress;
 
-/// The six columns of a file of rays: origin, then direction.
-pub const RAY_COLUMNS: [&str; 6] = ["ox", "oy", "oz", "dx", "dy", "dz"];
-
-/// The columns that a file of light may have besides: the vacuum wavelength in nanometres, and the power.
-pub const LIGHT_COLUMNS: [&str; 2] = ["wavelength_nm", "power"];
-
-/// All of them, in the order of NPY.
-const COLUMNS: [&str; 8] = ["ox", "oy", "oz", "dx", "dy", "dz", "wavelength_nm", "power"];
-
-/// The values of a row, whatever the file has.
-type Row = [f64; COLUMNS.len()];
-
-/// Which of the columns a file has.
-type Has = [bool; COLUMNS.len()];
-
-/// A good size of chunk: 768 KiB of coordinates, enough work to share among threads.
+/// Recommended chunk size: 768 KiB of coordinates, enough work to distribute among threads.
 pub const RAYS_PER_CHUNK: usize = 1 << 14;
-
-/// How far a reader has come, in bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// Bytes read so far.
-    pub done: u64,
-    /// Bytes in all; `None` for standard input and pipes.
-    pub total: Option<u64>,
-}
 
 /// Reads rays from a CSV or NPY file, or CSV from standard input, in chunks.
 ///
-/// Memory is a fixed buffer (under 1 MiB) and the caller's [`RayChunk`], whatever the size of the file.
+/// Memory use is a fixed buffer (under 1 MiB) and the caller's [`RayChunk`], for files of any size.
 ///
-/// **CSV**: the header names `ox,oy,oz,dx,dy,dz` in any order; fields are separated by commas, may be quoted and
-/// surrounded by spaces; blank lines and a byte order mark are skipped. A line has at most 65,536 bytes.
+/// **CSV**: the header contains `ox,oy,oz,dx,dy,dz` in any order. Fields are separated by commas and may be quoted and surrounded
+/// by spaces. Blank lines and a byte order mark are skipped. A line has at most 65,536 bytes.
 ///
 /// **NPY**: shape (N, 6), float64 or float32, either byte order, C or Fortran order.
 ///
-/// Every number is finite and no direction is zero: anything else is an error that names file, line or row, and
-/// column. A regular file with a problem is searched to its end, or to [`RayProblems::LIMIT`] problems, so that all
-/// are reported together; a stream is searched to the end of the chunk.
+/// Numbers must be finite and directions nonzero. Errors give the file, the line or row, and the column. After the first problem a
+/// regular file is validated to its end, or up to [`RayProblems::LIMIT`](crate::RayProblems::LIMIT) problems, so that all are
+/// reported together; a stream is validated to the end of the chunk.
 ///
 /// ```
 /// use rayweave_table::{RAYS_PER_CHUNK, RayChunk, RayReader};
@@ -66,25 +54,25 @@ pub struct Progress {
 /// ```
 pub struct RayReader {
     source: Box<dyn RaySource>,
-    found: Findings,
+    problems: ProblemList,
     row: u64,
     ended: bool,
 }
 
 impl RayReader {
-    /// Opens a file by its extension, `.csv` or `.npy`; `-` is CSV from standard input. The header is read here.
+    /// Opens a file by its extension, `.csv` or `.npy`, and reads its header. The path `-` is CSV from standard input.
     ///
     /// # Errors
     ///
-    /// [`TableError::Format`] for another extension, [`TableError::Io`] if the file cannot be read, and
-    /// [`TableError::Rays`] for an empty file, a bad header, wrong shape or type, or an array that is cut off.
+    /// [`TableError::Format`] for another extension, [`TableError::Io`] if the file cannot be read, and [`TableError::Rays`] for an
+    /// empty file, an invalid header, a wrong shape or type, or a truncated array.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, TableError> {
-        Self::open_as(path.as_ref(), Kind::Rays)
+        Self::open_as(path.as_ref(), Content::Rays)
     }
 
-    /// Opens a file of light: rays that may have wavelengths and powers of their own, [`LIGHT_COLUMNS`].
+    /// Opens a light file: rays with optional wavelengths and powers, [`LIGHT_COLUMNS`].
     ///
-    /// In CSV their columns are named, in any order; NPY has the shape (N, 6), (N, 7) with wavelengths, or (N, 8) with both.
+    /// CSV has named columns in any order; NPY has the shape (N, 6), (N, 7) with wavelengths, or (N, 8) with both.
     ///
     /// # Errors
     ///
@@ -101,19 +89,20 @@ impl RayReader {
     /// # Ok::<(), rayweave_table::TableError>(())
     /// ```
     pub fn open_light(path: impl AsRef<Path>) -> Result<Self, TableError> {
-        Self::open_as(path.as_ref(), Kind::Light)
+        Self::open_as(path.as_ref(), Content::Light)
     }
 
-    fn open_as(path: &Path, kind: Kind) -> Result<Self, TableError> {
+    fn open_as(path: &Path, content: Content) -> Result<Self, TableError> {
         if path == Path::new("-") {
-            return Self::start("stdin".to_owned(), |found| {
-                csv::CsvRays::open(io::stdin(), None, kind, found)
+            return Self::start("stdin".to_owned(), |problems| {
+                csv::CsvRays::open(io::stdin(), None, content, problems)
             });
         }
         let extension = extension(path);
         if extension != "csv" && extension != "npy" {
-            let problem = "unknown format of rays (the extension says it: .csv or .npy)";
-            return Err(TableError::format(path, problem));
+            let message =
+                Message::new("the ray file format is unknown", "the extension must be .csv or .npy");
+            return Err(TableError::format(path, message));
         }
         let unreadable = |error| TableError::io("read", path, error);
         let file = File::open(path).map_err(unreadable)?;
@@ -121,21 +110,21 @@ impl RayReader {
         let size = metadata.is_file().then_some(metadata.len());
         let name = path.display().to_string();
         match extension.as_str() {
-            "csv" => Self::start(name, |found| csv::CsvRays::open(file, size, kind, found)),
-            _ => Self::start(name, |found| npy::NpyRays::open(file, size, kind, found)),
+            "csv" => Self::start(name, |problems| csv::CsvRays::open(file, size, content, problems)),
+            _ => Self::start(name, |problems| npy::NpyRays::open(file, size, content, problems)),
         }
     }
 
-    /// Reads CSV from any source. `name` stands for the file in messages.
+    /// Reads CSV from any source. Messages use `name` as the file name.
     ///
     /// # Errors
     ///
     /// As [`open`](Self::open).
     pub fn from_csv(source: impl Read + Send + 'static, name: impl Into<String>) -> Result<Self, TableError> {
-        Self::start(name.into(), |found| csv::CsvRays::open(source, None, Kind::Rays, found))
+        Self::start(name.into(), |problems| csv::CsvRays::open(source, None, Content::Rays, problems))
     }
 
-    /// Reads CSV of light from any source; see [`open_light`](Self::open_light).
+    /// Reads CSV of rays with light columns from any source; see [`open_light`](Self::open_light).
     ///
     /// # Errors
     ///
@@ -144,28 +133,28 @@ impl RayReader {
         source: impl Read + Send + 'static,
         name: impl Into<String>,
     ) -> Result<Self, TableError> {
-        Self::start(name.into(), |found| csv::CsvRays::open(source, None, Kind::Light, found))
+        Self::start(name.into(), |problems| csv::CsvRays::open(source, None, Content::Light, problems))
     }
 
     fn start<S: RaySource + 'static>(
         name: String,
-        open: impl FnOnce(&mut Findings) -> io::Result<Option<S>>,
+        open: impl FnOnce(&mut ProblemList) -> io::Result<Option<S>>,
     ) -> Result<Self, TableError> {
-        let mut found = Findings::new(name);
-        match open(&mut found) {
-            Err(error) => Err(found.unreadable(error)),
-            Ok(None) => Err(found.take().into()),
-            Ok(Some(source)) => Ok(Self { source: Box::new(source), found, row: 0, ended: false }),
+        let mut problems = ProblemList::new(name);
+        match open(&mut problems) {
+            Err(error) => Err(problems.read_error(error)),
+            Ok(None) => Err(problems.take().into()),
+            Ok(Some(source)) => Ok(Self { source: Box::new(source), problems, row: 0, ended: false }),
         }
     }
 
-    /// Replaces the chunk's rays by the next ones, at most `max_rays` (at least one is asked for), and returns their
-    /// number: 0 at the end of the file. The chunk's vectors keep their memory from call to call.
+    /// Replaces the contents of the chunk by the next rays, at most `max_rays` (but at least one), and returns their number: 0 at
+    /// the end of the file. Reuses the memory of the chunk.
     ///
     /// # Errors
     ///
-    /// [`TableError::Rays`] for rays that are not six finite numbers with a direction; [`TableError::Io`] if reading
-    /// fails. The chunk is then empty, and the reader at its end.
+    /// [`TableError::Rays`] for invalid rays; [`TableError::Io`] if reading fails. The chunk is then empty, and the reader is at
+    /// its end.
     pub fn read(&mut self, chunk: &mut RayChunk, max_rays: usize) -> Result<usize, TableError> {
         chunk.clear();
         if self.ended {
@@ -181,30 +170,30 @@ impl RayReader {
 
     fn fill(&mut self, chunk: &mut RayChunk, max_rays: usize) -> Result<(), TableError> {
         self.fill_once(chunk, max_rays)?;
-        if self.found.is_empty() {
+        if self.problems.is_empty() {
             return Ok(());
         }
         let is_file = self.progress().total.is_some();
-        while is_file && !self.found.is_full() && self.fill_once(chunk, max_rays)? {}
-        Err(self.found.take().into())
+        while is_file && !self.problems.is_full() && self.fill_once(chunk, max_rays)? {}
+        Err(self.problems.take().into())
     }
 
-    /// Whether there were rows, good or bad.
+    /// Reads a chunk; true if there were rows, valid or not.
     fn fill_once(&mut self, chunk: &mut RayChunk, max_rays: usize) -> Result<bool, TableError> {
         chunk.clear();
         chunk.first = self.row;
-        let filled = self.source.fill(chunk, self.row, max_rays, &mut self.found);
-        let rows = filled.map_err(|error| self.found.unreadable(error))?;
+        let filled = self.source.fill(chunk, self.row, max_rays, &mut self.problems);
+        let rows = filled.map_err(|error| self.problems.read_error(error))?;
         self.row += rows;
         Ok(rows > 0)
     }
 
-    /// How far the reader has come.
+    /// The progress in bytes.
     pub fn progress(&self) -> Progress {
         self.source.progress()
     }
 
-    /// The number of rays in the file, where it is known before reading: NPY says it.
+    /// The number of rays in the file, if its header gives it (NPY).
     pub fn rays(&self) -> Option<u64> {
         self.source.rays()
     }
@@ -213,157 +202,8 @@ impl RayReader {
 impl std::fmt::Debug for RayReader {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("RayReader")
-            .field("file", &self.found.problems.file)
+            .field("file", &self.problems.list.file)
             .field("row", &self.row)
             .finish_non_exhaustive()
     }
-}
-
-/// What a file may hold.
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    /// [`RAY_COLUMNS`].
-    Rays,
-    /// [`LIGHT_COLUMNS`] besides.
-    Light,
-}
-
-impl Kind {
-    /// The columns that a file may have.
-    fn columns(self) -> &'static [&'static str] {
-        match self {
-            Kind::Rays => &COLUMNS[..RAY_COLUMNS.len()],
-            Kind::Light => &COLUMNS,
-        }
-    }
-}
-
-/// One format of rays.
-trait RaySource: Send {
-    /// Appends at most `max_rays` rows to the chunk, the first of them being row `first`. Returns the number of rows
-    /// that were consumed: 0 at the end. Bad rows are consumed and reported, not appended.
-    fn fill(
-        &mut self,
-        chunk: &mut RayChunk,
-        first: u64,
-        max_rays: usize,
-        found: &mut Findings,
-    ) -> io::Result<u64>;
-
-    fn progress(&self) -> Progress;
-
-    fn rays(&self) -> Option<u64>;
-}
-
-/// Collects problems up to the limit.
-struct Findings {
-    problems: RayProblems,
-}
-
-impl Findings {
-    fn new(file: String) -> Self {
-        Self { problems: RayProblems { file, problems: Vec::new(), stopped: false } }
-    }
-
-    fn add(&mut self, problem: RayProblem) {
-        if self.problems.problems.len() < RayProblems::LIMIT {
-            self.problems.problems.push(problem);
-        } else {
-            self.problems.stopped = true;
-        }
-    }
-
-    fn is_empty(&self) -> bool {
-        self.problems.problems.is_empty()
-    }
-
-    /// Whether a problem had to be left out.
-    fn is_full(&self) -> bool {
-        self.problems.stopped
-    }
-
-    fn take(&mut self) -> RayProblems {
-        let file = self.problems.file.clone();
-        std::mem::replace(&mut self.problems, Self::new(file).problems)
-    }
-
-    fn unreadable(&self, error: io::Error) -> TableError {
-        TableError::io("read", Path::new(&self.problems.file), error)
-    }
-}
-
-/// Where a ray stands in its file.
-#[derive(Clone, Copy)]
-struct Place {
-    line: Option<u64>,
-    row: u64,
-}
-
-impl Place {
-    fn problem(self, column: Option<usize>, message: String) -> RayProblem {
-        RayProblem {
-            line: self.line,
-            row: Some(self.row),
-            column: column.map(|column| COLUMNS[column]),
-            message,
-        }
-    }
-}
-
-/// The greatest size of a number that is taken, and the inverse of the least size of a direction: squares of
-/// such numbers, and of their inverses, are far from the ends of the range of f64.
-const HUGE: f64 = 1e100;
-
-/// Reports every number that is out of range. Returns whether the row is good.
-fn check_row(row: &Row, has: &Has, place: Place, found: &mut Findings) -> bool {
-    let is_ray = check_ray(&row[..RAY_COLUMNS.len()], place, found);
-    let is_light = check_light(row, has, place, found);
-    is_ray && is_light
-}
-
-/// Reports wavelengths and powers that are none.
-fn check_light(row: &Row, has: &Has, place: Place, found: &mut Findings) -> bool {
-    let [wavelength, power] = [6, 7];
-    let is_sound = |column: usize| match column == wavelength {
-        true => row[column] > 0.0 && row[column].is_finite(),
-        false => row[column] >= 0.0 && row[column].is_finite(),
-    };
-    let bad = [wavelength, power].into_iter().filter(|&column| has[column] && !is_sound(column));
-    let bad: Vec<usize> = bad.collect();
-    for &column in &bad {
-        let range = if column == wavelength { "greater than 0" } else { "at least 0" };
-        let message = format!("{} is {} (it is finite and {range})", COLUMNS[column], row[column]);
-        found.add(place.problem(Some(column), message));
-    }
-    bad.is_empty()
-}
-
-/// Reports every number that is not finite or too large, or else a direction that is zero or too small. Returns
-/// whether the ray is good.
-fn check_ray(ray: &[f64], place: Place, found: &mut Findings) -> bool {
-    let in_range = |x: &f64| (-HUGE..=HUGE).contains(x);
-    let longest = ray[3..].iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    let is_in_range = ray.iter().all(in_range);
-    if is_in_range && longest >= 1.0 / HUGE {
-        return true;
-    }
-    for (column, x) in ray.iter().enumerate().filter(|(_, x)| !in_range(x)) {
-        let name = RAY_COLUMNS[column];
-        let message = match () {
-            () if x.is_nan() => format!("{name} is NaN (a ray is six finite numbers)"),
-            () if x.is_infinite() => format!("{name} is infinite (a ray is six finite numbers)"),
-            () => format!("{name} is {x:e} (its square overflows) is the unit far too small?"),
-        };
-        found.add(place.problem(Some(column), message));
-    }
-    if is_in_range {
-        let message = match longest {
-            0.0 => "dx, dy and dz are all 0 (a direction is a vector that is not zero)",
-            _ => {
-                "dx, dy and dz are all below 1e-100 (the square of such a direction vanishes) give it a length near 1?"
-            }
-        };
-        found.add(place.problem(None, message.into()));
-    }
-    false
 }

@@ -1,16 +1,20 @@
-//! Rays from NPY.
+//! NPY reader of rays.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 
-use super::{COLUMNS, Findings, Kind, Place, Progress, RAY_COLUMNS, RayChunk, RaySource, Row, check_row};
+use super::RayChunk;
+use super::check::check_row;
+use super::columns::{COLUMNS, Content, RAY_COLUMNS, Row};
+use super::problems::{ProblemList, RayLocation};
+use super::source::{Progress, RaySource};
 use crate::error::RayProblem;
 use crate::npy_header::{self, NpyHeader};
 
-/// Rows read at a time: the buffer holds 192 KiB.
+/// Number of rows read at once, 192 KiB.
 const ROWS_PER_BLOCK: usize = 4096;
 
-/// The type of the file's numbers.
+/// The type of the numbers in the file.
 #[derive(Clone, Copy)]
 enum Number {
     F32 { big_endian: bool },
@@ -19,7 +23,7 @@ enum Number {
 
 impl Number {
     fn from_descr(descr: &str) -> Option<Self> {
-        // "=" is the writer's own byte order: all machines that we build for are little endian
+        // "=" is the native byte order of the writer, assumed to be little endian
         let (order, kind) = descr.split_at_checked(1)?;
         let big_endian = order == ">";
         match (order, kind) {
@@ -36,7 +40,7 @@ impl Number {
         }
     }
 
-    /// The value of `size` bytes.
+    /// Decodes a number from `size` bytes.
     fn decode(self, bytes: &[u8]) -> f64 {
         match self {
             Self::F32 { big_endian } => {
@@ -53,42 +57,42 @@ impl Number {
     }
 }
 
-/// An NPY file whose header has been read and fits.
+/// An NPY file with a valid header.
 pub(super) struct NpyRays {
     file: File,
     data_offset: u64,
     number: Number,
     fortran_order: bool,
     rows: u64,
-    /// Columns: the first of [`COLUMNS`].
+    /// Number of columns, the first ones of [`COLUMNS`].
     columns: usize,
-    /// Rows read so far.
+    /// Number of rows read so far.
     next: u64,
     is_file: bool,
     block: Vec<u8>,
 }
 
 impl NpyRays {
-    /// Reads the header; `None` if it has problems. `size` is that of a regular file.
+    /// Reads the header; `None` if it is invalid. `size` is the length of a regular file.
     pub(super) fn open(
         mut file: File,
         size: Option<u64>,
-        kind: Kind,
-        found: &mut Findings,
+        content: Content,
+        problems: &mut ProblemList,
     ) -> io::Result<Option<Self>> {
         let header = match npy_header::read(&mut file)? {
             Ok(header) => header,
             Err(message) => {
-                found.add(RayProblem::whole(message));
+                problems.add(RayProblem::whole(message));
                 return Ok(None);
             }
         };
-        let (number, shape) = (check_dtype(&header, found), check_shape(&header.shape, kind, found));
+        let (number, shape) = (check_dtype(&header, problems), check_shape(&header.shape, content, problems));
         let (Some(number), Some((rows, columns))) = (number, shape) else {
             return Ok(None);
         };
         if let Some(message) = check_length(&header, number.size() * columns, rows, size) {
-            found.add(RayProblem::whole(message));
+            problems.add(RayProblem::whole(message));
             return Ok(None);
         }
         Ok(Some(Self {
@@ -104,7 +108,7 @@ impl NpyRays {
         }))
     }
 
-    /// Reads rows `next..next + rows` into the block, row by row or column by column as the file has them.
+    /// Reads rows `next..next + rows` into the block, in the order of the file (row-major or column-major).
     fn read_block(&mut self, rows: usize) -> io::Result<()> {
         let column_size = rows * self.number.size();
         self.block.resize(self.columns * column_size, 0);
@@ -119,7 +123,7 @@ impl NpyRays {
         Ok(())
     }
 
-    /// One ray of the block, which holds `rows` rays.
+    /// A row of the block of `rows` rows.
     fn row(&self, row: usize, rows: usize) -> Row {
         let size = self.number.size();
         let mut values = Row::default();
@@ -137,16 +141,16 @@ impl RaySource for NpyRays {
         chunk: &mut RayChunk,
         first: u64,
         max_rays: usize,
-        found: &mut Findings,
+        problems: &mut ProblemList,
     ) -> io::Result<u64> {
-        let has = std::array::from_fn(|column| column < self.columns);
+        let present = std::array::from_fn(|column| column < self.columns);
         let end = self.rows.min(first.saturating_add(max_rays as u64));
-        while self.next < end && !found.is_full() {
+        while self.next < end && !problems.is_full() {
             let rows = (end - self.next).min(ROWS_PER_BLOCK as u64) as usize;
             match self.read_block(rows) {
                 Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
-                    let message = format!("the file is cut off (the header promises {} rays)", self.rows);
-                    found.add(RayProblem::whole(message));
+                    let message = format!("the file is incomplete: the header announces {} rays.", self.rows);
+                    problems.add(RayProblem::whole(message));
                     self.rows = self.next;
                     break;
                 }
@@ -154,9 +158,9 @@ impl RaySource for NpyRays {
             }
             for row in 0..rows {
                 let values = self.row(row, rows);
-                let place = Place { line: None, row: self.next + row as u64 };
-                if check_row(&values, &has, place, found) {
-                    chunk.push(&values, &has);
+                let location = RayLocation { line: None, row: self.next + row as u64 };
+                if check_row(&values, &present, location, problems) {
+                    chunk.push(&values, &present);
                 }
             }
             self.next += rows as u64;
@@ -177,62 +181,63 @@ impl RaySource for NpyRays {
     }
 }
 
-fn check_dtype(header: &NpyHeader, found: &mut Findings) -> Option<Number> {
+fn check_dtype(header: &NpyHeader, problems: &mut ProblemList) -> Option<Number> {
     let number = Number::from_descr(&header.descr);
     if header.structured {
-        found.add(RayProblem::whole(
-            "the array has named fields (rays are plain float64 of shape (N, 6)); \
-             convert it with numpy.lib.recfunctions.structured_to_unstructured",
+        problems.add(RayProblem::whole(
+            "the array has named fields: rays are plain float64 of shape (N, 6). \
+             Convert it with numpy.lib.recfunctions.structured_to_unstructured.",
         ));
     } else if number.is_none() {
-        found.add(RayProblem::whole(format!(
-            "dtype is {} (rays are float64 or float32); convert it with array.astype(float)",
+        problems.add(RayProblem::whole(format!(
+            "the dtype is {}: rays are float64 or float32. Convert it with array.astype(float).",
             header.descr
         )));
     }
     number
 }
 
-/// The number of rays, and that of their columns.
-fn check_shape(shape: &[u64], kind: Kind, found: &mut Findings) -> Option<(u64, usize)> {
-    let most = kind.columns().len();
+/// The number of rays and the number of columns.
+fn check_shape(shape: &[u64], content: Content, problems: &mut ProblemList) -> Option<(u64, usize)> {
+    let most = content.columns().len();
     let is_width = |columns: u64| (RAY_COLUMNS.len() as u64..=most as u64).contains(&columns);
     let suggestion = match *shape {
         [rows, columns] if is_width(columns) => return Some((rows, columns as usize)),
-        [6, _] => "; transpose it",
-        [6] => "; reshape it to (1, 6)",
-        [_, 2, 3] => "; reshape it to (-1, 6)",
+        [6, _] => " Transpose it.",
+        [6] => " Reshape it to (1, 6).",
+        [_, 2, 3] => " Reshape it to (-1, 6).",
         _ => "",
     };
     let shape = match shape {
         [length] => format!("({length},)"),
         _ => format!("({})", shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
     };
-    let widths = if kind == Kind::Rays { "(N, 6)" } else { "(N, 6) to (N, 8)" };
+    let widths = if content == Content::Rays { "(N, 6)" } else { "(N, 6) to (N, 8)" };
     let columns = COLUMNS[..most].join(", ");
-    let message = format!("shape is {shape} (rays have shape {widths}: {columns}){suggestion}");
-    found.add(RayProblem::whole(message));
+    let message =
+        format!("the shape is {shape}: rays have shape {widths} with the columns {columns}.{suggestion}");
+    problems.add(RayProblem::whole(message));
     None
 }
 
-/// Compares the promised length with the file's, if that is known.
+/// Compares the length of the array in the header with the length of the file, if that is known.
 fn check_length(header: &NpyHeader, row_size: usize, rows: u64, size: Option<u64>) -> Option<String> {
-    let promised = rows.checked_mul(row_size as u64);
-    let Some(promised) = promised.filter(|&bytes| bytes <= i64::MAX as u64) else {
-        return Some(format!("the NPY header is damaged (it promises {rows} rays)"));
+    let expected = rows.checked_mul(row_size as u64);
+    let Some(expected) = expected.filter(|&bytes| bytes <= i64::MAX as u64) else {
+        return Some(format!("the NPY header is damaged: it announces {rows} rays."));
     };
     let Some(size) = size else {
-        let problem = "the array is in Fortran order (that needs a file, not a pipe); save it in C order";
+        let problem = "the array is in Fortran order: a pipe must be in C order. Save it in C order.";
         return header.fortran_order.then(|| problem.into());
     };
-    let there = size.saturating_sub(header.data_offset);
-    if there < promised {
+    let found = size.saturating_sub(header.data_offset);
+    if found < expected {
         return Some(format!(
-            "the file is cut off (the header promises {rows} rays, {promised} bytes; {there} bytes are there)"
+            "the file is incomplete: the header announces {rows} rays, {expected} bytes, and {found} bytes follow."
         ));
     }
-    (there > promised).then(|| {
-        let rest = there - promised;
-        format!("{rest} bytes follow the array (the header promises {rows} rays); save one array in a file")
+    (found > expected).then(|| {
+        let rest = found - expected;
+        format!("{rest} bytes follow the array: the header announces {rows} rays. Save one array per file.")
     })
 }

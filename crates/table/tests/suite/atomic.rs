@@ -1,4 +1,4 @@
-//! Files that appear complete or not at all.
+//! Atomic output files.
 
 use std::fs;
 use std::io::{Seek, SeekFrom, Write};
@@ -22,7 +22,7 @@ fn finish_replaces_the_target() {
 }
 
 #[test]
-fn dropped_leaves_nothing() {
+fn drop_removes_the_temporary_file() {
     let folder = Folder::new();
     let mut file = AtomicFile::create(folder.join("a.png")).unwrap();
     file.write_all(&[7; 1 << 20]).unwrap();
@@ -33,7 +33,7 @@ fn dropped_leaves_nothing() {
 }
 
 #[test]
-fn two_writers_of_one_target_do_not_meet() {
+fn two_writers_of_one_target_are_independent() {
     let folder = Folder::new();
     let mut first = AtomicFile::create(folder.join("a")).unwrap();
     let mut second = AtomicFile::create(folder.join("a")).unwrap();
@@ -50,7 +50,7 @@ fn a_target_that_became_a_folder_is_an_error_and_cleans_up() {
     let folder = Folder::new();
     let file = AtomicFile::create(folder.join("a")).unwrap();
     fs::create_dir(folder.join("a")).unwrap();
-    assert_eq!(folder.tell(&file.finish().unwrap_err()), "cannot write a (it is a folder)");
+    assert_eq!(folder.text_of(&file.finish().unwrap_err()), "cannot write a: it is a folder.");
     assert_eq!(folder.names(), ["a"]);
 }
 
@@ -63,19 +63,22 @@ fn a_long_name_fits() {
 }
 
 #[test]
-fn what_cannot_be_created_says_why() {
+fn creation_errors_have_a_reason() {
     let folder = Folder::new();
-    let tell = |target: &str| folder.tell(&AtomicFile::create(folder.join(target)).unwrap_err());
+    let text_of = |target: &str| folder.text_of(&AtomicFile::create(folder.join(target)).unwrap_err());
     let place = folder.path().display();
     assert_eq!(
-        tell("out/a.png"),
-        format!("cannot create out/a.png (the folder {place}/out does not exist; create it first)")
+        text_of("out/a.png"),
+        format!("cannot create out/a.png: the folder {place}/out does not exist. Create it first.")
             .replace(&format!("{place}/"), "")
     );
     fs::create_dir(folder.join("out")).unwrap();
-    assert_eq!(tell("out"), "cannot create out (it is a folder)");
+    assert_eq!(text_of("out"), "cannot create out: it is a folder.");
     folder.write("file", "");
-    assert_eq!(tell("file/a.png"), "cannot create file/a.png (a part of its path is a file, not a folder)");
+    assert_eq!(
+        text_of("file/a.png"),
+        "cannot create file/a.png: a part of its path is a file, not a folder."
+    );
     assert!(AtomicFile::create("").is_err());
     assert!(AtomicFile::create(folder.join("..")).is_err());
 }
@@ -113,7 +116,7 @@ fn permissions_of_the_target_are_kept() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_device_is_written_not_replaced() {
+fn a_device_is_written_directly() {
     use std::os::unix::fs::FileTypeExt;
     let mut file = AtomicFile::create("/dev/null").unwrap();
     file.write_all(b"gone").unwrap();
@@ -127,16 +130,16 @@ fn a_failed_write_cannot_be_finished() {
     let mut file = AtomicFile::create("/dev/full").unwrap();
     assert!(file.write_all(&[0; 1 << 20]).is_err());
     let error = file.finish().unwrap_err();
-    assert_eq!(error.to_string(), "cannot write /dev/full (an earlier write failed)");
+    assert_eq!(error.to_string(), "cannot write /dev/full: an earlier write failed.");
     assert!(matches!(error, TableError::Io { action: "write", .. }));
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_told() {
+fn a_full_disk_is_reported() {
     let mut file = AtomicFile::create("/dev/full").unwrap();
     file.write_all(b"little").unwrap();
     let error = file.finish().unwrap_err();
-    assert_eq!(error.to_string(), "cannot write /dev/full (the disk is full)");
+    assert_eq!(error.to_string(), "cannot write /dev/full: the disk is full.");
     assert_eq!(error.io_kind(), Some(std::io::ErrorKind::StorageFull));
 }

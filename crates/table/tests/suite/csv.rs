@@ -1,4 +1,4 @@
-//! Tables as CSV.
+//! CSV tables.
 
 use std::fs;
 
@@ -63,7 +63,7 @@ fn random_bits_read_back_to_the_same_bits() {
     for (value, text) in values.iter().zip(floats(values.clone())) {
         let back: f64 = text.parse().unwrap();
         assert!(back.to_bits() == value.to_bits() || back.is_nan() && value.is_nan(), "{text}");
-        // shortest: the standard library's independent algorithm needs no fewer digits
+        // shortest: as many digits as the independent algorithm of the standard library
         let digits = |s: &str| {
             let mantissa = s.split('e').next().unwrap().replace(['.', '-'], "");
             mantissa.trim_matches('0').len()

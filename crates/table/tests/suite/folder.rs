@@ -1,10 +1,10 @@
-//! A folder for one test.
+//! Temporary folder for a test.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// An empty folder, removed with all it holds when dropped.
+/// An empty folder, removed with its contents on drop.
 pub struct Folder {
     path: PathBuf,
 }
@@ -41,8 +41,8 @@ impl Folder {
         self.join(name)
     }
 
-    /// An error's text without this folder's path.
-    pub fn tell(&self, error: &impl ToString) -> String {
+    /// The text of an error without this folder's path.
+    pub fn text_of(&self, error: &impl ToString) -> String {
         error.to_string().replace(&format!("{}/", self.path.display()), "")
     }
 }

@@ -1,4 +1,4 @@
-//! Tables and files of rays, through the public interface.
+//! Tables and ray files, through the public interface.
 
 mod atomic;
 mod csv;

@@ -1,4 +1,4 @@
-//! Tables as NPY, read back by an independent reader.
+//! NPY tables, read back by an independent reader.
 
 use std::fs;
 
@@ -15,7 +15,7 @@ fn write(folder: &Folder, schema: &Schema, chunks: &[Chunk]) -> Vec<u8> {
     fs::read(folder.join("hits.npy")).unwrap()
 }
 
-/// Offset of the data, from the file's own length field.
+/// The offset of the data, from the length field of the file.
 fn data_offset(bytes: &[u8]) -> usize {
     assert_eq!(&bytes[..6], b"\x93NUMPY");
     match bytes[6] {
@@ -62,7 +62,7 @@ fn rows_are_packed_little_endian() {
 }
 
 #[test]
-fn name_tables_stand_beside() {
+fn name_tables_are_written_beside() {
     let folder = Folder::new();
     write(&folder, &schema(), &[chunk(0, 1)]);
     assert_eq!(folder.names(), ["hits.names.json", "hits.npy"]);

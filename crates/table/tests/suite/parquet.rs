@@ -1,4 +1,4 @@
-//! Tables as Parquet, read back row by row.
+//! Parquet tables, read back row by row.
 
 use std::fs::File;
 

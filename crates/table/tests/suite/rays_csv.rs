@@ -1,4 +1,4 @@
-//! Rays from CSV.
+//! Rays from CSV files.
 
 use std::fmt::Write;
 use std::io::{self, Read};
@@ -30,15 +30,15 @@ fn problems(text: impl AsRef<[u8]>) -> String {
     rays(text).unwrap_err().to_string()
 }
 
-/// The problem of a file with a good header and this one ray.
+/// The problem of a file with a valid header and this one ray.
 fn problem_of_ray(line: &str) -> String {
     problems(format!("ox,oy,oz,dx,dy,dz\n{line}\n"))
 }
 
 #[test]
-fn numbers_whose_squares_are_lost_are_refused() {
+fn numbers_whose_squares_overflow_or_underflow_are_rejected() {
     let huge = problem_of_ray("1e150,0,0,0,0,1");
-    assert!(huge.contains("ox is 1e150 (its square overflows)"), "{huge}");
+    assert!(huge.contains("ox is 1e150: its square overflows."), "{huge}");
     let tiny = problem_of_ray("0,0,0,0,0,1e-300");
     assert!(tiny.contains("below 1e-100"), "{tiny}");
 }
@@ -47,7 +47,7 @@ fn numbers_whose_squares_are_lost_are_refused() {
 fn random_bits_read_back_over_many_chunks() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut number = || loop {
-        // of the range that rays may have
+        // within the supported range
         let x = f64::from_bits(rng.random());
         if (1e-100..=1e100).contains(&x.abs()) {
             return x;
@@ -83,7 +83,7 @@ fn no_rays_is_legal() {
 
 #[test]
 fn an_empty_file_is_an_error() {
-    let expected = "rays.csv: the file is empty (the first line is ox,oy,oz,dx,dy,dz)";
+    let expected = "rays.csv: the file is empty: the first line must be ox,oy,oz,dx,dy,dz.";
     assert_eq!(problems(""), expected);
     assert_eq!(problems("\n\n"), expected);
 }
@@ -92,20 +92,23 @@ fn an_empty_file_is_an_error() {
 fn all_problems_of_a_header_at_once() {
     assert_eq!(
         problems("ox,oy,0z,dx,dx,velocity\n1,2,3,4,5,6\n"),
-        "rays.csv:1: unknown column \"0z\"\n\
-         rays.csv:1: column dx occurs twice\n\
-         rays.csv:1: unknown column \"velocity\"\n\
-         rays.csv:1: missing: oz, dy, dz (rays have ox,oy,oz,dx,dy,dz, in any order)"
+        "rays.csv:1: the column \"0z\" is unknown: it is not a column of rays.\n\
+         rays.csv:1: the column dx occurs twice: column names are unique.\n\
+         rays.csv:1: the column \"velocity\" is unknown: it is not a column of rays.\n\
+         rays.csv:1: columns are missing, oz, dy, dz: rays have ox,oy,oz,dx,dy,dz in any order."
     );
     assert_eq!(
         problems("ox,oy,oz,DX,dyy,d,w\n"),
-        "rays.csv:1: unknown column \"DX\"; did you mean dx?\n\
-         rays.csv:1: unknown column \"dyy\"; did you mean dy?\n\
-         rays.csv:1: unknown column \"d\"\n\
-         rays.csv:1: unknown column \"w\"\n\
-         rays.csv:1: missing: dx, dy, dz (rays have ox,oy,oz,dx,dy,dz, in any order)"
+        "rays.csv:1: the column \"DX\" is unknown: it is not a column of rays. Did you mean dx?\n\
+         rays.csv:1: the column \"dyy\" is unknown: it is not a column of rays. Did you mean dy?\n\
+         rays.csv:1: the column \"d\" is unknown: it is not a column of rays.\n\
+         rays.csv:1: the column \"w\" is unknown: it is not a column of rays.\n\
+         rays.csv:1: columns are missing, dx, dy, dz: rays have ox,oy,oz,dx,dy,dz in any order."
     );
-    assert_eq!(problems("ox,oy,oz,dx,dy,dz,\n"), "rays.csv:1: unknown column empty; remove it");
+    assert_eq!(
+        problems("ox,oy,oz,dx,dy,dz,\n"),
+        "rays.csv:1: the column empty is unknown: it is not a column of rays. Remove it."
+    );
 }
 
 #[test]
@@ -113,74 +116,83 @@ fn files_of_another_kind_are_recognised() {
     for (text, message) in [
         (
             "1,2,3,4,5,6\n",
-            "1: the first line holds numbers (it is the header); put ox,oy,oz,dx,dy,dz before it",
+            "1: the first line has numbers: it must be the header. Insert the line ox,oy,oz,dx,dy,dz.",
         ),
         (
             "\n# ox,oy,oz,dx,dy,dz\n",
-            "2: the header begins with # (there are no comments in CSV); \
-             remove it, or pass comments=\"\" to numpy.savetxt",
+            "2: the header begins with #: CSV has no comments. \
+             Remove it, or pass comments=\"\" to numpy.savetxt.",
         ),
         (
             "ox;oy;oz;dx;dy;dz\n",
-            "1: fields are separated by semicolons (CSV is read with commas); write it with commas",
+            "1: fields are separated by semicolons: CSV is read with commas. Write it with commas.",
         ),
-        ("ox\toy\toz\n", "1: fields are separated by tabs (CSV is read with commas); write it with commas"),
-        ("ox oy oz\n", "1: fields are separated by spaces (CSV is read with commas); write it with commas"),
+        ("ox\toy\toz\n", "1: fields are separated by tabs: CSV is read with commas. Write it with commas."),
+        ("ox oy oz\n", "1: fields are separated by spaces: CSV is read with commas. Write it with commas."),
     ] {
         assert_eq!(problems(text), format!("rays.csv:{message}"));
     }
-    assert_eq!(problems(b"\x93NUMPY\x01\0"), "rays.csv:1: this is an NPY file, not CSV; name it .npy");
+    assert_eq!(
+        problems(b"\x93NUMPY\x01\0"),
+        "rays.csv:1: this is an NPY file: the extension .csv is for text. Name it .npy."
+    );
     assert_eq!(
         problems(b"\xff\xfeo\0x\0"),
-        "rays.csv:1: the text is UTF-16 (CSV is read as UTF-8); save it as UTF-8"
+        "rays.csv:1: the text is UTF-16: CSV is read as UTF-8. Save it as UTF-8."
     );
 }
 
 #[test]
-fn a_bad_number_has_line_and_column() {
+fn an_invalid_number_has_line_and_column() {
     for (line, message) in [
-        ("1,2,3,4,5,1.O", "dz is \"1.O\" (not a number)"),
-        ("1,2,3,4,5,", "dz is empty (not a number)"),
-        ("1,2,3,4,0x5,6", "dy is \"0x5\" (not a number)"),
-        ("1,2,nan,4,5,6", "oz is NaN (a ray is six finite numbers)"),
-        ("1,-inf,3,4,5,6", "oy is infinite (a ray is six finite numbers)"),
-        ("1e999,2,3,4,5,6", "ox is infinite (a ray is six finite numbers)"),
-        ("1,2,3,0,-0.0,0e5", "dx, dy and dz are all 0 (a direction is a vector that is not zero)"),
-        ("1,2,3,4", "4 fields (a ray has six); is the file cut off?"),
-        ("1", "1 field (a ray has six); is the file cut off?"),
-        ("1,2,3,4,5,6,7", "7 fields (a ray has six)"),
-        ("1,0,2,0,3,0,4,0,5,0,6,0", "12 fields (a ray has six); write decimals with a point, not a comma"),
-        ("1,\"2,3,4,5,6", "a quote is opened and not closed on its line"),
-        ("1,2,3\r4,5,6", "a carriage return within the line (lines end with \\n or \\r\\n)"),
-        ("1,2,3,4,5,a\u{1b}[31mb", "dz is \"a\\u{1b}[31mb\" (not a number)"),
+        ("1,2,3,4,5,1.O", "dz is \"1.O\": it must be a number."),
+        ("1,2,3,4,5,", "dz is empty: it must be a number."),
+        ("1,2,3,4,0x5,6", "dy is \"0x5\": it must be a number."),
+        ("1,2,nan,4,5,6", "oz is NaN: a ray is six finite numbers."),
+        ("1,-inf,3,4,5,6", "oy is infinite: a ray is six finite numbers."),
+        ("1e999,2,3,4,5,6", "ox is infinite: a ray is six finite numbers."),
+        ("1,2,3,0,-0.0,0e5", "dx, dy and dz are all 0: a direction must be a nonzero vector."),
+        ("1,2,3,4", "the line has 4 fields: a ray has six. Check that the file is complete."),
+        ("1", "the line has 1 field: a ray has six. Check that the file is complete."),
+        ("1,2,3,4,5,6,7", "the line has 7 fields: a ray has six."),
+        (
+            "1,0,2,0,3,0,4,0,5,0,6,0",
+            "the line has 12 fields: a ray has six. Write decimals with a point, not a comma.",
+        ),
+        ("1,\"2,3,4,5,6", "a quote is not closed on its line: a field cannot extend over several lines."),
+        ("1,2,3\r4,5,6", "the line has a carriage return inside: lines end with \\n or \\r\\n."),
+        ("1,2,3,4,5,a\u{1b}[31mb", "dz is \"a\\u{1b}[31mb\": it must be a number."),
     ] {
         assert_eq!(problem_of_ray(line), format!("rays.csv:2: {message}"));
     }
-    assert_eq!(problem_of_ray(&",".repeat(100)), "rays.csv:2: more than 64 fields (a ray has six)");
+    assert_eq!(
+        problem_of_ray(&",".repeat(100)),
+        "rays.csv:2: the line has more than 64 fields: a ray has six."
+    );
     assert_eq!(
         problem_of_ray(&format!("1,2,3,4,5,{}", "é".repeat(1000))),
-        format!("rays.csv:2: dz is \"{}\"... (not a number)", "é".repeat(30))
+        format!("rays.csv:2: dz is \"{}\"...: it must be a number.", "é".repeat(30))
     );
 }
 
 #[test]
-fn bytes_that_are_no_text_are_shown() {
+fn invalid_utf8_is_replaced_in_messages() {
     assert_eq!(
         problems(b"ox,oy,oz,dx,dy,dz\n1,2,3,4,5,\xff\xfe\n"),
-        "rays.csv:2: dz is \"\u{fffd}\u{fffd}\" (not a number)"
+        "rays.csv:2: dz is \"\u{fffd}\u{fffd}\": it must be a number."
     );
 }
 
 #[test]
-fn lines_are_counted_as_an_editor_does() {
+fn line_numbers_agree_with_editors() {
     for end in ["\n", "\r\n"] {
         let text = ["ox,oy,oz,dx,dy,dz", "", "1,2,3,4,5,6", "", "x,2,3,4,5,6"].join(end);
-        assert_eq!(problems(&text), "rays.csv:5: ox is \"x\" (not a number)");
+        assert_eq!(problems(&text), "rays.csv:5: ox is \"x\": it must be a number.");
     }
 }
 
 #[test]
-fn a_problem_knows_line_row_and_column() {
+fn a_problem_has_line_row_and_column() {
     let TableError::Rays(problems) = rays("ox,oy,oz,dx,dy,dz\n1,2,3,4,5,6\n1,2,3,4,nan,6\n").unwrap_err()
     else {
         panic!();
@@ -191,19 +203,19 @@ fn a_problem_knows_line_row_and_column() {
 }
 
 #[test]
-fn a_stream_is_searched_to_the_end_of_the_chunk() {
-    // chunks of three: the fourth ray is not looked at
+fn a_stream_is_validated_to_the_end_of_the_chunk() {
+    // chunks of three: the fourth ray is not validated
     let text = "ox,oy,oz,dx,dy,dz\n1,2,3,4,5,6\n,,3,4,5,6\n1,2,3,0,0,0\nx,2,3,4,5,6\n";
     assert_eq!(
         problems(text),
-        "rays.csv:3: ox is empty (not a number)\n\
-         rays.csv:3: oy is empty (not a number)\n\
-         rays.csv:4: dx, dy and dz are all 0 (a direction is a vector that is not zero)"
+        "rays.csv:3: ox is empty: it must be a number.\n\
+         rays.csv:3: oy is empty: it must be a number.\n\
+         rays.csv:4: dx, dy and dz are all 0: a direction must be a nonzero vector."
     );
 }
 
 #[test]
-fn a_file_is_searched_to_its_end() {
+fn a_file_is_validated_to_its_end() {
     let folder = Folder::new();
     let good = "1,2,3,4,5,6\n".repeat(100);
     let path = folder.write("rays.csv", format!("ox,oy,oz,dx,dy,dz\n{good}a,2,3,4,5,6\n{good}1,2,3,4,5\n"));
@@ -213,40 +225,40 @@ fn a_file_is_searched_to_its_end() {
         assert_eq!(reader.read(&mut chunk, 10).unwrap(), 10);
     }
     assert_eq!(
-        folder.tell(&reader.read(&mut chunk, 10).unwrap_err()),
-        "rays.csv:102: ox is \"a\" (not a number)\n\
-         rays.csv:203: 5 fields (a ray has six); is the file cut off?"
+        folder.text_of(&reader.read(&mut chunk, 10).unwrap_err()),
+        "rays.csv:102: ox is \"a\": it must be a number.\n\
+         rays.csv:203: the line has 5 fields: a ray has six. Check that the file is complete."
     );
     assert!(chunk.is_empty());
     assert_eq!(reader.read(&mut chunk, 10).unwrap(), 0);
 }
 
 #[test]
-fn twenty_problems_are_enough() {
-    let tell = |bad: usize| {
+fn reading_stops_after_twenty_problems() {
+    let text_of = |bad: usize| {
         let text = format!("ox,oy,oz,dx,dy,dz\n{}", "1,2,3,4,5,z\n".repeat(bad));
         let folder = Folder::new();
         let mut reader = RayReader::open(folder.write("rays.csv", text)).unwrap();
-        folder.tell(&reader.read(&mut RayChunk::default(), 7).unwrap_err())
+        folder.text_of(&reader.read(&mut RayChunk::default(), 7).unwrap_err())
     };
-    assert_eq!(tell(RayProblems::LIMIT).lines().count(), 20);
-    let text = tell(10_000);
+    assert_eq!(text_of(RayProblems::LIMIT).lines().count(), 20);
+    let text = text_of(10_000);
     assert_eq!(text.lines().count(), 21);
     assert_eq!(text.lines().last().unwrap(), "rays.csv: stopped after 20 problems");
 }
 
 #[test]
-fn a_line_without_end_is_refused_and_skipped() {
+fn a_long_line_is_rejected_and_skipped() {
     let long = "9".repeat(200_000);
     let text = format!("ox,oy,oz,dx,dy,dz\n{long}\n1,2,3,4,5\n");
     assert_eq!(
         problems(text),
-        "rays.csv:2: the line is longer than 65536 bytes (a ray needs 150 at most)\n\
-         rays.csv:3: 5 fields (a ray has six); is the file cut off?"
+        "rays.csv:2: the line is longer than 65536 bytes: a ray takes 150 at most.\n\
+         rays.csv:3: the line has 5 fields: a ray has six. Check that the file is complete."
     );
     assert_eq!(
         problems(" ".repeat(200_000)),
-        "rays.csv:1: the line is longer than 65536 bytes (a ray needs 150 at most)"
+        "rays.csv:1: the line is longer than 65536 bytes: a ray takes 150 at most."
     );
 }
 
@@ -264,16 +276,19 @@ fn progress_is_in_bytes() {
 }
 
 #[test]
-fn what_cannot_be_read_says_why() {
+fn read_errors_have_a_reason() {
     let folder = Folder::new();
-    let tell = |name: &str| folder.tell(&RayReader::open(folder.join(name)).unwrap_err());
-    assert_eq!(tell("rays.csv"), "cannot read rays.csv (there is no such file or folder)");
+    let text_of = |name: &str| folder.text_of(&RayReader::open(folder.join(name)).unwrap_err());
+    assert_eq!(text_of("rays.csv"), "cannot read rays.csv: there is no such file or folder.");
     std::fs::create_dir(folder.join("rays.csv")).unwrap();
-    assert_eq!(tell("rays.csv"), "cannot read rays.csv (it is a folder)");
-    assert_eq!(tell("rays.txt"), "rays.txt: unknown format of rays (the extension says it: .csv or .npy)");
+    assert_eq!(text_of("rays.csv"), "cannot read rays.csv: it is a folder.");
+    assert_eq!(
+        text_of("rays.txt"),
+        "rays.txt: the ray file format is unknown: the extension must be .csv or .npy."
+    );
 }
 
-/// Gives a header, then fails.
+/// A source that provides a header, then fails.
 struct Failing(bool);
 
 impl Read for Failing {
@@ -286,9 +301,9 @@ impl Read for Failing {
 }
 
 #[test]
-fn a_failing_source_is_told() {
+fn a_failing_source_is_reported() {
     let mut reader = RayReader::from_csv(Failing(false), "stdin").unwrap();
     let error = reader.read(&mut RayChunk::default(), 10).unwrap_err();
-    assert_eq!(error.to_string(), "cannot read stdin (the line is down)");
+    assert_eq!(error.to_string(), "cannot read stdin: the line is down.");
     assert_eq!(error.io_kind(), Some(io::ErrorKind::Other));
 }

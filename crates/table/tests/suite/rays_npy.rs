@@ -1,4 +1,4 @@
-//! Rays from NPY, most of them written by an independent writer.
+//! Rays from NPY files, mostly written by an independent writer.
 
 use npyz::{Order, WriterBuilder};
 use rayweave_table::{Progress, RayChunk, RayReader, TableError};
@@ -25,7 +25,7 @@ fn good(rows: u64) -> Vec<u8> {
     array(&[rows, 6], "<f8", Order::C, (1..=rows * 6).map(|i| i as f64))
 }
 
-/// A file with this header text and so many zero bytes.
+/// A file with this header text and `data` zero bytes.
 fn with_header(header: &str, data: usize) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\0".to_vec();
     bytes.extend((header.len() as u16).to_le_bytes());
@@ -48,7 +48,7 @@ fn read_all(bytes: &[u8], rows_per_chunk: usize) -> Result<Vec<[f64; 6]>, String
         }
         Ok(())
     };
-    read().map_err(|error| folder.tell(&error))?;
+    read().map_err(|error| folder.text_of(&error))?;
     Ok(rays)
 }
 
@@ -82,7 +82,7 @@ fn every_layout_reads_the_same() {
 }
 
 #[test]
-fn headers_of_every_writer() {
+fn headers_of_all_writers_are_read() {
     let expected = vec![[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]];
     let data: Vec<u8> = (1..=6).flat_map(|i| f64::from(i).to_le_bytes()).collect();
     for header in [
@@ -110,16 +110,22 @@ fn no_rays_is_legal() {
 }
 
 #[test]
-fn a_wrong_shape_says_what_to_do() {
+fn the_error_about_a_shape_has_a_suggestion() {
     for (shape, message) in [
-        (&[6, 4][..], "shape is (6, 4) (rays have shape (N, 6): ox, oy, oz, dx, dy, dz); transpose it"),
-        (&[6], "shape is (6,) (rays have shape (N, 6): ox, oy, oz, dx, dy, dz); reshape it to (1, 6)"),
+        (
+            &[6, 4][..],
+            "the shape is (6, 4): rays have shape (N, 6) with the columns ox, oy, oz, dx, dy, dz. Transpose it.",
+        ),
+        (
+            &[6],
+            "the shape is (6,): rays have shape (N, 6) with the columns ox, oy, oz, dx, dy, dz. Reshape it to (1, 6).",
+        ),
         (
             &[4, 2, 3],
-            "shape is (4, 2, 3) (rays have shape (N, 6): ox, oy, oz, dx, dy, dz); reshape it to (-1, 6)",
+            "the shape is (4, 2, 3): rays have shape (N, 6) with the columns ox, oy, oz, dx, dy, dz. Reshape it to (-1, 6).",
         ),
-        (&[4, 2], "shape is (4, 2) (rays have shape (N, 6): ox, oy, oz, dx, dy, dz)"),
-        (&[], "shape is () (rays have shape (N, 6): ox, oy, oz, dx, dy, dz)"),
+        (&[4, 2], "the shape is (4, 2): rays have shape (N, 6) with the columns ox, oy, oz, dx, dy, dz."),
+        (&[], "the shape is (): rays have shape (N, 6) with the columns ox, oy, oz, dx, dy, dz."),
     ] {
         let values = (0..shape.iter().product()).map(|i| i as f64);
         assert_eq!(problem(&array(shape, "<f8", Order::C, values)), format!("rays.npy: {message}"));
@@ -127,33 +133,33 @@ fn a_wrong_shape_says_what_to_do() {
 }
 
 #[test]
-fn a_wrong_dtype_says_what_to_do() {
+fn the_error_about_a_dtype_has_a_suggestion() {
     assert_eq!(
         problem(&array(&[2, 3], "<i8", Order::C, 0..6_i64)),
-        "rays.npy: dtype is <i8 (rays are float64 or float32); convert it with array.astype(float)\n\
-         rays.npy: shape is (2, 3) (rays have shape (N, 6): ox, oy, oz, dx, dy, dz)"
+        "rays.npy: the dtype is <i8: rays are float64 or float32. Convert it with array.astype(float).\n\
+         rays.npy: the shape is (2, 3): rays have shape (N, 6) with the columns ox, oy, oz, dx, dy, dz."
     );
     let fields =
         "{'descr': [('o]', '<f8', (3,)), ('d', '<f8', (3,))], 'fortran_order': False, 'shape': (4,), }";
     let text = problem(&with_header(fields, 4 * 48));
     assert!(
         text.starts_with(
-            "rays.npy: the array has named fields (rays are plain float64 of shape (N, 6)); \
-             convert it with numpy.lib.recfunctions.structured_to_unstructured\n"
+            "rays.npy: the array has named fields: rays are plain float64 of shape (N, 6). \
+             Convert it with numpy.lib.recfunctions.structured_to_unstructured.\n"
         ),
         "{text}"
     );
 }
 
 #[test]
-fn a_bad_number_has_row_and_column() {
+fn an_invalid_number_has_row_and_column() {
     let mut values: Vec<f64> = (1..=60).map(f64::from).collect();
     values[6 * 3 + 4] = f64::NAN;
     values[6 * 5] = f64::NEG_INFINITY;
     values[6 * 9 + 3..].fill(-0.0);
-    let expected = "rays.npy: row 3: dy is NaN (a ray is six finite numbers)\n\
-                    rays.npy: row 5: ox is infinite (a ray is six finite numbers)\n\
-                    rays.npy: row 9: dx, dy and dz are all 0 (a direction is a vector that is not zero)";
+    let expected = "rays.npy: row 3: dy is NaN: a ray is six finite numbers.\n\
+                    rays.npy: row 5: ox is infinite: a ray is six finite numbers.\n\
+                    rays.npy: row 9: dx, dy and dz are all 0: a direction must be a nonzero vector.";
     let bytes = array(&[10, 6], "<f8", Order::C, values);
     for rows_per_chunk in [1, 2, 10, 100] {
         assert_eq!(read_all(&bytes, rows_per_chunk).unwrap_err(), expected);
@@ -161,12 +167,12 @@ fn a_bad_number_has_row_and_column() {
 }
 
 #[test]
-fn many_bad_rows_stop_after_twenty() {
+fn reading_stops_after_twenty_problems() {
     let bytes = array(&[100_000, 6], "<f8", Order::C, std::iter::repeat_n(0.0, 600_000));
     let text = problem(&bytes);
     assert_eq!(text.lines().count(), 21);
     assert!(text.ends_with(
-        "rays.npy: row 19: dx, dy and dz are all 0 (a direction is a vector that is not zero)\n\
+        "rays.npy: row 19: dx, dy and dz are all 0: a direction must be a nonzero vector.\n\
          rays.npy: stopped after 20 problems"
     ));
 }
@@ -177,15 +183,15 @@ fn every_truncation_is_an_error() {
     for length in 0..bytes.len() {
         let text = problem(&bytes[..length]);
         let expected = match length {
-            0 => "the file is empty".to_string(),
-            1..6 => "not an NPY file (it does not begin with \\x93NUMPY); \
-                     write it with numpy.save, or name it .csv if it is text"
+            0 => "the file is empty: an NPY header is required.".to_string(),
+            1..6 => "this is not an NPY file: it does not begin with \\x93NUMPY. \
+                     Write it with numpy.save, or name it .csv if it is text."
                 .into(),
-            6..128 => "the file ends within the NPY header".into(),
+            6..128 => "the file ends within the NPY header: it is incomplete.".into(),
             _ => {
-                let there = length - 128;
+                let found = length - 128;
                 format!(
-                    "the file is cut off (the header promises 3 rays, 144 bytes; {there} bytes are there)"
+                    "the file is incomplete: the header announces 3 rays, 144 bytes, and {found} bytes follow."
                 )
             }
         };
@@ -198,7 +204,7 @@ fn bytes_after_the_array_are_an_error() {
     let bytes = [good(3), good(2)].concat();
     assert_eq!(
         problem(&bytes),
-        "rays.npy: 224 bytes follow the array (the header promises 3 rays); save one array in a file"
+        "rays.npy: 224 bytes follow the array: the header announces 3 rays. Save one array per file."
     );
 }
 
@@ -220,22 +226,25 @@ fn damaged_headers_are_errors() {
         "{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999999999999, 6), }",
     ] {
         let text = problem(&with_header(header, 48));
-        assert!(text.starts_with("rays.npy: the NPY header is damaged (\""), "{header}: {text}");
+        assert!(text.starts_with("rays.npy: the NPY header is damaged: it reads \""), "{header}: {text}");
     }
     let huge = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000000000, 6), }";
     assert_eq!(
         problem(&with_header(huge, 48)),
-        "rays.npy: the NPY header is damaged (it promises 1000000000000000000 rays)"
+        "rays.npy: the NPY header is damaged: it announces 1000000000000000000 rays."
     );
     assert_eq!(
         problem(b"\x93NUMPY\x02\0\xff\xff\xff\xff{"),
-        "rays.npy: the NPY header is damaged (its length is given as 4294967295 bytes)"
+        "rays.npy: the NPY header is damaged: its stated length is 4294967295 bytes."
     );
-    assert_eq!(problem(b"\x93NUMPY\x09\0\0\0"), "rays.npy: NPY version 9 is unknown (1, 2 and 3 are known)");
+    assert_eq!(
+        problem(b"\x93NUMPY\x09\0\0\0"),
+        "rays.npy: the NPY version 9 is unknown: versions 1, 2 and 3 are supported."
+    );
 }
 
 #[test]
-fn progress_and_rays_are_known() {
+fn progress_and_number_of_rays_are_reported() {
     let folder = Folder::new();
     let mut reader = RayReader::open(folder.write("rays.npy", good(10))).unwrap();
     let total = Some(128 + 480);

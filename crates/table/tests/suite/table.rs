@@ -1,4 +1,4 @@
-//! What holds for tables of every format.
+//! Tables of all formats.
 
 use std::fs;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub fn schema() -> Schema {
     .unwrap()
 }
 
-/// Rows `first..first + rows` of a table whose values are functions of the row.
+/// Rows `first..first + rows` of a table with values computed from the row.
 pub fn chunk(first: i64, rows: i64) -> Chunk {
     let range = first..first + rows;
     let medium = |i: i64| [0, 1, NO_NAME][i as usize % 3];
@@ -78,7 +78,7 @@ fn dropped_without_finish_keeps_the_earlier_table() {
 }
 
 #[test]
-fn the_cut_into_chunks_does_not_change_a_byte() {
+fn the_chunk_size_does_not_change_a_byte() {
     for name in ["hits.csv", "hits.npy"] {
         let folder = Folder::new();
         let mut contents = Vec::new();
@@ -96,27 +96,33 @@ fn the_cut_into_chunks_does_not_change_a_byte() {
 }
 
 #[test]
-fn a_bad_chunk_is_named_and_spoils_the_table() {
+fn an_invalid_chunk_is_reported_and_the_table_cannot_be_finished() {
     let folder = Folder::new();
     let mut table = TableWriter::create(folder.join("hits.csv"), &schema()).unwrap();
     let few = Chunk::new(vec![vec![1.0].into()]).unwrap();
-    assert_eq!(table.write(&few).unwrap_err().to_string(), "bad chunk: 1 columns, the table has 5");
+    assert_eq!(
+        table.write(&few).unwrap_err().to_string(),
+        "the chunk is invalid: it has 1 columns, the schema has 5."
+    );
 
     let mut columns = chunk(0, 2).into_columns();
     columns[4] = vec![0, 2_u32].into();
     assert_eq!(
         table.write(&Chunk::new(columns).unwrap()).unwrap_err().to_string(),
-        "bad chunk: column \"medium\": id 2 in row 1 (the table has 2 names)"
+        "the chunk is invalid: column \"medium\" has the name index 2 in row 1, but there are 2 names."
     );
 
     let mut columns = chunk(0, 2).into_columns();
     columns[0] = Values::F64(vec![0.0, 1.0]);
     assert_eq!(
         table.write(&Chunk::new(columns).unwrap()).unwrap_err().to_string(),
-        "bad chunk: column \"ray\": values are f64, the table has i64"
+        "the chunk is invalid: column \"ray\" has values of type f64, the schema has i64."
     );
 
-    assert_eq!(folder.tell(&table.finish().unwrap_err()), "cannot write hits.csv (an earlier chunk failed)");
+    assert_eq!(
+        folder.text_of(&table.finish().unwrap_err()),
+        "cannot write hits.csv: an earlier chunk failed."
+    );
     assert_eq!(folder.names(), Vec::<String>::new());
 }
 
@@ -125,41 +131,41 @@ fn columns_of_a_chunk_have_equal_length() {
     let error = Chunk::new(vec![vec![1.0, 2.0].into(), vec![true].into()]).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "bad chunk: column 1 has 1 values, column 0 has 2 (all columns have equal length)"
+        "the chunk is invalid: column 1 has 1 values and column 0 has 2, but columns must have equal lengths."
     );
 }
 
 #[test]
 fn a_schema_names_each_column_once() {
-    let tell = |names: &[&str]| {
+    let text_of = |names: &[&str]| {
         let columns = names.iter().map(|&name| Column::new(name, DType::F64)).collect();
         Schema::new(columns).unwrap_err().to_string()
     };
-    assert_eq!(tell(&[]), "bad table: it has no columns");
-    assert_eq!(tell(&["x", ""]), "bad table: column 1 has no name");
-    assert_eq!(tell(&["x", "y", "x"]), "bad table: two columns have the name \"x\"");
+    assert_eq!(text_of(&[]), "the schema is invalid: it has no columns.");
+    assert_eq!(text_of(&["x", ""]), "the schema is invalid: column 1 has no name.");
+    assert_eq!(text_of(&["x", "y", "x"]), "the schema is invalid: two columns have the name \"x\".");
 }
 
 #[test]
-fn an_unknown_extension_is_refused() {
+fn an_unknown_extension_is_rejected() {
     let folder = Folder::new();
     for name in ["hits.xlsx", "hits", ".csv", "hits.csv.gz"] {
         let error = TableWriter::create(folder.join(name), &schema()).unwrap_err();
         let expected =
-            format!("{name}: unknown table format (the extension says it: .csv, .npy or .parquet)");
-        assert_eq!(folder.tell(&error), expected);
+            format!("{name}: the table format is unknown: the extension must be .csv, .npy or .parquet.");
+        assert_eq!(folder.text_of(&error), expected);
     }
     assert_eq!(folder.names(), Vec::<String>::new());
 }
 
 #[cfg(not(feature = "parquet"))]
 #[test]
-fn parquet_says_how_to_build_it() {
+fn the_error_about_parquet_suggests_the_feature() {
     let folder = Folder::new();
     let error = TableWriter::create(folder.join("hits.parquet"), &schema()).unwrap_err();
     assert_eq!(
-        folder.tell(&error),
-        "hits.parquet: this build cannot write Parquet (it is heavy to compile, so it is a cargo feature); \
-         build with `--features parquet`, or write .csv or .npy"
+        folder.text_of(&error),
+        "hits.parquet: this build cannot write Parquet: it was compiled without the cargo feature `parquet`. \
+         Build with `--features parquet`, or write .csv or .npy."
     );
 }

@@ -24,8 +24,8 @@ pub(crate) struct Accel {
 }
 
 /// What the position of a ray's origin adds to the growth of every box, and the way into the frame of the group.
-fn ray_margin(origin: Vec3, reach: f64) -> f64 {
-    MARGIN * (origin.length() + reach)
+fn ray_margin(origin: Vec3, magnitude: f64) -> f64 {
+    MARGIN * (origin.length() + magnitude)
 }
 
 impl Accel {
@@ -54,7 +54,7 @@ impl Accel {
 
     /// How much boxes are to be grown for a ray.
     fn margin(&self, ray: &GroupRay<'_>) -> f64 {
-        self.condition * ray_margin(ray.ray.origin, ray.reach)
+        self.condition * ray_margin(ray.ray.origin, ray.magnitude)
     }
 
     /// The leaves that the ray can touch within the window.
@@ -81,6 +81,6 @@ impl Accel {
     /// The leaves whose bounds hold a point.
     pub fn around(&self, point: &GroupPoint, out: &mut Vec<u32>) {
         out.extend_from_slice(&self.unbounded);
-        self.hierarchy.around(point.point, self.condition * ray_margin(point.point, point.reach), out);
+        self.hierarchy.around(point.point, self.condition * ray_margin(point.point, point.magnitude), out);
     }
 }

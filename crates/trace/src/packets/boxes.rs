@@ -217,8 +217,8 @@ impl<S: Simd> Slabs<S> {
 
     /// The rays that pass the grown box.
     #[inline(always)]
-    fn touch(&self, simd: S, bounds: &Bounds, reach: &Reach<S>) -> Mask<S> {
-        let (mut enter, mut leave) = (reach.from.0, reach.until.0);
+    fn touch(&self, simd: S, bounds: &Bounds, magnitude: &Reach<S>) -> Mask<S> {
+        let (mut enter, mut leave) = (magnitude.from.0, magnitude.until.0);
         let Vec3 { x, y, z } = bounds.lo;
         let low = [x, y, z];
         let Vec3 { x, y, z } = bounds.hi;
@@ -230,7 +230,7 @@ impl<S: Simd> Slabs<S> {
             enter = enter.max(a.min(b));
             leave = leave.min(a.max(b));
         }
-        enter.simd_le(leave) & reach.rays
+        enter.simd_le(leave) & magnitude.rays
     }
 
     /// The bundle of some of the rays, a bit each.
@@ -302,8 +302,8 @@ fn smaller(a: f64, b: f64) -> f64 {
 impl Bundle {
     /// When the bundle may enter each of the boxes of a node, and a bit for each that it may touch.
     #[inline(always)]
-    fn enter<S: Simd>(&self, simd: S, node: &Node, reach: &Reach<S>) -> (Lanes<S>, u64) {
-        let (mut enter, mut leave) = (splat(simd, reach.from.1), splat(simd, reach.until.1));
+    fn enter<S: Simd>(&self, simd: S, node: &Node, magnitude: &Reach<S>) -> (Lanes<S>, u64) {
+        let (mut enter, mut leave) = (splat(simd, magnitude.from.1), splat(simd, magnitude.until.1));
         for (k, [up, down]) in self.sides.iter().enumerate() {
             let low = Lanes::load_array_ref(simd, &node.planes[k].0);
             let high = Lanes::load_array_ref(simd, &node.planes[k + 3].0);
@@ -346,10 +346,10 @@ pub(super) struct Reach<S: Simd> {
 impl Ahead {
     /// Makes ready for another bundle.
     #[inline(always)]
-    pub fn begin<S: Simd>(&mut self, simd: S, boxes: &Boxes, bundle: &Bundle, reach: &Reach<S>) {
+    pub fn begin<S: Simd>(&mut self, simd: S, boxes: &Boxes, bundle: &Bundle, magnitude: &Reach<S>) {
         self.0.clear();
         if !boxes.nodes.is_empty() {
-            self.open(simd, boxes, 0, bundle, reach);
+            self.open(simd, boxes, 0, bundle, magnitude);
         }
     }
 
@@ -360,24 +360,24 @@ impl Ahead {
         simd: S,
         boxes: &Boxes,
         (slabs, bundle): (&Slabs<S>, &Bundle),
-        reach: &Reach<S>,
+        magnitude: &Reach<S>,
     ) -> Option<u32> {
         while let Some(Place { enter, node, lane }) = self.0.pop() {
             let (node, lane) = (&boxes.nodes[node as usize], lane as usize % LANES);
-            if enter > reach.until.1 || !slabs.touch(simd, &node.bounds(lane), reach).any_true() {
+            if enter > magnitude.until.1 || !slabs.touch(simd, &node.bounds(lane), magnitude).any_true() {
                 continue;
             }
             match node.content[lane] {
                 Content::Item(item) => return Some(item),
-                Content::Node(node) => self.open(simd, boxes, node, bundle, reach),
+                Content::Node(node) => self.open(simd, boxes, node, bundle, magnitude),
             }
         }
         None
     }
 
     #[inline(always)]
-    fn open<S: Simd>(&mut self, simd: S, boxes: &Boxes, node: u32, bundle: &Bundle, reach: &Reach<S>) {
-        let (enter, mut touched) = bundle.enter(simd, &boxes.nodes[node as usize], reach);
+    fn open<S: Simd>(&mut self, simd: S, boxes: &Boxes, node: u32, bundle: &Bundle, magnitude: &Reach<S>) {
+        let (enter, mut touched) = bundle.enter(simd, &boxes.nodes[node as usize], magnitude);
         let known = self.0.len();
         while touched != 0 {
             let lane = touched.trailing_zeros();

@@ -166,7 +166,7 @@ pub(super) struct Bundled<'a, S: Simd> {
     pub ray: &'a LaneRay<S>,
     pub slabs: &'a Slabs<S>,
     pub bundle: &'a Bundle,
-    pub reach: &'a Reach<S>,
+    pub magnitude: &'a Reach<S>,
 }
 
 impl<S: Simd> Group<'_, S> {
@@ -197,8 +197,8 @@ impl<S: Simd> Group<'_, S> {
         let never = Mask::splat(simd, false);
         let mut doubt = Doubt { always: never, grazes: never };
         self.no_changes();
-        ahead.begin(simd, &carved.boxes, rays.bundle, rays.reach);
-        while let Some(leaf) = ahead.next(simd, &carved.boxes, (rays.slabs, rays.bundle), rays.reach) {
+        ahead.begin(simd, &carved.boxes, rays.bundle, rays.magnitude);
+        while let Some(leaf) = ahead.next(simd, &carved.boxes, (rays.slabs, rays.bundle), rays.magnitude) {
             if !near.add(leaf, carved.leaves[leaf as usize].union) {
                 return (Doubt { always: !never, ..doubt }, never);
             }

@@ -119,7 +119,7 @@ impl<'m, S: Simd> Group<'m, S> {
         let mut unsure = doubt.always;
         for k in 1..most {
             let (a, b) = (self.key(k - 1), self.key(k));
-            let near = ray.may_hug(a, b, &plan.model.limits) | doubt.grazes;
+            let near = ray.may_coincide(a, b, &plan.model.limits) | doubt.grazes;
             unsure |= near & b.simd_lt(f64::INFINITY);
         }
         unsure.to_bitmask()

@@ -102,8 +102,8 @@ impl Logic {
             let before = waiting.len();
             let wire = match expression.node(node) {
                 _ if wires.contains_key(&node) => None,
-                Gate::Vacuum => Some(Wire::FALSE),
-                Gate::Plenum => Some(Wire::TRUE),
+                Gate::Empty => Some(Wire::FALSE),
+                Gate::Universe => Some(Wire::TRUE),
                 Gate::Leaf(id) => Some(leaf(self, id)?),
                 Gate::Join(_, operands) if operands.len() > most => return None,
                 Gate::Join(rule, operands) => {

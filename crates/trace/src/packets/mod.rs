@@ -29,7 +29,7 @@ use objects::{First, Objects};
 use plan::{APART, Common, Plan, SMALL};
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, HitRows, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink,
-    StartLists, Window, dress,
+    StartLists, Window, attributes,
 };
 use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, splat};
 use starts::Begin;
@@ -407,7 +407,7 @@ impl Firsts<'_, '_> {
             let (ray, face) = (at + lane, face(lane));
             let [before, after] = [self.hits.before[ray], self.hits.after[ray]].map(RegionId);
             let crossing = Crossing { t: self.hits.t[ray], face, left: face, entered: face, before, after };
-            let normal = dress::normal(self.weave.program(), &self.rays.get(ray), &crossing);
+            let normal = attributes::normal(self.weave.program(), &self.rays.get(ray), &crossing);
             (x[ray], y[ray], z[ray]) = (normal.x, normal.y, normal.z);
         }
     }

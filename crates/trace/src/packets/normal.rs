@@ -1,4 +1,4 @@
-//! Normals of eight hits at a time, by the operations of [`rayweave_model::dress::normal`] in their order.
+//! Normals of eight hits at a time, by the operations of [`rayweave_model::attributes::normal`] in their order.
 
 use super::group::{Row, whole};
 use fearless_simd::Simd;

@@ -124,7 +124,7 @@ struct Within {
 impl Default for Within {
     fn default() -> Self {
         let group = PrototypeId(0);
-        Within { edge: Edge::VACUUM, region: 0.0, group, placement: 0, path: Vec::new(), steps: 0..0 }
+        Within { edge: Edge::EMPTY, region: 0.0, group, placement: 0, path: Vec::new(), steps: 0..0 }
     }
 }
 
@@ -171,7 +171,7 @@ impl<'p> Gathered<'p> {
         let expression = &self.program.prototype(within.group).expression;
         let upright = !within.edge.is_complemented();
         match expression.node(within.edge.node()) {
-            Gate::Vacuum if upright => Some(()),
+            Gate::Empty if upright => Some(()),
             Gate::Join(Rule::AtLeast(1), operands) if upright => {
                 self.waiting.extend(operands.iter().map(|&edge| Within { edge, ..within.clone() }));
                 Some(())
@@ -304,7 +304,7 @@ fn leaves(expression: &Expression, edge: Edge) -> Option<Vec<LeafId>> {
         match expression.node(edge.node()) {
             Gate::Leaf(leaf) => found.push(leaf),
             Gate::Join(_, operands) => waiting.extend(operands.iter()),
-            Gate::Vacuum | Gate::Plenum => {}
+            Gate::Empty | Gate::Universe => {}
         }
         if found.len() + waiting.len() > 64 * MOST {
             return None;
@@ -406,14 +406,14 @@ impl Objects {
         let simd = group.simd;
         let bundle = slabs.bundle(some);
         let (from, end) = (splat(simd, window.t_min()), splat(simd, window.t_max()));
-        let mut reach =
+        let mut magnitude =
             Reach { rays: search.asked, from: (from, window.t_min()), until: (end, window.t_max()) };
-        ahead.begin(simd, &self.boxes, &bundle, &reach);
-        while let Some(item) = ahead.next(simd, &self.boxes, (slabs, &bundle), &reach) {
-            let rays = Bundled { ray, slabs, bundle: &bundle, reach: &reach };
+        ahead.begin(simd, &self.boxes, &bundle, &magnitude);
+        while let Some(item) = ahead.next(simd, &self.boxes, (slabs, &bundle), &magnitude) {
+            let rays = Bundled { ray, slabs, bundle: &bundle, magnitude: &magnitude };
             if self.ask(group, item, &rays, inner, window, search) {
                 let until = (search.first + behind).min(end);
-                reach.until = (until, latest(search.asked.select(until, from)));
+                magnitude.until = (until, latest(search.asked.select(until, from)));
             }
         }
     }
@@ -444,7 +444,8 @@ impl Objects {
                     Asked::Carved(carved) => {
                         let slabs = carried.slabs(simd, part.condition);
                         let bundle = slabs.bundle(search.asked.to_bitmask());
-                        let rays = Bundled { ray: &ray, slabs: &slabs, bundle: &bundle, reach: rays.reach };
+                        let rays =
+                            Bundled { ray: &ray, slabs: &slabs, bundle: &bundle, magnitude: rays.magnitude };
                         group.enter_carved(carved, &rays, ahead, window)
                     }
                 }
@@ -502,10 +503,10 @@ impl Objects {
             let met = &self.objects[number as usize];
             let limits = &self.parts[met.part as usize].limits;
             let near = match self.steps(met) {
-                [] => ray.may_hug(search.first, next, limits),
+                [] => ray.may_coincide(search.first, next, limits),
                 steps => {
                     let carried = Carried::new(simd, ray.origin, ray.direction, steps);
-                    carried.ready(simd, limits).0.may_hug(search.first, next, limits)
+                    carried.ready(simd, limits).0.may_coincide(search.first, next, limits)
                 }
             };
             for lane in 0..LANES {
@@ -539,7 +540,7 @@ impl Objects {
         let face = self.face(first, lane);
         let limits = &self.model.limits;
         let end = ray.closest_time(limits.centre) + limits.radius / ray.direction.length();
-        ray.clears(program, face, first.t.0[lane], (next, end.min(window.t_max()).max(next)))
+        ray.separated_along(program, face, first.t.0[lane], (next, end.min(window.t_max()).max(next)))
     }
 
     /// The face of a hit.

@@ -23,7 +23,7 @@ pub(super) struct Carried<S: Simd> {
     pub origin: Vec3Lanes<S>,
     pub direction: Vec3Lanes<S>,
     /// What the way adds to the reach of every surface.
-    reach: Lanes<S>,
+    magnitude: Lanes<S>,
 }
 
 impl<S: Simd> Carried<S> {
@@ -31,13 +31,13 @@ impl<S: Simd> Carried<S> {
     /// somewhat more.
     #[inline(always)]
     pub fn new(simd: S, origin: Vec3Lanes<S>, direction: Vec3Lanes<S>, steps: &[Step]) -> Self {
-        let mut ray = Carried { origin, direction, reach: splat(simd, 0.0) };
+        let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
         for Step { place, stretch } in steps {
             let down = &place.local_from_world;
             ray = Carried {
                 origin: turned(down, ray.origin).plus_all(down.translation),
                 direction: turned(down, ray.direction),
-                reach: (ray.origin.taxicab() + place.path + ray.reach) * *stretch,
+                magnitude: (ray.origin.taxicab() + place.path + ray.magnitude) * *stretch,
             };
         }
         ray
@@ -46,14 +46,14 @@ impl<S: Simd> Carried<S> {
     /// Ready for tests against the boxes of a group of a condition.
     #[inline(always)]
     pub fn slabs(&self, simd: S, condition: f64) -> Slabs<S> {
-        let margin = (self.origin.taxicab() + self.reach) * (condition * MARGIN);
+        let margin = (self.origin.taxicab() + self.magnitude) * (condition * MARGIN);
         Slabs::new(simd, self.origin, self.direction, margin)
     }
 
     /// Ready for kernels.
     #[inline(always)]
     pub fn ready(&self, simd: S, limits: &LaneLimits) -> (LaneRay<S>, Doubt<S>) {
-        LaneRay::carried(simd, self.origin, self.direction, limits, self.reach)
+        LaneRay::carried(simd, self.origin, self.direction, limits, self.magnitude)
     }
 }
 
@@ -66,7 +66,7 @@ fn turned<S: Simd>(map: &Affine, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
 
 impl Step {
     pub fn new(place: Place) -> Step {
-        Step { place, stretch: place.local_from_world.stretch() }
+        Step { place, stretch: place.local_from_world.linear_norm() }
     }
 
     /// Gradients in the frame outside: by the transpose.
@@ -78,7 +78,7 @@ impl Step {
 }
 
 /// The unit gradients, in the frame of the world, of a face met by rays at times `t`, as
-/// [`rayweave_model::dress::world_gradient`] and what is done with it; `None` of faces whose normals are found one by one.
+/// [`rayweave_model::attributes::world_gradient`] and what is done with it; `None` of faces whose normals are found one by one.
 #[inline(always)]
 pub(super) fn unit_gradient<S: Simd>(
     simd: S,

@@ -286,7 +286,7 @@ fn is_beyond(program: &Program, facet: &LeafFacet, point: Vec3) -> bool {
     let Surface::Plane(plane) = &entry.surface else { return false };
     let (value, _) = plane.value_and_gradient(point);
     let beyond = if facet.inside() { value } else { -value };
-    beyond >= -delta_of(entry.reach + point.length())
+    beyond >= -delta_of(entry.magnitude + point.length())
 }
 
 /// For rays that may meet some leaves of a group.
@@ -299,13 +299,13 @@ pub(super) fn limits(
         centre: group.ball.centre,
         radius: group.ball.radius,
         // leaves may reach farther than their surfaces, and the points of a chord are of that size, too
-        reach: group.ball.centre.length() + group.ball.radius / 16.0,
+        magnitude: group.ball.centre.length() + group.ball.radius / 16.0,
         largest_radius: 0.0,
         bend: 0.0,
     };
     let facets = leaves.flat_map(|leaf| program.leaf(leaf).facets());
     for entry in facets.map(|facet| program.surface(facet.surface())) {
-        limits.reach = limits.reach.max(entry.reach);
+        limits.magnitude = limits.magnitude.max(entry.magnitude);
         match &entry.surface {
             Surface::Plane(_) => {}
             Surface::Sphere(s) => limits.largest_radius = limits.largest_radius.max(s.radius),

@@ -3,12 +3,65 @@
 use super::evaluator::WatchWalk;
 use super::names::Names;
 use super::settled::Settled;
-use super::{Next, SingleHit, Step, Verdict, Watch};
+use super::{Next, SingleHit, Step, TooLarge, Verdict, Watch};
+use rayweave_error::{Classified, ErrorKind};
 use rayweave_model::{
-    Crossing, Evaluator, Face, GroupRay, LeafId, Limit, Program, PrototypeId, Query, RegionId,
+    Crossing, Evaluator, Face, GroupRay, LeafId, Limit, Program, PrototypeId, Query, RegionId, Window,
 };
-use rayweave_shape::Ray;
+use rayweave_shape::{Ray, RayError};
 use std::sync::Arc;
+
+/// A ray that cannot be explained.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExplainError {
+    /// The ray is out of range: see [`Ray::check`].
+    #[error(transparent)]
+    Ray(#[from] RayError),
+    /// The model is too large for [`SingleHit`], which records the explanation.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+}
+
+impl Classified for ExplainError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            ExplainError::Ray(error) => error.kind(),
+            ExplainError::TooLarge(error) => error.kind(),
+        }
+    }
+}
+
+/// Explains the crossings of one ray: every query of a leaf, every decision at a gate of the model's tree with the operands it
+/// was made from, and the crossings. [`std::fmt::Display`] prints it as text; the fields hold the same as data.
+///
+/// # Errors
+///
+/// [`ExplainError`]: a ray that is out of range, or a model that is too large.
+///
+/// ```
+/// use rayweave_math::Vec3;
+/// use rayweave_model::{Program, Solid, Window};
+/// use rayweave_shape::{Ray, primitive::build};
+/// use rayweave_trace::single_hit::explain;
+/// use std::sync::Arc;
+///
+/// let ball = Solid::from(build("sphere", &[("radius", 2.0.into())])?).named("ball");
+/// let left = build("half_space", &[("normal", Vec3::X.into()), ("offset", 0.0.into())])?;
+/// let eye = ball - Solid::from(left).named("left");
+/// let program = Arc::new(Program::compile(&eye)?);
+/// let ray = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
+/// let explanation = explain(&program, ray, Window::ALL)?;
+/// assert_eq!(explanation.crossings.len(), 2);
+/// let line = "ball - left stays outside at 3: ball is entered, but the ray is inside left until 5. So ball is asked again.";
+/// assert!(explanation.to_string().contains(line), "{explanation}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn explain(program: &Arc<Program>, ray: Ray, window: Window) -> Result<Explanation, ExplainError> {
+    ray.check()?;
+    let evaluator = SingleHit::new(program.clone())?;
+    Ok(evaluator.explain(ray, &Query { window, ..Query::default() }))
+}
 
 /// So many entries are kept of one explanation; the others are counted. A model of ten thousand leaves has twice as
 /// many for each of its crossings.

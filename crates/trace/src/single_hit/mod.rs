@@ -29,7 +29,9 @@ pub mod seed_view;
 pub use answer::{Next, Step};
 pub use ask::{LeafAnswers, NoWatch, Stacks, Watch};
 pub use evaluator::{SingleHit, SingleHitScratch};
-pub use explain::{Entry, Explanation, Found, MOST_ENTRIES, Meaning, Operand, Question, What};
+pub use explain::{
+    Entry, ExplainError, Explanation, Found, MOST_ENTRIES, Meaning, Operand, Question, What, explain,
+};
 pub use rule::{Op, Verdict, decide};
 pub use story::{MOST_LINES, Story};
 pub use tree::{Kind, MOST_NODES, Node, TooLarge, Tree};

@@ -76,8 +76,8 @@ impl<'a> Names<'a> {
 
     fn name(&self, node: usize) -> String {
         match self.node(node).kind {
-            Kind::Constant(0) => "vacuum".to_owned(),
-            Kind::Constant(_) => "plenum".to_owned(),
+            Kind::Constant(0) => "empty".to_owned(),
+            Kind::Constant(_) => "universe".to_owned(),
             Kind::Leaf(leaf) => self.leaf_name(leaf),
             Kind::Gate(Op::Last) => self.regions_name(node),
             Kind::Gate(op) => self.formula(op, node),

@@ -1,6 +1,7 @@
 //! The expression of a group as one binary tree in post-order: the evaluator's own layout.
 
 use super::Op;
+use rayweave_error::{Classified, ErrorKind};
 use rayweave_model::simplify::{Step, balanced};
 use rayweave_model::{Edge, Gate, Rule};
 use std::fmt;
@@ -18,6 +19,12 @@ pub struct TooLarge {
     pub nodes: u64,
     /// The number that is allowed.
     pub most: u64,
+}
+
+impl Classified for TooLarge {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Compile
+    }
 }
 
 impl fmt::Display for TooLarge {
@@ -227,8 +234,8 @@ impl<'a> Builder<'a> {
     fn operand(&mut self, edge: Edge, weight: u32) {
         let (gates, complemented) = (self.gates, edge.is_complemented());
         match &gates[edge.node().index()] {
-            Gate::Vacuum => self.leaf(Kind::Constant(0), complemented, weight),
-            Gate::Plenum => self.leaf(Kind::Constant(1), complemented, weight),
+            Gate::Empty => self.leaf(Kind::Constant(0), complemented, weight),
+            Gate::Universe => self.leaf(Kind::Constant(1), complemented, weight),
             Gate::Leaf(leaf) => self.leaf(Kind::Leaf(leaf.0), complemented, weight),
             Gate::Join(rule, operands) => self.join(*rule, operands, complemented, weight),
         }

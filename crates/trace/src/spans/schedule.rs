@@ -155,8 +155,8 @@ impl Builder<'_> {
             self.schedule.slots - 1
         });
         let what = match &self.nodes[node] {
-            Gate::Vacuum => What::Constant(false),
-            Gate::Plenum => What::Constant(true),
+            Gate::Empty => What::Constant(false),
+            Gate::Universe => What::Constant(true),
             Gate::Leaf(leaf) => What::Leaf(leaf.0),
             Gate::Join(rule, operands) => self.join(*rule, operands),
         };
@@ -260,7 +260,7 @@ mod tests {
         let top = f.join(Op::Union, &[left, right.complement()]);
         let unused = f.join(Op::Union, &[top, x[0]]);
         assert_ne!(unused, top);
-        let asked = [top, shared.complement(), Edge::VACUUM, Edge::PLENUM, x[2], top.complement()];
+        let asked = [top, shared.complement(), Edge::EMPTY, Edge::UNIVERSE, x[2], top.complement()];
         asked.into_iter().for_each(|edge| f.ask(edge));
         let schedule = check(&f, 4);
         assert_eq!(schedule.steps.iter().filter(|step| matches!(step.what, What::Join(..))).count(), 4);

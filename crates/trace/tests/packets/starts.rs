@@ -7,7 +7,7 @@ use rayweave_conformance::{Random, Tally};
 use rayweave_math::Vec3;
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, LeafFacet, Limit, PlacementId, Program, Query, Start, StartLists,
-    Window, dress,
+    Window, attributes,
 };
 use rayweave_shape::Ray;
 use rayweave_shape::surface::delta;
@@ -64,7 +64,7 @@ fn window(rng: &mut Random) -> Window {
 
 /// A ray that leaves a face in some direction.
 fn sent_on(program: &Program, ray: &Ray, crossing: &Crossing, rng: &mut Random) -> (Ray, Vec<Start>) {
-    let normal = dress::normal(program, ray, crossing);
+    let normal = attributes::normal(program, ray, crossing);
     let speed = ray.direction.length();
     let direction = match rng.below(4) {
         0 => ray.direction,
@@ -74,7 +74,7 @@ fn sent_on(program: &Program, ray: &Ray, crossing: &Crossing, rng: &mut Random) 
         _ => speed * rng.direction(),
     };
     let start = |face: Face, turned: bool| {
-        let gradient = dress::world_gradient(program, ray, face, crossing.t);
+        let gradient = attributes::world_gradient(program, ray, face, crossing.t);
         let inside = (gradient.dot(direction) < 0.0) ^ turned;
         Start { surface: face.surface, placement: face.placement, inside }
     };
@@ -118,7 +118,7 @@ fn faces(program: &Program) -> impl Iterator<Item = Face> + '_ {
 fn is_on(program: &Program, face: &Face, ray: &Ray, t: f64) -> bool {
     let entry = program.surface(face.surface);
     let (value, gradient) = entry.surface.value_and_gradient(ray.at(t));
-    value.abs() <= delta(entry.reach, ray, t) * gradient.length()
+    value.abs() <= delta(entry.magnitude, ray, t) * gradient.length()
 }
 
 /// Numbers as bits, and what differs on the two sides.

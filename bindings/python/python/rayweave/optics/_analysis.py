@@ -49,7 +49,7 @@ class Spot:
 
 def spot_of(points: NDArray[np.float64], power: NDArray[np.float64]) -> Spot:
     if not power.sum() > 0.0:
-        raise RayweaveError("no light arrives there (a spot needs some)")
+        raise RayweaveError("no light arrives there: a spot needs some.")
     return Spot(points[:, :2], power)
 
 
@@ -64,7 +64,7 @@ def irradiance_of(
     if size is not None:
         limits = [(-0.5 * length, 0.5 * length) for length in _lengths(size)]
     elif len(across) == 0:
-        raise RayweaveError("no light arrives there (say the size of the map)")
+        raise RayweaveError("no light arrives there: say the size of the map.")
     else:
         limits = [(float(values.min()), float(values.max())) for values in (across, up)]
     counts, x, y = np.histogram2d(across, up, bins=cells, range=limits, weights=power)
@@ -74,10 +74,10 @@ def irradiance_of(
 
 def _lengths(size: Any) -> list[float]:
     if not isinstance(size, tuple | list) or len(size) != 2:
-        raise TypeError(f"size is {size!r} (a width and a height are needed)")
+        raise TypeError(f"size is {size!r}: a width and a height are needed.")
     lengths = [real(length, "size") for length in size]
     if not all(0.0 < length < np.inf for length in lengths):
-        raise RayweaveError(f"size is {size!r} (both have to be greater than 0 and finite)")
+        raise RayweaveError(f"size is {size!r}: both have to be greater than 0 and finite.")
     return lengths
 
 
@@ -96,7 +96,7 @@ _BACK = ("reflected", "totally reflected", "scattered")
 def paths_of(trace: Mapping[str, NDArray[Any]], elements: list[str], events: list[str]) -> list[Path]:
     parent = trace["parent"]
     if len(parent) and (parent.max() >= len(parent) or np.any(trace["generation"][parent < 0] > 0)):
-        raise RayweaveError("some segments are left out (paths are those of a whole trace)")
+        raise RayweaveError("some segments are left out: paths are those of a whole trace.")
     came_back = _came_back(trace, events)
     names: list[str] = []
     numbers: dict[tuple[int, bool, int], int] = {}

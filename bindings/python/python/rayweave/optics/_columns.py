@@ -20,7 +20,7 @@ class Columns(Mapping[str, NDArray[Any]]):
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self.columns:
-            raise KeyError(f"there is no column {name!r} (there are {', '.join(self.columns)})")
+            raise KeyError(f"there is no column {name!r}: there are {', '.join(self.columns)}.")
         return self.columns[name]
 
     def __iter__(self) -> Iterator[str]:

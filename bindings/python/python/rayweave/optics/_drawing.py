@@ -30,7 +30,7 @@ def draw(
     from matplotlib.collections import LineCollection
 
     if view not in _AXES:
-        raise RayweaveError(f"view is {view!r} (it can be {', '.join(_AXES)})")
+        raise RayweaveError(f"view is {view!r}: it can be {', '.join(_AXES)}.")
     if axis is None:
         axis = plt.subplots(figsize=(10, 5))[1]
     across, up = _AXES[view]
@@ -193,7 +193,7 @@ def _colours(trace: Trace, color: str, chosen: NDArray[Any]) -> Any:
     if color == "source":
         return package("matplotlib", "drawings").colormaps["tab10"](trace["source"][chosen] % 10)
     if not package("matplotlib.colors", "drawings").is_color_like(color):
-        raise RayweaveError(f'color is {color!r} (it can be "wavelength", "source" or a colour of matplotlib)')
+        raise RayweaveError(f'color is {color!r}: it can be "wavelength", "source" or a colour of matplotlib.')
     return color
 
 

@@ -84,7 +84,7 @@ def _film(film: tuple[complex, float]) -> _Numbers:
         case (n, thickness_nm):
             index = _index(n, "the index of a film")
             return index.real, index.imag, real(thickness_nm, "the thickness of a film")
-    raise TypeError(f"a film is {film!r} (a pair of its index and its thickness in nanometres is needed)")
+    raise TypeError(f"a film is {film!r}: a pair of its index and its thickness in nanometres is needed.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ class Element(Placed):
         text(self.name, "name")
         if not isinstance(self.body, Solid | Sheet):
             kind = type(self.body).__name__
-            raise TypeError(f"the body of {self.name!r} is of the type {kind} (a Solid is needed)")
+            raise TypeError(f"the body of {self.name!r} is of the type {kind}: a Solid is needed.")
         if self.read is None and self.action is None:
             _substance(self.material, self.finish)
 
@@ -127,9 +127,9 @@ class Element(Placed):
         `System.surface_names` lists them with those of their parts. Where two elements touch, see `Finish`.
         """
         if self.action is not None:
-            raise _core.RayweaveError(f"{self.name} is a sheet (it has an action, not a finish)")
+            raise _core.RayweaveError(f"{self.name} is a sheet: it has an action, not a finish.")
         if not isinstance(finish, Finish):
-            raise TypeError(f"finish is {finish!r} (a Finish is needed: black(), polished(), coated(..), ... make one)")
+            raise TypeError(f"finish is {finish!r}: a Finish is needed: black(), polished(), coated(..), ... make one.")
         if face is not None:
             text(face, "face", "the name of a face")
         if self.read is not None:
@@ -168,9 +168,9 @@ def _index(index: Any, name: str) -> complex:
         n = complex(index)
     except (TypeError, ValueError):
         needed = "a number, complex if it absorbs, or a material"
-        raise TypeError(f"{name} is {index!r} ({needed} is needed)") from None
+        raise TypeError(f"{name} is {index!r}: {needed} is needed.") from None
     if not (0.0 < n.real < np.inf and 0.0 <= n.imag < np.inf):
-        raise _core.RayweaveError(f"{name} is {index} (n has to be greater than 0, k at least 0, both finite)")
+        raise _core.RayweaveError(f"{name} is {index}: n has to be greater than 0, k at least 0, both finite.")
     return n
 
 
@@ -179,7 +179,7 @@ def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
         shiny = material == "mirror" and finish == polished()
         return "opaque", None, reflecting() if shiny else finish
     if isinstance(material, str) and (close := get_close_matches(material, ("mirror", "absorber"), 1, 0.8)):
-        raise _core.RayweaveError(f"no material is named {material!r} (it is no glass) did you mean {close[0]!r}?")
+        raise _core.RayweaveError(f"no material is named {material!r}: it is no glass. Did you mean {close[0]!r}?")
     medium = _medium(material)
     if isinstance(medium, GradedMedium):
         return "transparent", medium, finish
@@ -209,7 +209,7 @@ def _outline(aperture: Aperture) -> tuple[str, float, float]:
                 unknown("aperture", kind, _OUTLINES)
             if len(sizes) != _OUTLINES[kind]:
                 problem = f"the aperture is {aperture!r}"
-                raise _core.RayweaveError(f"{problem} (a {kind} has {'a diameter' if kind == 'circle' else 'a width and a height'})")
+                raise _core.RayweaveError(f"{problem}: a {kind} has {'a diameter' if kind == 'circle' else 'a width and a height'}.")
             return kind, size(sizes[0]), size(sizes[-1])
         case (width, height) if size(width) < 0 and size(height) < 0:
             return "ellipse", -size(width), -size(height)
@@ -242,7 +242,7 @@ def _convex(r: float, name: str, hint: str = "") -> float:
     """A radius that is stated without its sign."""
     radius = real(r, name)
     if radius < 0.0:
-        raise _core.RayweaveError(f"{name} is {radius:g} (the face is convex: its radius has to be positive){hint}")
+        raise _core.RayweaveError(f"{name} is {radius:g}: the face is convex, so its radius has to be positive.{hint}")
     return radius
 
 
@@ -269,14 +269,14 @@ def biconvex_lens(
     r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
     """A lens with two convex faces; both radii are positive. Faces: `front`, `back`, `edge`."""
-    return _component("biconvex", (_convex(r1, "r1", " lens(..)?"), _convex(r2, "r2", " lens(..)?"), thickness), name, material, aperture)
+    return _component("biconvex", (_convex(r1, "r1", " Use lens(..)."), _convex(r2, "r2", " Use lens(..)."), thickness), name, material, aperture)
 
 
 def plano_convex_lens(
     r: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
     """A lens with a plane front and a convex back of radius r > 0. Faces: `front`, `back`, `edge`."""
-    return _component("plano_convex", (_convex(r, "r", " lens(..)?"), thickness), name, material, aperture)
+    return _component("plano_convex", (_convex(r, "r", " Use lens(..)."), thickness), name, material, aperture)
 
 
 def conic_lens(
@@ -357,7 +357,7 @@ def cemented(
     materials = each(materials, "materials", "materials")
     if not len(radii) - 1 == len(thicknesses) == len(materials):
         counts = f"{len(radii)} radii, {len(thicknesses)} thicknesses and {len(materials)} materials"
-        raise _core.RayweaveError(f"{counts} are given (n + 1, n and n are needed)")
+        raise _core.RayweaveError(f"{counts} are given: n + 1, n and n are needed.")
     sizes = [radii[0], *(x for both in zip(thicknesses, radii[1:], strict=True) for x in both)]
     solids = _core.optical_component("cemented", sizes, _outline(aperture))
     pairs = enumerate(zip(solids, materials, strict=True), start=1)
@@ -531,7 +531,7 @@ def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = 
         unknown("prism", kind, _PRISMS)
     wanted = _PRISMS[kind]
     if len(numbers) != len(wanted):
-        raise _core.RayweaveError(f"the prism {kind!r} is given {len(numbers)} numbers (it has {len(wanted)}: {', '.join(wanted)})")
+        raise _core.RayweaveError(f"the prism {kind!r} is given {len(numbers)} numbers: it has {len(wanted)}: {', '.join(wanted)}.")
     return _component(f"{kind}_prism", numbers, name, material)
 
 

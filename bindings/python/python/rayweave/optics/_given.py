@@ -26,7 +26,7 @@ def package(name: str, what_for: str) -> Any:
         root = name.split(".")[0]
         if error.name not in (root, name):
             raise
-        problem = f"{root} is not installed ({what_for} need it) pip install {root}?"
+        problem = f"{root} is not installed: {what_for} need it. Run pip install {root}."
         raise ModuleNotFoundError(problem, name=root) from None
 
 
@@ -37,14 +37,14 @@ def real(value: Any, name: str, needed: str = "a number") -> float:
             return float(value)
         except (TypeError, ValueError):
             pass
-    raise TypeError(f"{name} is {value!r} ({needed} is needed)")
+    raise TypeError(f"{name} is {value!r}: {needed} is needed.")
 
 
 def finite(value: Any, name: str, needed: str = "a number") -> float:
     """A number, neither infinite nor NaN."""
     number = real(value, name, needed)
     if not isfinite(number):
-        raise _core.RayweaveError(f"{name} is {number} (it has to be finite)")
+        raise _core.RayweaveError(f"{name} is {number}: it has to be finite.")
     return number
 
 
@@ -53,23 +53,23 @@ def whole(value: Any, name: str, least: int = 0, bits: int = 64) -> int:
     try:
         number = operator.index(value)
     except TypeError:
-        raise TypeError(f"{name} is {value!r} (a whole number is needed)") from None
+        raise TypeError(f"{name} is {value!r}: a whole number is needed.") from None
     if not least <= number < 2**bits:
-        raise _core.RayweaveError(f"{name} is {number} (it has to be at least {least}, and below 2^{bits})")
+        raise _core.RayweaveError(f"{name} is {number}: it has to be at least {least}, and below 2^{bits}.")
     return number
 
 
 def flag(value: Any, name: str, needed: str = "True or False") -> bool:
     """Yes or no."""
     if not isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"{name} is {value!r} ({needed} is needed)")
+        raise TypeError(f"{name} is {value!r}: {needed} is needed.")
     return bool(value)
 
 
 def text(value: Any, name: str, needed: str = "a text") -> str:
     """A name or another text."""
     if not isinstance(value, str):
-        raise TypeError(f"{name} is {value!r} ({needed} is needed)")
+        raise TypeError(f"{name} is {value!r}: {needed} is needed.")
     return value
 
 
@@ -77,7 +77,7 @@ def pair(values: Any, name: str, needed: str) -> tuple[float, float]:
     """Two numbers; `needed` says which."""
     given = list(values) if isinstance(values, Iterable) and not isinstance(values, str) else []
     if len(given) != 2:
-        raise TypeError(f"{name} is {values!r} ({needed} is needed)")
+        raise TypeError(f"{name} is {values!r}: {needed} is needed.")
     return real(given[0], name, needed), real(given[1], name, needed)
 
 
@@ -86,13 +86,13 @@ def array(values: Any, name: str) -> NDArray[np.float64]:
     try:
         return np.asarray(values, float)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} is {shortened(values)} (an array of numbers is needed)") from None
+        raise TypeError(f"{name} is {shortened(values)}: an array of numbers is needed.") from None
 
 
 def each(values: Any, name: str, needed: str) -> list[Any]:
     """The members of any iterable but a text."""
     if not isinstance(values, Iterable) or isinstance(values, str):
-        raise TypeError(f"{name} is {values!r} (a list of {needed} is needed)")
+        raise TypeError(f"{name} is {values!r}: a list of {needed} is needed.")
     return list(values)
 
 
@@ -106,7 +106,7 @@ def vector(values: Any, name: str) -> list[float]:
     """Three numbers."""
     found = numbers(values, name)
     if len(found) != 3:
-        raise _core.RayweaveError(f"{name} has {len(found)} numbers (3 are needed)")
+        raise _core.RayweaveError(f"{name} has {len(found)} numbers: 3 are needed.")
     return found
 
 
@@ -116,7 +116,7 @@ def all_of(kind: type[T], things: Any, name: str, make: str = "") -> list[T]:
     if isinstance(things, kind):
         return [things]
     if not isinstance(things, Iterable):
-        raise TypeError(f"{name} is {things!r} ({needed}, or a list of them)")
+        raise TypeError(f"{name} is {things!r}: {needed}, or a list of them.")
     given = list(things)
     for k, thing in enumerate(given):
         if not isinstance(thing, kind):
@@ -128,7 +128,7 @@ def unknown(what: str, name: Any, known: Iterable[str]) -> NoReturn:
     """An error about a name that is none of those known."""
     names = list(known)
     if not isinstance(name, str):
-        raise TypeError(f"the {what} is {name!r} (it can be {', '.join(names)})")
+        raise TypeError(f"the {what} is {name!r}: it can be {', '.join(names)}.")
     close = get_close_matches(name, names, 1)
-    hint = f" did you mean {close[0]!r}?" if close else ""
-    raise _core.RayweaveError(f"there is no {what} {name!r} (there are {', '.join(names)}){hint}")
+    hint = f" Did you mean {close[0]!r}?" if close else ""
+    raise _core.RayweaveError(f"there is no {what} {name!r}: there are {', '.join(names)}.{hint}")

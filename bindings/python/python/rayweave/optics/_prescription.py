@@ -110,7 +110,7 @@ def _figure_row(figure: Figure | None) -> tuple[str, list[float]]:
             if text(order, "order") not in _ORDERS:
                 unknown("order of Zernike polynomials", order, _ORDERS)
             return order, [real(norm_radius, "norm_radius"), *numbers(coefficients, "coefficients")]
-    raise _core.RayweaveError(f"figure is {figure!r} (it can be Biconic, Toroidal, XYPolynomial, ZernikePolynomials or None)")
+    raise _core.RayweaveError(f"figure is {figure!r}: it can be Biconic, Toroidal, XYPolynomial, ZernikePolynomials or None.")
 
 
 def _figure_of(row: tuple[str, list[float]]) -> Figure | None:
@@ -195,7 +195,7 @@ class CoordinateBreak:
         if self.matrix is not None:
             matrix = array(self.matrix, "matrix")
             if matrix.shape != (4, 4):
-                raise _core.RayweaveError(f"the matrix of a coordinate break has shape {matrix.shape} ((4, 4) is needed)")
+                raise _core.RayweaveError(f"the matrix of a coordinate break has shape {matrix.shape}: (4, 4) is needed.")
             return before, matrix.tolist()
         decentre = pair(self.decentre, "decentre", "a pair of lengths along x and y")
         x, y, z = vector(self.tilt_degrees, "tilt_degrees")
@@ -411,7 +411,7 @@ class Prescription:
         """The same with changes to one surface, counted from 1: its `radius`, `thickness`, `behind`, ..."""
         rows = list(self.surfaces)
         if not 1 <= whole(number, "number", least=-(2**63)) <= len(rows):
-            raise _core.RayweaveError(f"there is no surface {number} (there are {len(rows)}, counted from 1)")
+            raise _core.RayweaveError(f"there is no surface {number}: there are {len(rows)}, counted from 1.")
         rows[number - 1] = replace(rows[number - 1], **changes)
         return self.replace(rows)
 
@@ -635,7 +635,7 @@ class Prescription:
 
     def _needs_real_object(self) -> None:
         if self.object_distance < 0.0:
-            problem = f"object_distance is {self.object_distance:g} (light would start behind surface 1)"
+            problem = f"object_distance is {self.object_distance:g}: light would start behind surface 1."
             raise _core.RayweaveError(f"{problem} first_order() knows virtual objects, real rays need one in front: is the sign wrong?")
 
     def _images(self, wavelength_nm: float | None, pupil: ArrayLike, aimed: bool) -> list[Rays]:
@@ -678,7 +678,7 @@ def _aperture(**given: float | None) -> tuple[str, float]:
     stated = [(kind, real(size, kind)) for kind, size in given.items() if size is not None]
     if len(stated) != 1:
         found = ", ".join(kind for kind, _ in stated) or "none"
-        raise _core.RayweaveError(f"the aperture is given by {found} (one of {', '.join(given)} is needed)")
+        raise _core.RayweaveError(f"the aperture is given by {found}: one of {', '.join(given)} is needed.")
     return stated[0]
 
 
@@ -689,20 +689,20 @@ def _field(field: float | tuple[float, float]) -> tuple[float, float]:
         case float() as y:
             return 0.0, y
         case other:
-            raise _core.RayweaveError(f"a field is {other} (a number along y or a pair along x and y is needed)")
+            raise _core.RayweaveError(f"a field is {other}: a number along y or a pair along x and y is needed.")
 
 
 def _lines(wavelengths: list[float], weights: Iterable[float] | None) -> list[tuple[float, float]]:
     shares = [1.0] * len(wavelengths) if weights is None else numbers(weights, "weights")
     if len(shares) != len(wavelengths):
         counts = f"{len(wavelengths)} wavelengths and {len(shares)} weights"
-        raise _core.RayweaveError(f"{counts} are given (each wavelength needs one)")
+        raise _core.RayweaveError(f"{counts} are given: each wavelength needs one.")
     return list(zip(wavelengths, shares, strict=True))
 
 
 def _unit_nm(unit: str) -> float:
     if text(unit, "unit", ", ".join(_UNIT_NM)) not in _UNIT_NM:
-        raise _core.RayweaveError(f"unit is {unit!r} (it can be {', '.join(_UNIT_NM)})")
+        raise _core.RayweaveError(f"unit is {unit!r}: it can be {', '.join(_UNIT_NM)}.")
     return _UNIT_NM[unit]
 
 

@@ -93,9 +93,9 @@ def _spectrum(wavelength_nm: Spectrum) -> tuple[str, list[float]]:
                 unknown("spectrum", name, _SPECTRA)
             wanted = _SPECTRA[name]
             if wanted and len(rest) != len(wanted):
-                raise _core.RayweaveError(f"the spectrum {name!r} is given {len(rest)} numbers (it has {len(wanted)}: {', '.join(wanted)})")
+                raise _core.RayweaveError(f"the spectrum {name!r} is given {len(rest)} numbers: it has {len(wanted)}: {', '.join(wanted)}.")
             if not wanted and len(rest) % 2:
-                raise _core.RayweaveError(f"the spectrum {name!r} is given {len(rest)} numbers (they are pairs of wavelength and weight)")
+                raise _core.RayweaveError(f"the spectrum {name!r} is given {len(rest)} numbers: they are pairs of wavelength and weight.")
             return name, [real(x, f"a number of the spectrum {name!r}") for x in rest]
         case single:
             needed = "a number of nanometres, a dict of them with weights, or a kind of spectrum with its numbers"
@@ -231,5 +231,5 @@ def _amount(power: Any) -> tuple[float, bool]:
         case ("total", amount):
             return real(amount, "power", needed), True
         case tuple() | list():
-            raise TypeError(f"power is {power!r} ({needed} is needed)")
+            raise TypeError(f"power is {power!r}: {needed} is needed.")
     return real(power, "power", needed), False

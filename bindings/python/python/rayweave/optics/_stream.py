@@ -52,7 +52,7 @@ class Stream:
         """Where the power went, once all batches have been taken."""
         accounts = self._compiled.balance
         if accounts is None:
-            raise _core.RayweaveError("the balance is not known yet (take all batches first)")
+            raise _core.RayweaveError("the balance is not known yet: take all batches first.")
         return self.system._balance(accounts)
 
     def to_arrow(self) -> Iterator[Any]:
@@ -136,7 +136,7 @@ def write(
 def _write_parquet(system: System, stream: Stream, path: Path) -> Balance:
     parquet = package("pyarrow.parquet", "Parquet files")
     if not path.absolute().parent.is_dir():
-        raise _core.RayweaveError(f"cannot create {path} (the folder {path.parent} does not exist) create it first?")
+        raise _core.RayweaveError(f"cannot create {path}: the folder {path.parent} does not exist. Create it first.")
     # beside its target, and renamed when complete
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     writer = None
@@ -149,7 +149,7 @@ def _write_parquet(system: System, stream: Stream, path: Path) -> Balance:
                 writer.write_batch(told)
             balance = stream.balance
         if writer is None:
-            raise _core.RayweaveError("no segment to write (nothing shines)")
+            raise _core.RayweaveError("no segment to write: nothing shines.")
         writer.close()
         writer = None
         os.replace(unfinished, path)

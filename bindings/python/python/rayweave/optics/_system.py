@@ -61,7 +61,7 @@ class System:
     ) -> None:
         flat = all_of(Element, _flat(elements), "elements", ": element(solid, material) makes one of a solid")
         if text(unit, "unit", ", ".join(_UNIT_NM)) not in _UNIT_NM:
-            raise _core.RayweaveError(f"unit is {unit!r} (it can be {', '.join(_UNIT_NM)})")
+            raise _core.RayweaveError(f"unit is {unit!r}: it can be {', '.join(_UNIT_NM)}.")
         self.elements = tuple(flat)
         self.unit: str = unit
         self._compiled = _core.CompiledSystem([part._part() for part in flat], _medium(world), _UNIT_NM[unit])
@@ -244,7 +244,7 @@ def _settings(
 ) -> dict[str, Any]:
     least = real(threshold, "threshold", "a power")
     if not least >= 0.0:
-        raise _core.RayweaveError(f"threshold is {threshold} (it is a power, at least 0)")
+        raise _core.RayweaveError(f"threshold is {threshold}: it is a power, at least 0.")
     return {
         "branches": text(branches, "branches", '"ideal", "both" or "random"'),
         "polarised": polarised,
@@ -259,7 +259,7 @@ def _settings(
 def _all_sources(sources: Source | Iterable[Source]) -> list[Source]:
     given = all_of(Source, sources, "sources")
     if not given:
-        raise _core.RayweaveError("sources is empty (light has to come from somewhere)")
+        raise _core.RayweaveError("sources is empty: light has to come from somewhere.")
     return given
 
 
@@ -287,12 +287,12 @@ class Trace(Mapping[str, NDArray[Any]]):
     def balance(self) -> Balance:
         """Where the power went; a batch of a stream has none."""
         if self._balance is None:
-            raise _core.RayweaveError("a batch has no balance (the stream has, once all batches have been taken)")
+            raise _core.RayweaveError("a batch has no balance: the stream has, once all batches have been taken.")
         return self._balance
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self.columns:
-            raise KeyError(f"there is no column {name!r} (there are {', '.join(self.columns)})")
+            raise KeyError(f"there is no column {name!r}: there are {', '.join(self.columns)}.")
         return self.columns[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -335,7 +335,7 @@ class Trace(Mapping[str, NDArray[Any]]):
         of a whole trace, not of what `at` has chosen.
         """
         if not self._is_whole:
-            raise _core.RayweaveError("the rows before are not there (ask the whole trace for phases, then choose)")
+            raise _core.RayweaveError("the rows before are not there: ask the whole trace for phases, then choose.")
         return self.system._compiled.phases(self.columns)
 
     def spot(self, element: str) -> Spot:
@@ -418,12 +418,12 @@ def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float64
     for name, given in (("origins", origins), ("directions", directions)):
         found = array(given, name)
         if found.ndim not in (1, 2) or found.shape[-1] != 3:
-            raise _core.RayweaveError(f"{name} has shape {found.shape} ((N, 3) or (3,) is needed)")
+            raise _core.RayweaveError(f"{name} has shape {found.shape}: (N, 3) or (3,) is needed.")
         vectors.append(np.atleast_2d(found))
     counts = {len(rows) for rows in vectors} - {1} or {1}
     if len(counts) > 1:
         lengths = f"origins has {len(vectors[0])} rows and directions {len(vectors[1])}"
-        raise _core.RayweaveError(f"{lengths} (one of each for every ray, or one for all)")
+        raise _core.RayweaveError(f"{lengths}: one of each for every ray, or one for all.")
     first, second = (np.ascontiguousarray(np.broadcast_to(rows, (min(counts), 3))) for rows in vectors)
     return first, second
 
@@ -433,7 +433,7 @@ def _column(name: str, given: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.f
     try:
         return np.broadcast_to(found, shape)
     except ValueError:
-        raise _core.RayweaveError(f"{name} has shape {found.shape} ({shape} is needed)") from None
+        raise _core.RayweaveError(f"{name} has shape {found.shape}: {shape} is needed.") from None
 
 
 def _numbers_of(name: str, given: ArrayLike, count: int) -> NDArray[np.uint32]:

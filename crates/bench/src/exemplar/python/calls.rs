@@ -6,7 +6,7 @@ use crate::contest::{Contender, Role};
 use crate::exemplar::die::ROWS;
 use crate::exemplar::question::{CHUNK, components, hits, into_table_on_threads, on_threads, pieces};
 use rayweave::model::{
-    FirstHits, HitRows, Limit, Program, Query, RayAnswer, RayBatch, Rays, RegionId, dress,
+    FirstHits, HitRows, Limit, Program, Query, RayAnswer, RayBatch, Rays, RegionId, attributes,
 };
 use rayweave::{AnyEvaluator, Evaluator, Window};
 use std::hint::black_box;
@@ -66,7 +66,7 @@ struct Columns {
     enters: Vec<bool>,
     /// Face, leaf, placement.
     ids: [Vec<u32>; 3],
-    /// Where the rows of each ray end.
+    /// End of the rows of each ray.
     ends: Vec<usize>,
     start_inside: Vec<bool>,
 }
@@ -76,8 +76,8 @@ impl Columns {
         let ray = rays.get(answer.ray);
         for crossing in answer.crossings {
             self.t.push(crossing.t);
-            self.point.push(dress::point(&ray, crossing).to_array());
-            self.normal.push(dress::normal(program, &ray, crossing).to_array());
+            self.point.push(attributes::point(&ray, crossing).to_array());
+            self.normal.push(attributes::normal(program, &ray, crossing).to_array());
             self.enters.push(crossing.enters());
             let (leaf, placement) = (crossing.face.leaf, crossing.face.placement);
             let face = program.face_number(leaf, crossing.face.facet);

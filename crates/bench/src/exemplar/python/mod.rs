@@ -1,4 +1,4 @@
-//! What a call from Python costs over the same call from Rust: the die, question by question, of a million rays and of one.
+//! Overhead of calls from Python over the same calls from Rust: the die, question by question, for a million rays and for one.
 
 mod calls;
 
@@ -14,10 +14,10 @@ use std::sync::Arc;
 /// Rays whose answers are compared.
 const COMPARED: usize = 4096;
 
-/// Rays that are asked for one by one, so that no branch is learnt by heart.
+/// Rays of the single-ray measurement: many different ones, so that branch predictors cannot learn them.
 const TURNS: usize = 1024;
 
-/// A question that can be asked from both sides.
+/// A question that both languages can ask.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Asked {
     Hits,
@@ -46,7 +46,7 @@ impl Asked {
         }
     }
 
-    /// What the die's own evaluator, or the reference, answers.
+    /// Answer of the die's own evaluator, or of the reference.
     fn lists<E: Evaluator>(self, evaluator: &E, rays: Rays<'_>) -> Result<Lists, String> {
         match self {
             Asked::Hits | Asked::Surfaces | Asked::Crossings => Ok(full_lists(evaluator, rays)),
@@ -63,7 +63,7 @@ fn insides<E: Evaluator>(evaluator: &E, rays: Rays<'_>) -> Lists {
     regions.into_iter().map(|region| Vec::from_iter((region.0 != 0).then_some(1.0))).collect()
 }
 
-/// One question, of so many rays at a time.
+/// One question about `batch` rays at a time.
 struct FromPython {
     name: String,
     /// The task of the driver in Python.

@@ -1,14 +1,14 @@
-//! Extruded polygons.
+//! Extruded polygons (`G4ExtrudedSolid`).
 
 use super::{Made, of, union_of};
 use crate::gdml::attributes::{Failure, refused};
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
+use rayweave_polygon::{HalfPlane, Operator, Polygons, from_polygons};
 use rayweave_rootray::Side;
 use rayweave_shape::primitive::{BoxFromCorners, Convex, HalfSpace, ShapeError};
-use rayweave_space::polygon::{HalfPlane, Operator, Polygons, from_polygons};
 
-/// A copy of the polygon at a height: scaled about the origin, then moved.
+/// A section: the polygon at a height, scaled about the origin, then translated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::gdml) struct Section {
     pub z: f64,
@@ -45,13 +45,13 @@ fn polygon(corners: &[[f64; 2]]) -> Result<Polygons, Failure> {
     }
 }
 
-/// What is between two sections.
+/// The part between two sections.
 struct Layer {
     low: Section,
     high: Section,
 }
 
-/// A polygon is folded to a list of planes as long as it is convex.
+/// A list of planes while the polygon is convex, otherwise a solid.
 enum Part {
     Planes(Vec<[f64; 4]>),
     Solid(Solid),
@@ -64,7 +64,7 @@ impl Layer {
             Part::Solid(solid) => solid,
             Part::Planes(planes) => behind(planes).unwrap_or_else(|error| {
                 problem = Some(error);
-                Solid::vacuum()
+                Solid::empty()
             }),
         };
         let ends = [[0.0, 0.0, -1.0, -self.low.z], [0.0, 0.0, 1.0, self.high.z]];
@@ -79,7 +79,7 @@ impl Layer {
         problem.map_or(Ok(made), |error| Err(error.into()))
     }
 
-    /// The plane that a half-plane of the polygon becomes: n . (p - offset(z)) < scale(z) d, all linear in z.
+    /// The plane over an edge of the polygon: n . (p - offset(z)) < scale(z) d, all linear in z.
     fn plane(&self, half_plane: HalfPlane) -> [f64; 4] {
         let (low, high, normal) = (self.low, self.high, half_plane.normal);
         let height = high.z - low.z;
@@ -90,7 +90,7 @@ impl Layer {
         [normal[0], normal[1], -slope, value(low) - slope * low.z]
     }
 
-    /// A box whose ends are those of the layer, and whose sides are never met.
+    /// A box that ends with the layer in z, and whose sides lie outside of the solid.
     fn bounds(&self, polygon: &Polygons) -> Made {
         let [lo, hi] = polygon.corner_bounds();
         let margin = 0.25 * (hi[0] - lo[0]).max(hi[1] - lo[1]) * self.low.scale.max(self.high.scale);
@@ -107,7 +107,7 @@ impl Layer {
     }
 }
 
-/// The points behind planes that need not enclose anything.
+/// Intersection of half-spaces, which may be unbounded.
 fn behind(planes: Vec<[f64; 4]>) -> Result<Solid, ShapeError> {
     match planes.as_slice() {
         [[a, b, c, d]] => Ok(of(HalfSpace::new(Vec3::new(*a, *b, *c), *d)?)),
@@ -115,7 +115,7 @@ fn behind(planes: Vec<[f64; 4]>) -> Result<Solid, ShapeError> {
     }
 }
 
-/// Intersections of planes stay lists of planes.
+/// Combines parts; an intersection of planes stays a list of planes.
 fn joined(operator: Operator, parts: Vec<Part>, solid: &mut impl FnMut(Part) -> Solid) -> Part {
     if operator == Operator::Intersection && parts.iter().all(|part| matches!(part, Part::Planes(_))) {
         let planes = parts.into_iter().flat_map(|part| match part {

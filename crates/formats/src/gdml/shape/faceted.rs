@@ -1,4 +1,4 @@
-//! Solids with plane faces, and those that are ruled between two quadrilaterals.
+//! Solids with plane faces (polyhedra, traps, tessellated solids), and ruled ones (`G4GenericTrap`).
 
 use super::round::{ZPlane, edges, in_order, outline};
 use super::{Made, Phi, loose_box, of, union_of};
@@ -13,7 +13,7 @@ fn tan(angle: f64) -> f64 {
     sin / cos
 }
 
-/// `G4Para`: a box of full lengths, sheared.
+/// `G4Para`: a sheared box, with full lengths.
 pub(in crate::gdml) fn parallelepiped(size: [f64; 3], alpha: f64, theta: f64, phi: f64) -> Made {
     let (sin, cos) = sin_cos_degrees(phi);
     let shear = Mat3::from_cols(
@@ -24,20 +24,21 @@ pub(in crate::gdml) fn parallelepiped(size: [f64; 3], alpha: f64, theta: f64, ph
     Ok(of(CentredBox::new(Vec3::from_array(size))?).apply(Affine::from_linear(shear)))
 }
 
-/// The parameters of a `G4Trap`, full lengths.
+/// Parameters of a `G4Trap`, full lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::gdml) struct Trapezoid {
     pub z: f64,
     pub theta: f64,
     pub phi: f64,
-    /// Below: extent along y, along x at low y and at high y, and the angle of the line between their middles.
+    /// Lower face: extent along y, along x at low y and at high y, and the angle of the line between the midpoints of those
+    /// sides.
     pub low: [f64; 4],
-    /// The same above.
+    /// The same for the upper face.
     pub high: [f64; 4],
 }
 
 impl Trapezoid {
-    /// The corners below and above, counter-clockwise as seen from +z.
+    /// Vertices of the lower and upper face, counter-clockwise seen from +z.
     pub fn corners(&self) -> [[[f64; 2]; 4]; 2] {
         let (sin, cos) = sin_cos_degrees(self.phi);
         let lean = 0.5 * self.z * tan(self.theta);
@@ -62,11 +63,11 @@ pub(in crate::gdml) fn trapezoid(trapezoid: &Trapezoid) -> Made {
     ruled(low, high, 0.5 * trapezoid.z)
 }
 
-/// Edges count as parallel, and the face between them as plane, up to this sine of the angle between them.
+/// Sine of the angle below which edges count as parallel, and the face between them as plane.
 const PLANE: f64 = 1e-10;
 
-/// `G4GenericTrap`: what is ruled between a quadrilateral at -dz and one at dz, whose corners correspond. A side face between
-/// edges that are not parallel is part of a hyperbolic paraboloid. Corners may coincide.
+/// `G4GenericTrap`: ruled between a quadrilateral at -dz and one at dz, with corresponding vertices. A side face between
+/// edges that are not parallel is part of a hyperbolic paraboloid. Vertices may coincide.
 pub(in crate::gdml) fn ruled(low: [[f64; 2]; 4], high: [[f64; 2]; 4], dz: f64) -> Made {
     let middle = [0, 1, 2, 3].map(|k| [0, 1].map(|axis| 0.5 * (low[k][axis] + high[k][axis])));
     let area = edges(&middle).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>();
@@ -106,18 +107,18 @@ fn reversed(mut corners: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
     corners
 }
 
-/// A side face: the line from corner `a + z da` in the direction `e + z de`, its inside on the left.
+/// A side face: the line through the vertex `a + z da` in the direction `e + z de`, with the inside on its left.
 struct Side {
     a: [f64; 2],
     da: [f64; 2],
     e: [f64; 2],
     de: [f64; 2],
-    /// The edges at both ends.
+    /// The edge at both ends.
     ends: [[f64; 2]; 2],
 }
 
 impl Side {
-    /// The side from corner k to the next; nothing if both its edges are points.
+    /// The side from vertex k to the next; `None` if both its edges are points.
     fn new(low: [[f64; 2]; 4], high: [[f64; 2]; 4], dz: f64, k: usize) -> Option<Side> {
         let next = (k + 1) % 4;
         let edge = |corners: [[f64; 2]; 4]| [0, 1].map(|axis| corners[next][axis] - corners[k][axis]);
@@ -147,7 +148,7 @@ impl Side {
         Some([out[0], out[1], -along(self.da), along(self.a)])
     }
 
-    /// The matrix of -(ex (y - ay) - ey (x - ax)), all four linear in z.
+    /// Quadric matrix of -(ex (y - ay) - ey (x - ax)), where all four are linear in z.
     fn quadric(&self) -> [[f64; 4]; 4] {
         let Side { a, da, e, de, .. } = self;
         let mut q = [[0.0; 4]; 4];
@@ -166,8 +167,8 @@ impl Side {
     }
 }
 
-/// True if no section between the ends has a reflex corner. The turn at a corner is quadratic in z: its least value is at an end
-/// or between.
+/// True if no section between the ends has a reflex vertex. The turn at a vertex is quadratic in z; its minimum is at an
+/// end or in between.
 fn is_convex(low: [[f64; 2]; 4], high: [[f64; 2]; 4]) -> bool {
     let edge = |corners: [[f64; 2]; 4], k: usize| {
         [0, 1].map(|axis| corners[(k + 1) % 4][axis] - corners[k % 4][axis])
@@ -225,12 +226,12 @@ pub(in crate::gdml) fn polyhedra(planes: &[ZPlane], sides: u32, phi: Phi) -> Mad
             (outer, _) => outer,
         });
     }
-    let whole = union_of(sections, "it has no inside (no length, or no thickness)")?;
+    let whole = union_of(sections, "it has no inside: no length, or no thickness.")?;
     cut(whole, phi, sides, planes.iter().map(|plane| [plane.rmax, plane.z]))
 }
 
-/// What is within a sector. The sides of part of a turn enclose nothing by themselves: a box whose faces are never met says how
-/// far they reach.
+/// The part within a sector. The sides of a partial turn are unbounded on their own: a box with faces outside of the solid
+/// gives finite bounds.
 fn cut(whole: Solid, phi: Phi, sides: u32, corners: impl Iterator<Item = [f64; 2]>) -> Made {
     if phi.is_whole() {
         return Ok(whole);
@@ -240,9 +241,9 @@ fn cut(whole: Solid, phi: Phi, sides: u32, corners: impl Iterator<Item = [f64; 2
     phi.cut(whole & loose_box(r / cos, r / cos, 1.25 * z)?)
 }
 
-/// `G4Polyhedra` from the corners (r, z) of a polygon: the radii are distances of the edges from the axis.
+/// `G4Polyhedra` from the vertices (r, z) of a polygon: the radii are distances of the edges from the axis.
 ///
-/// The symmetric difference of the frusta under the polygon's edges, as [`super::round::generic_polycone`].
+/// The solid is the symmetric difference of the frusta under the polygon's edges, as in [`super::round::generic_polycone`].
 pub(in crate::gdml) fn generic_polyhedra(corners: &[[f64; 2]], sides: u32, phi: Phi) -> Made {
     let normals = side_normals(sides, phi, corners.len())?;
     let (_, cos) = sin_cos_degrees(0.5 * phi.delta.min(360.0) / f64::from(sides));
@@ -257,13 +258,13 @@ pub(in crate::gdml) fn generic_polyhedra(corners: &[[f64; 2]], sides: u32, phi: 
     }
 }
 
-/// Faces of one polyhedra.
+/// Most faces of a polyhedra.
 const MOST_FACES: usize = 1_000_000;
 
-/// The outward directions of the sides around the z axis, of a solid with so many planes.
+/// Outward directions of the side faces of a solid with the given number of planes.
 fn side_normals(sides: u32, phi: Phi, planes: usize) -> Result<Vec<Vec3>, Failure> {
     if planes.saturating_mul(sides as usize) > MOST_FACES {
-        return refused(format!("too many faces (more than {MOST_FACES})"));
+        return refused(format!("too many faces: more than {MOST_FACES}."));
     }
     let step = phi.delta.min(360.0) / f64::from(sides.max(1));
     if sides == 0 || step >= 180.0 {
@@ -272,9 +273,9 @@ fn side_normals(sides: u32, phi: Phi, planes: usize) -> Result<Vec<Vec3>, Failur
     Ok((0..sides).map(|k| unit_vector_degrees(phi.start + (f64::from(k) + 0.5) * step)).collect())
 }
 
-/// What is behind sides at distances that change from one height to another, or nothing if it has no inside.
+/// The points behind the side faces, with distances that change linearly between two heights; `None` if empty.
 ///
-/// The sides stand around part of the axis: where they leave a gap, the sector cuts off what they do not.
+/// If the sides cover only part of a turn, the sector cuts off the rest.
 fn frustum(normals: &[Vec3], a: (f64, f64), b: (f64, f64)) -> Result<Option<Solid>, Failure> {
     let ((z1, r1), (z2, r2)) = if a.0 < b.0 { (a, b) } else { (b, a) };
     if r1 < 0.0 || r2 < 0.0 {
@@ -289,7 +290,7 @@ fn frustum(normals: &[Vec3], a: (f64, f64), b: (f64, f64)) -> Result<Option<Soli
     Ok(Some(of(Convex::new(normals.iter().map(side).chain(ends).collect())?)))
 }
 
-/// `G4TessellatedSolid`: as half-spaces if its facets enclose a convex solid, else as a mesh.
+/// `G4TessellatedSolid`: half-spaces if the facets enclose a convex solid, else a mesh.
 pub(in crate::gdml) fn tessellated(facets: &[Vec<Vec3>]) -> Made {
     match planes_of(facets) {
         Some(planes) => Ok(of(Convex::new(planes)?)),
@@ -297,7 +298,7 @@ pub(in crate::gdml) fn tessellated(facets: &[Vec<Vec3>]) -> Made {
     }
 }
 
-/// The planes of the facets, each once, if no corner is in front of one.
+/// The distinct planes of the facets if the solid is convex, i.e. if no vertex is in front of a plane.
 fn planes_of(facets: &[Vec<Vec3>]) -> Option<Vec<[f64; 4]>> {
     let corners = || facets.iter().flatten();
     let centre = corners().sum::<Vec3>() / corners().count().max(1) as f64;
@@ -324,7 +325,7 @@ fn planes_of(facets: &[Vec<Vec3>]) -> Option<Vec<[f64; 4]>> {
     Some(planes)
 }
 
-/// The solid within facets, those of more corners cut into triangles from their first one.
+/// The solid inside facets, triangulated as fans.
 fn mesh(facets: &[Vec<Vec3>]) -> Made {
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     for facet in facets {
@@ -340,7 +341,7 @@ fn mesh(facets: &[Vec<Vec3>]) -> Made {
         .map_err(|error| Failure::Refused(format!("it is not convex, and no mesh: {error}")))
 }
 
-/// The normal of a polygon in space, its area as length (Newell's formula).
+/// Normal of a polygon in space; its length is the area (Newell's formula).
 fn newell(polygon: &[Vec3]) -> Vec3 {
     edges(polygon).map(|(a, b)| 0.5 * (a - polygon[0]).cross(b - polygon[0])).sum()
 }

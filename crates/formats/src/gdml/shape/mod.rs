@@ -1,7 +1,7 @@
-//! The solids of GDML, made of numbers: millimetres and degrees. Nothing here knows of files.
+//! GDML solids from their dimensions in millimetres and degrees, independent of files.
 //!
-//! Each function names the class of Geant4 that it follows; what the parameters mean is in Geant4's Book For Application
-//! Developers, section 4.1.2. Parts that a solid is put together from share planes to the bit, so that no seams show.
+//! Each function names the corresponding class of Geant4; Geant4's Book For Application Developers, section 4.1.2, defines
+//! the parameters. Adjacent parts of a solid share bit-identical planes, so that there are no seams.
 
 pub(super) mod extruded;
 pub(super) mod faceted;
@@ -13,7 +13,7 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{BoxFromCorners, CentredBox, Primitive, Wedge};
 
-/// A solid, or why it is none.
+/// A solid, or the reason for a failure.
 pub(super) type Made = Result<Solid, Failure>;
 
 /// A sector around the z axis, in degrees.
@@ -23,7 +23,7 @@ pub(super) struct Phi {
     pub delta: f64,
 }
 
-/// Geant4 takes a sector for the whole turn if it lacks half of 1e-9 rad.
+/// Geant4 treats a sector as the full turn if it lacks less than half of 1e-9 rad.
 const WHOLE_TURN: f64 = 360.0 - 0.5e-9 * 180.0 / std::f64::consts::PI;
 
 impl Phi {
@@ -43,12 +43,12 @@ impl Phi {
     }
 }
 
-/// A solid from a primitive.
+/// A primitive as a solid.
 pub(super) fn of(primitive: impl Into<Primitive>) -> Solid {
     Solid::from(primitive.into())
 }
 
-/// A union of at least one solid.
+/// Union of at least one solid.
 pub(super) fn union_of(mut parts: Vec<Solid>, nothing: &str) -> Made {
     match parts.len() {
         0 => refused(nothing),
@@ -57,12 +57,12 @@ pub(super) fn union_of(mut parts: Vec<Solid>, nothing: &str) -> Made {
     }
 }
 
-/// `G4Box`: full lengths.
+/// `G4Box`, with full lengths.
 pub(super) fn cuboid(size: [f64; 3]) -> Made {
     Ok(of(CentredBox::new(Vec3::from_array(size))?))
 }
 
-/// A box around a solid that other surfaces bound: exact in z, loose in x and y, so that its sides are never met.
+/// A bounding box for a solid with other surfaces: exact in z, larger in x and y, so that its sides lie outside.
 pub(super) fn loose_box(half_x: f64, half_y: f64, half_z: f64) -> Made {
     let corner = Vec3::new(1.25 * half_x, 1.25 * half_y, half_z);
     Ok(of(BoxFromCorners::new(-corner, corner)?))

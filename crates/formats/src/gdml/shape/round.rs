@@ -1,4 +1,4 @@
-//! Round solids: tubes, cones, spheres, tori, quadrics.
+//! Round solids: tubes, cones, polycones, spheres, tori, quadrics.
 
 use super::{Made, Phi, loose_box, of, union_of};
 use crate::gdml::attributes::{Failure, refused};
@@ -8,7 +8,7 @@ use rayweave_shape::primitive::{
     Cone, Cylinder, Ellipsoid, HalfSpace, Paraboloid, Quadric, Slab, Sphere, Torus, Tube,
 };
 
-/// A plane across the z axis with the radii of a solid of revolution there.
+/// A z plane of a polycone or polyhedra, with its radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::gdml) struct ZPlane {
     pub z: f64,
@@ -16,7 +16,7 @@ pub(in crate::gdml) struct ZPlane {
     pub rmax: f64,
 }
 
-/// `G4Tubs`: full length along z.
+/// `G4Tubs`, with full length along z.
 pub(in crate::gdml) fn tube(rmin: f64, rmax: f64, z: f64, phi: Phi) -> Made {
     phi.cut(whole_tube(rmin, rmax, z)?)
 }
@@ -28,26 +28,26 @@ fn whole_tube(rmin: f64, rmax: f64, z: f64) -> Made {
     })
 }
 
-/// `G4CutTubs`: a tube whose ends have normals of their own, through (0, 0, -z/2) and (0, 0, z/2).
+/// `G4CutTubs`: a tube cut by planes with given normals through (0, 0, -z/2) and (0, 0, z/2).
 pub(in crate::gdml) fn cut_tube(rmin: f64, rmax: f64, z: f64, phi: Phi, low: Vec3, high: Vec3) -> Made {
     if low.z >= 0.0 || high.z <= 0.0 {
         return refused("the normals of the ends do not point down and up");
     }
-    // longer than the slanted ends reach, so that its own are never met
+    // longer than the slanted ends, so that the flat ends of the tube lie outside
     let slope = |normal: Vec3| normal.truncate().length() / normal.z.abs();
     let reach = 1.5 * (z + 2.0 * rmax * slope(low).max(slope(high)));
     let ends = of(HalfSpace::new(low, -0.5 * z * low.z)?) & of(HalfSpace::new(high, 0.5 * z * high.z)?);
     phi.cut(Solid::intersection([whole_tube(rmin, rmax, reach)?, ends]))
 }
 
-/// `G4Cons`: full length along z.
+/// `G4Cons`, with full length along z.
 pub(in crate::gdml) fn cone(low: [f64; 2], high: [f64; 2], z: f64, phi: Phi) -> Made {
     let plane = |z: f64, [rmin, rmax]: [f64; 2]| ZPlane { z, rmin, rmax };
     let section = section(plane(-0.5 * z, low), plane(0.5 * z, high))?;
-    phi.cut(section.map_or_else(|| refused("it has no inside (no length, or no thickness)"), Ok)?)
+    phi.cut(section.map_or_else(|| refused("it has no inside: no length, or no thickness."), Ok)?)
 }
 
-/// The frustum between two heights, or nothing if it has no inside.
+/// Frustum between two heights; `None` if empty.
 fn frustum(z1: f64, r1: f64, z2: f64, r2: f64) -> Result<Option<Solid>, Failure> {
     let ((z1, r1), (z2, r2)) = if z1 < z2 { ((z1, r1), (z2, r2)) } else { ((z2, r2), (z1, r1)) };
     if z1 == z2 || (r1 == 0.0 && r2 == 0.0) {
@@ -58,7 +58,7 @@ fn frustum(z1: f64, r1: f64, z2: f64, r2: f64) -> Result<Option<Solid>, Failure>
     Ok(Some(if middle == 0.0 { frustum } else { frustum.translate(Vec3::Z * middle) }))
 }
 
-/// What is between the radii of two planes, or nothing if it has no inside.
+/// The part between the radii of two z planes; `None` if empty.
 fn section(a: ZPlane, b: ZPlane) -> Result<Option<Solid>, Failure> {
     if a.rmin > a.rmax || b.rmin > b.rmax {
         return refused("an inner radius is greater than the outer one");
@@ -74,8 +74,8 @@ fn section(a: ZPlane, b: ZPlane) -> Result<Option<Solid>, Failure> {
     })
 }
 
-/// `G4Polycone` from planes; two planes at one height make a step. Where they go back and forth along z, it is the polygon of
-/// their radii that is turned.
+/// `G4Polycone` from z planes; two planes at one height make a step. If z is not monotonic, the polygon of the radii is
+/// revolved.
 pub(in crate::gdml) fn polycone(planes: &[ZPlane], phi: Phi) -> Made {
     if !in_order(planes) {
         return generic_polycone(&outline(planes), phi);
@@ -84,10 +84,10 @@ pub(in crate::gdml) fn polycone(planes: &[ZPlane], phi: Phi) -> Made {
     for pair in planes.windows(2) {
         sections.extend(section(pair[0], pair[1])?);
     }
-    phi.cut(union_of(sections, "it has no inside (no length, or no thickness)")?)
+    phi.cut(union_of(sections, "it has no inside: no length, or no thickness.")?)
 }
 
-/// True if planes go up along z, or down.
+/// True if the planes are monotonic in z.
 pub(super) fn in_order(planes: &[ZPlane]) -> bool {
     let goes = |sign: f64| planes.windows(2).all(|pair| sign * (pair[1].z - pair[0].z) >= 0.0);
     goes(1.0) || goes(-1.0)
@@ -100,10 +100,10 @@ pub(super) fn outline(planes: &[ZPlane]) -> Vec<[f64; 2]> {
     outer.chain(inner).collect()
 }
 
-/// `G4GenericPolycone`: a polygon of corners (r, z), turned around the z axis.
+/// `G4GenericPolycone`: a polygon of vertices (r, z), revolved about the z axis.
 ///
-/// A point is inside the polygon if an odd number of edges at its height is farther from the axis: the solid is the symmetric
-/// difference of the frusta under the edges.
+/// A point is inside the polygon if an odd number of edges at its height is farther from the axis: the solid is the
+/// symmetric difference of the frusta under the edges.
 pub(in crate::gdml) fn generic_polycone(corners: &[[f64; 2]], phi: Phi) -> Made {
     if corners.iter().any(|[r, _]| *r < 0.0) {
         return refused("a radius is negative");
@@ -133,7 +133,7 @@ pub(in crate::gdml) fn sphere(rmin: f64, rmax: f64, phi: Phi, theta: Phi) -> Mad
     if rmin > 0.0 {
         ball = ball - of(Sphere::new(rmin)?);
     }
-    // Geant4 takes angles beyond the pole for the pole
+    // Geant4 clamps angles beyond the pole
     let end = theta.start + theta.delta;
     if !(0.0..180.0).contains(&theta.start) || theta.delta <= 0.0 {
         return refused("the polar angles are not between 0 and 180 degrees");
@@ -147,7 +147,7 @@ pub(in crate::gdml) fn sphere(rmin: f64, rmax: f64, phi: Phi, theta: Phi) -> Mad
     phi.cut(ball)
 }
 
-/// The directions nearer to +z than an angle between 0 and 180, as far as a ball reaches.
+/// The directions with a polar angle below `theta` (between 0 and 180 degrees), within a ball.
 fn above(theta: f64, radius: f64) -> Made {
     if theta > 90.0 {
         return Ok(!above_equator(180.0 - theta, radius)?.mirror(Vec3::Z));
@@ -160,7 +160,7 @@ fn above_equator(theta: f64, radius: f64) -> Made {
     if cos <= 1e-12 {
         return Ok(of(HalfSpace::new(Vec3::NEG_Z, 0.0)?));
     }
-    // ends beyond the ball, which its own end therefore never meets
+    // ends outside of the ball, so that this end is never visible
     let height = 1.25 * radius;
     Ok(of(Cone::new(0.0, height * sin / cos, height)?).translate(Vec3::Z * (0.5 * height)))
 }
@@ -179,7 +179,7 @@ pub(in crate::gdml) fn torus(rmin: f64, rmax: f64, major: f64, phi: Phi) -> Made
     phi.cut(if rmin > 0.0 { outer - of(Torus::new(major, rmin)?) } else { outer })
 }
 
-/// `G4Ellipsoid`: half axes, cut off below and above; cuts that are both 0 are none.
+/// `G4Ellipsoid`: half axes, cut off below and above; no cuts if both are 0.
 pub(in crate::gdml) fn ellipsoid(radii: [f64; 3], low: f64, high: f64) -> Made {
     let whole = of(Ellipsoid::new(Vec3::from_array(radii))?);
     let (low, high) = if low == 0.0 && high == 0.0 { (-radii[2], radii[2]) } else { (low, high) };
@@ -189,7 +189,7 @@ pub(in crate::gdml) fn ellipsoid(radii: [f64; 3], low: f64, high: f64) -> Made {
     between(whole, low, high, radii[2])
 }
 
-/// What of a solid within `|z| < reach` is between two heights.
+/// The part of a solid in `|z| < reach` that is between two heights.
 fn between(solid: Solid, low: f64, high: f64, reach: f64) -> Made {
     Ok(match (low > -reach, high < reach) {
         (false, false) => solid,
@@ -199,7 +199,7 @@ fn between(solid: Solid, low: f64, high: f64, reach: f64) -> Made {
     })
 }
 
-/// Stretched along y.
+/// A solid scaled along y.
 fn stretched(solid: Solid, ratio: f64) -> Made {
     match ratio.is_finite() && ratio > 0.0 {
         true if ratio == 1.0 => Ok(solid),
@@ -208,7 +208,7 @@ fn stretched(solid: Solid, ratio: f64) -> Made {
     }
 }
 
-/// `G4EllipticalTube`: half lengths.
+/// `G4EllipticalTube`, with half lengths.
 pub(in crate::gdml) fn elliptical_tube(dx: f64, dy: f64, dz: f64) -> Made {
     stretched(of(Cylinder::new(dx, 2.0 * dz)?), dy / dx)
 }
@@ -219,7 +219,7 @@ pub(in crate::gdml) fn elliptical_cone(dx: f64, dy: f64, zmax: f64, zcut: f64) -
     stretched(of(Cone::new(dx * (zmax + cut), dx * (zmax - cut), 2.0 * cut)?), dy / dx)
 }
 
-/// `G4Paraboloid`: radii at -dz and dz.
+/// `G4Paraboloid`, with the radii at -dz and dz.
 pub(in crate::gdml) fn paraboloid(low: f64, high: f64, dz: f64) -> Made {
     if !(0.0 <= low && low < high && dz > 0.0) {
         return refused("the radii are not in the order 0 <= rlo < rhi, or the length is not greater than 0");

@@ -1,4 +1,4 @@
-//! Twisted solids.
+//! Twisted solids (`G4TwistedBox`, `G4TwistedTrd`, `G4TwistedTrap`, `G4TwistedTubs`).
 
 use super::faceted::{Trapezoid, ruled};
 use super::round::hyperboloid;
@@ -8,13 +8,14 @@ use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::Quadric;
 
-/// The most that one slice of a twisted solid turns, in degrees: its corners are then off by at most 1 - cos(1 degree), that is
-/// 1.6e-4, of their distance from the axis.
+/// Largest twist of one slice in degrees: vertices then deviate by at most 1 - cos(1 degree), i.e. 1.6e-4, of their
+/// distance from the axis.
 const STEP: f64 = 2.0;
 
-/// `G4TwistedBox`, `G4TwistedTrd`, `G4TwistedTrap`: sections that turn at an even rate along z, by `twist` from end to end.
+/// `G4TwistedBox`, `G4TwistedTrd`, `G4TwistedTrap`: sections that rotate linearly along z, by `twist` from end to end.
 ///
-/// The side faces are no algebraic surfaces. Here the solid is a stack of slices, each ruled between its sections.
+/// The side faces are not algebraic surfaces. The solid is approximated by a stack of slices, each ruled between its end
+/// sections.
 pub(in crate::gdml) fn twisted(trapezoid: &Trapezoid, twist: f64) -> Made {
     if !(0.0 < twist.abs() && twist.abs() < 90.0) {
         return refused("the twist is not between 0 and 90 degrees");
@@ -24,7 +25,7 @@ pub(in crate::gdml) fn twisted(trapezoid: &Trapezoid, twist: f64) -> Made {
     let section = |k: f64| {
         let part = k / count;
         let (sin, cos) = sin_cos_degrees(twist * (part - 0.5));
-        // the middle of a section moves, and is not turned
+        // the centre of a section is translated, not rotated
         let lean = middle(low, high, part);
         std::array::from_fn(|corner| {
             let at =
@@ -41,17 +42,17 @@ pub(in crate::gdml) fn twisted(trapezoid: &Trapezoid, twist: f64) -> Made {
     union_of(slices, "it has no inside")
 }
 
-/// The middle of the section a part of the way up.
+/// Centre of the section at a fraction of the height.
 fn middle(low: [[f64; 2]; 4], high: [[f64; 2]; 4], part: f64) -> [f64; 2] {
     let mean = |corners: [[f64; 2]; 4], axis: usize| {
-        // the middle of the line between the middles of the two sides along x
+        // the midpoint of the line between the midpoints of the two sides along x
         0.25 * corners.iter().map(|corner| corner[axis]).sum::<f64>()
     };
     [0, 1].map(|axis| (1.0 - part) * mean(low, axis) + part * mean(high, axis))
 }
 
 /// `G4TwistedTubs`: between two hyperboloids with the given radii at the ends, in a sector whose sides are hyperbolic
-/// paraboloids. All its faces are quadrics or planes.
+/// paraboloids. All faces are exact quadrics or planes.
 pub(in crate::gdml) fn twisted_tube(twist: f64, rmin: f64, rmax: f64, z: f64, phi: f64) -> Made {
     let is_possible =
         0.0 < twist.abs() && twist.abs() < 180.0 && (0.0..rmax).contains(&rmin) && 0.0 < phi && phi < 360.0;
@@ -72,7 +73,7 @@ pub(in crate::gdml) fn twisted_tube(twist: f64, rmin: f64, rmax: f64, z: f64, ph
     Ok(if rmin > 0.0 { whole - hyperboloid(rmin * cos, rmin * cos * kappa)? } else { whole })
 }
 
-/// What is on the left of the line through the axis that has an angle at z = 0 and turns as y = kappa x z from there.
+/// The points to the left of the line through the axis at an angle for z = 0, twisted as y = kappa x z.
 fn side(angle: f64, kappa: f64) -> Made {
     let (sin, cos) = sin_cos_degrees(angle);
     // along = cos x + sin y, across = cos y - sin x: kappa along z - across < 0

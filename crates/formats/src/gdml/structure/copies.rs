@@ -1,63 +1,28 @@
-//! Copies of a volume along an axis of its mother: replicas, divisions, and copies with dimensions of their own.
+//! Replica volumes, divisions and parameterised copies of a volume.
 
-use super::{Copies, Daughter, Graph, Pending, Volume, measure};
+use super::pending::{Copies, Pending};
+use super::row::{Axis, Row, measure};
 use crate::LossKind;
 use crate::gdml::attributes::{Failure, Numbers, degrees};
+use crate::gdml::context::Context;
+use crate::gdml::graph::{Daughter, Graph, Volume};
 use crate::gdml::shape::{Made, Phi, cuboid, faceted, of, round};
 use crate::gdml::solids::{Shape, Sizes};
+use crate::gdml::trouble::Trouble;
+use crate::gdml::units;
 use crate::gdml::xml::Element;
-use crate::gdml::{Context, Trouble, units};
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{Slab, Wedge};
 
-/// Copies of one daughter.
+/// Most copies of one daughter.
 pub(super) const MOST: i64 = 1_000_000;
-/// Copies of all daughters that are replicas or divisions.
+/// Most copies of all replica volumes and divisions.
 const MOST_ALTOGETHER: usize = 4_000_000;
-/// Copies of one daughter that have dimensions of their own, and therefore are volumes of their own.
+/// Most copies of one daughter with their own dimensions, each of which is a volume.
 const MOST_VOLUMES: usize = 20_000;
 
-/// The direction of a row of copies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Axis {
-    X,
-    Y,
-    Z,
-    Rho,
-    Phi,
-}
-
-/// The axes with their names in divisions and in the directions of replicas.
-pub(super) const AXES: [(&str, &str, Axis); 5] = [
-    ("kXAxis", "x", Axis::X),
-    ("kYAxis", "y", Axis::Y),
-    ("kZAxis", "z", Axis::Z),
-    ("kRho", "rho", Axis::Rho),
-    ("kPhi", "phi", Axis::Phi),
-];
-
-/// Copies in a row: width of each, and the distance of the first from the start. Millimetres, or degrees along phi.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Row {
-    pub axis: Axis,
-    pub count: usize,
-    pub width: f64,
-    pub offset: f64,
-}
-
-/// The axis of a name as `kXAxis`.
-pub(super) fn axis(name: &str) -> Option<Axis> {
-    AXES.iter().find(|row| row.0 == name).map(|row| row.2)
-}
-
-/// The axis of `<direction x="1"/>`.
-pub(super) fn direction(element: &Element) -> Option<Axis> {
-    let is_set = |name: &str| element.text(name).trim().parse::<f64>().is_ok_and(|value| value == 1.0);
-    AXES.iter().find(|row| is_set(row.1)).map(|row| row.2)
-}
-
-/// A length, or an angle in degrees if it is along phi; 0 if it is not given.
+/// An optional length, or an angle in degrees along phi; 0 by default.
 pub(super) fn quantity(
     numbers: &mut Numbers,
     element: &Element,
@@ -70,7 +35,8 @@ pub(super) fn quantity(
     Ok(if is_angle { degrees(value, unit?) } else { value * unit? })
 }
 
-/// The factor of a length or of an angle. Some programs write one as if it were the other, and Geant4 reads that: 1 mm is 1 rad.
+/// Factor of a length or angle unit. Some programs write lengths as angles or vice versa, which Geant4 accepts: 1 mm is 1
+/// rad.
 fn factor(numbers: &mut Numbers, element: &Element, is_angle: bool) -> Result<f64, Failure> {
     if let Some(attribute) = element.attribute("unit") {
         let symbol = attribute.value.trim();
@@ -79,7 +45,7 @@ fn factor(numbers: &mut Numbers, element: &Element, is_angle: bool) -> Result<f6
         {
             let what = if is_angle { "an angle" } else { "a length" };
             let message =
-                format!("`{symbol}` is no unit of {what} (1 mm is taken for 1 rad here, as by Geant4)");
+                format!("`{symbol}` is no unit of {what}: 1 mm is taken for 1 rad here, as by Geant4.");
             numbers.context.warn(Trouble::new(message, attribute.place));
             return Ok(factor);
         }
@@ -87,7 +53,7 @@ fn factor(numbers: &mut Numbers, element: &Element, is_angle: bool) -> Result<f6
     numbers.unit(element, "unit", measure(is_angle), 1.0)
 }
 
-/// Fills in the copies of a daughter whose volume is known.
+/// Expands the copies of a daughter whose volume is resolved.
 pub(super) fn spread(context: &mut Context, graph: &mut Graph, pending: &Pending, volume: usize) {
     let mother = graph.volumes[pending.mother].shape.clone();
     let own = graph.volumes[volume].shape.clone();
@@ -105,13 +71,13 @@ pub(super) fn spread(context: &mut Context, graph: &mut Graph, pending: &Pending
         Err(failure) => {
             let daughter = &graph.volumes[pending.mother].daughters[pending.daughter];
             let reason = if let Failure::Refused(reason) = failure { reason } else { String::new() };
-            let message = format!("the copies of `{}` are refused ({reason})", pending.name);
+            let message = format!("the copies of `{}` are refused: {reason}.", pending.name);
             context.lose(LossKind::Refused, "copies", Trouble::new(message, daughter.place));
         }
     }
 }
 
-/// Maps, each with a solid where it is not the volume's own.
+/// Maps of the copies, each with a solid if that differs from the solid of the volume.
 type Spread = Vec<(Affine, Option<Shape>)>;
 
 fn within_limits(graph: &mut Graph, copies: Spread) -> Result<Spread, Failure> {
@@ -123,7 +89,7 @@ fn within_limits(graph: &mut Graph, copies: Spread) -> Result<Spread, Failure> {
     }
 }
 
-/// Puts the copies into the graph: those of the volume's own solid at its daughter, each other in a volume of its own.
+/// Adds the copies to the graph: those with the solid of the volume as placements, each other one as a new volume.
 fn place(graph: &mut Graph, pending: &Pending, volume: usize, copies: Spread) {
     let template = graph.volumes[pending.mother].daughters[pending.daughter].clone();
     let (mut own, mut others) = (Vec::new(), Vec::new());
@@ -150,8 +116,8 @@ fn place(graph: &mut Graph, pending: &Pending, volume: usize, copies: Spread) {
     }
 }
 
-/// `G4PVReplica`: along x, y, z the row is centred; around phi copy k is turned by `offset + (k + 1/2) width`; along rho the
-/// copies are rings.
+/// Replica volumes (`G4PVReplica`): along x, y, z the row is centred; around phi copy k is rotated by
+/// `offset + (k + 1/2) width`; along rho the copies are rings.
 fn replicas(row: Row, mother: Option<&Shape>, own: Option<&Shape>) -> Result<Spread, Failure> {
     let copies = (0..row.count).map(|k| k as f64);
     match row.axis {
@@ -169,7 +135,7 @@ fn replicas(row: Row, mother: Option<&Shape>, own: Option<&Shape>) -> Result<Spr
     }
 }
 
-/// A tube with other radii; of other solids what of their mother is between the radii.
+/// A tube with other radii, or for other solids the part of the mother between the radii.
 fn ring(mother: Option<&Shape>, own: Option<&Shape>, inner: f64, outer: f64) -> Result<Shape, Failure> {
     if let Some(tube) = own.filter(|shape| shape.tag == "tube") {
         return resized(tube, &[("rmin", inner), ("rmax", outer)]);
@@ -179,7 +145,7 @@ fn ring(mother: Option<&Shape>, own: Option<&Shape>, inner: f64, outer: f64) -> 
     Ok(cut(mother, round::tube(inner, outer, f64::INFINITY, whole)?, Affine::IDENTITY))
 }
 
-/// The part of a solid within another one, in a frame of its own.
+/// The part of a solid within another one, in a local frame.
 fn cut(shape: &Shape, within: Solid, into_frame: Affine) -> Shape {
     let part = shape.solid.clone() & within;
     Shape {
@@ -189,7 +155,7 @@ fn cut(shape: &Shape, within: Solid, into_frame: Affine) -> Shape {
     }
 }
 
-/// `G4PVDivision`: pieces of the mother. The volume's own solid is used where it is such a piece already.
+/// `G4PVDivision`: slices of the mother. The solid of the volume is used if it equals the slice.
 fn divisions(row: Row, mother: Option<&Shape>, own: Option<&Shape>) -> Result<Spread, Failure> {
     let mother = mother.ok_or_else(|| Failure::Refused("the mother has no solid".to_owned()))?;
     if row.axis == Axis::Z && !mother.sizes.heights.is_empty() {
@@ -209,7 +175,8 @@ fn divisions(row: Row, mother: Option<&Shape>, own: Option<&Shape>) -> Result<Sp
     (0..row.count).map(|k| piece(row, mother, own, start, k)).collect()
 }
 
-/// `G4ParameterisationPolyconeZ`, `G4ParameterisationPolyhedraZ`: what is between the planes, or slices within one such section.
+/// `G4ParameterisationPolyconeZ`, `G4ParameterisationPolyhedraZ`: the parts between the planes, or slices within one such
+/// section.
 fn sections(row: Row, mother: &Shape) -> Result<Spread, Failure> {
     let mut heights = mother.sizes.heights.clone();
     heights.sort_by(f64::total_cmp);
@@ -232,14 +199,14 @@ fn sections(row: Row, mother: &Shape) -> Result<Spread, Failure> {
     bounds.into_iter().map(slice).collect()
 }
 
-/// The range of a solid along an axis: where it starts, and how long it is.
+/// Range of a solid along an axis: start and length.
 fn extent(axis: Axis, shape: &Shape) -> Option<(f64, f64)> {
     let size = |name: &str| shape.sizes.number(name);
     let centred = |length: f64| (-0.5 * length, length);
     match (axis, shape.tag.as_str()) {
         (Axis::X, "box" | "para") => Some(centred(size("x"))),
         (Axis::Y, "box" | "para") => Some(centred(size("y"))),
-        // of sizes that taper the mean counts
+        // tapering sizes have their mean
         (Axis::X, "trd") => Some(centred(0.5 * (size("x1") + size("x2")))),
         (Axis::Y, "trd") => Some(centred(0.5 * (size("y1") + size("y2")))),
         (Axis::Z, "box" | "para" | "tube" | "cone" | "trd") => Some(centred(size("z"))),
@@ -252,7 +219,7 @@ fn extent(axis: Axis, shape: &Shape) -> Option<(f64, f64)> {
     }
 }
 
-/// One piece of the mother, in a frame of its own.
+/// One slice of the mother, in a local frame.
 fn piece(
     row: Row,
     mother: &Shape,
@@ -283,7 +250,7 @@ fn piece(
     Ok((map, (!is_own).then_some(shape)))
 }
 
-/// Along an axis; in a parallelepiped along its edges.
+/// A translation along an axis; in a parallelepiped along its edges.
 fn leaning(axis: Axis, shape: &Shape, by: f64) -> Affine {
     let angle = |name: &str| sin_cos_degrees(shape.sizes.number(name));
     let tan = |name: &str| angle(name).0 / angle(name).1;
@@ -300,7 +267,7 @@ fn tapers(axis: Axis, trd: &Shape) -> bool {
     trd.sizes.number(one) != trd.sizes.number(two)
 }
 
-/// The piece of a `trd` that tapers along the axis of the division: the same part of its extent at every height.
+/// A slice of a `trd` that tapers along the axis of the division: the same fraction of the extent at every height.
 fn wedge(row: Row, trd: &Shape, low: f64) -> Result<Shape, Failure> {
     let size = |name: &str| trd.sizes.number(name);
     let (along, across) = match row.axis {
@@ -321,7 +288,7 @@ fn wedge(row: Row, trd: &Shape, low: f64) -> Result<Shape, Failure> {
     Ok(Shape { solid, tag: String::new(), sizes: Sizes::default() })
 }
 
-/// The radii of a ring of a cone: at each end the same part of its thickness.
+/// The radii of a ring of a cone: at each end the same fraction of the thickness.
 fn cone_ring(row: Row, cone: &Shape, k: usize) -> Vec<(&'static str, f64)> {
     let size = |name: &str| cone.sizes.number(name);
     let far = (size("rmax2") - size("rmin2") - row.offset) / row.count as f64;
@@ -334,7 +301,7 @@ fn cone_ring(row: Row, cone: &Shape, k: usize) -> Vec<(&'static str, f64)> {
     ]
 }
 
-/// The sizes of a slice across z: those that taper are interpolated.
+/// Dimensions of a slice across z; tapering ones are interpolated.
 fn slice(mother: &Shape, low: f64, width: f64) -> Vec<(&'static str, f64)> {
     let size = |name: &str| mother.sizes.number(name);
     let part = |z: f64| z / size("z") + 0.5;
@@ -353,7 +320,7 @@ fn alike(a: &Sizes, b: &Sizes) -> bool {
     !a.is_empty() && a.len() == b.len() && a.iter().all(is_in_b)
 }
 
-/// The same kind of solid with other sizes.
+/// A solid of the same kind with some dimensions replaced.
 fn resized(shape: &Shape, changed: &[(&'static str, f64)]) -> Result<Shape, Failure> {
     let mut sizes = shape.sizes.clone();
     for (name, value) in changed {

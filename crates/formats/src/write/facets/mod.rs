@@ -1,9 +1,9 @@
-//! One shape as triangles within a tolerance, or as a convex polytope where it is plane.
+//! Tessellation of one shape within a chord tolerance, or as an exact convex polytope if its faces are plane.
 //!
-//! Corners lie on the surface. Along a circle of radius r the chord between corners n to the turn is r (1 - cos(pi / n)) from
-//! it; where two curves cross, each has half of the tolerance, for then the circle around a triangle is r (1 - cos a cos b) deep
-//! at most, with half angles a and b. The turn begins at +x and n is a multiple of 4, so that equal cylinders and spheres about
-//! one centre have the same facets, and boxes around them keep their size.
+//! Vertices lie on the surface. With n vertices per turn of a circle of radius r, the chords deviate by r (1 - cos(pi /
+//! n)). Faces curved in two directions use half of the tolerance in each: with half angles a and b, the deviation is at
+//! most r (1 - cos a cos b). Circles start at +x and n is a multiple of 4, so that concentric equal cylinders and spheres
+//! have the same facets and keep their bounding boxes.
 
 mod polytope;
 mod revolved;
@@ -16,35 +16,32 @@ use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_shape::primitive::{Cylinder, Lowered, Paraboloid, Primitive, Tube, Value};
 use rayweave_shape::surface::Surface;
-pub(super) use revolved::circle_count;
+pub(super) use revolved::{MOST_AROUND, circle_count};
 use revolved::{Profile, revolved};
 
-/// The most corners around a circle.
-pub(super) const MOST_AROUND: usize = 20_000;
-
-/// What a shape is made of triangles from.
+/// Input for the tessellation of a shape.
 pub(super) struct Request<'a> {
     pub shape: &'a Primitive,
     pub place: &'a Affine,
-    /// The box that holds the whole model, in the frame of the model.
+    /// Clip box around the whole model, in the frame of the model.
     pub clip: &'a Bounds,
     pub tolerance: f64,
 }
 
 impl Request<'_> {
-    /// The box in the frame of the shape.
+    /// The clip box in the frame of the shape.
     pub fn local_clip(&self) -> Option<Bounds> {
         Some(self.clip.transformed(&self.place.inverse().ok()?))
     }
 
     /// The tolerance in the frame of the shape.
     pub fn local_tolerance(&self) -> f64 {
-        // the Frobenius norm of a similarity is the square root of 3 times its factor
-        self.tolerance / self.place.similarity().unwrap_or(self.place.stretch())
+        // the Frobenius norm of a similarity is sqrt(3) times its scale factor
+        self.tolerance / self.place.similarity().unwrap_or(self.place.linear_norm())
     }
 }
 
-/// The number that a shape has for a parameter.
+/// Value of a numeric parameter of a shape.
 pub(super) fn number(shape: &Primitive, name: &str) -> Option<f64> {
     shape.arguments().into_iter().find_map(|(own, value)| match value {
         Value::Number(number) if own == name => Some(number),
@@ -52,10 +49,10 @@ pub(super) fn number(shape: &Primitive, name: &str) -> Option<f64> {
     })
 }
 
-/// A cylinder, tube or paraboloid without an end as one that ends outside of the box; `None` for others.
+/// An infinite cylinder, tube or paraboloid, made finite so that it ends outside of the clip box; `None` for other shapes.
 pub(super) fn finite(shape: &Primitive, place: &Affine, clip: &Bounds) -> Option<Primitive> {
     let room = clip.transformed(&place.inverse().ok()?);
-    // as much beyond the box as it is high, so that no end lies in a face of it
+    // well outside of the clip box, so that no end coincides with one of its faces
     let reach = 3.0 * room.lo.z.abs().max(room.hi.z.abs());
     let number = |name: &str| number(shape, name);
     if number("height").is_none_or(f64::is_finite) {
@@ -69,7 +66,7 @@ pub(super) fn finite(shape: &Primitive, place: &Affine, clip: &Bounds) -> Option
     })
 }
 
-/// The shape as a body of triangles; `None` if nothing of it is in the box.
+/// The tessellated shape; `None` if it does not intersect the clip box.
 pub(super) fn body(request: &Request) -> Result<Option<Body>, String> {
     let Some(clip) = request.local_clip() else {
         return Ok(None);
@@ -96,7 +93,7 @@ fn local(shape: &Primitive, clip: &Bounds, tolerance: f64) -> Result<Option<Body
     revolved(&profile, n, Vec3::ONE).map(Some)
 }
 
-/// The outline of a shape of revolution, beside the z axis; `None` if it is of another kind.
+/// Profile of a solid of revolution about the z axis; `None` for other shapes.
 fn profile(shape: &Primitive, clip: &Bounds, tolerance: f64) -> Result<Option<Profile>, String> {
     let number = |name: &str| number(shape, name).unwrap_or(0.0);
     let half =
@@ -115,7 +112,7 @@ fn profile(shape: &Primitive, clip: &Bounds, tolerance: f64) -> Result<Option<Pr
     }))
 }
 
-/// Shapes with other curved faces.
+/// Tessellation of shapes with other curved faces.
 fn curved(
     shape: &Primitive,
     lowered: &Lowered,

@@ -1,11 +1,11 @@
-//! Convex polytopes: a box cut by planes.
+//! Convex polytopes: intersection of a box with half-spaces.
 
 use crate::kernel::Body;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::Surface;
 
-/// The planes of a shape that has no other faces, turned so that the conjunction is where `normal . p < offset`.
+/// The planes of a shape without other faces, oriented so that the shape is the intersection of `normal . p < offset`.
 pub(in crate::write) fn planes_of(lowered: &Lowered) -> Option<Vec<(Vec3, f64)>> {
     let plane = |facet: &rayweave_shape::primitive::Facet| match &facet.surface {
         Surface::Plane(plane) if facet.inside => Some((plane.normal, plane.offset)),
@@ -15,7 +15,7 @@ pub(in crate::write) fn planes_of(lowered: &Lowered) -> Option<Vec<(Vec3, f64)>>
     lowered.facets.iter().map(plane).collect()
 }
 
-/// What is within all planes and the box, or what is in the box and not within all of them.
+/// The intersection of the half-spaces and the box, or its complement in the box.
 pub(super) fn body(planes: &[(Vec3, f64)], complement: bool, clip: &Bounds) -> Result<Option<Body>, String> {
     let cut = Body::hull(&hull_points(planes, clip))?;
     if !complement {
@@ -28,11 +28,11 @@ pub(super) fn body(planes: &[(Vec3, f64)], complement: bool, clip: &Bounds) -> R
     }
 }
 
-/// The corners of the polytope within all planes and the box; less than four if it is empty or flat.
+/// Vertices of the intersection of half-spaces and the box; fewer than four if it is empty or flat.
 fn hull_points(planes: &[(Vec3, f64)], clip: &Bounds) -> Vec<Vec3> {
     let corners = clip.corners();
     let side = |numbers: [usize; 4]| numbers.map(|k| corners[k]).to_vec();
-    // corner k has the greater coordinate along an axis where its bit is set
+    // bit b of the vertex index selects the upper coordinate along axis b
     let mut faces: Vec<Vec<Vec3>> =
         [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
             .map(side)
@@ -51,7 +51,7 @@ fn order(a: &Vec3, b: &Vec3) -> std::cmp::Ordering {
     pairs.map(|(x, y)| x.total_cmp(&y)).find(|order| order.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// The faces on the inner side of a plane; the new face has the corners of the others.
+/// The faces on the inner side of a plane; vertices of the new face are those of its neighbours.
 fn cut(faces: Vec<Vec<Vec3>>, normal: Vec3, offset: f64) -> Vec<Vec<Vec3>> {
     let height = |p: Vec3| normal.dot(p) - offset;
     let mut rim = Vec::new();
@@ -79,14 +79,14 @@ fn cut(faces: Vec<Vec<Vec3>>, normal: Vec3, offset: f64) -> Vec<Vec<Vec3>> {
     kept
 }
 
-/// Where an edge meets a plane, the same for both faces that have the edge.
+/// Intersection of an edge and a plane, the same for both faces of the edge.
 fn meeting(a: Vec3, b: Vec3, height: impl Fn(Vec3) -> f64) -> Vec3 {
     let (a, b) = if order(&a, &b).is_lt() { (a, b) } else { (b, a) };
     let (h, k) = (height(a), height(b));
     a + (b - a) * (h / (h - k))
 }
 
-/// The corners of a convex face in order around it.
+/// Vertices of a convex face in order.
 fn around(mut rim: Vec<Vec3>, normal: Vec3) -> Vec<Vec3> {
     let middle = rim.iter().sum::<Vec3>() / rim.len() as f64;
     let x = rayweave_math::any_perpendicular(normal);

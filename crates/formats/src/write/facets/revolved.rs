@@ -1,23 +1,25 @@
-//! Solids of revolution, from their outlines.
+//! Tessellation of solids of revolution from their profiles.
 
-use super::MOST_AROUND;
 use crate::kernel::Body;
 use rayweave_math::{Vec3, sin_cos_degrees};
 
-/// The outline of a solid of revolution around z: points (r, z) with the solid on the left on the way, from the axis to the
-/// axis or, with all radii greater than 0, around a ring.
+/// Most vertices of a circle.
+pub const MOST_AROUND: usize = 20_000;
+
+/// Profile of a solid of revolution about z: points (r, z) with the solid on the left. It runs from axis to axis or, if all
+/// radii are greater than 0, it is closed.
 pub(super) struct Profile {
     pub points: Vec<[f64; 2]>,
-    /// True if it stands for a curve, so that facets are bent in two directions.
+    /// True if the profile approximates a curve, so that facets are curved in two directions.
     pub is_bent: bool,
 }
 
-/// How many corners a circle has within a tolerance.
+/// Number of vertices of a circle within a tolerance.
 pub(in crate::write) fn circle_count(radius: f64, tolerance: f64) -> Result<usize, String> {
     if radius <= tolerance {
         return Ok(4);
     }
-    // 1 - cos x = 2 sin^2(x / 2), which keeps its digits
+    // 1 - cos x = 2 sin^2(x / 2), which avoids cancellation
     let half_angle = 2.0 * libm::asin(libm::sqrt(0.5 * tolerance / radius));
     let quarters = libm::ceil(0.25 * std::f64::consts::PI / half_angle).max(2.0);
     match quarters * 4.0 <= MOST_AROUND as f64 {
@@ -27,7 +29,7 @@ pub(in crate::write) fn circle_count(radius: f64, tolerance: f64) -> Result<usiz
 }
 
 impl Profile {
-    /// A piece of a circle around (r, z), between two angles from the r axis, in degrees; ends on the axis are put there.
+    /// Arc about (r, z) between two angles from the r axis, in degrees; end points near the axis are moved onto it.
     pub fn arc(centre: [f64; 2], radius: f64, degrees: [f64; 2], tolerance: f64) -> Result<Profile, String> {
         let around = circle_count(radius, 0.5 * tolerance)?;
         let [start, end] = degrees;
@@ -56,14 +58,14 @@ impl Profile {
         Profile { points: vec![[inner, lo], [outer, lo], [outer, hi], [inner, hi]], is_bent: false }
     }
 
-    /// A ring, or where the tube reaches the axis its outer skin.
+    /// Profile of a torus; of a spindle torus only the outer skin.
     pub fn torus(major: f64, minor: f64, tolerance: f64) -> Result<Profile, String> {
         if major > minor {
             let mut ring = Profile::arc([major, 0.0], minor, [0.0, 360.0], tolerance)?;
             ring.points.pop();
             return Ok(ring);
         }
-        // where the circle meets the axis
+        // intersection of the circle and the axis
         let end = libm::acos(-major / minor).to_degrees();
         let mut skin = Profile::arc([major, 0.0], minor, [-end, end], tolerance)?;
         let height = libm::sqrt((minor - major) * (minor + major));
@@ -73,13 +75,13 @@ impl Profile {
         Ok(skin)
     }
 
-    /// The greatest radius.
+    /// Largest radius.
     pub fn reach(&self) -> f64 {
         self.points.iter().map(|point| point[0]).fold(0.0, f64::max)
     }
 }
 
-/// The body of an outline turned in n steps, then scaled along the axes.
+/// The body of a profile revolved in n steps, then scaled along the axes.
 pub(super) fn revolved(profile: &Profile, n: usize, scale: Vec3) -> Result<Body, String> {
     let turns: Vec<(f64, f64)> = (0..n).map(|k| sin_cos_degrees(360.0 * k as f64 / n as f64)).collect();
     let ring = |[r, z]: [f64; 2]| match r > 0.0 {
@@ -90,8 +92,8 @@ pub(super) fn revolved(profile: &Profile, n: usize, scale: Vec3) -> Result<Body,
     stacked(profile.points.iter().map(|point| ring(*point)).collect(), is_ring)
 }
 
-/// The body between rings of points, each of n points or of one, from the bottom up; the last is joined to the first, or both
-/// are points.
+/// The body between rings of points, each of n points or of one, from the bottom up. The last ring is joined to the first,
+/// or both are single points.
 pub(super) fn stacked(rings: Vec<Vec<Vec3>>, is_ring: bool) -> Result<Body, String> {
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let starts: Vec<u32> = rings
@@ -110,7 +112,7 @@ pub(super) fn stacked(rings: Vec<Vec<Vec3>>, is_ring: bool) -> Result<Body, Stri
     Body::from_triangles(rings.into_iter().flatten().collect(), triangles)
 }
 
-/// Triangles between a ring and the next, seen from outside counter-clockwise.
+/// Triangles between two neighbouring rings, counter-clockwise seen from outside.
 fn between([lower, upper]: [u32; 2], [m, n]: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
     for k in 0..m.max(n) {
         let [a, b] = [lower + k % m, lower + (k + 1) % m];

@@ -1,4 +1,4 @@
-//! Bodies above a sag surface, from a grid of rings.
+//! Tessellation of sag surfaces (aspheres) on a polar grid.
 
 use super::revolved::{circle_count, stacked};
 use super::sections::below;
@@ -7,10 +7,10 @@ use rayweave_math::{Bounds, Vec3, sin_cos_degrees};
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::Surface;
 
-/// The most points of the grid.
+/// Most points of the grid.
 const MOST_POINTS: usize = 1 << 22;
 
-/// The surface z = sag(x, y) over an aperture.
+/// Grid over the surface z = sag(x, y) within an aperture.
 struct Grid<'a> {
     surface: &'a Surface,
     aperture: f64,
@@ -55,7 +55,7 @@ impl Grid<'_> {
         -self.surface.value_and_gradient(Vec3::new(x, y, 0.0)).0
     }
 
-    /// The point at a number of rings from the axis and of steps around it, which need not be whole.
+    /// The point at fractional ring and step indices.
     fn point(&self, ring: f64, step: f64) -> Vec3 {
         let (sin, cos) = sin_cos_degrees(360.0 * step / self.around as f64);
         let r = self.aperture * ring / self.rings as f64;
@@ -68,7 +68,7 @@ impl Grid<'_> {
         (0..count).map(|step| self.point(ring as f64, step as f64)).collect()
     }
 
-    /// The greatest height of the surface over the middles of edges and diagonals of the grid.
+    /// Largest height of the surface above the midpoints of the edges and diagonals of the grid.
     fn worst(&self) -> f64 {
         let mut worst = 0.0f64;
         for ring in 0..self.rings {
@@ -76,7 +76,7 @@ impl Grid<'_> {
                 let (r, s) = (ring as f64, step as f64);
                 for (dr, ds) in [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
                     let ends = 0.5 * (self.point(r, s).z + self.point(r + dr, s + ds).z);
-                    // the middle of the chord, which is not that of the arc
+                    // the midpoint of the chord, not of the arc
                     let chord = 0.5 * (self.point(r, s) + self.point(r + dr, s + ds));
                     worst = worst.max((self.sag(chord.x, chord.y) - ends).abs());
                 }

@@ -1,4 +1,4 @@
-//! Surfaces of degree two by their elliptic sections, and others from a grid.
+//! Tessellation of quadrics by their elliptic sections, and of other surfaces on a grid.
 
 use super::polytope;
 use super::revolved::{Profile, circle_count, revolved};
@@ -7,16 +7,16 @@ use rayweave_math::{Affine, Bounds, Mat3, Vec3};
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::{Quadric, Surface};
 
-/// A point of an outline: its parameter and what it is there.
+/// A sample of a profile: parameter and point.
 type Sample = (f64, [f64; 2]);
 
-/// How often a piece of an outline is halved.
+/// Most bisections of a piece of a profile.
 const MOST_HALVINGS: u32 = 20;
 
-/// How fine a grid may become: cells along the diagonal of the box.
+/// Finest grid: cells along the diagonal of the box.
 const FINEST: f64 = 300.0;
 
-/// `a x^2 + b y^2 < g(z)` with a, b > 0 and g of degree two, about an origin along three axes.
+/// `a x^2 + b y^2 < g(z)` with a, b > 0 and g quadratic, in a frame with its own origin and axes.
 struct Elliptic {
     origin: Vec3,
     axes: [Vec3; 3],
@@ -24,11 +24,11 @@ struct Elliptic {
     b: f64,
     /// g = g[0] + g[1] z + g[2] z^2.
     g: [f64; 3],
-    /// The solid is where this does not hold.
+    /// True if the solid is the complement.
     is_outside: bool,
 }
 
-/// The inside of a quadric in a box.
+/// The inside of a quadric, clipped to a box.
 pub(super) fn quadric(of: &Quadric, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
     match elliptic(of) {
         Some(form) => form.body(clip, tolerance),
@@ -40,7 +40,7 @@ pub(super) fn quadric(of: &Quadric, clip: &Bounds, tolerance: f64) -> Result<Opt
     }
 }
 
-/// The form, if two weights are of one sign.
+/// The elliptic form of a quadric, if two eigenvalues have the same sign.
 fn elliptic(of: &Quadric) -> Option<Elliptic> {
     let weights = of.weights.to_array();
     let (mut origin, mut constant) = (of.centre, of.constant);
@@ -86,7 +86,7 @@ impl Elliptic {
         }
     }
 
-    /// Where there are sections, within the box.
+    /// Ranges of z within the box in which there are sections.
     fn ranges(&self, clip: &Bounds) -> Vec<[f64; 2]> {
         let heights = clip.corners().map(|corner| (corner - self.origin).dot(self.axes[2]));
         let lo = heights.iter().copied().fold(f64::INFINITY, f64::min);
@@ -103,10 +103,10 @@ impl Elliptic {
         let middle = self.value(0.5 * (lo + hi));
         let radius = |z: f64| {
             let value = self.value(z);
-            // at a root rounding leaves something
+            // exactly zero at a root, where rounding leaves a remainder
             if value > 1e-12 * middle { widest * libm::sqrt(value) } else { 0.0 }
         };
-        // dense at both ends, where the outline may be upright
+        // Chebyshev spacing: dense at both ends, where the profile may be perpendicular to the axis
         let at = |t: f64| {
             let z = match t {
                 0.0 => lo,
@@ -130,7 +130,7 @@ impl Elliptic {
     }
 }
 
-/// The real roots of c[0] + c[1] x + c[2] x^2, in order.
+/// Real roots of c[0] + c[1] x + c[2] x^2, in increasing order.
 fn roots([c, b, a]: [f64; 3]) -> Vec<f64> {
     if a == 0.0 {
         return if b == 0.0 { Vec::new() } else { vec![-c / b] };
@@ -145,7 +145,7 @@ fn roots([c, b, a]: [f64; 3]) -> Vec<f64> {
     both
 }
 
-/// Points of a curve over [0, 1] whose chords are within a tolerance of it, as far as their middles tell.
+/// Points of a curve over [0, 1] whose chords are within a tolerance of it, tested at the midpoints.
 pub(super) fn sampled(at: impl Fn(f64) -> [f64; 2], tolerance: f64) -> Vec<[f64; 2]> {
     const PIECES: u32 = 4;
     let sample = |t: f64| (t, at(t));
@@ -168,14 +168,14 @@ pub(super) fn sampled(at: impl Fn(f64) -> [f64; 2], tolerance: f64) -> Vec<[f64;
     points
 }
 
-/// The distance of a point from the line through two others.
+/// Distance of a point from the line through two others.
 fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (u, v) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let length = libm::hypot(u[0], u[1]);
     if length == 0.0 { libm::hypot(v[0], v[1]) } else { (u[0] * v[1] - u[1] * v[0]).abs() / length }
 }
 
-/// A shape with one smooth face of any kind.
+/// Tessellation of a shape with one smooth face of any kind.
 pub(super) fn implicit(
     surface: &Surface,
     lowered: &Lowered,
@@ -188,7 +188,8 @@ pub(super) fn implicit(
     implicit_in(surface, &lowered.bounds.intersection(clip), tolerance)
 }
 
-/// What is inside of a surface in a box, from a grid that is made finer until the middles of triangles are within the tolerance.
+/// The inside of a surface, clipped to a box, by a level set on a grid that is refined until the centroids of triangles are
+/// within the tolerance.
 fn implicit_in(surface: &Surface, bounds: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
     if bounds.is_empty() {
         return Ok(None);
@@ -209,7 +210,7 @@ fn implicit_in(surface: &Surface, bounds: &Bounds, tolerance: f64) -> Result<Opt
     Err(format!("its triangles are not within {tolerance:?} of it"))
 }
 
-/// The greatest distance of the middle of a triangle from the surface, away from the faces of the box.
+/// Largest distance of a triangle's centroid from the surface, except near the faces of the box.
 fn worst(body: &Body, surface: &Surface, bounds: &Bounds, edge: f64) -> f64 {
     let inner = bounds.grown(-1.5 * edge);
     let middles = body.middles().into_iter().filter(|p| inner.contains(*p));

@@ -1,6 +1,6 @@
-//! Materials, elements and properties: as the table `[gdml]` tells them, and hydrogen where it tells none.
+//! Materials, elements and properties: from the table `[gdml]`, else hydrogen as a placeholder.
 
-use super::Names;
+use super::names::Names;
 use crate::gdml::UNSPECIFIED;
 use crate::gdml::stated::{get, list, number, rows, text};
 use crate::write::RemarkKind;
@@ -10,22 +10,22 @@ use rayweave_scene::{Datum, Medium, Table};
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
-/// The density of media that say none, in g/cm3: that of intergalactic space, as `G4_Galactic`.
+/// Density in g/cm3 of media without one: intergalactic space, as in `G4_Galactic`.
 const NO_DENSITY: f64 = 1e-25;
 
-/// Numbers of media with the tags and units under which materials have them.
+/// Numbers of media, with the elements and units of materials in GDML.
 const NUMBERS: [(&str, &str, &str); 3] =
     [("temperature", "T", "K"), ("pressure", "P", "pascal"), ("mean_excitation_energy", "MEE", "eV")];
 
-/// What is written of media.
+/// Text of the materials of a file.
 pub(super) struct Materials {
     pub defines: String,
     pub text: String,
-    /// The name of the material of each medium.
+    /// Name of the material of each medium.
     pub names: Vec<String>,
 }
 
-/// Definitions of matrices, and the materials. A room around everything is of the first medium; volumes of a tree need none.
+/// Definitions of matrices and materials. The added world has the first medium; volumes of a hierarchy may have none.
 pub(super) fn materials(
     model: &Model,
     names: &Names,
@@ -61,11 +61,11 @@ pub(super) fn materials(
     all
 }
 
-/// Which media need a material.
+/// Media that need a material.
 pub(super) struct Needs {
-    /// The first one, for a room around everything.
+    /// The first medium, for an added world.
     pub room: bool,
-    /// That of volumes without material, too.
+    /// Media of volumes without material, too.
     pub all: bool,
 }
 
@@ -84,7 +84,7 @@ impl Materials {
         );
     }
 
-    /// An element, or an isotope.
+    /// Writes an element or an isotope.
     fn element(&mut self, row: &Table) {
         let tag = if text(row, "kind") == "isotope" { "isotope" } else { "element" };
         let number =
@@ -105,7 +105,7 @@ impl Materials {
         );
     }
 
-    /// A material as the table tells it. Those that Geant4 knows by itself are not defined.
+    /// Writes a material from the table. Predefined materials of Geant4 need no definition.
     fn stated(&mut self, row: &Table, medium: &Medium) {
         let (name, parts) = (text(row, "name"), parts(row));
         let is_built_in = name.starts_with("G4_") && medium.numbers.is_empty() && parts.is_empty();
@@ -133,7 +133,7 @@ impl Materials {
         );
     }
 
-    /// A medium of which nobody says what it consists of.
+    /// Writes a medium of unknown composition, as hydrogen.
     fn hydrogen(&mut self, medium: &Medium, k: usize, remarks: &mut Remarks) {
         let name = &self.names[k];
         let mut property = String::new();
@@ -157,7 +157,7 @@ impl Materials {
                 "numbers of media other than density, temperature, pressure, excitation energy and index",
             );
         }
-        // the medium around everything is of no interest
+        // no remark for the surroundings of the model
         if k > 0 {
             let what = format!(
                 "media are hydrogen of their density, or of {NO_DENSITY:?} g/cm3 where they have none"
@@ -167,7 +167,7 @@ impl Materials {
     }
 }
 
-/// Temperature, pressure, excitation energy and density.
+/// Temperature, pressure, mean excitation energy and density.
 fn numbers_of(medium: &Medium) -> String {
     let line =
         |tag: &str, number: f64, unit: &str| format!("      <{tag} value=\"{number:?}\" unit=\"{unit}\"/>\n");
@@ -181,7 +181,7 @@ fn atom(molar: Option<f64>) -> String {
     molar.map(|molar| format!("      <atom value=\"{molar:?}\"/>\n")).unwrap_or_default()
 }
 
-/// What a material or an element consists of.
+/// Composition of a material or an element.
 fn parts(row: &Table) -> String {
     let part = |part: &&Table| {
         let of = escaped(text(part, "of"));
@@ -195,7 +195,7 @@ fn parts(row: &Table) -> String {
     rows(row, "parts").iter().map(part).collect()
 }
 
-/// A property; a number becomes a matrix of its own.
+/// A property; a single number becomes a matrix of its own.
 fn property_of(defines: &mut String, owner: &str, name: &str, value: &Datum) -> String {
     let reference = match value {
         Datum::Text(matrix) => escaped(matrix),
@@ -229,7 +229,7 @@ fn attribute(row: &Table, key: &str) -> String {
     }
 }
 
-/// A text as it may stand in an attribute.
+/// A text with XML escapes for attributes.
 pub(super) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -244,7 +244,7 @@ pub(super) fn escaped(text: &str) -> String {
     out
 }
 
-/// What stands among the definitions, after the solids, and after the structure.
+/// Text of further definitions, of optical surfaces (after the solids), and of user data (after the structure).
 #[derive(Default)]
 pub(super) struct After {
     pub defines: String,
@@ -252,7 +252,7 @@ pub(super) struct After {
     pub user: String,
 }
 
-/// Optical surfaces, and tags for the user's own use.
+/// Optical surfaces and auxiliary tags.
 pub(super) fn after(table: &Table) -> After {
     let mut after = After::default();
     for row in rows(table, "surface") {

@@ -1,22 +1,23 @@
-//! Volumes within one another, as a GDML file had them.
+//! Volume hierarchy of a scene that came from a GDML file.
 
 use super::materials::{auxiliaries, escaped};
-use super::{Part, Structure, WriteError, Writer, place_text};
+use super::writer::{Part, Structure, Writer, place_text};
 use crate::gdml::UNSPECIFIED;
 use crate::gdml::stated::{Placed, Told, list, rows, text};
+use crate::write::WriteError;
 use crate::write::fold::fold;
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::{Program, Solid};
 use rayweave_scene::{Datum, Table};
 use std::fmt::Write as _;
 
-/// Maps are rotations, perhaps after a mirror, up to this part.
+/// Tolerance of the test for orthogonal maps.
 const RIGID: f64 = 1e-9;
 
-/// The part of the size of a solid by which the box around it is grown, so that no face lies in a face of the box.
+/// Margin of the clip box of a volume relative to its size, so that no face of the solid lies in a face of the box.
 const MARGIN: f64 = 0.125;
 
-/// True if no volume is stretched where it is placed: Geant4 only mirrors.
+/// True if all placements are rotations or reflections: Geant4 does not scale placements.
 pub(super) fn is_rigid(told: &[Told]) -> bool {
     let is_unit = |linear: &Mat3| {
         let square = linear.transpose() * *linear;
@@ -27,7 +28,7 @@ pub(super) fn is_rigid(told: &[Told]) -> bool {
 }
 
 impl Writer<'_, '_> {
-    /// The volumes, each after those that are in it.
+    /// The volumes, each after its daughters.
     pub(super) fn tree(
         &mut self,
         told: &[Told],
@@ -40,7 +41,7 @@ impl Writer<'_, '_> {
         for k in inner_first(told) {
             let one = &told[k];
             let name = escaped(&one.name);
-            // the world has a solid in any case
+            // the world always has a solid
             let solid = match (&parts[k], k) {
                 (Some(part), _) => Some(part.solid.clone()),
                 (None, 0) => Some(self.room()),
@@ -66,7 +67,7 @@ impl Writer<'_, '_> {
         Ok(Structure { volumes, world })
     }
 
-    /// The solid of a volume, within a box around it.
+    /// The solid of a volume, clipped to its own box.
     fn own_frame(&mut self, told: &Told) -> Result<Option<Part>, WriteError> {
         let (Some(solid), Some(region)) = (&told.solid, told.region) else {
             return Ok(None);
@@ -82,7 +83,7 @@ impl Writer<'_, '_> {
     }
 }
 
-/// The volumes, those that are in others before them, and as they were among equals.
+/// Indices of the volumes, daughters before mothers, otherwise in the given order.
 fn inner_first(told: &[Told]) -> Vec<usize> {
     let mut depth = vec![0usize; told.len()];
     for (k, one) in told.iter().enumerate() {
@@ -95,17 +96,17 @@ fn inner_first(told: &[Told]) -> Vec<usize> {
     order
 }
 
-/// The box around a solid with room around it, if it has an end.
+/// Bounding box of a solid with a margin, if it is finite.
 fn bounds(solid: &Solid) -> Result<Option<rayweave_math::Bounds>, WriteError> {
     let bounds = Program::compile(solid)?.region_bounds().into_iter().next();
     let finite = bounds.filter(|bounds| !bounds.is_empty() && bounds.is_finite());
     Ok(finite.map(|bounds| bounds.grown(MARGIN * bounds.size().length())))
 }
 
-/// All copies of a daughter. Solids have rotations and translations of their own within their volumes.
+/// All placements of a daughter. The part of a volume may have a rotation and translation of its own.
 fn placements(text: &mut String, told: &[Told], parts: &[Option<Part>], mother: usize, daughter: &Placed) {
     let place = |volume: usize| parts[volume].as_ref().map_or(Affine::IDENTITY, |part| part.place);
-    // a rotation has an inverse
+    // rotations are invertible
     let into_mother = place(mother).inverse().unwrap_or(Affine::IDENTITY);
     let volume = escaped(&told[daughter.volume].name);
     for (k, map) in daughter.maps.iter().enumerate() {

@@ -18,8 +18,8 @@
 //! | `tabulated k` | `data`: lines of wavelength in µm and extinction coefficient |
 //! | `tabulated nk` | `data`: lines of wavelength in µm, index and extinction coefficient |
 //!
-//! One file may hold several documents. The format: M. N. Polyanskiy, "Refractiveindex.info database of optical constants",
-//! Scientific Data 11, 94 (2024).
+//! One file may hold several documents. The format: M. N. Polyanskiy, "Refractiveindex.info
+//! database of optical constants", Scientific Data 11, 94 (2024).
 
 mod tree;
 
@@ -28,13 +28,15 @@ use tree::Node;
 use crate::glass::read::{Problem, ReadError, finish, nm_from_um, numbers};
 use crate::glass::{Dispersion, Glass, Published, Table};
 
-/// Reads the materials of a file of refractiveindex.info; `name` is that of a document that has no key `NAME`, as is usual.
+/// Reads the materials of a file of refractiveindex.info; `name` is that of a document that has no
+/// key `NAME`, as is usual.
 ///
-/// Of several formulas or tables for the index, the first counts, and so of several for the extinction coefficient.
+/// Of several formulas or tables for the index, the first counts, and so of several for the
+/// extinction coefficient.
 ///
 /// # Errors
-/// All problems of the file at once, each with its line; of a file that is no YAML the first. Documents without a problem stay
-/// readable: [`into_readable`](ReadError::into_readable).
+/// All problems of the file at once, each with its line; of a file that is no YAML the first.
+/// Documents without problems remain available: [`into_readable`](ReadError::into_readable).
 ///
 /// ```
 /// use rayweave_optics::glass::read_refractiveindex;
@@ -48,7 +50,7 @@ pub fn read_refractiveindex(text: &str, name: &str) -> Result<Vec<Glass>, ReadEr
         Err(problem) => return finish(Vec::new(), vec![problem]),
     };
     if documents.is_empty() {
-        let text = "the file is empty (it has the key DATA)".to_owned();
+        let text = "the file is empty: it needs the key DATA.".to_owned();
         return finish(Vec::new(), vec![Problem { line: 1, text }]);
     }
     let mut materials = Vec::new();
@@ -63,7 +65,7 @@ pub fn read_refractiveindex(text: &str, name: &str) -> Result<Vec<Glass>, ReadEr
     finish(materials, problems)
 }
 
-/// Without mark-up, on one line.
+/// The text without mark-up, on one line.
 fn plain(text: &str) -> String {
     let mut inside = false;
     let kept = text.chars().filter(|&character| {
@@ -74,7 +76,7 @@ fn plain(text: &str) -> String {
     kept.collect::<String>().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// What an entry of `DATA` contributes.
+/// The contributions of the entries of `DATA`.
 #[derive(Default)]
 struct Parts {
     index: Option<(Dispersion, Option<[f64; 2]>)>,
@@ -86,7 +88,7 @@ struct Reader {
 }
 
 impl Reader {
-    /// What there is, or else a problem.
+    /// The value, or `None` with its problem noted.
     fn note<T>(&mut self, line: usize, outcome: Result<T, String>) -> Option<T> {
         outcome.map_err(|text| self.problems.push(Problem { line, text })).ok()
     }
@@ -94,13 +96,13 @@ impl Reader {
     fn material(&mut self, document: &Node, name: &str) -> Option<Glass> {
         let line = document.line;
         let entries = document.get("DATA").and_then(Node::items);
-        let no_data = || "the document has no list DATA (which holds formulas and tables)".to_owned();
+        let no_data = || "the document has no list DATA: it holds formulas and tables.".to_owned();
         let entries = self.note(line, entries.ok_or_else(no_data))?;
         let mut parts = Parts::default();
         for entry in entries {
             self.read_entry(entry, &mut parts);
         }
-        let no_index = || "DATA has no index (as a formula or a table of n or nk)".to_owned();
+        let no_index = || "DATA has no index: it needs a formula or a table of n or nk.".to_owned();
         let (dispersion, range_nm) = self.note(line, parts.index.ok_or_else(no_index))?;
         let mut glass = Glass::new(field(document, "NAME").unwrap_or(name), dispersion)
             .with_source(plain(field(document, "REFERENCES").unwrap_or_default()))
@@ -119,7 +121,8 @@ impl Reader {
 
     fn read_entry(&mut self, entry: &Node, parts: &mut Parts) {
         let line = entry.line;
-        let no_type = || "an entry of DATA has no type (such as 'formula 2' or 'tabulated nk')".to_owned();
+        let no_type =
+            || "an entry of DATA has no type: types are formula 1 to 9 and tabulated n, k, nk.".to_owned();
         let Some(kind) = self.note(line, field(entry, "type").ok_or_else(no_type)) else { return };
         match kind.split_whitespace().collect::<Vec<_>>()[..] {
             ["formula", number] => {
@@ -129,7 +132,7 @@ impl Reader {
             ["tabulated", columns @ ("n" | "k" | "nk")] => self.read_table(entry, columns, parts),
             _ => {
                 let text =
-                    format!("the type {kind:?} is unknown (types are formula 1 to 9 and tabulated n, k, nk)");
+                    format!("type {kind:?} is unknown: types are formula 1 to 9 and tabulated n, k, nk.");
                 self.problems.push(Problem { line, text });
             }
         }
@@ -137,21 +140,24 @@ impl Reader {
 
     fn formula(&mut self, entry: &Node, number: &str) -> Option<(Dispersion, Option<[f64; 2]>)> {
         let line = entry.line;
-        let number = number.parse::<u32>().map_err(|_| format!("{number:?} is no number of a formula"));
+        let number = number.parse::<u32>().map_err(|_| format!("{number:?} is not the number of a formula."));
         let number = self.note(line, number)?;
         let (at, coefficients) = self.numbers_of(entry, &["coefficients"])?;
         let formula = Dispersion::refractiveindex(number, &coefficients).map_err(|error| error.to_string());
         let dispersion = self.note(at, formula)?;
         let (at, range) = self.numbers_of(entry, &["wavelength_range", "range"])?;
-        let two = || "a range has two numbers (the shortest and the longest wavelength in µm)".to_owned();
+        let two = || {
+            "the range is incomplete: it has two numbers, the shortest and the longest wavelength in µm."
+                .to_owned()
+        };
         let range = self.note(at, range.first_chunk::<2>().copied().ok_or_else(two))?;
         Some((dispersion, Some(range.map(nm_from_um))))
     }
 
-    /// The numbers under the first of these keys that is there, with their line.
+    /// The numbers of the first of these keys that exists, with their line.
     fn numbers_of(&mut self, entry: &Node, keys: &[&str]) -> Option<(usize, Vec<f64>)> {
         let node = keys.iter().find_map(|&key| entry.get(key));
-        let missing = || format!("an entry of DATA has no {}", keys[0]);
+        let missing = || format!("an entry of DATA has no {}.", keys[0]);
         let node = self.note(entry.line, node.ok_or_else(missing))?;
         let text = node.text().unwrap_or_default();
         Some((node.line, self.note(node.line, numbers(text))?))
@@ -159,7 +165,7 @@ impl Reader {
 
     fn read_table(&mut self, entry: &Node, columns: &str, parts: &mut Parts) {
         let line = entry.line;
-        let missing = || "a table has no data".to_owned();
+        let missing = || "a table has no data.".to_owned();
         let data = entry.get("data");
         let Some(data) = self.note(line, data.ok_or_else(missing)) else { return };
         let Some(rows) = self.rows(data, columns.len()) else { return };
@@ -177,7 +183,7 @@ impl Reader {
         }
     }
 
-    /// The rows of a table: a wavelength and so many values each.
+    /// The rows of a table: a wavelength and a number of values each.
     fn rows(&mut self, data: &Node, values: usize) -> Option<Vec<Vec<f64>>> {
         let text = data.text().unwrap_or_default();
         let before = self.problems.len();
@@ -185,9 +191,10 @@ impl Reader {
         for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
             let row = numbers(line).and_then(|row| match row.len() == values + 1 {
                 true => Ok(row),
-                false => {
-                    Err(format!("a row has {} numbers (a wavelength in µm and {values} more)", row.len()))
-                }
+                false => Err(format!(
+                    "a row has {} numbers: it needs a wavelength in µm and {values} more.",
+                    row.len()
+                )),
             });
             rows.extend(self.note(data.line + index, row));
         }

@@ -1,13 +1,13 @@
-//! The tree of a YAML text: texts, lists and mappings with their lines, of limited depth.
+//! YAML trees: texts, lists and mappings with their lines, of limited depth.
 
 use saphyr_parser::{Event, Parser, ScanError, Span, StrInput};
 
 use crate::glass::read::Problem;
 
-/// Files of refractiveindex.info are four levels deep; the limit keeps the call stack out of reach of hostile ones.
-const DEEPEST: usize = 32;
+/// Files of refractiveindex.info are four levels deep; the limit protects the call stack from hostile files.
+const MAX_DEPTH: usize = 32;
 
-/// A node and where it begins.
+/// A node and its first line.
 #[derive(Debug, PartialEq)]
 pub(super) struct Node {
     /// Counted from 1.
@@ -19,12 +19,12 @@ pub(super) struct Node {
 enum Value {
     Text(String),
     List(Vec<Node>),
-    /// Keys that are no texts are left out with their values.
+    /// Entries whose keys are not texts are left out.
     Mapping(Vec<(String, Node)>),
 }
 
 impl Node {
-    /// The text of a scalar, whatever it might mean.
+    /// The text of a scalar, uninterpreted.
     pub fn text(&self) -> Option<&str> {
         if let Value::Text(text) = &self.value { Some(text) } else { None }
     }
@@ -44,7 +44,7 @@ impl Node {
 /// The documents of a text.
 ///
 /// # Errors
-/// The first place where it is no YAML, is too deep, or uses an alias.
+/// The first place that is not YAML, is too deep, or uses an alias.
 pub(super) fn documents(text: &str) -> Result<Vec<Node>, Problem> {
     let mut builder = Builder { parser: Parser::new_from_str(text) };
     let mut documents = Vec::new();
@@ -72,8 +72,8 @@ impl<'a> Builder<'a> {
     /// The node that begins with this event.
     fn node(&mut self, event: Event<'a>, span: Span, depth: usize) -> Result<Node, Problem> {
         let line = span.start.line();
-        if depth > DEEPEST {
-            let text = format!("lists and mappings are too deep (at most {DEEPEST} in each other)");
+        if depth > MAX_DEPTH {
+            let text = format!("lists and mappings are too deep: at most {MAX_DEPTH} may be nested.");
             return Err(Problem { line, text });
         }
         let value = match event {
@@ -82,7 +82,8 @@ impl<'a> Builder<'a> {
             Event::MappingStart(..) => Value::Mapping(pairs(self.children(depth)?)),
             _ => {
                 let text =
-                    "an alias (files of refractiveindex.info have none) write its value here?".to_owned();
+                    "an alias is not allowed: files of refractiveindex.info have none. Write its value here."
+                        .to_owned();
                 return Err(Problem { line, text });
             }
         };
@@ -115,6 +116,6 @@ fn pairs(children: Vec<Node>) -> Vec<(String, Node)> {
 }
 
 fn problem_of_syntax(error: &ScanError) -> Problem {
-    let text = format!("this is no YAML ({}) is an indentation wrong?", error.info());
+    let text = format!("this is not YAML: {}. Is an indentation wrong?", error.info());
     Problem { line: error.marker().line().max(1), text }
 }

@@ -1,4 +1,4 @@
-//! Any number of rows: a block of columns stays in the cache while networks put its rows in order.
+//! Combination of any number of rows: sorting networks order the rows of a block of columns that stays in the cache.
 
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ const TILE: usize = 1 << 17;
 /// The most columns of a tile: a page of f64.
 const LONGEST: usize = 512;
 
-/// What is the same for all blocks of a call.
+/// State shared by all blocks of a call.
 pub struct Plan {
     pub(super) operation: Operation,
     /// Rows of the higher operand.
@@ -59,11 +59,11 @@ struct Block<S: Simd, T: Real> {
     starts: Vec<Row<S, T>>,
     /// Ends of pieces, likewise.
     ends: Vec<Row<S, T>>,
-    /// Which pieces exist.
+    /// Flags of the pieces that exist.
     exist: Vec<[Mask<S, T>; WIDTH]>,
 }
 
-/// Combines the columns. False if a column is not sorted or holds NaN; the result is of no use then.
+/// Combines the columns. Returns false, with an invalid result, if a column is not sorted or holds NaN.
 pub(super) fn run<S: Simd, T: Real>(
     simd: S,
     plan: &Plan,
@@ -138,7 +138,7 @@ impl<S: Simd, T: Real> Block<S, T> {
         }
     }
 
-    /// Sees from sorted starts and ends which pieces exist. True if equal times leave it open.
+    /// Determines from sorted starts and ends which pieces exist. Returns true if equal times leave it undecided.
     #[inline(always)]
     fn compare(&mut self, simd: S, rule: Rule, order: &[usize]) -> bool {
         let mut watch = Watch::<S, T>::new(simd);
@@ -155,7 +155,7 @@ impl<S: Simd, T: Real> Block<S, T> {
         watch.has_tie()
     }
 
-    /// Sees from the operands which pieces exist, equal times and all.
+    /// Determines from the operands which pieces exist, including equal times.
     #[inline(always)]
     fn compare_operands(&mut self, simd: S, rule: Rule, part: &Part<'_, T, T>, columns: &Range<usize>) {
         let padding = [T::Lanes::<S>::splat(simd, T::INFINITY); WIDTH];
@@ -188,7 +188,7 @@ impl<S: Simd, T: Real> Block<S, T> {
         }
     }
 
-    /// Makes +inf of all starts and ends but those of pieces that exist.
+    /// Sets the starts and ends of pieces that do not exist to +inf.
     #[inline(always)]
     fn drop_rest(&mut self, simd: S, rule: Rule, order: &[usize]) {
         let padding = T::Lanes::<S>::splat(simd, T::INFINITY);
@@ -211,7 +211,7 @@ impl<S: Simd, T: Real> Block<S, T> {
     }
 }
 
-/// Reads the columns that exist; the others become +inf.
+/// Reads the existing columns and pads the others with +inf.
 #[inline(always)]
 fn load_row<S: Simd, T: Real>(simd: S, numbers: &[T], row: &mut Row<S, T>) {
     let len = T::Lanes::<S>::LEN;
@@ -225,7 +225,7 @@ fn load_row<S: Simd, T: Real>(simd: S, numbers: &[T], row: &mut Row<S, T>) {
     }
 }
 
-/// Writes the columns that exist.
+/// Writes the existing columns.
 #[inline(always)]
 fn store_row<S: Simd, T: Real>(row: &Row<S, T>, numbers: &mut [T]) {
     let len = T::Lanes::<S>::LEN;
@@ -238,7 +238,7 @@ fn store_row<S: Simd, T: Real>(row: &Row<S, T>, numbers: &mut [T]) {
     }
 }
 
-/// Makes +inf of what does not exist.
+/// Sets masked lanes to +inf.
 #[inline(always)]
 fn keep<S: Simd, V: SimdBase<S>>(padding: V, exist: Option<&[V::Mask; WIDTH]>, row: &mut [V; WIDTH]) {
     match exist {

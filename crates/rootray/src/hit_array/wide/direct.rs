@@ -1,4 +1,4 @@
-//! Few rows: everything happens in registers, from the rows of the operands to those of the result.
+//! Combination of few rows: all intermediate values stay in registers.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -16,14 +16,14 @@ use super::watch::Watch;
 /// The greatest number of rows of an operand that is combined here.
 pub(super) const ROWS: usize = 8;
 
-/// Up to so many rows the operands' entries are compared, which decides equal times, too; the number of comparisons grows with the
-/// square.
+/// Up to this number of rows all pairs of entries are compared, which also resolves equal times; the number of comparisons grows
+/// quadratically.
 pub(super) const EXACT: usize = 4;
 
-/// Columns between two looks at what was seen.
+/// Number of columns between two checks of the collected flags.
 const CHUNK: usize = 512;
 
-/// Rows of some columns. Those that are not there are padding.
+/// Rows of some columns; missing rows are padding.
 struct Rows<'a, T, const H: usize> {
     first: [&'a [T]; H],
     second: [&'a [T]; H],
@@ -31,9 +31,9 @@ struct Rows<'a, T, const H: usize> {
     starts: [&'a [T]; H],
     /// The ends of pieces, likewise.
     ends: [&'a [T]; H],
-    /// Where sorted starts go.
+    /// Destination rows of sorted starts.
     to_starts: [Option<&'a mut [T]>; H],
-    /// Where sorted ends go.
+    /// Destination rows of sorted ends.
     to_ends: [Option<&'a mut [T]>; H],
 }
 
@@ -57,8 +57,8 @@ impl<'a, T: Real, const H: usize> Rows<'a, T, H> {
     }
 }
 
-/// Combines operands of at most `H` rows, which is 2, 4 or [`ROWS`]. False if a column is not sorted or holds NaN; the result
-/// is of no use then.
+/// Combines operands of at most `H` rows (2, 4 or [`ROWS`]). Returns false, with an invalid result, if a column is not sorted or
+/// holds NaN.
 #[inline(always)]
 pub(super) fn run<S: Simd, T: Real, const H: usize>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>) -> bool {
     let (width, len) = (part.width(), T::Lanes::<S>::LEN);
@@ -78,7 +78,7 @@ pub(super) fn run<S: Simd, T: Real, const H: usize>(simd: S, plan: &Plan, part: 
     settle(simd, plan, part, whole..width, watch)
 }
 
-/// Combines again what was seen to need more care.
+/// Combines columns with equal times again, by the exact rule.
 fn settle<S: Simd, T: Real>(
     simd: S,
     plan: &Plan,
@@ -142,7 +142,7 @@ fn chunk<S: Simd, T: Real, const H: usize>(
     simd.vectorize(
         #[inline(always)]
         || match operation {
-            // few rows are worth code of their own for each operation
+            // for few rows, code specialised by operation is faster
             Operation::Union if H <= EXACT => steps(simd, Operation::Union, &mut rows, width),
             Operation::Intersect if H <= EXACT => steps(simd, Operation::Intersect, &mut rows, width),
             Operation::Difference if H <= EXACT => steps(simd, Operation::Difference, &mut rows, width),

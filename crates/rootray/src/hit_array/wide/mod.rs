@@ -1,7 +1,7 @@
-//! Many rays at once, one in each lane of a register.
+//! SIMD combination of hit arrays: one ray per lane of a register.
 //!
-//! The lanes never mix, so the result does not depend on how many there are. Nothing branches on the numbers but where zeros
-//! have signs, or where in a block equal times meet.
+//! Lanes are independent, so the result does not depend on their number. The code branches on values only for signed zeros and
+//! for equal times in a block.
 
 /// Repeats its body for the numbers below `$n`, at most nine of them, each a constant: arrays of lanes then live in registers, and
 /// no bound is checked. No closures there: the compiler does not always compile them for the instructions that lanes need.
@@ -31,14 +31,14 @@ use super::part::Part;
 
 pub use block::Plan;
 
-/// Fewer columns are sooner combined one by one.
+/// Below this number of columns the scalar loop is faster.
 const FEWEST_COLUMNS: usize = 8;
 
 /// The lanes of the widest register.
 const WIDEST: usize = 16;
 
-/// Whether so many columns of so many rows, of both operands together, are sooner combined here than one by one. Networks take
-/// O(rows log^2 rows) steps, each for all lanes at once; the border was found by trial, and the scratch stays in the second cache.
+/// Whether the SIMD form is faster than the scalar loop for this number of columns and rows (of both operands together). Networks
+/// take O(rows log^2 rows) steps, each for all lanes at once; the limit was measured, and keeps the scratch in the L2 cache.
 pub(super) fn pays<T: Real>(level: Level, rows: usize, columns: usize) -> bool {
     let lanes = dispatch!(level, simd => lanes::<_, T>(simd));
     columns >= FEWEST_COLUMNS && rows <= (64 * lanes * lanes).min(2048)
@@ -49,7 +49,7 @@ fn lanes<S: Simd, T: Real>(_: S) -> usize {
     T::Lanes::<S>::LEN
 }
 
-/// Combines the columns of a part. False if a column is not sorted or holds NaN; the result is of no use then.
+/// Combines the columns of a part. Returns false, with an invalid result, if a column is not sorted or holds NaN.
 pub(super) fn combine<T: Real>(level: Level, plan: &Plan, mut part: Part<'_, T, T>) -> bool {
     match plan.rows {
         0..=2 => dispatch!(level, simd => direct::run::<_, T, 2>(simd, plan, &mut part)),
@@ -62,7 +62,7 @@ pub(super) fn combine<T: Real>(level: Level, plan: &Plan, mut part: Part<'_, T, 
     }
 }
 
-/// As many numbers as there are lanes, or fewer, then the other lanes are +inf.
+/// Loads up to one number per lane; the remaining lanes are +inf.
 #[inline(always)]
 fn load<S: Simd, T: Real>(simd: S, numbers: &[T]) -> T::Lanes<S> {
     if numbers.len() == T::Lanes::<S>::LEN {

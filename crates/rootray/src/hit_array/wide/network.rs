@@ -1,4 +1,4 @@
-//! Comparator networks: which pairs of rows to put in order, one after the other, so that all rows are sorted in the end.
+//! Sorting networks (Batcher's odd-even merge): sequences of compare-exchange steps that sort rows.
 
 /// Puts two rows in order: the lesser numbers go to the first, the greater to the second.
 pub(super) type Exchange = (usize, usize);
@@ -6,9 +6,9 @@ pub(super) type Exchange = (usize, usize);
 /// A comparator network over rows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Network {
-    /// What to do, in this order.
+    /// Compare-exchange steps, in order.
     pub exchanges: Vec<Exchange>,
-    /// The rows that hold the least numbers, the next, and so on, when all is done.
+    /// Rows that hold the sorted numbers after the last step, in ascending order.
     pub order: Vec<usize>,
 }
 

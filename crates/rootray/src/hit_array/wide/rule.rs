@@ -1,4 +1,4 @@
-//! How a boolean operation picks its pieces.
+//! Selection rule of the sorting-network method: which pieces a boolean operation keeps.
 //!
 //! Every operation is an intersection, of the operands or of their complements: A - B = A & !B, and A | B is what !A & !B
 //! leaves. A ray is inside an operand on its *pieces*: from one entry to the next, the first and the last of a complement

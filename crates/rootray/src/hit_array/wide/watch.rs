@@ -1,4 +1,4 @@
-//! What is watched for while entries are read.
+//! Checks of entries while they are read: sorted columns, NaN, signed zeros, equal times.
 
 use fearless_simd::prelude::*;
 
@@ -27,7 +27,7 @@ impl<S: Simd, T: Real> Watch<S, T> {
         }
     }
 
-    /// Reads rows of one operand, one after the other: memory likes few long streams better than many short ones.
+    /// Reads rows of one operand one after the other: few long memory streams are faster than many short ones.
     #[inline(always)]
     pub fn rows<'a>(&mut self, simd: S, mut rows: impl Iterator<Item = &'a [T]>) {
         let len = T::Lanes::<S>::LEN;
@@ -67,7 +67,7 @@ impl<S: Simd, T: Real> Watch<S, T> {
         start.simd_lt(end)
     }
 
-    /// Whether equal times left something open.
+    /// Whether equal times left a piece undecided.
     #[inline(always)]
     pub fn has_tie(self) -> bool {
         self.tied.any_true()

@@ -4,13 +4,13 @@ use crate::colour::Colour;
 use crate::datum::Datum;
 use crate::diagnostic::Diagnostic;
 use crate::document::{Matrix, Vector};
-use crate::foreign::Keys;
+use crate::keys::Keys;
 use crate::number::Number;
 use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
 use std::sync::Arc;
 
-/// Where problems are collected.
+/// Collected problems.
 pub(crate) struct Problems {
     pub source: Arc<Source>,
     pub list: Vec<Diagnostic>,
@@ -102,7 +102,7 @@ impl Problems {
         if colour.is_none() {
             let problem = format!("`{}` is not a colour", text.value);
             let reason = "colours are #rgb, #rrggbb or #rrggbbaa in hexadecimal digits";
-            let suggestion = Some("did you mean `#88aaff`?".to_owned());
+            let suggestion = Some("Did you mean `#88aaff`?".to_owned());
             self.push(Diagnostic::error(problem).why(reason).suggest(suggestion), text.span);
         }
         Some(Spanned::new(colour?, text.span))

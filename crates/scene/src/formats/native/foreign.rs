@@ -8,7 +8,7 @@ use toml::de::DeTable;
 /// The sections of a file: from one header, or the comment directly above it, to the next.
 pub(super) struct Sections<'a> {
     source: &'a Source,
-    /// Where each section starts and to which table of the top level it belongs.
+    /// Start of each section, and the top-level table that it belongs to.
     starts: Vec<(usize, &'a str)>,
 }
 

@@ -9,14 +9,14 @@ use crate::document::*;
 use crate::expression::is_reserved;
 use crate::number::written;
 use crate::source::{Source, Span, Spanned};
-use crate::suggestion::{did_you_mean, nearest};
+use crate::suggestion::did_you_mean;
 use crate::unit::Unit;
 use rayweave_shape::primitive::MANUALS;
 use std::collections::HashSet;
 use std::sync::Arc;
 use toml::de::DeTable;
 
-/// What was read, as far as it could be.
+/// The document, as far as it could be read.
 pub(crate) struct Reading {
     pub document: Document,
     pub problems: Vec<Diagnostic>,
@@ -133,10 +133,11 @@ impl Reader {
     }
 
     fn foreign(&mut self, name: Spanned<String>, value: Spanned<Datum>, text: String) {
-        if let Some(other) = nearest(&name.value, TABLES) {
+        let suggestion = did_you_mean(&name.value, TABLES);
+        if suggestion.is_some() {
             let problem = Diagnostic::warning(format!("the table `{}` is not used", name.value))
                 .why("tables of other names are kept for those who know them")
-                .suggest(Some(format!("did you mean `{other}`?")));
+                .suggest(suggestion);
             self.problems.push(problem, name.span);
         }
         self.document.foreign.push(Foreign { name, value, text });
@@ -228,10 +229,11 @@ impl Reader {
         let (index, colour) = (fields.number("index"), fields.colour("colour"));
         let others = fields.keys.rest;
         for (key, _) in &others {
-            if let Some(other) = nearest(&key.value, ["index", "colour"]) {
+            let suggestion = did_you_mean(&key.value, ["index", "colour"]);
+            if suggestion.is_some() {
                 let problem = Diagnostic::warning(format!("`{}` is not used", key.value))
                     .why("other keys of media are kept for those who know them")
-                    .suggest(Some(format!("did you mean `{other}`?")));
+                    .suggest(suggestion);
                 self.problems.push(problem, key.span);
             }
         }
@@ -336,7 +338,7 @@ fn solid(mut fields: Fields, name: Spanned<String>) -> SolidEntry {
     let label = fields.text("name");
     let transform = fields.take("transform").map(|datum| transform(fields.problems, datum));
     // what could not be read is replaced, so that the rest can be checked too
-    let body = body(fields).unwrap_or_else(|| Body::Expression("vacuum".into()));
+    let body = body(fields).unwrap_or_else(|| Body::Expression("empty".into()));
     SolidEntry { name, label, body, transform: transform.unwrap_or_default() }
 }
 

@@ -1,10 +1,10 @@
 //! One primitive, as objects of POV-Ray.
 
 use crate::number::written;
-use rayweave_math::{Affine, Bounds, Mat3, Transform, Vec3};
+use rayweave_math::{Affine, Bounds, Mat3, PERTURBATION_DIRECTION, Transform, Vec3};
 use rayweave_mesh::Polyhedron;
 use rayweave_shape::primitive::{Facet, Primitive, Value};
-use rayweave_shape::surface::{LIE_DIRECTION, Quadric, Surface, Torus};
+use rayweave_shape::surface::{Quadric, Surface, Torus};
 
 /// Nothing: two spheres that do not meet.
 pub(super) const NOTHING: &str = "intersection { sphere { <0, 0, 0>, 1 } sphere { <4, 0, 0>, 1 } }";
@@ -42,7 +42,7 @@ pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
     }
 }
 
-/// A mesh. POV-Ray tells inside from outside, as here, by the parity of crossings, along a direction that has to be named.
+/// A mesh. POV-Ray decides inside by the parity of crossings, as here, along a direction that has to be named.
 fn triangles(solid: &Polyhedron) -> String {
     let mesh = solid.to_mesh();
     let points: Vec<String> = mesh.vertices().iter().map(|point| vector(*point)).collect();
@@ -53,7 +53,7 @@ fn triangles(solid: &Polyhedron) -> String {
         points.join(", "),
         faces.len(),
         faces.join(", "),
-        vector(LIE_DIRECTION)
+        vector(PERTURBATION_DIRECTION)
     )
 }
 

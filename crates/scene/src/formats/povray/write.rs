@@ -16,12 +16,13 @@ use std::fmt;
 pub struct PovRay {
     /// The file.
     pub text: String,
-    /// What POV-Ray will show in another way, one sentence each.
+    /// Differences of the POV-Ray picture, one sentence each.
     pub losses: Vec<String>,
 }
 
 /// Why a scene cannot be written for POV-Ray.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PovRayError {
     /// A map has no inverse.
     Singular {
@@ -48,16 +49,16 @@ impl fmt::Display for PovRayError {
             PovRayError::Singular { region } => {
                 write!(
                     f,
-                    "region `{region}` holds a shape that is flattened (its transform is singular) is a scale factor 0?"
+                    "region `{region}` holds a shape that is flattened: its transform is singular. Is a scale factor 0?"
                 )
             }
             PovRayError::NoForm { region, shape } => write!(
                 f,
-                "region `{region}` holds a shape `{shape}` (POV-Ray has no object for its curved face) can it be left out?"
+                "region `{region}` holds a shape `{shape}`: POV-Ray has no object for its curved face. Can it be left out?"
             ),
             PovRayError::TooLarge { region } => write!(
                 f,
-                "region `{region}` has more than {MOST} parts as it is written for POV-Ray (every copy of a solid is written out)"
+                "region `{region}` has more than {MOST} parts as it is written for POV-Ray: every copy of a solid is written out."
             ),
         }
     }
@@ -73,7 +74,7 @@ const MOST: usize = 1_000_000;
 const AMBIENT: f64 = 0.18;
 const DIFFUSE: f64 = 0.82;
 
-/// How far away a light from a direction is put, in units of the largest coordinate of the camera or 1.
+/// Distance of directional lights, in units of the largest coordinate of the camera or 1.
 const FAR: f64 = 1e3;
 
 /// The scene for POV-Ray.
@@ -83,7 +84,7 @@ pub(crate) fn write(scene: &Scene) -> Result<PovRay, PovRayError> {
     let camera = scene.camera.as_ref();
     match camera {
         Some(camera) => text += &camera_text(camera),
-        None => losses.push("the scene has no camera (POV-Ray looks along z from the origin)".to_owned()),
+        None => losses.push("the scene has no camera: POV-Ray looks along z from the origin.".to_owned()),
     }
     if let Some(colour) = scene.render.background {
         text += &format!("background {{ {} }}\n", rgb(colour, 1.0));
@@ -114,12 +115,12 @@ fn known_losses(scene: &Scene) -> impl Iterator<Item = String> {
     let edges = scene.render.edges != Some(false);
     let clear = scene.regions.iter().any(|region| region.colour.alpha < 255);
     let all = [
-        (gooch, "cool to warm shading (surfaces are matt)"),
-        (edges, "edges (none are drawn)"),
-        (clear, "translucent colours (they filter light in another way)"),
+        (gooch, "cool to warm shading: surfaces are matt."),
+        (edges, "edges: none are drawn."),
+        (clear, "translucent colours: they filter light in another way."),
         (
             scene.regions.len() > 1,
-            "which region wins where several overlap (the first surface on a ray is seen)",
+            "which region wins where several overlap: the first surface on a ray is seen.",
         ),
     ];
     all.into_iter().filter(|(lost, _)| *lost).map(|(_, what)| what.to_owned())
@@ -179,7 +180,7 @@ fn rgb(colour: Colour, intensity: f64) -> String {
     format!("rgb {}", vector(amounts))
 }
 
-/// What is still to be written.
+/// Nodes that remain to be written.
 enum Task<'a> {
     Text(&'static str),
     Solid(&'a Solid, Affine),
@@ -207,7 +208,7 @@ impl Writer<'_> {
                     self.limit(maps.len())?;
                     waiting.extend(maps.iter().rev().map(|map| (inner, map.then(&place))));
                 }
-                Node::Vacuum => {}
+                Node::Empty => {}
                 _ => {
                     let object = self.object(solid, place)?;
                     *text += &with(object, self.texture);
@@ -251,8 +252,8 @@ impl Writer<'_> {
     ) -> Result<(), PovRayError> {
         self.counted()?;
         match solid.node() {
-            Node::Vacuum => *text += NOTHING,
-            Node::Plenum => *text += &with(NOTHING.to_owned(), "inverse"),
+            Node::Empty => *text += NOTHING,
+            Node::Universe => *text += &with(NOTHING.to_owned(), "inverse"),
             Node::Primitive(primitive) => match shape::object(primitive, &place) {
                 Some(object) => *text += &object,
                 None => return Err(self.no_object(primitive)),

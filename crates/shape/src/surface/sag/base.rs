@@ -1,17 +1,17 @@
-//! The base of a sag: a conic of revolution, or one with different curvatures along x and y.
+//! Base of a sag surface: a conic of revolution, or a biconic with different curvatures along x and y.
 
 use super::polynomial::Jet;
 use rayweave_math::Interval;
 
-/// The surface that the terms of a sag are added to.
+/// The surface to which the terms of a sag are added.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Base {
-    /// `c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2))`: curvature c (one over length, positive if the surface bends towards +z)
-    /// and conic constant k.
+    /// `c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2))` with the curvature c (one over length, positive if the surface bends
+    /// towards +z) and the conic constant k.
     Conic {
-        /// The curvature at the vertex.
+        /// Curvature at the vertex.
         curvature: f64,
-        /// The conic constant: 0 for a sphere, -1 for a paraboloid.
+        /// Conic constant: 0 for a sphere, -1 for a paraboloid.
         conic: f64,
     },
     /// `(cx x^2 + cy y^2) / (1 + sqrt(1 - (1 + kx) cx^2 x^2 - (1 + ky) cy^2 y^2))`.
@@ -28,13 +28,13 @@ pub enum Base {
 pub(super) struct Root {
     pub c: [f64; 2],
     pub g: [f64; 2],
-    /// The greatest g in the aperture, at most 1: rounding does not lead beyond.
+    /// Largest g in the aperture, at most 1; rounding is clamped to it.
     most: f64,
 }
 
 const POSITIVE: Interval = Interval { lo: 0.0, hi: f64::INFINITY };
 
-/// Where the surface ends vertically slopes stay finite: no root is less at a distance from the rim that can be told from it.
+/// Smallest value of the root: keeps slopes finite at a vertical rim, at distances from the rim within rounding.
 const LEAST: f64 = 1e-9;
 
 impl Root {
@@ -56,13 +56,13 @@ impl Root {
         self.c[0] == self.c[1] && self.g[0] == self.g[1]
     }
 
-    /// The square root at a g.
+    /// The square root for a value of g.
     #[inline]
     fn root(&self, g: f64) -> f64 {
         (1.0 - g.min(self.most)).sqrt()
     }
 
-    /// Value and derivatives by x and by y.
+    /// Value and derivatives with respect to x and y.
     #[inline]
     pub fn value_and_gradient(&self, x: f64, y: f64) -> Jet {
         let ([cx, cy], [gx, gy]) = (self.c, self.g);
@@ -88,8 +88,8 @@ impl Root {
         }
     }
 
-    /// With u = x^2 + y^2: `d/du = c / (2 s)` and `d^2/du^2 = c g / (4 s^3)`, both monotone in u. Where the surface is vertical
-    /// the bounds end at infinity, of the sign of c g and c.
+    /// With u = x^2 + y^2: `d/du = c / (2 s)` and `d^2/du^2 = c g / (4 s^3)`, both monotone in u. At a vertical rim the
+    /// bounds are infinite, with the signs of c g and c.
     fn round_bend(&self, x: [f64; 2], y: [f64; 2], t: Interval) -> Interval {
         let (square, rate, twice) = square_along(x, y, t);
         let inverse = self.inverse_roots(square * self.g[0]);
@@ -118,9 +118,8 @@ impl Root {
         rest.sqrt().positive_recip()
     }
 
-    /// By the rules for products and quotients, in intervals: with `b = q / (1 + s)`,
-    /// `s' = -g' / (2 s)`, `s'' = -(g'' / 2 + s'^2) / s`, `b' = (q' - b s') / (1 + s)` and
-    /// `b'' = (q'' - 2 b' s' - b s'') / (1 + s)`.
+    /// Interval evaluation of the product and quotient rules: with `b = q / (1 + s)`, `s' = -g' / (2 s)`,
+    /// `s'' = -(g'' / 2 + s'^2) / s`, `b' = (q' - b s') / (1 + s)` and `b'' = (q'' - 2 b' s' - b s'') / (1 + s)`.
     fn general_bend(&self, x: [f64; 2], y: [f64; 2], t: Interval) -> Interval {
         let [q, q1, q2] = weighted(self.c, x, y, t);
         let [g, g1, g2] = weighted(self.g, x, y, t);
@@ -140,7 +139,7 @@ impl Root {
         }
     }
 
-    /// Bounds of value and both derivatives over a box in which x^2 + y^2 is in `square`, within the aperture.
+    /// Bounds of the value and both derivatives over a box with x^2 + y^2 in `square`, within the aperture.
     pub fn ranges(&self, x: Interval, y: Interval, square: Interval) -> [Interval; 3] {
         let ([cx, cy], [gx, gy]) = (self.c, self.g);
         let (q, g) = match self.is_round() {
@@ -160,9 +159,9 @@ impl Root {
     }
 }
 
-/// Bounds of `b''` that have no end above, for b > 0 and g'' >= 0. The rule above is
-/// `(1 + s) b'' = q'' + b g'' / (2 s) + b s'^2 (1 / s + 2 / (1 + s)) - 2 q' s' / (1 + s)`, and its last two terms, a quadratic
-/// in s', are nowhere less than `-q'^2 s / (b (1 + s)^2)`.
+/// Bounds of `b''` without an upper end, for b > 0 and g'' >= 0. The rule above is
+/// `(1 + s) b'' = q'' + b g'' / (2 s) + b s'^2 (1 / s + 2 / (1 + s)) - 2 q' s' / (1 + s)`, and its last two terms, a
+/// quadratic in s', are at least `-q'^2 s / (b (1 + s)^2)`.
 fn least_bend(b: Interval, [q1, q2]: [Interval; 2], inverse: Interval, g2: Interval) -> Interval {
     let s = inverse.positive_recip();
     let below = (Interval::point(1.0) + s).positive_recip();

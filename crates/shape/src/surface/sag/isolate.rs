@@ -1,25 +1,24 @@
-//! The sign changes of a smooth function of time between two times, none missed.
+//! Root isolation by interval bounds: all sign changes of a smooth function between two times.
 //!
-//! A piece of time is looked at through what is known for sure about it: value and slope at its ends, bounds of the
-//! second derivative over it, and, where these do not decide, bounds of the slope. From these a piece has no root, or is
-//! monotone, or bends one way all along (two roots at most, apart by the extremum), or is halved.
+//! A piece of the time axis is classified by guaranteed data: value and slope at its ends, bounds of the second derivative
+//! over it, and, if these do not decide, bounds of the slope. From these a piece has no root, or is monotone, or has one
+//! sign of curvature (at most two roots, separated by the extremum), or is bisected.
 //!
-//! *Bounds of the second derivative* of width w leave a doubt of w h^2 about the value of f, so the pieces that are looked at
-//! grow short only where f and its slope both vanish. They may have no end: at the tip of an odd term and at a vertical rim.
-//! There one end and its sign are known if the part without end prevails, so that such a piece bends one way. If another part bends against it,
-//! *bounds of the slope* decide: they are finite at a tip, so that a piece with values beyond w h is clear and one along which f
-//! cannot leave the noise is told as noise; and at a vertical rim they have a sign wherever the line leaves or
-//! nears the rim.
+//! *Bounds of the second derivative* of width w leave an uncertainty of w h^2 in the value of f, so pieces become short
+//! only where f and its slope both vanish. The bounds may be infinite: at the tip of an odd term and at a vertical rim.
+//! There the finite end and its sign suffice if the unbounded part dominates, since the piece then has one sign of
+//! curvature. If another part curves against it, *bounds of the slope* decide. At a tip they are finite, so that a piece
+//! with values beyond w h has no root, and one along which f stays below the noise is recognised as noise. At a vertical
+//! rim they have a sign wherever the line leaves or approaches the rim.
 //!
-//! *What is guaranteed*: each piece of the list of signs is the sign of f, and no pair of roots is missed between
-//! which |f| exceeds [`Smooth::noise`], but for what nobody can tell in these numbers: a piece along which the line is
-//! parallel to z to within the last bits of x and y ([`Smooth::is_upright`]) crosses once or not at all, and so does one that
-//! is as short as the rounding of its times. Two crossings on such a piece are apart by less than a wall can be
-//! from such a line. Where f does not exceed the noise all along a piece, the piece counts as one sign change if the signs at its ends
-//! differ, and as none if they do not.
+//! *Guarantee*: each piece of the list of signs is the sign of f, and no pair of roots is missed between which |f| exceeds
+//! [`Smooth::noise`], up to what f64 can resolve: a piece along which the line is parallel to z to within the last bits of
+//! x and y ([`Smooth::is_upright`]) has at most one crossing, and so has a piece as short as the rounding of its times. Two
+//! crossings on such a piece are closer than the thinnest wall that such a line can resolve. If f does not exceed the noise
+//! along a piece, the piece counts as one sign change if the signs at its ends differ, otherwise as none.
 //!
-//! [`PIECES`] is a stop for what was not thought of; the guarantee does not hold for a line that reaches it. None is
-//! known: lines through tips, along axes and along vertical rims stay below [`PIECES`] / 16, which `line.rs` tests.
+//! [`PIECES`] is a safety limit; the guarantee does not hold for a line that exceeds it. No such line is known: lines
+//! through tips, along axes and along vertical rims stay below [`PIECES`] / 16, which `line.rs` tests.
 
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
 
@@ -31,19 +30,19 @@ pub(super) trait Smooth {
     fn bend(&self, from: f64, to: f64) -> Interval;
     /// Bounds of the slope between two times.
     fn slopes(&self, from: f64, to: f64) -> Interval;
-    /// True if between two times f is that of a line along z, which is monotone, but for the rounding of x and y.
+    /// True if f between two times is that of a line along z, which is monotone, up to the rounding of x and y.
     fn is_upright(&self, from: f64, to: f64) -> bool;
-    /// Values up to this say nothing about the sign.
+    /// Bound of the values whose sign is not significant.
     fn noise(&self) -> f64;
 }
 
-/// One end of a piece.
+/// An end of a piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
     pub t: f64,
     pub value: f64,
     pub slope: f64,
-    /// The sign that counts: that of the value, unless the value is noise.
+    /// The effective sign: that of the value, or of a neighbour if the value is noise.
     pub negative: bool,
 }
 
@@ -53,16 +52,16 @@ impl End {
         End { t, value, slope, negative: value < 0.0 }
     }
 
-    /// The same of -f.
+    /// The end of -f.
     fn negated(self) -> End {
         End { value: -self.value, slope: -self.slope, negative: !self.negative, ..self }
     }
 }
 
-/// Halvings of the first piece; by then it is as short as the rounding of its ends.
+/// Most bisections of the first piece; the result is as short as the rounding of its ends.
 const DEPTH: u32 = 64;
 
-/// The most pieces that are looked at along a line.
+/// Most pieces per line.
 pub(super) const PIECES: u32 = 1 << 14;
 
 /// Passes the sign changes between two ends to `flip`, in order.
@@ -93,14 +92,14 @@ fn single(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
     }
 }
 
-/// What is known about the roots of a piece.
+/// Classification of a piece by its roots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    /// One if the signs at the ends differ, else none.
+    /// One root if the signs at the ends differ, else none.
     Single,
-    /// The slope only grows (or only falls): at most two.
+    /// Monotone slope: at most two roots.
     Bent { up: bool },
-    /// Any number.
+    /// Any number of roots.
     Any,
 }
 
@@ -120,7 +119,7 @@ impl Piece {
         0.5 * (self.a.t + self.b.t)
     }
 
-    /// True if times or places within the piece can hardly be told from each other.
+    /// True if the piece is too short to resolve its times or positions.
     fn is_shortest(&self, f: &impl Smooth) -> bool {
         let rounding = 4.0 * UNIT_ROUNDOFF * self.a.t.abs().max(self.b.t.abs());
         self.half <= rounding || f.is_upright(self.a.t, self.b.t)
@@ -138,7 +137,7 @@ impl Piece {
         }
     }
 
-    /// Sums of bounds that end at 0 end a rounding of 0 away.
+    /// With a margin of one rounding of 0, since sums of bounds that end at 0 are rounded outward.
     fn bends_up(&self) -> bool {
         self.bend.lo >= -f64::MIN_POSITIVE
     }
@@ -147,8 +146,8 @@ impl Piece {
         self.bend.hi <= f64::MIN_POSITIVE
     }
 
-    /// True if by bounds of the slope the piece is monotone, or its value keeps away from 0, or is noise: each half is
-    /// reached from its end.
+    /// True if bounds of the slope show that the piece is monotone, or that its value stays away from 0, or is noise. Each
+    /// half is bounded from its own end.
     fn is_single_by(&self, slopes: Interval, noise: f64) -> bool {
         let (a, b, half) = (self.a.value, self.b.value, self.half);
         let (fall, rise) = (slopes.lo.min(0.0) * half, slopes.hi.max(0.0) * half);
@@ -157,7 +156,7 @@ impl Piece {
         slopes.lo > 0.0 || slopes.hi < 0.0 || is_clear || is_noise
     }
 
-    /// True if the slope keeps its sign: each half is reached from its end.
+    /// True if the slope keeps its sign. Each half is bounded from its own end.
     fn is_monotone(&self) -> bool {
         let Piece { a, b, half, bend } = self;
         let (rise, fall) = (bend.hi.max(0.0) * half, bend.lo.min(0.0) * half);
@@ -166,7 +165,7 @@ impl Piece {
         rises || falls
     }
 
-    /// True if the value keeps away from 0.
+    /// True if the value stays away from 0.
     fn is_clear(&self) -> bool {
         let Piece { a, b, half, bend } = self;
         let square = 0.5 * half * half;
@@ -179,7 +178,7 @@ impl Piece {
         (above(a, 1.0) && above(b, -1.0)) || (below(a, 1.0) && below(b, -1.0))
     }
 
-    /// True if the value is noise all along.
+    /// True if the value is noise throughout.
     fn is_noise(&self, noise: f64) -> bool {
         let square = 0.5 * self.half * self.half * self.bend.magnitude();
         let most = |end: &End| end.value.abs() + end.slope.abs() * self.half + square;
@@ -213,7 +212,8 @@ impl<F: Smooth> Smooth for Negated<'_, F> {
     }
 }
 
-/// A function whose slope grows: two roots if it is positive at both ends and negative somewhere between.
+/// Sign changes of a function with increasing slope: two roots if it is positive at both ends and negative somewhere in
+/// between.
 fn bent(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
     if a.negative != b.negative {
         return flip(root(f, a, b));
@@ -227,10 +227,10 @@ fn bent(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
     }
 }
 
-/// A place where a function whose slope grows, and that is positive at both ends, is negative.
+/// A point at which a function with increasing slope, positive at both ends, is negative; `None` if there is none.
 fn below_zero(f: &impl Smooth, mut a: End, mut b: End) -> Option<End> {
     for _ in 0..DEPTH {
-        // such a function lies above its tangents
+        // such a function is above its tangents
         if a.slope >= 0.0 || b.slope <= 0.0 || tangents_meet_above_zero(&a, &b) {
             return None;
         }
@@ -253,7 +253,7 @@ fn tangents_meet_above_zero(a: &End, b: &End) -> bool {
     a.value + a.slope * along > 0.0
 }
 
-/// The root between two ends of different sign: Newton's method, kept between the ends by halving.
+/// The root between two ends of different sign: Newton's method, safeguarded by bisection.
 pub(super) fn root(f: &impl Smooth, mut a: End, mut b: End) -> f64 {
     let (mut t, mut last) = (first_guess(&a, &b), b.t - a.t);
     // a step as small as the rounding of t or f is the last one
@@ -282,19 +282,19 @@ pub(super) fn root(f: &impl Smooth, mut a: End, mut b: End) -> f64 {
     t
 }
 
-/// Where the straight line between two ends is 0.
+/// Zero of the straight line through two ends.
 fn first_guess(a: &End, b: &End) -> f64 {
     let part = a.value / (a.value - b.value);
     a.t + (b.t - a.t) * if 0.0 < part && part < 1.0 { part } else { 0.5 }
 }
 
-/// The sign changes of a function after a root at time `a`, which is divided out: `a` has the value 0 and the sign just
-/// after. The sign that counts at `b`.
+/// The sign changes after a root at time `a`, which is divided out: `a` has the value 0 and the sign just after the root.
+/// Returns the effective sign at `b`.
 pub(super) fn sign_changes_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) -> bool {
     let mut rest = [b; DEPTH as usize];
     let mut count = 1;
     let mut end = b;
-    // the first piece, as long as one that can be decided
+    // shrinks the first piece until it can be classified
     loop {
         let piece = Piece::new(f, a, end);
         let is_last = count == rest.len() || piece.is_shortest(f) || piece.is_noise(f.noise());
@@ -320,7 +320,7 @@ pub(super) fn sign_changes_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn
     end.negative
 }
 
-/// Where the function bends back to 0, once at most: the root of f / (t - a).
+/// Passes the single return of the function to 0, if any: the root of f / (t - a).
 fn single_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
     if a.negative != b.negative {
         let divided = Divided { f, from: a };

@@ -1,4 +1,4 @@
-//! A sag surface along a straight line: where the line is in the aperture, before and after.
+//! Sag surface along a straight line: crossings within the aperture, before it and after it.
 
 use super::Sag;
 use super::isolate::{End, Smooth, root, sign_changes, sign_changes_after};
@@ -11,11 +11,11 @@ pub(super) struct Line<'a> {
     sag: &'a Sag,
     q: Vec3,
     d: Vec3,
-    /// What f is taken to be too large by: at a start on the surface f is 0.
+    /// Correction of f so that it is 0 at a start on the surface.
     offset: f64,
 }
 
-/// The part of a line in which f has to be isolated: in the aperture, between the lowest and the highest sag.
+/// The interval of a line in which roots of f are isolated: in the aperture, between the lowest and the highest sag.
 type Part = Option<(f64, f64)>;
 
 impl<'a> Line<'a> {
@@ -39,7 +39,7 @@ impl<'a> Line<'a> {
         first
     }
 
-    /// The sign changes of a line that starts on the surface, for t >= 0.
+    /// Passes the sign changes for t >= 0 of a line that starts on the surface.
     pub fn crossings_from(&self, start: &Departing<'_>, flip: &mut dyn FnMut(f64)) {
         let (_, slope) = self.at(0.0);
         let part = self.part().filter(|(_, b)| *b > 0.0);
@@ -69,7 +69,7 @@ impl<'a> Line<'a> {
         self.beyond(ends_negative, last, (b, f64::INFINITY), flip);
     }
 
-    /// Whether f falls below 0 just after a start at which its slope is 0; `None` if that is not known.
+    /// True if f becomes negative just after a start with slope 0; `None` if that is undecided.
     fn bends_inside(&self, part: Part) -> Option<bool> {
         let (a, b) = part.filter(|(a, _)| *a <= 0.0)?;
         let bend = self.within().bounded((a, b)).bend(0.0, 0.0);
@@ -79,8 +79,8 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// A root of f - offset moved to one of f by a step of Newton; a step that is not small would confuse it with the one
-    /// at the start, and is not taken.
+    /// A root of f - offset corrected to one of f by a Newton step. A large step is rejected, since it would reach the root
+    /// at the start.
     fn on_the_surface(&self, t: f64) -> f64 {
         let step = self.offset / self.at(t).1;
         if step.abs() <= 1e-6 * t { t - step } else { t }
@@ -123,7 +123,7 @@ impl<'a> Line<'a> {
         (from < to && from.is_finite() && to.is_finite()).then_some((from, to))
     }
 
-    /// When the line is between the lowest and the highest sag.
+    /// The interval in which the line is between the lowest and the highest sag.
     fn heights(&self) -> (f64, f64) {
         let (z, rate) = (self.q.z - self.offset, self.d.z);
         if rate == 0.0 {
@@ -134,7 +134,7 @@ impl<'a> Line<'a> {
         (low.min(high), low.max(high))
     }
 
-    /// The sign change of a stretch beyond the aperture with these signs at its ends, if they differ.
+    /// Passes the sign change of an interval beyond the aperture, if the signs at its ends differ.
     fn beyond(&self, first: bool, last: bool, (from, to): (f64, f64), flip: &mut dyn FnMut(f64)) {
         if first == last {
             return;
@@ -147,7 +147,7 @@ impl<'a> Line<'a> {
         flip(t);
     }
 
-    /// The same where the rim is not level.
+    /// The sign change for a rim that is not level.
     fn search(&self, first: bool, (from, to): (f64, f64)) -> f64 {
         let (low, high) = self.heights();
         let (mut a, mut b) = (from.max(low), to.min(high));
@@ -156,7 +156,7 @@ impl<'a> Line<'a> {
             (a, b) = if is_first(0.0) { (0.0, b) } else { (a, 0.0) };
         }
         let mut step = self.sag.aperture() / self.d.length();
-        // a level line goes round half of the rim at most: far out f hardly changes
+        // a level line passes along at most half of the rim: far out f hardly changes
         for _ in 0..128 {
             if a.is_finite() && b.is_finite() {
                 let ends = [(a, first), (b, !first)];
@@ -212,7 +212,7 @@ impl Within<'_> {
 
     fn sign_changes(self, from: End, to: End, flip: &mut dyn FnMut(f64)) {
         let Line { sag, d, .. } = self.line;
-        // nearly every ray is steeper than the surface, and meets it once
+        // fast path: nearly every ray is steeper than the surface, and crosses it once
         let across = (d.x * d.x + d.y * d.y).sqrt();
         if d.z.abs() > sag.steepest * across * (1.0 + 8.0 * UNIT_ROUNDOFF) {
             if from.negative != to.negative {
@@ -258,7 +258,7 @@ mod tests {
     use super::*;
     use std::cell::Cell;
 
-    /// Counts how often bounds are asked for.
+    /// Counts evaluations of bounds.
     struct Counted<'a>(Within<'a>, Cell<u32>);
 
     impl Smooth for Counted<'_> {
@@ -284,7 +284,7 @@ mod tests {
         }
     }
 
-    /// The pieces that are looked at along a line.
+    /// Number of pieces along a line.
     fn pieces(sag: &Sag, q: Vec3, d: Vec3) -> u32 {
         let line = Line::new(sag, q, d, 0.0);
         let Some((a, b)) = line.part() else { return 0 };

@@ -1,23 +1,24 @@
-//! Sag surfaces: `z = sag(x, y)` over a round aperture, inside below, `f = z - sag(x, y) < 0`.
+//! Sag surfaces (aspheres, freeforms): `z = sag(x, y)` over a round aperture, with the inside below,
+//! `f = z - sag(x, y) < 0`.
 //!
 //! The sag is a [base](Base), a conic of revolution or a biconic, plus terms in r^2, in odd powers of r, and in x and y
-//! ([`Description`]). It is given within the aperture, a circle about the z axis. *Beyond, the surface goes on level*: each
-//! point has the sag of the point of the rim in its direction, so f is defined and continuous everywhere, and steps at the
-//! rim are for who clips the surface there.
+//! ([`Description`]). It is defined within the aperture, a circle about the z axis. *Beyond the aperture the surface
+//! continues level*: each point has the sag of the rim in its direction, so f is defined and continuous everywhere.
+//! Primitives clip the surface at the rim.
 //!
-//! # What is guaranteed
+//! # Guarantees
 //!
-//! No crossing within the aperture is missed or made up, wherever the ray comes from and whatever the terms: along the ray
-//! f is isolated by bounds of its second derivative, computed for each piece of the ray with outward rounding
-//! (`isolate.rs` says how). Bounds are those of polynomials shifted to the middle of the piece, and closed forms of
-//! the base. Two crossings count as none if between them the ray leaves the surface by less than the rounding of f,
-//! `u (16 size + 4 R)` with the sum of the magnitudes of its terms and the aperture's radius R, which is within the `64 u (|o| + |t| |d| + reach)` of all
-//! kernels; or if they lie on a piece of the ray that is parallel to z to within `2 u R` (where a rim is vertical, the surface
-//! may be as steep as that). At the tip of an odd term and at a vertical rim, where that derivative has no bounds, its sign
-//! and bounds of the slope decide. Beyond the aperture a surface of revolution is a plane; of others the parity of the crossings is right there,
-//! and no more is said.
+//! No crossing within the aperture is missed or invented, wherever the ray starts and whatever the terms: roots of f
+//! along the ray are isolated by bounds of the second derivative, computed for each piece of the ray with outward
+//! rounding (see `isolate.rs`). The bounds are those of polynomials shifted to the middle of the piece, and closed forms
+//! of the base. Two crossings count as none if between them the ray leaves the surface by less than the rounding of f,
+//! `u (16 size + 4 R)` with the sum of the magnitudes of its terms and the aperture's radius R, which is within the
+//! `64 u (|o| + |t| |d| + magnitude)` of all kernels; or if they lie on a piece of the ray that is parallel to z to within
+//! `2 u R` (at a vertical rim the surface may be as steep as that). At the tip of an odd term and at a vertical rim,
+//! where the second derivative is unbounded, its sign and bounds of the slope decide. Beyond the aperture a surface of
+//! revolution is a plane; for other surfaces only the parity of the crossings there is guaranteed.
 //!
-//! A steep conic may end vertically at the rim, `(1 + k) c^2 R^2 = 1`, and no farther in.
+//! A steep conic may be vertical at the rim, `(1 + k) c^2 R^2 = 1`, but must not end inside it.
 
 mod base;
 mod isolate;
@@ -42,42 +43,43 @@ use std::any::Any;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sag {
     profile: Profile,
-    /// Below and above the whole surface.
+    /// Bounds of the sag over the whole surface.
     low: f64,
     high: f64,
-    /// No slope in the aperture is greater; infinite for a conic that ends vertically.
+    /// Upper bound of the slope in the aperture; infinite for a conic that is vertical at the rim.
     steepest: f64,
-    /// The sag at the rim, of a surface of revolution.
+    /// Sag at the rim, for a surface of revolution.
     rim: Option<f64>,
     noise: f64,
 }
 
-/// Why there is no such surface.
+/// The reason why a sag surface does not exist.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SagError {
     /// The root of the base is imaginary in a part of the aperture.
     #[error(
-        "the aperture's radius is {aperture} (the conic ends at {end}, where the root in it becomes imaginary) is the curvature too large?"
+        "the aperture's radius is {aperture}: the conic ends at {end}, where the root in it becomes imaginary. Is the curvature too large?"
     )]
     Imaginary {
-        /// The aperture's radius.
+        /// Radius of the aperture.
         aperture: f64,
-        /// The distance from the axis at which the base ends.
+        /// Distance from the axis at which the base ends.
         end: f64,
     },
-    /// A number is NaN or infinite, or a term beyond 1e60 at the rim; or the aperture's radius is not positive.
+    /// A number is NaN or infinite, or a term exceeds 1e60 at the rim, or the aperture's radius is not positive.
     #[error(
-        "the sag is not finite (aperture's radius {aperture}, terms up to {size} at the rim) is the unit right?"
+        "the sag is not finite: aperture's radius {aperture}, terms up to {size} at the rim. Is the unit right?"
     )]
     NotFinite {
-        /// The aperture's radius.
+        /// Radius of the aperture.
         aperture: f64,
-        /// The sum of the magnitudes of the terms at the rim.
+        /// Sum of the magnitudes of the terms at the rim.
         size: f64,
     },
-    /// A power beyond [`MOST_DEGREE`], or more than that many coefficients.
+    /// A power or a number of coefficients beyond [`MOST_DEGREE`].
     #[error(
-        "a term is of degree {degree} (at most {MOST_DEGREE} in x and y, and {MOST_DEGREE} coefficients in r) is it needed?"
+        "a term is of degree {degree}: at most {MOST_DEGREE} in x and y, and {MOST_DEGREE} coefficients in r. Is it needed?"
     )]
     TooManyTerms {
         /// The degree, or the number of coefficients.
@@ -86,7 +88,7 @@ pub enum SagError {
 }
 
 impl Sag {
-    /// The surface that a description gives.
+    /// The surface of a description.
     ///
     /// # Errors
     /// [`SagError`].
@@ -100,7 +102,7 @@ impl Sag {
         }
     }
 
-    /// The surface of a description that is known to give one.
+    /// The surface of a valid description.
     pub(crate) fn unchecked(of: &Description) -> Sag {
         Sag::with(Profile::new(of))
     }
@@ -113,18 +115,17 @@ impl Sag {
         Sag { low: low - noise, high: high + noise, steepest, rim, noise, profile }
     }
 
-    /// The radius of the aperture.
+    /// Radius of the aperture.
     pub fn aperture(&self) -> f64 {
         self.profile.aperture
     }
 
-    /// Two heights between which the whole surface lies: farther apart than its lowest and highest points by little, unless
-    /// the terms are large and cancel each other.
+    /// Bounds of z over the whole surface: close to its lowest and highest points, unless large terms cancel each other.
     pub fn heights(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
-    /// The sag at a point, and its derivatives by x and y; beyond the aperture that of the rim.
+    /// Sag and its derivatives with respect to x and y; beyond the aperture those of the rim.
     #[inline]
     pub fn sag(&self, x: f64, y: f64) -> [f64; 3] {
         let radius = self.profile.aperture;
@@ -142,7 +143,7 @@ impl Sag {
         [value, -around * sin, around * cos]
     }
 
-    /// Where the whole surface lies in z, as bounds of the sag over a box that reaches beyond the aperture.
+    /// Bounds of the sag over a box that extends beyond the aperture.
     fn ranges_beyond(&self, x: Interval, y: Interval, r: Interval) -> [Interval; 3] {
         let (radius, inverse) = (self.profile.aperture, r.positive_recip());
         let whole = Interval::around(0.0, radius);
@@ -174,18 +175,18 @@ fn check(of: &Description) -> Result<(), SagError> {
         return Err(SagError::NotFinite { aperture, size: f64::NAN });
     }
     let steep = (0..2).map(|i| (1.0 + k[i]) * c[i] * c[i]).fold(0.0, f64::max);
-    // a radius that was computed as the end of the conic may be beyond it by roundings
+    // a radius computed as the end of the conic may exceed it by roundings
     match steep * aperture * aperture <= 1.0 + 8.0 * UNIT_ROUNDOFF {
         true => Ok(()),
         false => Err(SagError::Imaginary { aperture, end: 1.0 / steep.sqrt() }),
     }
 }
 
-/// So many pieces along a radius, or the side of the aperture, tell how high and steep a surface is.
+/// Number of pieces along a radius, or along a side of the aperture, for the extremes of height and slope.
 const PIECES: u32 = 32;
 const TILES: u32 = 12;
 
-/// Lowest and highest sag, and the greatest slope, of a surface of revolution.
+/// Lowest and highest sag, and the largest slope, of a surface of revolution.
 fn round_extent(profile: &Profile) -> ([f64; 2], f64) {
     let radius = profile.aperture;
     let along = Along::new(profile, [0.0, 1.0], [0.0, 0.0]);
@@ -196,12 +197,12 @@ fn round_extent(profile: &Profile) -> ([f64; 2], f64) {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from) * (1.0 + 4.0 * UNIT_ROUNDOFF));
         let (value, slope) = along.at(middle);
         let change = half * along.bend(from, to).magnitude();
-        // beside the tip of an odd term only bounds of the slope have an end
+        // near the tip of an odd term only the bounds of the slope are finite
         let steep = (slope.abs() + change).min(along.slopes(from, to).magnitude());
         let steep = if steep.is_nan() { f64::INFINITY } else { steep };
         let natural = profile.ranges(Interval::new(from, to), Interval::point(0.0))[0];
         let value = match slope.abs() > change {
-            // monotone: the ends are lowest and highest
+            // monotone: the extremes are at the ends
             true => hull(Interval::point(along.at(from).0), Interval::point(along.at(to).0)),
             false => Interval::around(value, half * steep).narrowed(natural),
         };
@@ -211,7 +212,7 @@ fn round_extent(profile: &Profile) -> ([f64; 2], f64) {
     (heights, steepest)
 }
 
-/// The same of any surface, by tiles.
+/// The same extremes for any surface, by tiles.
 fn extent(profile: &Profile) -> ([f64; 2], f64) {
     let radius = profile.aperture;
     let place = |k: u32| radius * (2.0 * f64::from(k) / f64::from(TILES) - 1.0);
@@ -248,18 +249,18 @@ impl Form for Sag {
     }
 
     fn degree(&self) -> u8 {
-        // a line keeps to the base in as many places as to a polynomial of a moderate degree
+        // number of test points for coincidence with the base: that of a polynomial of moderate degree
         self.profile.degree().clamp(8, 64) as u8
     }
 
     fn is_ruled(&self) -> bool {
-        // an analytic surface of revolution about z over a disc holds a line only if it is level
+        // an analytic surface of revolution about z over a disc contains a line only if it is level
         let is_level = self.high - self.low <= 1e-9 * self.profile.aperture;
         !self.profile.is_round() || !self.profile.odd.is_zero() || is_level
     }
 
-    fn reach(&self) -> f64 {
-        // terms that cancel each other leave their rounding
+    fn magnitude(&self) -> f64 {
+        // terms that cancel each other leave their rounding errors
         self.profile.aperture + self.profile.size()
     }
 
@@ -285,7 +286,7 @@ impl Form for Sag {
         let rows = mixed.rows().iter().flat_map(|row| row.coefficients());
         let all = [aperture].into_iter().chain(&root.c).chain(&root.g).chain(even.coefficients());
         let all = all.chain(odd.coefficients()).chain(rows);
-        // Fowler, Noll and Vo's FNV-1a, a word at a time
+        // FNV-1a hash (Fowler, Noll and Vo), word by word
         all.fold(0xcbf2_9ce4_8422_2325, |hash, x| (hash ^ (x + 0.0).to_bits()).wrapping_mul(0x0100_0000_01b3))
     }
 
@@ -295,7 +296,7 @@ impl Form for Sag {
     }
 }
 
-/// The most that the length of a vector in a box can be.
+/// Largest length of a vector in a box.
 fn length(x: Interval, y: Interval) -> f64 {
     (x.square() + y.square()).sqrt().hi
 }

@@ -1,8 +1,8 @@
-//! The polynomial terms of a sag: in one variable (the distance from the axis) and in two (x and y).
+//! Polynomial terms of a sag: in one variable (the distance from the axis) and in two (x and y).
 
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
 
-/// The highest power of a polynomial of two variables.
+/// Highest total degree of a polynomial in two variables.
 pub const MOST_DEGREE: usize = 30;
 
 /// `c_0 + c_1 v + c_2 v^2 + ...`, for v in [-1, 1].
@@ -13,7 +13,7 @@ pub(super) struct Polynomial(Vec<f64>);
 pub(super) type Jet = [f64; 3];
 
 impl Polynomial {
-    /// With zeros at the end left out.
+    /// The polynomial without trailing zeros.
     pub fn new(mut coefficients: Vec<f64>) -> Polynomial {
         while coefficients.last() == Some(&0.0) {
             coefficients.pop();
@@ -33,7 +33,7 @@ impl Polynomial {
         &self.0
     }
 
-    /// The sum of the magnitudes of all terms at v = 1.
+    /// Sum of the magnitudes of all terms at v = 1.
     pub fn size(&self) -> f64 {
         self.0.iter().map(|c| c.abs()).sum()
     }
@@ -62,15 +62,14 @@ impl Polynomial {
     }
 }
 
-/// Bounds of the first and second derivatives of a polynomial between two numbers of [-1, 1]; the coefficients are
-/// used up.
+/// Bounds of the first and second derivatives of a polynomial between two numbers in [-1, 1]; overwrites the coefficients.
 ///
-/// The polynomial is shifted to the middle m of the range (Horner's scheme, repeated), `sum b_k (v - m)^k`, where all terms
-/// but the lowest are small if the range is. A shift rounds by less than 4 n u times the sum of the magnitudes of all
-/// coefficients, n the degree; a derivative multiplies that by n at most each time.
+/// The polynomial is shifted to the middle m of the range (repeated Horner scheme), `sum b_k (v - m)^k`, where all terms
+/// but the lowest are small if the range is. A shift has a rounding error of less than 4 n u times the sum of the
+/// magnitudes of all coefficients, with n the degree; each derivative multiplies that by at most n.
 pub(super) fn derivatives(c: &mut [f64], from: f64, to: f64) -> (Interval, Interval) {
     let (n, middle) = (c.len(), 0.5 * (from + to));
-    // as far from the middle as the ends are, and a rounding more
+    // distance of the ends from the middle, plus one rounding
     let half = (0.5 * (to - from)).max(0.0) + 2.0 * UNIT_ROUNDOFF;
     let size: f64 = c.iter().map(|c| c.abs()).sum();
     for first in 0..n {
@@ -105,7 +104,7 @@ pub(super) struct Bivariate {
 }
 
 impl Bivariate {
-    /// From terms (i, j, c); several with the same powers add up.
+    /// The polynomial of terms (i, j, c); terms with equal powers are added.
     pub fn new(terms: &[(usize, usize, f64)]) -> Bivariate {
         let (mut rows, mut degree) = (Vec::<Vec<f64>>::new(), 0);
         for &(i, j, c) in terms.iter().filter(|term| term.2 != 0.0) {
@@ -134,7 +133,7 @@ impl Bivariate {
         self.rows.iter().map(Polynomial::size).sum()
     }
 
-    /// Value and derivatives by x and by y.
+    /// Value and derivatives with respect to x and y.
     pub fn value_and_gradient(&self, x: f64, y: f64) -> Jet {
         let [mut value, mut by_x, mut by_y] = [0.0; 3];
         for row in self.rows.iter().rev() {
@@ -146,7 +145,7 @@ impl Bivariate {
         [value, by_x, by_y]
     }
 
-    /// The polynomial of s along `x = x0 + x1 s`, `y = y0 + y1 s`: its coefficients.
+    /// Coefficients of the polynomial in s along `x = x0 + x1 s`, `y = y0 + y1 s`.
     pub fn along(&self, x: [f64; 2], y: [f64; 2]) -> [f64; MOST_DEGREE + 1] {
         let mut sum = [0.0; MOST_DEGREE + 1];
         for (k, row) in self.rows.iter().enumerate().rev() {
@@ -161,7 +160,7 @@ impl Bivariate {
         sum
     }
 
-    /// Bounds of value and both derivatives over a box within [-1, 1]: Horner's scheme in intervals.
+    /// Bounds of the value and both derivatives over a box within [-1, 1]: Horner's scheme in intervals.
     pub fn ranges(&self, x: Interval, y: Interval) -> [Interval; 3] {
         let mut ranges = [Interval::point(0.0); 3];
         for row in self.rows.iter().rev() {
@@ -182,7 +181,7 @@ pub(super) fn range(coefficients: &[f64], v: Interval) -> (Interval, Interval) {
         .fold((zero, zero), |(value, slope), &c| (value * v + Interval::point(c), slope * v + value))
 }
 
-/// Multiplies a polynomial of a degree below `count` by `a[0] + a[1] s`.
+/// Multiplies a polynomial of degree below `count` by `a[0] + a[1] s`.
 fn times_linear(c: &mut [f64; MOST_DEGREE + 1], count: usize, a: [f64; 2]) {
     for k in (1..=count.min(MOST_DEGREE)).rev() {
         c[k] = c[k] * a[0] + c[k - 1] * a[1];

@@ -1,19 +1,19 @@
-//! The sag as a function of x and y: base and terms together.
+//! Sag as a function of x and y: base plus terms.
 
 use super::base::{Base, Root, square_along};
 use super::polynomial::{Bivariate, Jet, MOST_DEGREE, Polynomial, derivatives, range};
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
 
-/// What a sag is made of.
+/// Description of a sag surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
-    /// The radius of the aperture, > 0.
+    /// Radius of the aperture, > 0.
     pub aperture: f64,
     /// The base.
     pub base: Base,
-    /// The coefficients of r^2, r^4, r^6, ...: the n-th in length^(1 - 2 n), at most 30 of them.
+    /// Coefficients of r^2, r^4, r^6, ...: the n-th in length^(1 - 2 n), at most 30.
     pub even: Vec<f64>,
-    /// The coefficients of r, r^3, r^5, ..., at most 30 of them.
+    /// Coefficients of r, r^3, r^5, ..., at most 30.
     pub odd: Vec<f64>,
     /// Terms `c x^i y^j` with i + j <= 30.
     pub mixed: Vec<(u32, u32, f64)>,
@@ -26,8 +26,8 @@ impl Description {
     }
 }
 
-/// `base + E(v) + rho O(v) + M(x / R, y / R)` with rho = r / R, v = rho^2 and R the aperture's radius: so coefficients are
-/// lengths, and arguments at most 1.
+/// `base + E(v) + rho O(v) + M(x / R, y / R)` with rho = r / R, v = rho^2 and R the aperture's radius, so that coefficients
+/// are lengths, and arguments at most 1.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profile {
     pub aperture: f64,
@@ -40,7 +40,7 @@ pub(super) struct Profile {
 impl Profile {
     pub fn new(of: &Description) -> Profile {
         let radius = of.aperture;
-        // not by powers of a power: each factor is one multiplication of the last
+        // one multiplication per factor, each a power of the same number
         let scaled = |list: &[f64], first: f64| {
             let mut factor = first;
             list.iter()
@@ -66,24 +66,24 @@ impl Profile {
         }
     }
 
-    /// True if it depends on the distance from the axis alone.
+    /// True for a surface of revolution.
     pub fn is_round(&self) -> bool {
         self.root.is_round() && self.mixed.is_zero()
     }
 
-    /// The sum of the magnitudes of all terms at the rim.
+    /// Sum of the magnitudes of all terms at the rim.
     pub fn size(&self) -> f64 {
         let base = self.root.c[0].abs().max(self.root.c[1].abs()) * self.aperture * self.aperture;
         base + self.even.size() + self.odd.size() + self.mixed.size()
     }
 
-    /// The degree along a line, taking the base for a polynomial.
+    /// Degree along a line, with a nominal degree for the base.
     pub fn degree(&self) -> usize {
         let odd = if self.odd.is_zero() { 0 } else { 2 * self.odd.degree() + 1 };
         odd.max(2 * self.even.degree()).max(self.mixed.degree())
     }
 
-    /// Sag and derivatives by x and y at a point of the aperture.
+    /// Sag and its derivatives with respect to x and y at a point of the aperture.
     #[inline]
     pub fn value_and_gradient(&self, x: f64, y: f64) -> Jet {
         let mut jet = if self.root.is_zero() { [0.0; 3] } else { self.root.value_and_gradient(x, y) };
@@ -100,7 +100,8 @@ impl Profile {
         jet
     }
 
-    /// The terms in r and their derivative by v. At the tip of an odd term of first order there is no slope: 0.
+    /// The terms in r and their derivative with respect to v. At the tip of an odd term of first order the slope is
+    /// undefined: 0.
     #[inline]
     fn terms(&self, v: f64) -> (f64, f64) {
         let (mut value, mut slope) = self.even.value_and_slope(v);
@@ -113,7 +114,7 @@ impl Profile {
         (value, slope)
     }
 
-    /// Bounds of value and derivatives over the part of a box that lies in the aperture.
+    /// Bounds of the value and derivatives over the part of a box in the aperture.
     pub fn ranges(&self, x: Interval, y: Interval) -> [Interval; 3] {
         let (radius, inverse) = (self.aperture, 1.0 / self.aperture);
         let whole = Interval::around(0.0, radius);
@@ -126,7 +127,7 @@ impl Profile {
         add([value, slope * x, slope * y]);
         if !self.odd.is_zero() {
             let (value, slope) = self.odd_ranges(square * (inverse * inverse));
-            // x / r is at most 1
+            // |x / r| is at most 1
             let part =
                 |v: Interval| (v * (square.sqrt().positive_recip())).narrowed(Interval::new(-1.0, 1.0));
             let slope = slope * inverse;
@@ -141,7 +142,7 @@ impl Profile {
         range(self.even.coefficients(), v)
     }
 
-    /// The odd terms and their derivative by rho.
+    /// The odd terms and their derivative with respect to rho.
     fn odd_ranges(&self, v: Interval) -> (Interval, Interval) {
         let rho = v.sqrt();
         let (value, slope) = range(self.odd.coefficients(), v);
@@ -158,7 +159,7 @@ pub(super) struct Along<'a> {
     mixed: Option<Mixed>,
 }
 
-/// The terms in x and y as a polynomial of `s = (t - middle) / half`.
+/// The terms in x and y as a polynomial in `s = (t - middle) / half`.
 #[derive(Clone, Debug)]
 struct Mixed {
     coefficients: [f64; MOST_DEGREE + 1],
@@ -167,12 +168,12 @@ struct Mixed {
 }
 
 impl<'a> Along<'a> {
-    /// Along `x = x[0] + x[1] t`, `y = y[0] + y[1] t`.
+    /// The sag along `x = x[0] + x[1] t`, `y = y[0] + y[1] t`.
     pub fn new(profile: &'a Profile, x: [f64; 2], y: [f64; 2]) -> Along<'a> {
         Along { profile, x, y, mixed: None }
     }
 
-    /// The same, ready to give bounds between two times, at which the line is in the aperture.
+    /// Prepares bounds between two times, between which the line is in the aperture.
     pub fn bounded(self, (from, to): (f64, f64)) -> Along<'a> {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let inverse = 1.0 / self.profile.aperture;
@@ -210,7 +211,7 @@ impl<'a> Along<'a> {
         }
     }
 
-    /// Bounds of the first derivative between two times: finite wherever the surface is not vertical.
+    /// Bounds of the first derivative between two times: finite unless the surface is vertical.
     pub fn slopes(&self, from: f64, to: f64) -> Interval {
         let (profile, t) = (self.profile, Interval::new(from, to));
         let mut slopes = Interval::point(0.0);
@@ -241,7 +242,7 @@ impl<'a> Along<'a> {
         if profile.odd.is_zero() { even } else { even + self.odd_slopes(v, rate, twice) }
     }
 
-    /// Of `sum c_k rho^(2 k + 1)`: `rho' = v' / (2 rho)`, which is at most w.
+    /// First derivative of `sum c_k rho^(2 k + 1)`: `rho' = v' / (2 rho)`, which is at most w.
     fn odd_slopes(&self, v: Interval, rate: Interval, twice: Interval) -> Interval {
         let most = (twice * 0.5).sqrt().hi;
         let rho = (rate * 0.5 * v.sqrt().positive_recip()).narrowed(Interval::new(-most, most));
@@ -260,8 +261,8 @@ impl<'a> Along<'a> {
         if profile.odd.is_zero() { even } else { even + self.odd_bend(v, rate, twice) }
     }
 
-    /// Of `rho O(v)` with `O = o + p(v) v`, where o is the term of first order: with w^2 = v'' / 2, half of the second
-    /// derivative of v, and `rho'^2 = v'^2 / (4 v)`, which is at most w^2,
+    /// Second derivative of `rho O(v)` with `O = o + p(v) v`, where o is the term of first order: with w^2 = v'' / 2,
+    /// half of the second derivative of v, and `rho'^2 = v'^2 / (4 v)`, which is at most w^2,
     /// `(rho^n)'' = n rho^(n - 2) (w^2 + (n - 2) rho'^2)`.
     fn odd_bend(&self, v: Interval, rate: Interval, twice: Interval) -> Interval {
         let rho = v.sqrt();
@@ -274,7 +275,7 @@ impl<'a> Along<'a> {
             let term = (across + along * (n - 2.0)) * (n * c);
             bend = bend * v + term;
         }
-        // r bends up along every line: at the tip there is no end to it, but its sign is known
+        // r is convex along every line: at the tip its second derivative is unbounded, but positive
         let tip =
             (across - along).narrowed(Interval::new(0.0, across.hi)).positive_product(rho.positive_recip());
         bend * rho + tip * coefficients.first().copied().unwrap_or(0.0)
@@ -290,7 +291,7 @@ impl Mixed {
         self.derivatives(degree, from, to).1 * Interval::point(self.half).square().positive_recip()
     }
 
-    /// Bounds of the derivatives by s.
+    /// Bounds of the derivatives with respect to s.
     fn derivatives(&self, degree: usize, from: f64, to: f64) -> (Interval, Interval) {
         let mut coefficients = self.coefficients;
         let place = |t: f64| ((t - self.middle) / self.half).clamp(-1.0, 1.0);

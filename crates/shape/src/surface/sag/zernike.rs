@@ -6,7 +6,7 @@
 
 use super::MOST_DEGREE;
 
-/// How Zernike polynomials are numbered, from 1 (from 0 for `Osa`), and scaled.
+/// Numbering (from 1, for `Osa` from 0) and normalisation of Zernike polynomials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Zernike {
     /// R. J. Noll, J. Opt. Soc. Am. 66 (1976) 207: numbers from 1, root mean square 1 over the disc.
@@ -19,7 +19,7 @@ pub enum Zernike {
 }
 
 impl Zernike {
-    /// Radial order n and azimuthal order m of the polynomial at a place in the list, from 0: m < 0 is a sine.
+    /// Radial order n and azimuthal order m of the polynomial at a zero-based index; m < 0 is a sine.
     fn orders(self, place: usize) -> (usize, isize) {
         match self {
             Zernike::Osa => {
@@ -30,11 +30,11 @@ impl Zernike {
                 let n = (0..).find(|n| (n + 1) * (n + 2) / 2 > place).unwrap_or(0);
                 let within = place - n * (n + 1) / 2;
                 let m = n % 2 + 2 * ((within + (n + 1) % 2) / 2);
-                // the first number is 1: even numbers are cosines
+                // Noll's numbers start at 1: even numbers are cosines
                 (n, if place % 2 == 1 { m as isize } else { -(m as isize) })
             }
             Zernike::Fringe => {
-                // groups of equal (n + |m|) / 2 = g begin at g^2, with falling |m|, cosine first
+                // groups of equal (n + |m|) / 2 = g begin at g^2, with decreasing |m|, cosine first
                 let group = (0..).find(|g| (g + 1) * (g + 1) > place).unwrap_or(0);
                 let within = place - group * group;
                 let m = group - within / 2;
@@ -52,15 +52,15 @@ impl Zernike {
     }
 }
 
-/// The terms (i, j, c) of `c x^i y^j` of a sum of Zernike polynomials over a disc of this radius, with coefficients that
-/// are lengths, in order.
+/// The terms (i, j, c) of `c x^i y^j` of a sum of Zernike polynomials over a disc of this radius. The coefficients are
+/// lengths, in the order of the numbering.
 ///
-/// Coefficients alternate and grow with n (up to about 9,000 for n = 12), and so do rounding errors.
+/// Coefficients of the powers alternate in sign and grow with n (up to about 9,000 for n = 12), and so do rounding errors.
 pub fn zernike_terms(order: Zernike, coefficients: &[f64], radius: f64) -> Vec<(u32, u32, f64)> {
     let mut terms = Vec::new();
     for (place, &c) in coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
         let (n, m) = order.orders(place);
-        // beyond the highest degree nothing has to be exact: it is refused
+        // beyond the highest degree the values do not matter: the surface is refused
         if n > MOST_DEGREE {
             terms.push((n as u32, 0, c));
             continue;
@@ -107,7 +107,7 @@ mod tests {
         value(&zernike_terms(order, &list, 2.0), 2.0 * x, 2.0 * y)
     }
 
-    /// Noll's table I, his first eleven.
+    /// Noll's table I, the first eleven.
     #[test]
     fn nolls_table() {
         for (x, y) in [(0.3, -0.5), (0.8, 0.1), (-0.2, -0.9)] {
@@ -132,7 +132,7 @@ mod tests {
         }
     }
 
-    /// The fringe set by its own table: piston, tilts, focus, astigmatism, coma, spherical, trefoil, ... and the last of 37.
+    /// The published fringe set: piston, tilts, focus, astigmatism, coma, spherical, trefoil, ... and the last of 37.
     #[test]
     fn the_fringe_table() {
         let (x, y) = (0.3, -0.5);
@@ -158,7 +158,7 @@ mod tests {
         assert_eq!(Zernike::Fringe.orders(35), (10, 0));
     }
 
-    /// The OSA numbers of its definition, forth and back.
+    /// OSA numbers by definition, in both directions.
     #[test]
     fn osa_numbers() {
         for place in 0..200 {
@@ -168,8 +168,8 @@ mod tests {
         }
     }
 
-    /// Normalised polynomials are orthonormal over the disc: by Gauss's rule in r^2 and equal steps in theta, exact for
-    /// these degrees.
+    /// Normalised polynomials are orthonormal over the disc, by Gaussian quadrature in r^2 and equal steps in theta, which
+    /// is exact for these degrees.
     #[test]
     fn they_are_orthonormal() {
         // 5-point Gauss-Legendre on [0, 1]

@@ -1,0 +1,81 @@
+//! Subjects of pictures, and drawing with the interpreter released.
+
+use std::num::NonZeroUsize;
+
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use rayweave::model::Solid;
+use rayweave::model::drive::Cancel;
+use rayweave::picture::{Picture, PictureKind, PictureOptions, arrange};
+use rayweave::render::{Run, Size};
+use rayweave::scene::Scene;
+use rayweave::{AnyEvaluator, Compiled};
+
+use crate::engine::Engine;
+use crate::error::bad_value;
+use crate::interrupt::interruptible;
+use crate::solid_scene::{compiled_of, scene_of};
+
+/// The size of pictures in notebooks.
+const NOTEBOOK: (u32, u32) = (480, 360);
+
+/// A scene with its program and an evaluator.
+pub struct Subject {
+    pub scene: Scene,
+    pub compiled: Compiled,
+    pub evaluator: AnyEvaluator,
+}
+
+impl Subject {
+    /// A model that is compiled already; compiled anew without its invisible regions, if it has any.
+    pub fn of_model(whole: &Scene, (compiled, engine): &(Compiled, Engine)) -> PyResult<Subject> {
+        let scene = whole.clone().seen();
+        if scene.regions.len() < whole.regions.len() {
+            return Subject::of_scene(scene).map_err(bad_value);
+        }
+        Ok(Subject { scene, compiled: compiled.clone(), evaluator: engine.evaluator().clone() })
+    }
+
+    /// A solid that is compiled already.
+    pub fn of_solid(solid: &Solid, engine: &Engine) -> Subject {
+        let (scene, compiled) = (scene_of(solid), compiled_of(engine.program.clone()));
+        Subject { scene, compiled, evaluator: engine.evaluator().clone() }
+    }
+
+    /// A scene, compiled anew.
+    pub fn of_scene(scene: Scene) -> Result<Subject, rayweave::Error> {
+        let compiled = Compiled::new(&scene)?;
+        let evaluator = AnyEvaluator::new(None, compiled.program.clone())?;
+        Ok(Subject { scene, compiled, evaluator })
+    }
+}
+
+/// Draws with the interpreter released; Ctrl-C stops it.
+pub fn released<T: Send>(
+    py: Python<'_>,
+    threads: Option<NonZeroUsize>,
+    draw: impl FnOnce(&mut Run<'_>) -> Result<T, rayweave::Error> + Send,
+) -> PyResult<T> {
+    let cancel = Cancel::new();
+    interruptible(py, &cancel, || draw(&mut Run { threads, cancel: cancel.clone(), progress: None }))
+}
+
+/// A picture of a subject.
+pub fn draw(
+    py: Python<'_>,
+    subject: &Subject,
+    kind: PictureKind,
+    options: &PictureOptions,
+    threads: Option<NonZeroUsize>,
+) -> PyResult<Picture> {
+    let (camera, settings) = arrange(&subject.scene, &subject.compiled, options).map_err(bad_value)?;
+    released(py, threads, |run| Ok(Picture::draw(kind, &subject.evaluator, &camera, &settings, run)?))
+}
+
+/// A picture of a subject as a PNG file for notebooks.
+pub fn notebook_png<'py>(py: Python<'py>, subject: &Subject) -> PyResult<Bound<'py, PyBytes>> {
+    let size = Size::new(NOTEBOOK.0, NOTEBOOK.1).map_err(bad_value)?;
+    let options = PictureOptions { size: Some(size), ..PictureOptions::default() };
+    let picture = draw(py, subject, PictureKind::Colour, &options, None)?;
+    Ok(PyBytes::new(py, &py.detach(|| picture.to_png())))
+}

@@ -1,0 +1,248 @@
+//! Prescriptions, their first-order data and studies of their images.
+
+mod frame;
+mod row;
+mod table;
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayweave::Packets;
+use rayweave::lens::analysis::{AnalysisError, Study, fan_x, fan_y, hexapolar, square};
+use rayweave::lens::paraxial::Meridian;
+use rayweave::lens::prescription::{CoordinateBreak, Layout, Prescription, read_zmx, write_zmx};
+use rayweave::optics::{System, Tracer};
+use std::sync::OnceLock;
+
+use crate::error::bad_value;
+use crate::optics::arrivals::PyArrivals;
+use crate::optics::parts::parts;
+use crate::vectors::{pairs, points};
+use frame::{Frame, frame_table, framed};
+use row::{Row, RowOut, row_of};
+use table::{first_order_table, ray_arrays, seidel_table};
+
+/// A prescription, compiled when it is first asked for what solids do: see `rayweave.optics.Prescription`.
+#[pyclass(frozen, module = "rayweave.optics", name = "CompiledPrescription")]
+pub struct PyPrescription {
+    lens: Prescription,
+    built: OnceLock<(Layout, System)>,
+}
+
+impl From<Prescription> for PyPrescription {
+    fn from(lens: Prescription) -> PyPrescription {
+        PyPrescription { lens, built: OnceLock::new() }
+    }
+}
+
+#[pymethods]
+impl PyPrescription {
+    #[new]
+    #[pyo3(signature = (rows, frame))]
+    fn new(rows: Vec<Row<'_>>, frame: Frame) -> PyResult<Self> {
+        let surfaces = rows.iter().map(Row::surface).collect::<PyResult<_>>()?;
+        let lens = framed(Prescription::new(surfaces), frame)?;
+        // what is wrong is said at once
+        lens.first_order(lens.primary_nm()).map_err(bad_value)?;
+        Ok(PyPrescription::from(lens))
+    }
+
+    /// The prescription in the bytes of a Zemax file, and notes on what was passed over.
+    #[staticmethod]
+    #[pyo3(signature = (file))]
+    fn read_zmx(file: &[u8]) -> PyResult<(Self, Vec<String>)> {
+        let read = read_zmx(file).map_err(bad_value)?;
+        Ok((PyPrescription::from(read.prescription), read.notes.iter().map(ToString::to_string).collect()))
+    }
+
+    /// The text of a Zemax file.
+    fn write_zmx(&self) -> PyResult<String> {
+        write_zmx(&self.lens).map_err(bad_value)
+    }
+
+    /// The surfaces, as the constructor takes them.
+    fn rows<'py>(&self, py: Python<'py>) -> PyResult<Vec<RowOut<'py>>> {
+        self.lens.surfaces.iter().map(|surface| row_of(py, surface)).collect()
+    }
+
+    /// What is not said of single surfaces, as the constructor takes it.
+    fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        frame_table(py, &self.lens)
+    }
+
+    /// First-order data at a wavelength by name, with the matrix (a, b, c, d); pupils are (position, diameter).
+    #[pyo3(signature = (wavelength_nm, along))]
+    fn first_order<'py>(
+        &self,
+        py: Python<'py>,
+        wavelength_nm: f64,
+        along: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let meridian = match along {
+            "x" => Meridian::X,
+            "y" => Meridian::Y,
+            other => return Err(bad_value(format!("along is {other:?}: it can be \"x\" or \"y\"."))),
+        };
+        first_order_table(py, &self.lens.first_order_along(meridian, wavelength_nm).map_err(bad_value)?)
+    }
+
+    /// The Seidel sums of every surface, as columns.
+    fn seidel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        seidel_table(py, &self.lens.seidel().map_err(bad_value)?)
+    }
+
+    /// Its solids, stop and image.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let (layout, _) = self.built(py)?;
+        parts(py, &layout.assembly)?.into_iter().map(|part| part.into_bound_py_any(py)).collect()
+    }
+
+    /// The clear semi-diameters of the surfaces and of the image.
+    fn semi_diameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, &self.built(py)?.0.semi_diameters))
+    }
+
+    /// Origins and directions of the rays of a field through points of the pupil, (N, 2).
+    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[allow(clippy::type_complexity)] // two arrays
+    fn rays<'py>(
+        &self,
+        field: usize,
+        wavelength_nm: f64,
+        pupil: &Bound<'py, PyAny>,
+        aimed: bool,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let points = points(pupil, "pupil")?;
+        let beam = match aimed {
+            true => self.lens.beam_at_stop(field, wavelength_nm, &points),
+            false => self.lens.beam(field, wavelength_nm, &points),
+        };
+        Ok(ray_arrays(pupil.py(), &beam.map_err(bad_value)?))
+    }
+
+    /// The rays of a field on the image, at one wavelength or at all of them with their weights.
+    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    fn arrivals(
+        &self,
+        field: usize,
+        wavelength_nm: Option<f64>,
+        pupil: &Bound<'_, PyAny>,
+        aimed: bool,
+    ) -> PyResult<PyArrivals> {
+        let points = points(pupil, "pupil")?;
+        let found = self.study(pupil.py(), aimed, |study| match wavelength_nm {
+            Some(wavelength_nm) => study.arrivals(field, wavelength_nm, &points),
+            None => study.polychromatic(field, &points),
+        });
+        found.map(PyArrivals)
+    }
+
+    /// A ray fan: points of the pupil and transverse errors, both (N, 2).
+    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[allow(clippy::type_complexity)] // two arrays
+    fn fan<'py>(
+        &self,
+        field: usize,
+        wavelength_nm: f64,
+        pupil: &Bound<'py, PyAny>,
+        aimed: bool,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let (py, points) = (pupil.py(), points(pupil, "pupil")?);
+        let fan = self.study(py, aimed, |study| study.fan(field, wavelength_nm, &points))?;
+        Ok((pairs(py, &fan.pupil), pairs(py, &fan.errors)))
+    }
+
+    /// A wavefront: points of the pupil (N, 2) and differences in waves (N,).
+    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[allow(clippy::type_complexity)] // two arrays
+    fn wavefront<'py>(
+        &self,
+        field: usize,
+        wavelength_nm: f64,
+        pupil: &Bound<'py, PyAny>,
+        aimed: bool,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let (py, points) = (pupil.py(), points(pupil, "pupil")?);
+        let wavefront = self.study(py, aimed, |study| study.wavefront(field, wavelength_nm, &points))?;
+        Ok((pairs(py, &wavefront.pupil), PyArray1::from_vec(py, wavefront.waves)))
+    }
+
+    /// The heights of the real and the paraxial principal ray on the image, and the tangential and the sagittal focus.
+    #[pyo3(signature = (field, wavelength_nm))]
+    fn principal(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<[f64; 4]> {
+        self.study(py, false, |study| {
+            let distortion = study.distortion(field, wavelength_nm)?;
+            let foci = study.field_foci(field, wavelength_nm)?;
+            Ok([distortion.real, distortion.paraxial, foci.tangential, foci.sagittal])
+        })
+    }
+
+    /// Where the ray of the first field, the axis, through a height in the pupil crosses the axis.
+    #[pyo3(signature = (wavelength_nm, height))]
+    fn axial_focus(&self, py: Python<'_>, wavelength_nm: f64, height: f64) -> PyResult<f64> {
+        self.study(py, false, |study| study.axial_focus(wavelength_nm, height))
+    }
+
+    /// The height of the principal ray less that at the primary wavelength.
+    #[pyo3(signature = (field, wavelength_nm))]
+    fn lateral_colour(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<f64> {
+        self.study(py, false, |study| study.lateral_colour(field, wavelength_nm))
+    }
+}
+
+impl PyPrescription {
+    /// The prescription itself.
+    pub fn lens(&self) -> &Prescription {
+        &self.lens
+    }
+
+    fn built(&self, py: Python<'_>) -> PyResult<&(Layout, System)> {
+        if let Some(built) = self.built.get() {
+            return Ok(built);
+        }
+        let made = py.detach(|| {
+            let layout = self.lens.assembly().map_err(bad_value)?;
+            let system = layout.assembly.compile().map_err(bad_value)?;
+            Ok::<_, PyErr>((layout, system))
+        })?;
+        Ok(self.built.get_or_init(|| made))
+    }
+
+    fn study<T: Send>(
+        &self,
+        py: Python<'_>,
+        aimed: bool,
+        ask: impl FnOnce(&Study<'_, Packets>) -> Result<T, AnalysisError> + Send,
+    ) -> PyResult<T> {
+        let (layout, system) = self.built(py)?;
+        let answer = py.detach(|| {
+            let tracer = Tracer::new(system, Packets::new);
+            let study = Study::new(&self.lens, layout, &tracer);
+            ask(&if aimed { study.aimed() } else { study })
+        });
+        answer.map_err(bad_value)
+    }
+}
+
+/// The matrix of a coordinate break: coordinates in front of it from those behind, row by row.
+#[pyfunction]
+#[pyo3(signature = (decentre, tilt_degrees, tilts_first))]
+pub fn coordinate_break(decentre: [f64; 2], tilt_degrees: [f64; 3], tilts_first: bool) -> [[f64; 4]; 4] {
+    let made = if tilts_first { CoordinateBreak::tilts_first } else { CoordinateBreak::new };
+    made(0, decentre, tilt_degrees).map.to_rows()
+}
+
+/// Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with that of points across.
+#[pyfunction]
+#[pyo3(signature = (kind, count))]
+pub fn pupil_points<'py>(py: Python<'py>, kind: &str, count: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let points = match kind {
+        "hexapolar" => hexapolar(count),
+        "square" => square(count),
+        "fan_x" => fan_x(count),
+        "fan_y" => fan_y(count),
+        other => return Err(bad_value(format!("there is no pupil {other:?}"))),
+    };
+    Ok(pairs(py, &points))
+}

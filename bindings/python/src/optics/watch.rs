@@ -1,0 +1,72 @@
+//! Progress and interrupts of traces.
+
+use std::time::{Duration, Instant};
+
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use rayweave::optics::{Emitter, OpticsError, Segments};
+
+use crate::error::bad_value;
+
+/// Reports the progress of a run to Python, and checks its signals.
+pub struct Watch {
+    progress: Option<Py<PyAny>>,
+    total: usize,
+    last: Instant,
+}
+
+/// The least time between two reports.
+const TELL: Duration = Duration::from_millis(100);
+
+impl Watch {
+    /// The watch over a run, which calls `progress` with the numbers of rays done and to do.
+    pub fn new(light: &impl Emitter, progress: Option<Py<PyAny>>) -> Watch {
+        Watch { progress, total: light.count(), last: Instant::now() }
+    }
+
+    /// Called chunk by chunk.
+    pub fn look(&mut self, part: &Segments) -> PyResult<()> {
+        let done = part.id.iter().max().map_or(0, |&last| last + 1);
+        Python::attach(|py| {
+            py.check_signals()?;
+            match &self.progress {
+                Some(progress) if self.last.elapsed() >= TELL => {
+                    self.last = Instant::now();
+                    progress.call1(py, (done, self.total)).map(|_| ())
+                }
+                _ => Ok(()),
+            }
+        })
+    }
+
+    /// All is done.
+    pub fn end(&self) -> PyResult<()> {
+        let Some(progress) = &self.progress else { return Ok(()) };
+        Python::attach(|py| progress.call1(py, (self.total, self.total)).map(|_| ()))
+    }
+}
+
+/// Why a run ends early.
+pub enum Halt {
+    /// The trace itself failed or was cancelled.
+    Refused(OpticsError),
+    /// Python raised an exception.
+    Raised(PyErr),
+}
+
+impl From<OpticsError> for Halt {
+    fn from(error: OpticsError) -> Halt {
+        Halt::Refused(error)
+    }
+}
+
+impl Halt {
+    /// The exception.
+    pub fn into_error(self) -> PyErr {
+        match self {
+            Halt::Refused(OpticsError::Cancelled) => PyKeyboardInterrupt::new_err("cancelled"),
+            Halt::Refused(error) => bad_value(error),
+            Halt::Raised(error) => error,
+        }
+    }
+}

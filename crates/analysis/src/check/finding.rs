@@ -1,0 +1,99 @@
+//! Findings and their kinds.
+
+use crate::AnalysisError;
+use crate::measure::{Chord, Estimate};
+use rayweave_error::Message;
+use rayweave_math::Vec3;
+
+/// The kinds of findings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Kind {
+    /// Two regions share space and neither is within the other; it belongs to the later one. In models with a hierarchy also
+    /// copies of one volume that share space.
+    Overlap,
+    /// A daughter extends beyond its mother.
+    Outside,
+    /// Later regions cover all of a region.
+    Hidden,
+    /// A solid is empty.
+    Empty,
+    /// An operand of a boolean operator changes nothing.
+    Absorbed,
+    /// A mesh is closed, but may not be what was meant.
+    Mesh,
+    /// A wall is thinner than a given length.
+    Thin,
+    /// A gap is narrower than a given length.
+    Gap,
+    /// Two regions touch: a note, not a fault.
+    Touch,
+}
+
+impl Kind {
+    /// All kinds with their names.
+    pub const ALL: [(Kind, &'static str); 9] = [
+        (Kind::Overlap, "overlap"),
+        (Kind::Outside, "outside"),
+        (Kind::Hidden, "hidden"),
+        (Kind::Empty, "empty"),
+        (Kind::Absorbed, "absorbed"),
+        (Kind::Mesh, "mesh"),
+        (Kind::Thin, "thin"),
+        (Kind::Gap, "gap"),
+        (Kind::Touch, "touch"),
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Kind::ALL[self as usize].1
+    }
+}
+
+impl std::str::FromStr for Kind {
+    type Err = AnalysisError;
+
+    fn from_str(name: &str) -> Result<Kind, AnalysisError> {
+        let found = Kind::ALL.into_iter().find(|(_, own)| *own == name);
+        let names = Kind::ALL.into_iter().map(|(_, own)| own);
+        let unknown = || AnalysisError::Name(Message::unknown("kind of finding", name, names));
+        found.map(|(kind, _)| kind).ok_or_else(unknown)
+    }
+}
+
+/// A possible mistake.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Finding {
+    /// The kind.
+    pub kind: Kind,
+    /// The regions concerned.
+    pub regions: Vec<String>,
+    /// The finding in words.
+    pub text: String,
+    /// The depth of an overlap along a ray, or the least thickness of a wall or gap, in the unit of the model.
+    pub size: Option<f64>,
+    /// The volume of the overlap, or of the part outside.
+    pub volume: Option<Estimate>,
+    /// The area where regions touch.
+    pub area: Option<f64>,
+    /// A place.
+    pub at: Option<Vec3>,
+    /// A piece of a ray there, from one end to the other.
+    pub ray: Option<Chord>,
+    /// True if the finding is proved without rays.
+    pub is_proved: bool,
+}
+
+impl Finding {
+    pub(super) fn new(kind: Kind, regions: &[&str], text: String) -> Finding {
+        let regions = regions.iter().map(|name| (*name).to_owned()).collect();
+        let (size, volume, area, at, ray) = (None, None, None, None, None);
+        Finding { kind, regions, text, size, volume, area, at, ray, is_proved: false }
+    }
+
+    pub(super) fn seen(self, size: f64, chord: Chord) -> Finding {
+        let at = Some(0.5 * (chord.from + chord.to));
+        Finding { size: Some(size), at, ray: Some(chord), ..self }
+    }
+}

@@ -1,0 +1,144 @@
+//! Search for mistakes in a model: overlaps, daughters outside their mothers, gaps, thin walls, parts without effect.
+//!
+//! Bounding boxes prove what they can: regions whose boxes are apart have nothing in common. Rays search everything else, and
+//! what no ray crosses is not reported: a finding is certain, its absence as certain as the rays are dense.
+//! [`CheckReport::scope`] lists what was proved and what was sampled. Equal seeds give equal reports, whatever the number of
+//! threads.
+//!
+//! ```
+//! use rayweave_analysis::check::{CheckSettings, Kind, check};
+//! use rayweave_trace::AnyEvaluator;
+//!
+//! let (_, scene) = rayweave_scene::parse(
+//!     "rayweave = 1\n[solid.a]\nbox = { size = 2 }\n[solid.b]\nbox = { size = 2 }\ntransform = [{ translate = [1.5, 0, 0] }]\n\
+//!      [[region]]\nsolid = \"a\"\n[[region]]\nsolid = \"b\"",
+//! )?;
+//! let report = check(&scene, None, AnyEvaluator::maker(None), &CheckSettings::default(), &mut |_| ())?;
+//! let overlap = report.of(Kind::Overlap).next().unwrap();
+//! assert_eq!(overlap.regions, ["a", "b"]);
+//! assert!((overlap.volume.unwrap().value - 2.0).abs() < 1e-9 && (overlap.size.unwrap() - 0.5).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod finding;
+mod hierarchy;
+mod operands;
+mod pairs;
+mod parts;
+mod pieces;
+mod probe;
+mod report;
+mod section;
+mod settings;
+mod subject;
+#[cfg(test)]
+mod tests;
+
+pub use finding::{Finding, Kind};
+pub use hierarchy::Hierarchy;
+pub use report::{CheckReport, Scope};
+pub use section::finding_section;
+pub use settings::CheckSettings;
+
+use crate::AnalysisError;
+use crate::error::maker;
+use crate::measure::one_medium_each;
+use crate::subject::clipped;
+use probe::Probe;
+use rayweave_error::{Classified, Message};
+use rayweave_math::Bounds;
+use rayweave_model::{Evaluator, Program, Region};
+use rayweave_scene::Scene;
+use std::sync::Arc;
+use subject::Subject;
+
+/// Checks the regions of a scene. `hierarchy` holds mothers and daughters, where the model has any ([`Hierarchy::of`]). `make`
+/// makes the evaluators; `progress` receives the number of rays so far.
+///
+/// # Errors
+///
+/// [`AnalysisError`]: a model without regions or without a bounded region, settings out of range, a cancelled run.
+pub fn check<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    scene: &Scene,
+    hierarchy: Option<&Hierarchy>,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &CheckSettings,
+    progress: &mut dyn FnMut(u64),
+) -> Result<CheckReport, AnalysisError> {
+    in_range(settings)?;
+    let written = scene.model_regions();
+    if written.is_empty() {
+        let message = Message::new("the model has no regions", "there is nothing to check");
+        return Err(AnalysisError::Solid(message));
+    }
+    let regions = clipped(written.clone(), settings.within)?;
+    let boxes = compiled(&regions)?.region_bounds();
+    let frame = frame(&boxes)?;
+    if settings.within.is_some() && frame.is_empty() {
+        let message = Message::new("nothing of the model is within the box", "there is nothing to check");
+        return Err(AnalysisError::Solid(message.suggest("Is the box in the unit of the model?")));
+    }
+    let regions = ended(regions, &boxes, &frame)?;
+    let program = compiled(&regions)?;
+    let make = maker(make);
+    let mut probe = Probe::new(&make, settings, frame, progress);
+    probe.scope.has_hierarchy = hierarchy.is_some();
+    let whole = settings.within.map(|_| written.as_slice());
+    let subject = Subject { regions: &regions, whole, boxes: program.region_bounds(), hierarchy };
+    let mut findings = pairs::overlaps(&subject, &mut probe)?;
+    findings.extend(pairs::outside(&subject, &mut probe)?);
+    findings.extend(pieces::findings(&subject, program, &findings, &mut probe)?);
+    findings.extend(operands::findings(&written, &mut probe)?);
+    findings.sort_by_key(|finding| finding.kind);
+    Ok(CheckReport { unit: scene.unit, findings, scope: probe.scope })
+}
+
+fn compiled(regions: &[Region]) -> Result<Program, AnalysisError> {
+    Ok(Program::compile_regions(&one_medium_each(regions))?)
+}
+
+/// The box that rays go through: that of the bounded regions, with a margin where others are unbounded.
+fn frame(boxes: &[Bounds]) -> Result<Bounds, AnalysisError> {
+    let finite = boxes.iter().filter(|own| own.is_finite() && !own.is_empty());
+    let whole = finite.fold(Bounds::EMPTY, |all, own| all.union(own));
+    match (whole.is_empty(), boxes.iter().any(is_endless)) {
+        (true, true) => {
+            let message =
+                Message::new("no region of the model is bounded", "rays cannot search all of space");
+            Err(AnalysisError::Solid(message.suggest("Check it within a box.")))
+        }
+        (false, true) => Ok(whole.grown(0.1 * whole.size().length())),
+        (_, false) => Ok(whole),
+    }
+}
+
+fn is_endless(own: &Bounds) -> bool {
+    !own.is_empty() && !own.is_finite()
+}
+
+/// The regions, unbounded ones clipped to the box of the rays.
+fn ended(regions: Vec<Region>, boxes: &[Bounds], frame: &Bounds) -> Result<Vec<Region>, AnalysisError> {
+    let mut all = Vec::with_capacity(regions.len());
+    for (region, own) in regions.into_iter().zip(boxes) {
+        all.extend(clipped(vec![region], is_endless(own).then_some(*frame))?);
+    }
+    Ok(all)
+}
+
+fn in_range(settings: &CheckSettings) -> Result<(), AnalysisError> {
+    let lengths = [("wall", settings.wall), ("gap", settings.gap), ("distance", settings.distance)];
+    for (name, length) in lengths {
+        if let Some(length) = length.filter(|length| !(*length >= 0.0 && length.is_finite())) {
+            let message =
+                Message::new(format!("the {name} is {length}"), "it must be 0 or greater, and finite");
+            return Err(AnalysisError::Value(message));
+        }
+    }
+    match (2..=4096).contains(&settings.across) {
+        true => Ok(()),
+        false => {
+            let problem = format!("there are {} cells across", settings.across);
+            Err(AnalysisError::Value(Message::new(problem, "from 2 to 4096 are possible")))
+        }
+    }
+}

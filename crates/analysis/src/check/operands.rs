@@ -1,0 +1,174 @@
+//! Operands without effect, and suspicious meshes.
+
+use super::probe::{FEW, Probe};
+use super::{Finding, Kind};
+use crate::AnalysisError;
+use rayweave_math::Affine;
+use rayweave_model::{Evaluator, Node, Program, Region, Solid};
+use rayweave_shape::primitive::Primitive;
+use std::collections::HashSet;
+
+/// An intersection of more operands is left out: each is compared with all others, as boxes exclude none.
+const MOST_INTERSECTED: usize = 1024;
+
+/// Searches all operators of all regions, each once.
+pub fn findings<E: Evaluator>(
+    regions: &[Region],
+    probe: &mut Probe<'_, E>,
+) -> Result<Vec<Finding>, AnalysisError> {
+    let mut search = Search { region: "", met: HashSet::new(), found: Vec::new(), probe };
+    for region in regions {
+        search.region = &region.name;
+        search.solid(&region.solid)?;
+    }
+    Ok(search.found)
+}
+
+struct Search<'a, 'p, E> {
+    region: &'a str,
+    /// The visited nodes, by address: solids share them.
+    met: HashSet<*const Node>,
+    found: Vec<Finding>,
+    probe: &'a mut Probe<'p, E>,
+}
+
+impl<'a, E: Evaluator> Search<'a, '_, E> {
+    fn solid(&mut self, solid: &Solid) -> Result<(), AnalysisError> {
+        let mut waiting = vec![(solid.clone(), Affine::IDENTITY)];
+        while let Some((solid, map)) = waiting.pop() {
+            if !self.met.insert(solid.node()) {
+                continue;
+            }
+            match solid.node() {
+                Node::Primitive(Primitive::Mesh(mesh)) => self.mesh(mesh),
+                Node::Transformed(own, inner) => waiting.push((inner.clone(), own.then(&map))),
+                Node::Placed(inner, maps) => {
+                    // one copy stands for all
+                    waiting.extend(maps.first().map(|own| (inner.clone(), own.then(&map))));
+                }
+                node => {
+                    self.operator(node, &map)?;
+                    let operands: Vec<Solid> = match node {
+                        Node::Difference(a, b) => vec![a.clone(), b.clone()],
+                        node => node.operands().to_vec(),
+                    };
+                    waiting.extend(operands.into_iter().rev().map(|operand| (operand, map)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn operator(&mut self, node: &Node, map: &Affine) -> Result<(), AnalysisError> {
+        match node {
+            Node::Union(all) => self.union(all, map),
+            Node::Intersection(all) => self.intersection(all, map),
+            Node::Difference(a, b) => united(b)
+                .iter()
+                .try_for_each(|hole| self.operand(hole, || a & hole, map, "takes nothing from")),
+            _ => Ok(()),
+        }
+    }
+
+    /// Each operand against those whose boxes overlap its own: no others can contain any of it.
+    fn union(&mut self, all: &[Solid], map: &Affine) -> Result<(), AnalysisError> {
+        match all.len() {
+            0..2 => return Ok(()),
+            many if self.is_full() => return self.leave_out(many),
+            _ => {}
+        }
+        let boxes = all.iter().map(|own| Ok(Program::compile(own)?.bounds()));
+        let boxes = boxes.collect::<Result<Vec<_>, AnalysisError>>()?;
+        for (k, own) in all.iter().enumerate() {
+            let meets = |j: &usize| *j != k && !boxes[k].intersection(&boxes[*j]).is_empty();
+            let others = || Solid::union((0..all.len()).filter(meets).map(|j| all[j].clone()));
+            self.operand(own, || own - &others(), map, "adds nothing to")?;
+        }
+        Ok(())
+    }
+
+    /// Each operand against all others.
+    fn intersection(&mut self, all: &[Solid], map: &Affine) -> Result<(), AnalysisError> {
+        match all.len() {
+            0..2 => return Ok(()),
+            many if many > MOST_INTERSECTED => return self.leave_out(many),
+            _ => {}
+        }
+        for (k, own) in all.iter().enumerate() {
+            let others = || Solid::intersection((0..all.len()).filter(|&j| j != k).map(|j| all[j].clone()));
+            self.operand(own, || &others() - own, map, "takes nothing from")?;
+        }
+        Ok(())
+    }
+
+    fn is_full(&self) -> bool {
+        self.probe.scope.operands >= self.probe.settings.most_pairs as u64
+    }
+
+    fn leave_out(&mut self, operands: usize) -> Result<(), AnalysisError> {
+        self.probe.scope.operands_left_out += operands as u64;
+        Ok(())
+    }
+
+    /// `effect` is the part of space that the operand changes.
+    fn operand(
+        &mut self,
+        own: &Solid,
+        effect: impl Fn() -> Solid,
+        map: &Affine,
+        what: &str,
+    ) -> Result<(), AnalysisError> {
+        if self.is_full() {
+            return self.leave_out(1);
+        }
+        self.probe.scope.operands += 1;
+        let effect = effect().apply(*map);
+        let bounds = Program::compile(&effect)?.bounds();
+        let is_proved = bounds.is_empty();
+        if is_proved || self.probe.is_there(&effect, &bounds, 2 * FEW)?.is_none() {
+            let text = format!("{} {what} what it is joined with in {}", label(own), self.region);
+            let finding = Finding::new(Kind::Absorbed, &[self.region], text);
+            let place = Program::compile(&own.apply(*map))?.bounds();
+            let at = (place.is_finite() && !place.is_empty()).then(|| place.centre());
+            self.found.push(Finding { is_proved, at, ..finding });
+        }
+        Ok(())
+    }
+
+    fn mesh(&mut self, mesh: &rayweave_shape::primitive::Mesh) {
+        let diagnosis = mesh.solid().to_mesh().diagnose();
+        if !diagnosis.is_sound() {
+            let text = format!("the mesh in {} may not be what was meant: {diagnosis}", self.region);
+            let finding = Finding::new(Kind::Mesh, &[self.region], text);
+            self.found.push(Finding { is_proved: true, ..finding });
+        }
+    }
+}
+
+/// The operands of a union, below names; anything else alone.
+fn united(solid: &Solid) -> Vec<Solid> {
+    match solid.node() {
+        Node::Union(all) => all.clone(),
+        Node::Named(_, inner) if matches!(inner.node(), Node::Union(_)) => united(inner),
+        _ => vec![solid.clone()],
+    }
+}
+
+/// The label of a solid: its name, or its kind.
+fn label(solid: &Solid) -> String {
+    let mut solid = solid;
+    loop {
+        match solid.node() {
+            Node::Named(name, _) => return name.to_string(),
+            Node::Transformed(_, inner) | Node::Placed(inner, _) => solid = inner,
+            Node::Primitive(primitive) => return format!("a {}", primitive.name()),
+            Node::Union(_) => return "a union".to_owned(),
+            Node::Intersection(_) => return "an intersection".to_owned(),
+            Node::Difference(..) => return "a difference".to_owned(),
+            Node::SymmetricDifference(_) => return "a symmetric difference".to_owned(),
+            Node::Complement(_) => return "a complement".to_owned(),
+            Node::Empty => return "empty".to_owned(),
+            Node::Universe => return "universe".to_owned(),
+        }
+    }
+}

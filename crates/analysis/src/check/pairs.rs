@@ -1,0 +1,177 @@
+//! Overlaps of regions, and daughters outside their mothers.
+
+use super::parts::{Part, meeting, parts};
+use super::probe::{FEW, Met, Probe};
+use super::subject::Subject;
+use super::{Finding, Kind};
+use crate::AnalysisError;
+use rayweave_math::Bounds;
+use rayweave_model::{Evaluator, Solid};
+use std::collections::BTreeMap;
+
+/// The common space of two regions.
+struct Common {
+    deepest: Met,
+    /// Pairs of parts.
+    count: usize,
+    /// The common space of each pair of parts.
+    solids: Vec<Solid>,
+}
+
+/// The most pairs of parts of two regions whose volumes are added up; more are only counted.
+const MOST_SOLIDS: usize = 1024;
+
+/// Regions that share space though neither is in the other.
+pub fn overlaps<E: Evaluator>(
+    subject: &Subject<'_>,
+    probe: &mut Probe<'_, E>,
+) -> Result<Vec<Finding>, AnalysisError> {
+    let parts = parts(subject.regions, &subject.boxes)?;
+    let mut findings = Vec::new();
+    for ((a, b), common) in common(subject, &parts, probe)? {
+        if a == b || !is_nested(subject, a, b, probe)? {
+            findings.push(overlap(subject, a, b, &common, probe)?);
+        }
+    }
+    Ok(findings)
+}
+
+/// Pairs of regions that have something in common, by parts. Copies of one volume are among them where there is a hierarchy: in other
+/// models solids that are joined may well lie over each other.
+fn common<E: Evaluator>(
+    subject: &Subject<'_>,
+    parts: &[Part],
+    probe: &mut Probe<'_, E>,
+) -> Result<BTreeMap<(usize, usize), Common>, AnalysisError> {
+    let wanted = |a: &Part, b: &Part| match a.region == b.region {
+        true => subject.hierarchy.is_some() && a.copy.is_some() && a.copy != b.copy,
+        false => !subject.are_kin(a.region, b.region),
+    };
+    let met = meeting(parts, probe.scope.distance, wanted, probe.settings.most_pairs);
+    count(subject, parts, &met, probe);
+    let mut found: BTreeMap<(usize, usize), Common> = BTreeMap::new();
+    for (k, j, bounds) in met.pairs {
+        let (first, second) = (&parts[k], &parts[j]);
+        let both = &first.solid & &second.solid;
+        let Some(deepest) = probe.is_there(&both, &bounds, FEW)? else { continue };
+        let pair = (first.region.min(second.region), first.region.max(second.region));
+        let common = found.entry(pair).or_insert(Common { deepest, count: 0, solids: Vec::new() });
+        common.count += 1;
+        if deepest.thickness > common.deepest.thickness {
+            common.deepest = deepest;
+        }
+        if common.solids.len() < MOST_SOLIDS {
+            common.solids.push(both);
+        }
+    }
+    Ok(found)
+}
+
+/// Records the number of pairs of each kind.
+fn count<E: Evaluator>(
+    subject: &Subject<'_>,
+    parts: &[Part],
+    met: &super::parts::Meeting,
+    probe: &mut Probe<'_, E>,
+) {
+    let mut sizes = vec![0u64; subject.regions.len()];
+    parts.iter().for_each(|part| sizes[part.region] += 1);
+    let (all, own) = (parts.len() as u64, sizes.iter().map(|n| n * n).sum::<u64>());
+    probe.scope.parts = all;
+    probe.scope.apart = ((all * all - own) / 2).saturating_sub(met.count as u64);
+    probe.scope.pairs = met.pairs.len() as u64;
+    probe.scope.left_out = (met.count - met.pairs.len()) as u64;
+}
+
+/// True if the later region lies within the earlier one, as far as rays show, or the other way around, which is reported as hidden.
+fn is_nested<E: Evaluator>(
+    subject: &Subject<'_>,
+    a: usize,
+    b: usize,
+    probe: &mut Probe<'_, E>,
+) -> Result<bool, AnalysisError> {
+    for (inner, outer) in [(b, a), (a, b)] {
+        let rest = &subject.regions[inner].solid - &subject.regions[outer].solid;
+        if probe.is_there(&rest, &subject.boxes[inner], 2 * FEW)?.is_none() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+fn overlap<E: Evaluator>(
+    subject: &Subject<'_>,
+    a: usize,
+    b: usize,
+    common: &Common,
+    probe: &mut Probe<'_, E>,
+) -> Result<Finding, AnalysisError> {
+    let (first, second) = (subject.name(a), subject.name(b));
+    let text = match (a == b, common.count) {
+        (true, 1) => format!("two copies of {first} take the same space"),
+        (true, n) => format!("copies of {first} take the same space: {n} pairs."),
+        (false, 1) => {
+            format!("{first} and {second} take the same space, where {second} wins as the later one")
+        }
+        (false, n) => {
+            format!(
+                "{first} and {second} take the same space in {n} places, where {second} wins as the later one"
+            )
+        }
+    };
+    let volume = match common.solids.len() == common.count {
+        true => probe.volume(&Solid::union(common.solids.iter().cloned()))?,
+        false => None,
+    };
+    let names = if a == b { vec![first] } else { vec![first, second] };
+    let finding = Finding::new(Kind::Overlap, &names, text);
+    Ok(Finding { volume, ..finding }.seen(common.deepest.thickness, common.deepest.chord))
+}
+
+/// Daughters that extend beyond all mothers that they were placed in.
+pub fn outside<E: Evaluator>(
+    subject: &Subject<'_>,
+    probe: &mut Probe<'_, E>,
+) -> Result<Vec<Finding>, AnalysisError> {
+    let Some(hierarchy) = subject.hierarchy else { return Ok(Vec::new()) };
+    let parts = parts(subject.regions, &subject.boxes)?;
+    let mut by_region: Vec<Vec<Bounds>> = vec![Vec::new(); subject.regions.len()];
+    for part in &parts {
+        by_region[part.region].push(part.bounds);
+    }
+    let mut findings = Vec::new();
+    for daughter in 0..subject.regions.len() {
+        let mothers = hierarchy.mothers(daughter);
+        if mothers.is_empty() {
+            continue;
+        }
+        let around = Solid::union(mothers.iter().map(|&mother| subject.regions[mother].solid.clone()));
+        let rest = &subject.regions[daughter].solid - &around;
+        let Some(met) = farthest(&rest, &by_region[daughter], probe)? else { continue };
+        let names: Vec<&str> = mothers.iter().map(|&mother| subject.name(mother)).collect();
+        let name = subject.name(daughter);
+        let text = format!("{name} reaches out of its mother, {}", names.join(" or "));
+        let finding = Finding::new(Kind::Outside, &[&[name][..], &names].concat(), text);
+        findings.push(Finding { volume: probe.volume(&rest)?, ..finding }.seen(met.thickness, met.chord));
+    }
+    Ok(findings)
+}
+
+/// The thickest place of the remainders of parts in their boxes.
+fn farthest<E: Evaluator>(
+    rest: &Solid,
+    boxes: &[Bounds],
+    probe: &mut Probe<'_, E>,
+) -> Result<Option<Met>, AnalysisError> {
+    let across = if boxes.len() == 1 { 2 * FEW } else { FEW };
+    let mut best: Option<Met> = None;
+    let most = probe.settings.most_pairs;
+    probe.scope.left_out += boxes.len().saturating_sub(most) as u64;
+    for bounds in boxes.iter().take(most) {
+        let met = probe.is_there(rest, bounds, across)?;
+        if met.is_some_and(|met| best.is_none_or(|best| met.thickness > best.thickness)) {
+            best = met;
+        }
+    }
+    Ok(best)
+}

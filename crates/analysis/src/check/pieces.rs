@@ -1,0 +1,246 @@
+//! Findings of rays through the whole model: thin walls, gaps, contacts, hidden regions.
+
+use super::probe::{FEW, Probe};
+use super::subject::Subject;
+use super::{Finding, Kind};
+use crate::AnalysisError;
+use crate::measure::Chord;
+use crate::survey::Piece;
+use rayweave_model::{Evaluator, Program, RegionId};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// The thinnest place, and the number of rays through such places.
+#[derive(Clone, Copy, Debug)]
+struct Thinnest {
+    width: f64,
+    chord: Chord,
+    count: u64,
+}
+
+/// Where two regions touch.
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    area: f64,
+    chord: Chord,
+}
+
+/// A pair of regions, the lower number first.
+type Two = [RegionId; 2];
+
+/// The observations of some rays.
+#[derive(Default)]
+struct Seen {
+    regions: BTreeSet<RegionId>,
+    thin: BTreeMap<RegionId, Thinnest>,
+    gaps: BTreeMap<Two, Thinnest>,
+    contacts: BTreeMap<Two, Contact>,
+}
+
+impl Seen {
+    /// Adds a piece; `is_mother` is true if the first region is around the second one.
+    fn piece(
+        &mut self,
+        piece: &Piece<'_>,
+        [thin, narrow]: [f64; 2],
+        is_mother: &impl Fn(RegionId, RegionId) -> bool,
+    ) {
+        let (region, [before, after]) = (piece.region(), piece.neighbours());
+        let (world, pair) = (RegionId(0), [before.min(after), before.max(after)]);
+        if region == world {
+            if before != world && after != world {
+                self.narrow(piece, pair, narrow);
+            }
+            return;
+        }
+        self.regions.insert(region);
+        match width(piece, thin.max(narrow)) {
+            // the space between daughters is a gap, whatever fills it
+            Some(_) if is_mother(region, before) && is_mother(region, after) => {
+                self.narrow(piece, pair, narrow);
+            }
+            Some(width) if width < thin => {
+                let least = Thinnest { width, chord: piece.chord(), count: 1 };
+                self.thin.entry(region).and_modify(|known| *known = known.and(&least)).or_insert(least);
+            }
+            _ => {}
+        }
+        if after != world && after != region {
+            self.touch(piece, [region.min(after), region.max(after)]);
+        }
+    }
+
+    /// The end of a piece at another region.
+    fn touch(&mut self, piece: &Piece<'_>, pair: Two) {
+        let chord = piece.chord();
+        let cosine = piece.normals()[1].dot((chord.to - chord.from).normalize_or_zero());
+        let contact = Contact { area: piece.area * cosine.abs(), chord };
+        self.contacts.entry(pair).and_modify(|known| known.area += contact.area).or_insert(contact);
+    }
+
+    fn narrow(&mut self, piece: &Piece<'_>, pair: Two, narrow: f64) {
+        if let Some(width) = width(piece, narrow) {
+            let least = Thinnest { width, chord: piece.chord(), count: 1 };
+            self.gaps.entry(pair).and_modify(|known| *known = known.and(&least)).or_insert(least);
+        }
+    }
+
+    /// Adds the observations of later rays; contacts are measured by rays through the whole model only.
+    fn add(&mut self, other: Seen, has_contacts: bool) {
+        self.regions.extend(other.regions);
+        for (region, least) in other.thin {
+            self.thin.entry(region).and_modify(|known| *known = known.and(&least)).or_insert(least);
+        }
+        for (pair, least) in other.gaps {
+            self.gaps.entry(pair).and_modify(|known| *known = known.and(&least)).or_insert(least);
+        }
+        for (pair, contact) in other.contacts.into_iter().filter(|_| has_contacts) {
+            self.contacts.entry(pair).and_modify(|known| known.area += contact.area).or_insert(contact);
+        }
+    }
+}
+
+impl Thinnest {
+    fn and(&self, other: &Thinnest) -> Thinnest {
+        let least = if other.width < self.width { other } else { self };
+        Thinnest { count: self.count + other.count, ..*least }
+    }
+}
+
+/// The width of a wall or a gap, if it is less than a length.
+fn width(piece: &Piece<'_>, less_than: f64) -> Option<f64> {
+    // much longer pieces run along a face, which other rays cross
+    let is_near = piece.length() < 64.0 * less_than;
+    is_near.then(|| piece.wall()).flatten().filter(|width| *width < less_than)
+}
+
+/// Rays through the whole model, and through the box of each region.
+pub fn findings<E: Evaluator>(
+    subject: &Subject<'_>,
+    program: Program,
+    known: &[Finding],
+    probe: &mut Probe<'_, E>,
+) -> Result<Vec<Finding>, AnalysisError> {
+    let evaluator = (probe.make)(Arc::new(program))?;
+    let limits = [probe.scope.wall, probe.scope.gap];
+    let is_mother =
+        |mother: RegionId, daughter: RegionId| match [mother, daughter].map(|r| r.index().checked_sub(1)) {
+            [Some(mother), Some(daughter)] => {
+                subject.hierarchy.is_some_and(|known| known.is_within(daughter, mother))
+            }
+            _ => false,
+        };
+    let visit = |seen: &mut Seen, piece: &Piece<'_>| seen.piece(piece, limits, &is_mother);
+    let mut seen = Seen::default();
+    let (frame, across) = (probe.frame, probe.settings.across);
+    probe.survey(&evaluator, &frame, across, visit, |some: Seen| seen.add(some, true))?;
+    // as many rays again, shared among the regions
+    let share = (f64::from(across) / (subject.regions.len() as f64).sqrt()) as u32;
+    for bounds in &subject.boxes {
+        probe.survey(&evaluator, bounds, share.clamp(FEW, 64), visit, |some: Seen| seen.add(some, false))?;
+    }
+    let mut found = Vec::new();
+    found.extend(walls_and_gaps(subject, &seen));
+    found.extend(contacts(subject, &seen, known));
+    for region in 0..subject.regions.len() {
+        if !seen.regions.contains(&RegionId::from(region + 1)) {
+            found.extend(unseen(subject, region, &evaluator, probe)?);
+        }
+    }
+    Ok(found)
+}
+
+fn walls_and_gaps(subject: &Subject<'_>, seen: &Seen) -> Vec<Finding> {
+    let name = |region: &RegionId| subject.name(region.index() - 1);
+    let times = |count: u64| if count == 1 { "1 ray".to_owned() } else { format!("{count} rays") };
+    let thin = seen.thin.iter().map(|(region, least)| {
+        let text = format!("{} is thin where {} met it", name(region), times(least.count));
+        Finding::new(Kind::Thin, &[name(region)], text).seen(least.width, least.chord)
+    });
+    let gaps = seen.gaps.iter().map(|([a, b], least)| {
+        let (rays, names) = (times(least.count), [name(a), name(b)]);
+        let (text, names) = match a == b {
+            true => (format!("{} is parted by a narrow gap that {rays} met", names[0]), &names[..1]),
+            false => (
+                format!("{} and {} are parted by a narrow gap that {rays} met", names[0], names[1]),
+                &names[..],
+            ),
+        };
+        Finding::new(Kind::Gap, names, text).seen(least.width, least.chord)
+    });
+    thin.chain(gaps).collect()
+}
+
+/// Contacts of regions that are not mother and daughter, nor known to overlap, nor one around the other.
+fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding]) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for ([a, b], contact) in &seen.contacts {
+        let (k, j) = (a.index() - 1, b.index() - 1);
+        let names = [subject.name(k), subject.name(j)];
+        let is_overlap =
+            known.iter().any(|finding| finding.kind == Kind::Overlap && finding.regions == names);
+        let around = |a: usize, b: usize| {
+            subject.boxes[a].contains(subject.boxes[b].lo) && subject.boxes[a].contains(subject.boxes[b].hi)
+        };
+        let is_around = around(k, j) || around(j, k);
+        if is_overlap || is_around || subject.are_kin(k, j) {
+            continue;
+        }
+        let text = format!("{} and {} touch", names[0], names[1]);
+        let finding = Finding::new(Kind::Touch, &names, text);
+        let (at, ray) = (Some(contact.chord.to), Some(contact.chord));
+        found.push(Finding { area: Some(contact.area), at, ray, ..finding });
+    }
+    found
+}
+
+/// A region that is empty within the box of the check.
+fn nothing<E: Evaluator>(
+    subject: &Subject<'_>,
+    region: usize,
+    probe: &mut Probe<'_, E>,
+) -> Result<Option<Finding>, AnalysisError> {
+    let name = subject.name(region);
+    let proved = || {
+        let finding = Finding::new(Kind::Empty, &[name], format!("there is nothing in {name}"));
+        Ok(Some(Finding { is_proved: true, ..finding }))
+    };
+    let Some(whole) = subject.beyond(region) else {
+        if subject.boxes[region].is_empty() {
+            return proved();
+        }
+        return Ok(Some(Finding::new(Kind::Empty, &[name], format!("no ray met anything in {name}"))));
+    };
+    let bounds = Program::compile(whole)?.bounds();
+    if bounds.is_empty() {
+        return proved();
+    }
+    // a region beyond the box of the check is not missing
+    if !bounds.is_finite() || probe.thickest(whole, &bounds, 3 * FEW)?.is_some() {
+        return Ok(None);
+    }
+    Ok(Some(Finding::new(Kind::Empty, &[name], format!("no ray met anything in {name}"))))
+}
+
+/// A region that no ray has crossed.
+fn unseen<E: Evaluator>(
+    subject: &Subject<'_>,
+    region: usize,
+    evaluator: &E,
+    probe: &mut Probe<'_, E>,
+) -> Result<Option<Finding>, AnalysisError> {
+    let (name, bounds) = (subject.name(region), subject.boxes[region]);
+    let Some(met) = probe.thickest(&subject.regions[region].solid, &bounds, 3 * FEW)? else {
+        return nothing(subject, region, probe);
+    };
+    let at = 0.5 * (met.chord.from + met.chord.to);
+    let mut winner = [RegionId(0)];
+    evaluator.regions_at([&[at.x], &[at.y], &[at.z]], &mut evaluator.scratch(), &mut winner);
+    let Some(winner) = winner[0].index().checked_sub(1).filter(|&winner| winner != region) else {
+        // it is there, and was overlooked
+        return Ok(None);
+    };
+    let by = subject.name(winner);
+    let text = format!("nothing is left of {name}, which {by} takes as the later region");
+    Ok(Some(Finding::new(Kind::Hidden, &[name, by], text).seen(met.thickness, met.chord)))
+}

@@ -1,0 +1,158 @@
+//! Rays that search a box.
+
+use super::{CheckSettings, Scope};
+use crate::AnalysisError;
+use crate::error::Make;
+use crate::measure::{Chord, Estimate, Settings, measure};
+use crate::subject::clipped;
+use crate::survey::{Piece, Survey, remeasured, survey};
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{Evaluator, Program, Region, RegionId, Solid};
+use std::sync::Arc;
+
+/// The most pieces of one search that are measured again, the thickest first.
+const MOST_DOUBTS: usize = 256;
+
+/// Cells along an edge of the box of a small part.
+pub const FEW: u32 = 10;
+
+/// Sends rays, and counts them.
+pub struct Probe<'a, E> {
+    pub make: &'a Make<'a, E>,
+    pub settings: &'a CheckSettings,
+    /// The box that rays stay in.
+    pub frame: Bounds,
+    pub scope: Scope,
+    progress: &'a mut dyn FnMut(u64),
+    searches: u64,
+}
+
+/// The thickest place of a solid along a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Met {
+    pub thickness: f64,
+    pub chord: Chord,
+}
+
+impl<'a, E: Evaluator> Probe<'a, E> {
+    pub fn new(
+        make: &'a Make<'a, E>,
+        settings: &'a CheckSettings,
+        frame: Bounds,
+        progress: &'a mut dyn FnMut(u64),
+    ) -> Probe<'a, E> {
+        let diagonal = if frame.is_empty() { 0.0 } else { frame.size().length() };
+        let or = |length: Option<f64>, part: f64| length.unwrap_or(part * diagonal);
+        let scope = Scope {
+            wall: or(settings.wall, 1e-5),
+            gap: or(settings.gap, 1e-5),
+            distance: or(settings.distance, 1e-9),
+            ..Scope::default()
+        };
+        Probe { make, settings, frame, scope, progress, searches: 0 }
+    }
+
+    /// Sends the rays of a survey through a box.
+    pub fn survey<T: Default + Send>(
+        &mut self,
+        evaluator: &E,
+        bounds: &Bounds,
+        across: u32,
+        visit: impl Fn(&mut T, &Piece<'_>) + Sync,
+        merge: impl FnMut(T),
+    ) -> Result<(), AnalysisError> {
+        let bounds = if bounds.is_finite() { *bounds } else { bounds.intersection(&self.frame) };
+        if bounds.is_empty() {
+            return Ok(());
+        }
+        self.searches += 1;
+        let survey_settings = Survey {
+            bounds,
+            across,
+            seed: self.settings.seed,
+            stream: self.searches,
+            threads: self.settings.threads,
+            cancel: self.settings.cancel.clone(),
+        };
+        self.scope.rays += survey(evaluator, &survey_settings, visit, merge)?;
+        (self.progress)(self.scope.rays);
+        Ok(())
+    }
+
+    /// The thickest place of a solid along rays through a box; `None` if no ray crosses it.
+    pub fn thickest(
+        &mut self,
+        solid: &Solid,
+        bounds: &Bounds,
+        across: u32,
+    ) -> Result<Option<Met>, AnalysisError> {
+        let program = Arc::new(Program::compile(solid)?);
+        let bounds = bounds.intersection(&program.bounds());
+        if bounds.is_empty() {
+            return Ok(None);
+        }
+        let evaluator = (self.make)(program)?;
+        let mut doubts: Vec<(f64, Chord, [Vec3; 2])> = Vec::new();
+        let visit = |found: &mut Vec<_>, piece: &Piece<'_>| {
+            if piece.region() != RegionId(0) {
+                found.push((piece.thickness(), piece.chord(), piece.normals()));
+            }
+        };
+        self.survey(&evaluator, &bounds, across, visit, |some: Vec<_>| doubts.extend(some))?;
+        doubts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        Ok(thickest_of(&evaluator, &doubts))
+    }
+
+    /// The thickest place, if it is thicker than rounding.
+    pub fn is_there(
+        &mut self,
+        solid: &Solid,
+        bounds: &Bounds,
+        across: u32,
+    ) -> Result<Option<Met>, AnalysisError> {
+        let met = self.thickest(solid, bounds, across)?;
+        Ok(met.filter(|met| met.thickness > self.scope.distance))
+    }
+
+    /// The volume of a solid in a box, to about 2 %; `None` if it is unbounded there.
+    pub fn volume(&mut self, solid: &Solid) -> Result<Option<Estimate>, AnalysisError> {
+        let frame = clipped(
+            vec![Region { name: String::new(), solid: solid.clone(), medium: 1 }],
+            Some(self.frame.grown(1e-6 * self.frame.size().length())),
+        )?;
+        let program = Program::compile_regions(&frame)?;
+        if !program.bounds().is_finite() {
+            return Ok(None);
+        }
+        let settings = Settings {
+            precision: 0.02,
+            confidence: self.settings.confidence,
+            most_rays: 1 << 16,
+            seed: self.settings.seed,
+            threads: self.settings.threads,
+            cancel: self.settings.cancel.clone(),
+            within: None,
+        };
+        let measured = measure(&(self.make)(Arc::new(program))?, &settings, &mut |_| ())?;
+        self.scope.rays += measured.rays;
+        Ok(Some(measured.regions[0].volume))
+    }
+}
+
+/// The thickest piece after measuring from other sides.
+fn thickest_of<E: Evaluator>(evaluator: &E, doubts: &[(f64, Chord, [Vec3; 2])]) -> Option<Met> {
+    let mut scratch = evaluator.scratch();
+    let mut best: Option<Met> = None;
+    for (thickness, chord, normals) in doubts.iter().take(MOST_DOUBTS) {
+        // all later ones are thinner
+        if best.is_some_and(|best| best.thickness >= *thickness) {
+            break;
+        }
+        let is_in = |region| region != RegionId(0);
+        let (thickness, chord) = remeasured(evaluator, (*thickness, *chord, *normals), is_in, &mut scratch);
+        if best.is_none_or(|best| thickness > best.thickness) {
+            best = Some(Met { thickness, chord });
+        }
+    }
+    best
+}

@@ -1,0 +1,51 @@
+//! Outcomes of checks.
+
+use super::{Finding, Kind};
+use rayweave_scene::Unit;
+
+/// The outcome of a check.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CheckReport {
+    /// The unit of all lengths.
+    pub unit: Unit,
+    /// All findings, sorted by their kind, then in the order of the regions.
+    pub findings: Vec<Finding>,
+    /// The extent of the check.
+    pub scope: Scope,
+}
+
+/// The extent of a check: what was proved, sampled and left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Scope {
+    /// The number of rays.
+    pub rays: u64,
+    /// Walls thinner than this are reported.
+    pub wall: f64,
+    /// Gaps narrower than this are reported.
+    pub gap: f64,
+    /// Overlaps that are nowhere deeper than this count as rounding.
+    pub distance: f64,
+    /// The number of parts: regions divided into the copies and operands that they are unions of.
+    pub parts: u64,
+    /// Pairs of parts of different regions whose boxes are apart: proved to have nothing in common.
+    pub apart: u64,
+    /// Pairs of parts that rays searched.
+    pub pairs: u64,
+    /// Pairs of parts beyond the limit, left out.
+    pub left_out: u64,
+    /// Operands that rays searched.
+    pub operands: u64,
+    /// Operands beyond the limit, left out.
+    pub operands_left_out: u64,
+    /// True if the model has a hierarchy of mothers and daughters.
+    pub has_hierarchy: bool,
+}
+
+impl CheckReport {
+    /// The findings of a kind.
+    pub fn of(&self, kind: Kind) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(move |finding| finding.kind == kind)
+    }
+}

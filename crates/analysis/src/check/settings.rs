@@ -1,0 +1,49 @@
+//! Options of checks.
+
+use rayweave_math::Bounds;
+use rayweave_model::drive::Cancel;
+use std::num::NonZeroUsize;
+
+/// The options of a check.
+#[derive(Clone, Debug)]
+pub struct CheckSettings {
+    /// Walls thinner than this are reported; by default 1e-5 of the diagonal of the model.
+    pub wall: Option<f64>,
+    /// Gaps narrower than this are reported; by default 1e-5 of the diagonal.
+    pub gap: Option<f64>,
+    /// Overlaps that are nowhere deeper than this count as rounding; by default 1e-9 of the diagonal.
+    pub distance: Option<f64>,
+    /// Cells along an edge of the cross-sections of the model: six times its square of rays go through the whole model, and about
+    /// as many again through single regions and pairs.
+    pub across: u32,
+    /// The level of confidence of volumes.
+    pub confidence: f64,
+    /// The most pairs of parts, and the most operands, that are searched.
+    pub most_pairs: usize,
+    /// Restricts the check to this box.
+    pub within: Option<Bounds>,
+    /// The seed of the random numbers: equal seeds give equal reports.
+    pub seed: u64,
+    /// The number of threads; results do not depend on it.
+    pub threads: Option<NonZeroUsize>,
+    /// Stops the run.
+    pub cancel: Cancel,
+}
+
+/// 98,304 rays through the model, at most 20,000 pairs.
+impl Default for CheckSettings {
+    fn default() -> Self {
+        CheckSettings {
+            wall: None,
+            gap: None,
+            distance: None,
+            across: 128,
+            confidence: 0.99,
+            most_pairs: 20_000,
+            within: None,
+            seed: 0,
+            threads: None,
+            cancel: Cancel::new(),
+        }
+    }
+}

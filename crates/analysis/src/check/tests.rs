@@ -1,0 +1,269 @@
+//! Models with planted faults, whose sizes are known.
+
+use super::*;
+use crate::measure::Estimate;
+use rayweave_formats::{Format, Options};
+use rayweave_math::Vec3;
+use rayweave_model::drive::Cancel;
+use rayweave_trace::AnyEvaluator;
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+
+fn scene(text: &str) -> Scene {
+    rayweave_scene::parse(&format!("rayweave = 1\n{text}")).unwrap().1
+}
+
+fn quick() -> CheckSettings {
+    CheckSettings { across: 48, ..CheckSettings::default() }
+}
+
+fn checked(text: &str, settings: &CheckSettings) -> CheckReport {
+    check(&scene(text), None, AnyEvaluator::maker(None), settings, &mut |_| ()).unwrap()
+}
+
+/// Boxes by name, lower and upper corner, each a region.
+fn boxes(all: &[(&str, [f64; 3], [f64; 3])]) -> String {
+    let solid = |(name, lo, hi): &(&str, [f64; 3], [f64; 3])| {
+        format!("[solid.{name}]\nbox_from_corners = {{ lo = {lo:?}, hi = {hi:?} }}\n")
+    };
+    let regions = all.iter().map(|(name, ..)| format!("[[region]]\nsolid = \"{name}\"\n"));
+    all.iter().map(solid).chain(regions).collect()
+}
+
+/// Whether an interval holds a number, but for rounding.
+fn is_about(volume: Option<Estimate>, expected: f64) -> bool {
+    volume.is_some_and(|volume| (volume.value - expected).abs() <= volume.half_width + 1e-9 * expected)
+}
+
+fn kinds(report: &CheckReport) -> Vec<(Kind, Vec<&str>)> {
+    report.findings.iter().map(|f| (f.kind, f.regions.iter().map(String::as_str).collect())).collect()
+}
+
+#[test]
+fn overlaps_and_what_is_none() {
+    let report = checked(
+        &boxes(&[
+            ("a", [0.0; 3], [2.0; 3]),
+            // 0.25 deep into a
+            ("b", [1.75, 0.5, 0.5], [3.0, 1.5, 1.5]),
+            // within a, which is how parts are put into others
+            ("c", [0.5; 3], [1.0; 3]),
+            // touches a
+            ("d", [0.0, 0.0, 2.0], [2.0, 2.0, 3.0]),
+            ("e", [9.0; 3], [10.0; 3]),
+        ]),
+        &quick(),
+    );
+    assert_eq!(kinds(&report), [(Kind::Overlap, vec!["a", "b"]), (Kind::Touch, vec!["a", "d"])]);
+    let overlap = &report.findings[0];
+    assert!(is_about(overlap.volume, 0.25) && (overlap.size.unwrap() - 0.25).abs() < 1e-12, "{overlap:?}");
+    let at = overlap.at.unwrap();
+    assert!(at.x > 1.75 && at.x < 2.0 && !overlap.is_proved, "{at}");
+    let touch = report.findings[1].area.unwrap();
+    assert!((touch - 4.0).abs() < 0.2, "{touch}");
+    // e is far from all others, and d from b and c
+    assert_eq!((report.scope.parts, report.scope.apart, report.scope.pairs), (5, 8, 2), "{:?}", report.scope);
+}
+
+#[test]
+fn curved_overlaps_by_formula() {
+    let two = "[solid.a]\nsphere = { radius = 1 }\n[solid.b]\nsphere = { radius = 1 }\ntransform = [{ translate = [1.9, 0, 0] }]\n\
+        [[region]]\nsolid = \"a\"\n[[region]]\nsolid = \"b\"";
+    let report = checked(two, &quick());
+    // a lens of two caps of height 0.05
+    let lens = 2.0 * PI * 0.05f64.powi(2) * (1.0 - 0.05 / 3.0);
+    let overlap = report.of(Kind::Overlap).next().unwrap();
+    assert!(is_about(overlap.volume, lens), "{overlap:?} {lens}");
+    assert!(overlap.size.unwrap() > 0.08 && overlap.size.unwrap() <= 0.1 + 1e-12, "{overlap:?}");
+    // touching at a point only
+    assert!(checked(&two.replace("1.9", "2"), &quick()).findings.is_empty());
+    // faces that agree to rounding do not overlap
+    let third = 1.0 / 3.0;
+    let near = boxes(&[("a", [0.0; 3], [0.1 + 0.2, 1.0, 1.0]), ("b", [0.3, 0.0, 0.0], [1.0, 1.0, third])]);
+    assert_eq!(kinds(&checked(&near, &quick())), [(Kind::Touch, vec!["a", "b"])]);
+}
+
+#[test]
+fn hidden_and_empty() {
+    let covered = boxes(&[("small", [0.5; 3], [1.0; 3]), ("large", [0.0; 3], [2.0; 3])]);
+    let empty = "[solid.x]\nexpr = \"small & far\"\n[solid.far]\nsphere = { radius = 1 }\ntransform = [{ translate = [9, 9, 9] }]\n\
+        [solid.y]\nexpr = \"p & q\"\n[solid.p]\nsphere = { radius = 1 }\n[solid.q]\nsphere = { radius = 1 }\n\
+        transform = [{ translate = [1.3, 1.3, 1.3] }]\n[[region]]\nsolid = \"x\"\n[[region]]\nsolid = \"y\"";
+    let report = checked(&format!("{covered}{empty}"), &quick());
+    assert_eq!(report.of(Kind::Hidden).next().unwrap().regions, ["small", "large"]);
+    let empty: Vec<_> = report.of(Kind::Empty).map(|f| (f.regions[0].as_str(), f.is_proved)).collect();
+    // boxes prove the one; only rays can tell of the other
+    assert_eq!(empty, [("x", true), ("y", false)]);
+    assert!(report.of(Kind::Overlap).next().is_none(), "{report:?}");
+}
+
+/// What lies outside of the box of a check is neither empty nor proved to be so; what has nothing anywhere is.
+#[test]
+fn what_is_beyond_the_box_is_not_empty() {
+    let four = boxes(&[
+        ("a", [0.0; 3], [2.0; 3]),
+        ("outside", [5.0; 3], [6.0; 3]),
+        ("beside", [0.0, 1.5, 0.0], [2.0, 3.0, 2.0]),
+    ]);
+    let none = "[solid.x]\nexpr = \"a - a\"\n[[region]]\nsolid = \"x\"";
+    let within = |lo: f64, hi: f64| Some(Bounds::new(Vec3::splat(lo), Vec3::splat(hi)));
+    let settings = CheckSettings { within: within(-1.0, 1.0), ..quick() };
+    let report = checked(&format!("{four}{none}"), &settings);
+    let empty: Vec<_> = report.of(Kind::Empty).map(|found| found.regions[0].as_str()).collect();
+    assert_eq!(empty, ["x"], "{report:?}");
+    let far = CheckSettings { within: within(50.0, 51.0), ..quick() };
+    let error =
+        check(&scene(&four), None, AnyEvaluator::maker(None), &far, &mut |_| ()).unwrap_err().to_string();
+    assert!(error.starts_with("nothing of the model is within the box"), "{error}");
+}
+
+#[test]
+fn walls_and_gaps() {
+    let plates = boxes(&[
+        ("base", [0.0; 3], [10.0, 10.0, 1.0]),
+        ("film", [0.0, 0.0, 1.5], [10.0, 10.0, 1.52]),
+        ("lid", [0.0, 0.0, 1.53], [10.0, 10.0, 3.0]),
+    ]);
+    let report = checked(&plates, &CheckSettings { wall: Some(0.05), gap: Some(0.05), ..quick() });
+    assert_eq!(kinds(&report), [(Kind::Thin, vec!["film"]), (Kind::Gap, vec!["film", "lid"])]);
+    let sizes: Vec<f64> = report.findings.iter().map(|finding| finding.size.unwrap()).collect();
+    assert!((sizes[0] - 0.02).abs() < 1e-12 && (sizes[1] - 0.01).abs() < 1e-12, "{sizes:?}");
+    assert!(checked(&plates, &quick()).findings.is_empty());
+    // slanted rays see more of a wall than there is; a slot in one region
+    let slot = "[solid.block]\nbox = { size = 10 }\n[solid.slot]\nbox = { size = [0.01, 20, 20] }\n\
+        [solid.body]\nexpr = \"block - slot\"\ntransform = [{ rotate_y = 40 }]\n[[region]]\nsolid = \"body\"";
+    let report = checked(slot, &CheckSettings { wall: Some(0.05), gap: Some(0.05), ..quick() });
+    assert_eq!(kinds(&report), [(Kind::Gap, vec!["body"])]);
+    assert!((report.findings[0].size.unwrap() - 0.01).abs() < 1e-9, "{report:?}");
+}
+
+#[test]
+fn operands_without_effect() {
+    let model = "[solid.plate]\nbox = { size = [10, 10, 1] }\n[solid.hole]\ncylinder = { radius = 1, height = 3 }\n\
+        [solid.missed]\ncylinder = { radius = 1, height = 3 }\ntransform = [{ translate = [5.8, 5.8, 0] }]\n\
+        [solid.far]\nsphere = { radius = 1 }\ntransform = [{ translate = [50, 0, 0] }]\n\
+        [solid.inner]\nsphere = { radius = 0.4 }\ntransform = [{ translate = [3, 3, 0] }]\n\
+        [solid.part]\nexpr = \"(plate | inner) - (hole | missed | far)\"\n[[region]]\nsolid = \"part\"";
+    let report = checked(model, &quick());
+    let found: Vec<_> = report.of(Kind::Absorbed).map(|f| (f.text.as_str(), f.is_proved)).collect();
+    assert_eq!(found.len(), 3, "{found:?}");
+    let has = |name: &str, is_proved: bool| {
+        found.iter().any(|(text, proved)| text.starts_with(name) && *proved == is_proved)
+    };
+    assert!(has("missed takes nothing", false) && has("far takes nothing", true), "{found:?}");
+    assert!(has("inner adds nothing", false), "{found:?}");
+}
+
+/// A hundred boxes in a row and one within another: all are looked at, or it is said how many are not.
+#[test]
+fn unions_of_many() {
+    let names: Vec<String> = (0..100).map(|k| format!("s{k}")).collect();
+    let solid = |(k, name): (usize, &String)| {
+        format!("[solid.{name}]\nbox = {{ size = 2 }}\ntransform = [{{ translate = [{}, 0, 0] }}]\n", 3 * k)
+    };
+    let row: String = names.iter().enumerate().map(solid).collect();
+    let inner = "[solid.inner]\nbox = { size = 1 }\ntransform = [{ translate = [210, 0, 0] }]\n";
+    let half = row.replace("[solid.s", "[solid.h").replace(", 0, 0]", ", 0, 1]");
+    let other: Vec<String> = (0..100).map(|k| format!("h{k}")).collect();
+    let text = format!(
+        "{row}{half}{inner}[solid.row]\nexpr = \"{} | inner\"\n[solid.high]\nexpr = \"{}\"\n\
+         [[region]]\nsolid = \"row\"\n[[region]]\nsolid = \"high\"",
+        names.join(" | "),
+        other.join(" | ")
+    );
+    let report = checked(&text, &quick());
+    let absorbed: Vec<&str> = report.of(Kind::Absorbed).map(|finding| finding.text.as_str()).collect();
+    assert_eq!(absorbed, ["inner adds nothing to what it is joined with in row"]);
+    assert_eq!((report.scope.operands, report.scope.operands_left_out), (201, 0));
+    // each of the second row is half within one of the first
+    let overlap = report.of(Kind::Overlap).next().unwrap();
+    assert!(is_about(overlap.volume, 400.0), "{overlap:?}");
+    let few = checked(&text, &CheckSettings { most_pairs: 7, ..quick() }).scope;
+    assert_eq!((few.operands, few.operands_left_out, few.left_out), (7, 194, report.scope.pairs - 7));
+}
+
+const DETECTOR: &str = r#"<?xml version="1.0"?>
+<gdml>
+ <define><position name="p" x="40" unit="mm"/><position name="q" x="-20" unit="mm"/><position name="r" x="-25" unit="mm"/></define>
+ <materials><material name="air"><D value="0.001"/><atom value="14"/></material></materials>
+ <solids>
+  <box name="hall" x="100" y="100" z="100" lunit="mm"/>
+  <box name="crate" x="30" y="30" z="30" lunit="mm"/>
+  <box name="cell" x="10" y="10" z="10" lunit="mm"/>
+ </solids>
+ <structure>
+  <volume name="Cell"><materialref ref="air"/><solidref ref="cell"/></volume>
+  <volume name="Crate"><materialref ref="air"/><solidref ref="crate"/>
+   <physvol><volumeref ref="Cell"/></physvol></volume>
+  <volume name="Hall"><materialref ref="air"/><solidref ref="hall"/>
+   <physvol><volumeref ref="Crate"/><positionref ref="p"/></physvol>
+   <physvol><volumeref ref="Cell"/><positionref ref="q"/></physvol>
+   <physvol><volumeref ref="Cell"/><positionref ref="r"/></physvol>
+  </volume>
+ </structure>
+ <setup name="s" version="1"><world ref="Hall"/></setup>
+</gdml>"#;
+
+/// A crate that reaches 5 mm out of the hall; two of three cells in each other; cells in crates are as they should be.
+#[test]
+fn daughters_and_copies() {
+    let imported = rayweave_formats::parse(DETECTOR, Format::Gdml, &[], &Options::default()).unwrap();
+    let hierarchy = Hierarchy::of(&imported.document(), &imported.scene).unwrap();
+    let report =
+        check(&imported.scene, Some(&hierarchy), AnyEvaluator::maker(None), &quick(), &mut |_| ()).unwrap();
+    let [overlap, outside] = &report.findings[..] else { panic!("{report:?}") };
+    assert_eq!((overlap.kind, &overlap.regions[..]), (Kind::Overlap, &["Cell".to_owned()][..]));
+    assert!(is_about(overlap.volume, 500.0) && (overlap.size.unwrap() - 5.0).abs() < 1e-9, "{overlap:?}");
+    assert_eq!((outside.kind, outside.regions.join(" ")), (Kind::Outside, "Crate Hall".to_owned()));
+    assert!(is_about(outside.volume, 4500.0) && (outside.size.unwrap() - 5.0).abs() < 1e-9, "{outside:?}");
+    assert!(hierarchy.is_within(2, 0) && !hierarchy.is_within(0, 2));
+    // 2.5 mm of the hall between the crate and a cell of it that was moved there is a gap, and no thin wall
+    let apart = DETECTOR.replace(r#"x="-25""#, r#"x="17.5""#);
+    let imported = rayweave_formats::parse(&apart, Format::Gdml, &[], &Options::default()).unwrap();
+    let settings = CheckSettings { wall: Some(3.0), gap: Some(3.0), ..quick() };
+    let report =
+        check(&imported.scene, Some(&hierarchy), AnyEvaluator::maker(None), &settings, &mut |_| ()).unwrap();
+    let gap = report.of(Kind::Gap).next().unwrap();
+    assert!((gap.size.unwrap() - 2.5).abs() < 1e-9 && gap.regions.contains(&"Crate".to_owned()), "{gap:?}");
+    assert!(report.of(Kind::Thin).next().is_none(), "{report:?}");
+    let imported = rayweave_formats::parse(DETECTOR, Format::Gdml, &[], &Options::default()).unwrap();
+    // without the hierarchy a crate that reaches out of a hall is two boxes that overlap
+    let report = check(&imported.scene, None, AnyEvaluator::maker(None), &quick(), &mut |_| ()).unwrap();
+    assert!(report.of(Kind::Overlap).any(|f| f.regions == ["Hall", "Crate"]), "{report:?}");
+}
+
+#[test]
+fn pictures_of_findings() {
+    let text = boxes(&[("a", [0.0; 3], [2.0; 3]), ("b", [1.75, 0.5, 0.5], [3.0, 1.5, 1.5])]);
+    let report = checked(&text, &quick());
+    let section = finding_section(&scene(&text), &report.findings[0], AnyEvaluator::maker(None), &quick())
+        .unwrap()
+        .unwrap();
+    let both = section.part("both").unwrap();
+    assert!((both.area - 0.25).abs() < section.tolerance * both.perimeter, "{both:?}");
+    assert!(section.part("a").is_some() && section.part("b").is_some());
+}
+
+#[test]
+fn the_same_on_any_number_of_threads_and_refusals() {
+    let text = boxes(&[("a", [0.0; 3], [2.0; 3]), ("b", [1.75, 0.5, 0.5], [3.0, 1.5, 1.5])]);
+    let on =
+        |threads: usize| checked(&text, &CheckSettings { threads: NonZeroUsize::new(threads), ..quick() });
+    assert_eq!(on(1), on(3));
+    let fails = |text: &str, settings: CheckSettings| {
+        check(&scene(text), None, AnyEvaluator::maker(None), &settings, &mut |_| ()).unwrap_err().to_string()
+    };
+    assert!(fails(&text, CheckSettings { wall: Some(-1.0), ..quick() }).starts_with("the wall is -1"));
+    assert!(fails(&text, CheckSettings { gap: Some(f64::NAN), ..quick() }).starts_with("the gap is NaN"));
+    assert!(fails(&text, CheckSettings { across: 1, ..quick() }).starts_with("there are 1 cells"));
+    let floor = "[solid.f]\nhalf_space = { normal = [0, 0, 1], offset = 0 }\n[[region]]\nsolid = \"f\"";
+    assert!(fails(floor, quick()).contains("Check it within a box."));
+    let cancel = Cancel::new();
+    cancel.cancel();
+    assert_eq!(fails(&text, CheckSettings { cancel, ..quick() }), "cancelled");
+    // a floor beside something that ends is looked at around it
+    let report = checked(&format!("{floor}\n{}", boxes(&[("a", [0.0, 0.0, -0.5], [1.0; 3])])), &quick());
+    assert!(report.of(Kind::Overlap).any(|finding| finding.regions == ["f", "a"]), "{report:?}");
+    assert_eq!("thin".parse::<Kind>().unwrap(), Kind::Thin);
+    assert!("thinn".parse::<Kind>().unwrap_err().to_string().contains("Did you mean `thin`?"));
+}

@@ -1,0 +1,164 @@
+//! Comparison of the two sides of a pair.
+
+use super::pairs::Pair;
+use super::{DiffSettings, Difference, Spot};
+use crate::AnalysisError;
+use crate::error::Make;
+use crate::measure::{Chord, Estimate, Settings, measure};
+use crate::survey::{Piece, Survey, remeasured, survey};
+use rayweave_error::Message;
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{Evaluator, RegionId};
+use std::sync::Arc;
+
+const A_ONLY: RegionId = RegionId(2);
+const B_ONLY: RegionId = RegionId(3);
+
+/// The most pieces that are measured again, the thickest first.
+const MOST_DOUBTS: usize = 4096;
+
+/// The box of both models.
+pub fn bounds_of(pairs: &[Pair]) -> Result<Bounds, AnalysisError> {
+    let mut whole = Bounds::EMPTY;
+    for pair in pairs {
+        whole = whole.union(&pair.program()?.bounds());
+    }
+    match whole.is_finite() || whole.is_empty() {
+        true => Ok(whole),
+        false => {
+            let message = Message::new("the models are unbounded", "rays cannot search all of space");
+            Err(AnalysisError::Solid(message.suggest("Compare them within a box.")))
+        }
+    }
+}
+
+/// Compares pairs, one after the other.
+pub struct Judge<'a, E> {
+    make: &'a Make<'a, E>,
+    settings: &'a DiffSettings,
+    distance: f64,
+    progress: &'a mut dyn FnMut(u64),
+    asked: u64,
+    pairs: u64,
+}
+
+/// A piece of a ray on one side alone.
+#[derive(Clone, Copy)]
+struct Doubt {
+    chord: Chord,
+    normals: [Vec3; 2],
+    thickness: f64,
+    is_a: bool,
+}
+
+impl<'a, E: Evaluator> Judge<'a, E> {
+    pub fn new(
+        make: &'a Make<'a, E>,
+        settings: &'a DiffSettings,
+        distance: f64,
+        progress: &'a mut dyn FnMut(u64),
+    ) -> Judge<'a, E> {
+        Judge { make, settings, distance, progress, asked: 0, pairs: 0 }
+    }
+
+    /// The number of rays so far.
+    pub fn rays(&self) -> u64 {
+        self.asked
+    }
+
+    pub fn compare(&mut self, pair: &Pair) -> Result<Difference, AnalysisError> {
+        self.pairs += 1;
+        let program = Arc::new(pair.program()?);
+        let boxes = program.region_bounds();
+        let doubtful = boxes[1].union(&boxes[2]);
+        let evaluator = (self.make)(program)?;
+        let mut found = Difference {
+            name: pair.name.clone(),
+            is_in: [0, 1].map(|k| pair.sides[k].is_some()),
+            is_same: true,
+            is_proved: true,
+            both: Estimate::default(),
+            a_only: Estimate::default(),
+            b_only: Estimate::default(),
+            spot: None,
+            place: None,
+        };
+        if !pair.is_written_alike() && !doubtful.is_empty() {
+            found.is_proved = false;
+            self.look(&evaluator, &doubtful, &mut found)?;
+        }
+        self.measure(&evaluator, &mut found)?;
+        Ok(found)
+    }
+
+    /// Searches for differences with rays.
+    fn look(&mut self, evaluator: &E, bounds: &Bounds, found: &mut Difference) -> Result<(), AnalysisError> {
+        let settings = Survey {
+            bounds: *bounds,
+            across: self.settings.across,
+            seed: self.settings.measure.seed,
+            stream: self.pairs,
+            threads: self.settings.measure.threads,
+            cancel: self.settings.measure.cancel.clone(),
+        };
+        let mut doubts: Vec<Doubt> = Vec::new();
+        let visit = |doubts: &mut Vec<Doubt>, piece: &Piece<'_>| {
+            let is_a = piece.region() == A_ONLY;
+            if is_a || piece.region() == B_ONLY {
+                let (chord, normals, thickness) = (piece.chord(), piece.normals(), piece.thickness());
+                doubts.push(Doubt { chord, normals, thickness, is_a });
+            }
+        };
+        let (asked, progress) = (self.asked, &mut self.progress);
+        let merge = |some: Vec<Doubt>| {
+            doubts.extend(some);
+            progress(asked);
+        };
+        self.asked += survey(evaluator, &settings, visit, merge)?;
+        doubts.sort_by(|a, b| b.thickness.total_cmp(&a.thickness));
+        self.judge(evaluator, &doubts, found);
+        Ok(())
+    }
+
+    /// The thickest piece after measuring from other sides.
+    fn judge(&self, evaluator: &E, doubts: &[Doubt], found: &mut Difference) {
+        let mut scratch = evaluator.scratch();
+        let mut thickest: Option<Spot> = None;
+        for doubt in doubts.iter().take(MOST_DOUBTS) {
+            // all later ones are thinner
+            if thickest.is_some_and(|spot| spot.thickness >= doubt.thickness) {
+                break;
+            }
+            let spot = seen_again(evaluator, doubt, &mut scratch);
+            if thickest.is_none_or(|known| spot.thickness > known.thickness) {
+                thickest = Some(spot);
+            }
+        }
+        found.spot = thickest;
+        found.is_same = thickest.is_none_or(|spot| spot.thickness <= self.distance);
+        if !found.is_same {
+            let thick = doubts.iter().filter(|doubt| doubt.thickness > self.distance);
+            let ends = thick.flat_map(|doubt| [doubt.chord.from, doubt.chord.to]);
+            found.place = Some(ends.fold(Bounds::EMPTY, |all, end| all.union(&Bounds::new(end, end))));
+        }
+    }
+
+    fn measure(&mut self, evaluator: &E, found: &mut Difference) -> Result<(), AnalysisError> {
+        // the box was cut out of the models before
+        let settings = Settings { within: None, ..self.settings.measure.clone() };
+        let (before, progress) = (self.asked, &mut self.progress);
+        let measured = measure(evaluator, &settings, &mut |rays| progress(before + rays))?;
+        self.asked += measured.rays;
+        [found.both, found.a_only, found.b_only] = [0, 1, 2].map(|k| measured.regions[k].volume);
+        Ok(())
+    }
+}
+
+/// A piece measured again along the axes and along the normals at its ends: the shortest of these is the thickness.
+fn seen_again<E: Evaluator>(evaluator: &E, doubt: &Doubt, scratch: &mut E::Scratch) -> Spot {
+    let Doubt { chord, normals, is_a, .. } = *doubt;
+    let own = if is_a { A_ONLY } else { B_ONLY };
+    let (thickness, chord) =
+        remeasured(evaluator, (doubt.thickness, chord, normals), |region| region == own, scratch);
+    Spot { at: 0.5 * (chord.from + chord.to), thickness, chord, is_a }
+}

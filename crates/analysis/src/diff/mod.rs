@@ -1,0 +1,81 @@
+//! Comparison of two models: whether they are the same solid, and where not, how much, how thick, along which ray.
+//!
+//! Regions are compared in pairs: regions of one name, all regions of one medium together, or all regions together. A region is
+//! its solid without later regions. Lengths of the second model are converted to the unit of the first.
+//!
+//! Both models are compiled as one, in which faces that agree to rounding become one surface and slivers from rounding are
+//! welded away. Rays then search for space that belongs to one side only. Where a piece of a ray seems thicker than the accepted
+//! distance, rays in five directions through its middle measure it again, so that a ray along a thin film is not reported as a
+//! thick difference. Models are the same if no ray found a difference thicker than that.
+//!
+//! ```
+//! use rayweave_analysis::diff::{DiffSettings, diff};
+//! use rayweave_trace::AnyEvaluator;
+//!
+//! let make = AnyEvaluator::maker(None);
+//! let (_, a) = rayweave_scene::parse("rayweave = 1\nunit = \"cm\"\n[solid.ball]\nsphere = { radius = 1 }")?;
+//! let (_, b) = rayweave_scene::parse("rayweave = 1\nunit = \"mm\"\n[solid.egg]\nellipsoid = { radii = [10, 10, 12] }")?;
+//! assert!(diff(&a, &a, &make, &DiffSettings::default(), &mut |_| ())?.is_same());
+//! let report = diff(&a, &b, &make, &DiffSettings::default(), &mut |_| ())?;
+//! let egg = &report.pairs[0];
+//! assert!(!report.is_same() && egg.a_only.value == 0.0);
+//! assert!(egg.b_only.holds(0.8 * std::f64::consts::PI / 3.0));
+//! assert!((egg.spot.unwrap().thickness - 0.2).abs() < 0.02);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod judge;
+mod pairs;
+mod report;
+mod section;
+mod settings;
+#[cfg(test)]
+mod tests;
+
+pub use report::{DiffReport, Difference, Spot};
+pub use section::diff_section;
+pub use settings::{DiffSettings, Match};
+
+use crate::AnalysisError;
+use crate::error::maker;
+use pairs::pairs;
+use rayweave_error::{Classified, Message};
+use rayweave_model::{Evaluator, Program};
+use rayweave_scene::Scene;
+use std::sync::Arc;
+
+/// Compares two models. `make` makes the evaluators; `progress` receives the number of rays so far.
+///
+/// # Errors
+///
+/// [`AnalysisError`]: models that are unbounded or have no regions, settings out of range, a cancelled run.
+pub fn diff<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    a: &Scene,
+    b: &Scene,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &DiffSettings,
+    progress: &mut dyn FnMut(u64),
+) -> Result<DiffReport, AnalysisError> {
+    check(settings)?;
+    let (by, pairs) = pairs(a, b, settings)?;
+    let bounds = judge::bounds_of(&pairs)?;
+    let distance = settings.distance.unwrap_or(1e-9 * bounds.size().length());
+    let make = maker(make);
+    let mut judge = judge::Judge::new(&make, settings, distance, progress);
+    let differences =
+        pairs.iter().map(|pair| judge.compare(pair)).collect::<Result<Vec<_>, AnalysisError>>()?;
+    Ok(DiffReport { unit: a.unit, by, distance, pairs: differences, rays: judge.rays() })
+}
+
+fn check(settings: &DiffSettings) -> Result<(), AnalysisError> {
+    let message = match settings.distance {
+        Some(d) if !(d >= 0.0 && d.is_finite()) => {
+            Message::new(format!("the distance is {d}"), "it must be 0 or greater, and finite")
+        }
+        _ if !(2..=4096).contains(&settings.across) => {
+            Message::new(format!("there are {} cells across", settings.across), "from 2 to 4096 are possible")
+        }
+        _ => return Ok(()),
+    };
+    Err(AnalysisError::Value(message))
+}

@@ -1,0 +1,74 @@
+//! Outcomes of comparisons.
+
+use super::Match;
+use crate::measure::{Chord, Estimate};
+use rayweave_math::{Bounds, Vec3};
+use rayweave_scene::Unit;
+
+/// The outcome of a comparison.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct DiffReport {
+    /// The unit of all lengths: that of the first model.
+    pub unit: Unit,
+    /// How regions were matched: never [`Match::Auto`].
+    pub by: Match,
+    /// The accepted thickness of differences.
+    pub distance: f64,
+    /// The pairs, in the order of the first model; regions of the second model alone come last.
+    pub pairs: Vec<Difference>,
+    /// The number of rays.
+    pub rays: u64,
+}
+
+impl DiffReport {
+    /// True if no difference thicker than [`DiffReport::distance`] was found.
+    pub fn is_same(&self) -> bool {
+        self.pairs.iter().all(|pair| pair.is_same)
+    }
+
+    /// The pair with the thickest difference, if there is one.
+    pub fn worst(&self) -> Option<&Difference> {
+        let thickness = |pair: &&Difference| pair.spot.map_or(0.0, |spot| spot.thickness);
+        let different = self.pairs.iter().filter(|pair| !pair.is_same);
+        different.max_by(|a, b| thickness(a).total_cmp(&thickness(b)))
+    }
+}
+
+/// A pair of matched regions.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Difference {
+    /// The name of the region or the medium; `model` for everything.
+    pub name: String,
+    /// Whether each of the models has such a part.
+    pub is_in: [bool; 2],
+    /// True if no difference thicker than the accepted one was found.
+    pub is_same: bool,
+    /// True if the outcome is known without rays: the same shapes in the same places, or nothing on both sides.
+    pub is_proved: bool,
+    /// The volume that both have in common.
+    pub both: Estimate,
+    /// The volume that only the first has.
+    pub a_only: Estimate,
+    /// The volume that only the second has.
+    pub b_only: Estimate,
+    /// The thickest difference found, accepted or not; `None` if there was none.
+    pub spot: Option<Spot>,
+    /// A box around all differences that were found and are not accepted.
+    pub place: Option<Bounds>,
+}
+
+/// A place where models differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Spot {
+    /// The middle of the piece of a ray there.
+    pub at: Vec3,
+    /// How thick the difference is there.
+    pub thickness: f64,
+    /// The piece of a ray through it that shows the thickness.
+    pub chord: Chord,
+    /// True if the first model has material there and the second one does not.
+    pub is_a: bool,
+}

@@ -1,0 +1,40 @@
+//! Options of comparisons.
+
+use crate::measure;
+
+/// How regions are matched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Match {
+    /// [`Match::Whole`] if one of the models has a single region, else [`Match::Region`].
+    #[default]
+    Auto,
+    /// Regions of one name.
+    Region,
+    /// All regions of one medium, by the name of the medium.
+    Medium,
+    /// All regions together.
+    Whole,
+}
+
+/// The options of a comparison.
+#[derive(Clone, Debug)]
+pub struct DiffSettings {
+    /// How regions are matched.
+    pub by: Match,
+    /// The accepted thickness of differences, in the unit of the first model; by default 1e-9 of the diagonal of the models.
+    pub distance: Option<f64>,
+    /// Cells along an edge of the cross-sections; each pair takes six times its square of rays.
+    pub across: u32,
+    /// The options of volumes. Its box (in the unit of the first model), seed, threads and cancellation token hold for the whole
+    /// comparison.
+    pub measure: measure::Settings,
+}
+
+/// 98,304 rays for each pair, volumes to 1 % at 99 % with at most 2^20 rays.
+impl Default for DiffSettings {
+    fn default() -> Self {
+        let measure =
+            measure::Settings { precision: 1e-2, most_rays: 1 << 20, ..measure::Settings::default() };
+        DiffSettings { by: Match::Auto, distance: None, across: 128, measure }
+    }
+}

@@ -1,0 +1,161 @@
+//! Against closed forms, and against models that are the same by construction.
+
+use super::*;
+use crate::measure;
+use rayweave_error::ErrorKind;
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::drive::Cancel;
+use rayweave_scene::Unit;
+use rayweave_trace::AnyEvaluator;
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+
+fn scene(text: &str) -> Scene {
+    rayweave_scene::parse(&format!("rayweave = 1\n{text}")).unwrap().1
+}
+
+fn quick() -> DiffSettings {
+    measured(measure::Settings { most_rays: 1 << 17, ..DiffSettings::default().measure })
+}
+
+fn measured(measure: measure::Settings) -> DiffSettings {
+    DiffSettings { across: 32, measure, ..DiffSettings::default() }
+}
+
+fn compared(a: &str, b: &str, settings: &DiffSettings) -> DiffReport {
+    diff(&scene(a), &scene(b), AnyEvaluator::maker(None), settings, &mut |_| ()).unwrap()
+}
+
+const BALL: &str = "[solid.ball]\nsphere = { radius = 1 }";
+
+fn ball(radius: f64) -> String {
+    format!("[solid.ball]\nsphere = {{ radius = {radius} }}")
+}
+
+#[test]
+fn the_same_in_other_words() {
+    let proved = compared(BALL, BALL, &quick());
+    assert!(proved.is_same() && proved.pairs[0].is_proved && proved.worst().is_none());
+    // the same place by other maps, and in another unit: equal to rounding only
+    let moved = "unit = \"in\"\n[solid.r]\ntorus = { major = 3, minor = 1 }\n\
+        transform = [{ rotate_x = 33 }, { translate = [0.1, 0.2, 0.3] }]";
+    let again = "unit = \"mm\"\n[solid.r]\ntorus = { major = 76.2, minor = 25.4 }\n\
+        transform = [{ rotate_x = 11 }, { rotate_x = 22 }, { translate = [2.54, 0, 7.62] }, { translate = [0, 5.08, 0] }]";
+    let report = compared(moved, again, &quick());
+    assert!(report.is_same() && !report.pairs[0].is_proved, "{report:?}");
+    assert!(report.pairs[0].both.holds(2.0 * PI * PI * 3.0), "{report:?}");
+    assert_eq!(report.unit, Unit::Inch);
+    // a box by planes, and by another kind of shape
+    let cube = "[solid.a]\nbox = { size = 2 }";
+    let planes = "[solid.x]\nslab = { normal = [1, 0, 0], lo = -1, hi = 1 }\n[solid.y]\nslab = { normal = [0, 1, 0], lo = -1, hi = 1 }\n\
+        [solid.z]\nslab = { normal = [0, 0, 1], lo = -1, hi = 1 }\n[solid.all]\nexpr = \"x & y & z\"\n[[region]]\nsolid = \"all\"";
+    assert!(compared(cube, planes, &quick()).is_same());
+}
+
+/// A shell that is thinner than what matters is no difference, although rays along its rim are long in it.
+#[test]
+fn what_is_thinner_than_matters() {
+    let shell = |radius: f64, distance: f64| {
+        compared(BALL, &ball(radius), &DiffSettings { distance: Some(distance), ..quick() })
+    };
+    for gap in [1e-3, 1e-6, 1e-9] {
+        let same = shell(1.0 + gap, 4.1 * gap);
+        assert!(same.is_same() && same.pairs[0].b_only.value > 0.0, "{gap}: {same:?}");
+        let other = shell(1.0 + gap, 0.5 * gap);
+        let spot = other.pairs[0].spot.unwrap();
+        assert!(!other.is_same() && !spot.is_a, "{gap}: {other:?}");
+        assert!(spot.thickness > 0.99 * gap && spot.thickness < 4.1 * gap, "{gap}: {spot:?}");
+        // it is where it is: between the two spheres
+        let r = spot.at.length();
+        assert!(r > 1.0 - 1e-12 && r < 1.0 + gap + 1e-12, "{r}");
+    }
+    // rounding does not count without being asked
+    assert!(compared(BALL, &ball(1.0 + 1e-13), &quick()).is_same());
+    assert!(!compared(BALL, &ball(1.0 + 1e-7), &quick()).is_same());
+}
+
+#[test]
+fn volumes_and_places_of_differences() {
+    let moved = format!("{BALL}\ntransform = [{{ translate = [1, 0, 0] }}]");
+    let report = compared(BALL, &moved, &quick());
+    let pair = &report.pairs[0];
+    // two balls of radius 1 whose centres are 1 apart: 5 pi / 12 in common
+    let common = 5.0 / 12.0 * PI;
+    let rest = 4.0 / 3.0 * PI - common;
+    assert!(pair.both.holds(common) && pair.a_only.holds(rest) && pair.b_only.holds(rest), "{pair:?}");
+    let place = pair.place.unwrap();
+    assert!(place.lo.x > -1.001 && place.lo.x < -0.9 && place.hi.x < 2.001 && place.hi.x > 1.9, "{place:?}");
+    let spot = pair.spot.unwrap();
+    assert!(spot.thickness > 0.9 && spot.thickness <= 1.0 + 1e-9, "{spot:?}");
+    assert!(if spot.is_a { spot.at.x < 0.5 } else { spot.at.x > 0.5 }, "{spot:?}");
+    let section =
+        diff_section(&scene(BALL), &scene(&moved), &report, AnyEvaluator::maker(None), &quick(), None)
+            .unwrap();
+    let names: Vec<&str> = section.parts.iter().map(|part| part.name.as_str()).collect();
+    assert_eq!(names, ["both", "A only", "B only"]);
+}
+
+const TWO: &str = "[solid.bath]\nbox = { size = 4 }\n[solid.ball]\nsphere = { radius = 1 }\n\
+    [[region]]\nsolid = \"bath\"\nmedium = \"water\"\n[[region]]\nsolid = \"ball\"\nmedium = \"glass\"\n[medium.water]\n[medium.glass]";
+
+#[test]
+fn region_by_region() {
+    let other = TWO.replace("radius = 1", "radius = 1.1");
+    let report = compared(TWO, &other, &quick());
+    let [bath, ball] = &report.pairs[..] else { panic!("{report:?}") };
+    let shell = 4.0 / 3.0 * PI * (1.331 - 1.0);
+    assert!(report.by == Match::Region && !bath.is_same && !ball.is_same);
+    // what the ball gains the bath loses
+    assert!(bath.a_only.holds(shell) && bath.b_only.value == 0.0 && ball.b_only.holds(shell), "{report:?}");
+    let whole = compared(TWO, &other, &DiffSettings { by: Match::Whole, ..quick() });
+    assert!(whole.is_same() && (whole.pairs[0].both.value - 64.0).abs() < 1e-9, "{whole:?}");
+    let renamed = TWO.replace("ball", "bead");
+    let report = compared(TWO, &renamed, &quick());
+    let found: Vec<_> =
+        report.pairs.iter().map(|pair| (pair.name.as_str(), pair.is_in, pair.is_same)).collect();
+    let expected =
+        [("bath", [true; 2], true), ("ball", [true, false], false), ("bead", [false, true], false)];
+    assert_eq!(found, expected);
+    assert!(compared(TWO, &renamed, &DiffSettings { by: Match::Medium, ..quick() }).is_same());
+}
+
+#[test]
+fn within_a_box_and_without_end() {
+    let below = |at: f64| format!("[solid.floor]\nhalf_space = {{ normal = [0, 0, 1], offset = {at} }}");
+    let refused =
+        diff(&scene(&below(0.0)), &scene(&below(0.5)), AnyEvaluator::maker(None), &quick(), &mut |_| ())
+            .unwrap_err();
+    assert!(
+        refused.kind() == ErrorKind::Solid && refused.to_string().ends_with("Compare them within a box."),
+        "{refused}"
+    );
+    let within = Some(Bounds { lo: Vec3::splat(-1.0), hi: Vec3::new(1.0, 1.0, 2.0) });
+    let report =
+        compared(&below(0.0), &below(0.5), &measured(measure::Settings { within, ..quick().measure }));
+    assert!((report.pairs[0].b_only.value - 2.0).abs() < 1e-9, "{report:?}");
+    assert!((report.pairs[0].spot.unwrap().thickness - 0.5).abs() < 1e-12, "{report:?}");
+}
+
+#[test]
+fn the_same_on_any_number_of_threads_and_refusals() {
+    let on = |threads: usize| {
+        let threads = NonZeroUsize::new(threads);
+        compared(BALL, &ball(1.2), &measured(measure::Settings { threads, ..quick().measure }))
+    };
+    assert_eq!(on(1), on(3));
+    let fails = |settings: DiffSettings| {
+        diff(&scene(BALL), &scene(BALL), AnyEvaluator::maker(None), &settings, &mut |_| ())
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(fails(DiffSettings { distance: Some(-1.0), ..quick() }).starts_with("the distance is -1"));
+    assert!(fails(DiffSettings { distance: Some(f64::NAN), ..quick() }).starts_with("the distance is NaN"));
+    assert!(fails(DiffSettings { across: 0, ..quick() }).starts_with("there are 0 cells"));
+    assert!(
+        fails(measured(measure::Settings { precision: 0.0, ..quick().measure }))
+            .starts_with("the precision is 0")
+    );
+    let cancel = Cancel::new();
+    cancel.cancel();
+    assert_eq!(fails(measured(measure::Settings { cancel, ..quick().measure })), "cancelled");
+}

@@ -1,0 +1,143 @@
+//! Streaming of ray files into tables of hits, with memory that does not grow with the number of rays.
+
+mod table;
+
+pub use table::{HitRows, HitTable};
+
+use crate::AnalysisError;
+use crate::error::Cancelled;
+use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::{Evaluator, Program, Query, Rays};
+use rayweave_scene::Compiled;
+use rayweave_table::{Chunk, Progress, RayChunk, RayReader, TableWriter};
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+/// The most rays that a thread takes at a time. The results of a few tasks per thread wait in memory, so that this bounds
+/// it: the rows of 2,048 rays with ten crossings each are 3 MiB.
+const MOST_RAYS_PER_TASK: usize = 1 << 11;
+
+/// The most pairs of a ray and a leaf in a task: a ray can cross every leaf of a large model.
+const MOST_PAIRS_PER_TASK: usize = 1 << 20;
+
+fn rays_per_task(program: &Program) -> usize {
+    let placements = program.prototypes().first().map_or(1, |group| group.placements);
+    let leaves = program.leaves().len().max(placements as usize).max(1);
+    (MOST_PAIRS_PER_TASK / leaves).clamp(1, MOST_RAYS_PER_TASK)
+}
+
+/// The options of a run.
+#[derive(Clone, Debug, Default)]
+pub struct TraceOptions {
+    /// The query for every ray.
+    pub query: Query<'static>,
+    /// The number of threads; [`thread_count`] if it is not given.
+    pub threads: Option<NonZeroUsize>,
+    /// Stops the run; the unfinished table is then removed.
+    pub cancel: Cancel,
+}
+
+/// A summary of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct TraceSummary {
+    /// The number of rays.
+    pub rays: u64,
+    /// The number of crossings.
+    pub crossings: u64,
+}
+
+/// Traces all rays of a reader and writes the table of their crossings.
+///
+/// The columns are those of [`HitTable`]; the extension of `hits` chooses the format, `.csv`, `.npy` or (with the feature
+/// `parquet`) `.parquet`, and `-` is CSV on standard output. The file appears when it is complete; after an error, or when
+/// the run is cancelled, there is none. Rows are in the order of the rays, whatever the number of threads, and every run
+/// gives the same bytes. `progress` receives the position of the reader after each chunk.
+///
+/// # Errors
+///
+/// [`AnalysisError`]: a file of rays that is wrong or cannot be read, a table that cannot be written, a cancelled run.
+pub fn trace_rays<E: Evaluator>(
+    compiled: &Compiled,
+    evaluator: &E,
+    rays: RayReader,
+    hits: &Path,
+    options: &TraceOptions,
+    mut progress: impl FnMut(Progress),
+) -> Result<TraceSummary, AnalysisError> {
+    let table = HitTable::new(compiled)?;
+    let mut writer = TableWriter::create(hits, table.schema())?;
+    let mut traced = 0;
+    drive(
+        thread_count(options.threads),
+        &options.cancel,
+        Tasks { reader: Some(rays), size: rays_per_task(evaluator.program()) },
+        || evaluator.scratch(),
+        |scratch, task| answer(&table, evaluator, &options.query, scratch, task?),
+        |answered: Result<Answered, AnalysisError>| {
+            let answered = answered?;
+            writer.write(&answered.rows)?;
+            traced += answered.rays;
+            progress(answered.progress);
+            Ok(())
+        },
+    )
+    .map_err(|stopped: Stopped<AnalysisError>| match stopped {
+        Stopped::Cancelled => Cancelled.into(),
+        Stopped::Failed(error) => error,
+    })?;
+    let crossings = writer.finish()?;
+    Ok(TraceSummary { rays: traced, crossings })
+}
+
+/// Some rays to trace, and how far the reader was after them.
+struct Task {
+    rays: RayChunk,
+    progress: Progress,
+}
+
+/// The rows of a task.
+struct Answered {
+    rows: Chunk,
+    rays: u64,
+    progress: Progress,
+}
+
+fn answer<E: Evaluator>(
+    table: &HitTable,
+    evaluator: &E,
+    query: &Query<'_>,
+    scratch: &mut E::Scratch,
+    task: Task,
+) -> Result<Answered, AnalysisError> {
+    let rays = Rays {
+        origins: task.rays.origin.each_ref().map(Vec::as_slice),
+        directions: task.rays.direction.each_ref().map(Vec::as_slice),
+    };
+    let mut rows = table.rows(evaluator.program(), rays, task.rays.first);
+    evaluator.crossings(rays, query, scratch, &mut rows);
+    Ok(Answered { rows: rows.finish()?, rays: rays.len() as u64, progress: task.progress })
+}
+
+/// The rays of a file, task by task. After an error there are no more.
+struct Tasks {
+    reader: Option<RayReader>,
+    size: usize,
+}
+
+impl Iterator for Tasks {
+    type Item = Result<Task, AnalysisError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let reader = self.reader.as_mut()?;
+        let mut rays = RayChunk::default();
+        match reader.read(&mut rays, self.size) {
+            Ok(0) => None,
+            Ok(_) => Some(Ok(Task { rays, progress: reader.progress() })),
+            Err(error) => {
+                self.reader = None;
+                Some(Err(error.into()))
+            }
+        }
+    }
+}

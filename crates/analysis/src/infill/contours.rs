@@ -1,0 +1,182 @@
+//! Regions of the plane from CSV.
+
+use super::ContourProblems;
+use crate::AnalysisError;
+use rayweave_polygon::{PolygonError, Polygons, from_polygons};
+use rayweave_rootray::Side;
+use rayweave_table::TableError;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// The columns of a file of contours.
+const COLUMNS: [&str; 3] = ["contour", "x", "y"];
+
+/// Reading stops after this number of problems.
+const MOST_PROBLEMS: usize = 20;
+
+/// Reads the region bounded by the contours of a CSV file.
+///
+/// The first line names the columns `contour`, `x` and `y`, in any order; each further line is a vertex. The rows of a
+/// contour stand together and have the same text in the column `contour`; contours are numbered from 0 in the order
+/// of the file in messages. Islands go around counter-clockwise, holes clockwise
+/// ([`from_polygons`]).
+///
+/// # Errors
+///
+/// A file that cannot be read, or is wrong (all problems with their lines), or whose contours bound no region.
+pub fn read_region(path: impl AsRef<Path>, outside: Side) -> Result<Polygons, AnalysisError> {
+    let path = path.as_ref();
+    let bytes = std::fs::read(path).map_err(|error| TableError::Io {
+        action: "read",
+        path: path.display().to_string(),
+        error,
+    })?;
+    let wrong = |problems| ContourProblems { file: path.display().to_string(), problems };
+    let contours = parse(&bytes).map_err(wrong)?;
+    let region = from_polygons(&contours.points, outside);
+    Ok(region.map_err(|error| wrong(vec![(contours.line_of(&error), error.to_string())]))?)
+}
+
+type Problems = Vec<(Option<usize>, String)>;
+
+fn parse(bytes: &[u8]) -> Result<Contours, Problems> {
+    let text = str::from_utf8(bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&b| b == b'\n').count();
+        vec![(Some(line), "the text is not UTF-8: is this a CSV file?".to_owned())]
+    })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines =
+        text.lines().enumerate().map(|(k, line)| (k + 1, line)).filter(|(_, line)| !line.trim().is_empty());
+    let Some((number, header)) = lines.next() else {
+        return Err(vec![(None, "the file is empty: the first line is contour,x,y.".to_owned())]);
+    };
+    let places = header_places(header).map_err(|problem| vec![(Some(number), problem)])?;
+    let mut contours = Contours::default();
+    let mut problems = Problems::new();
+    for (number, line) in lines {
+        if let Err(problem) = contours.add(number, line, places) {
+            problems.push((Some(number), problem));
+        }
+        if problems.len() == MOST_PROBLEMS {
+            problems.push((None, format!("stopped after {MOST_PROBLEMS} problems")));
+            break;
+        }
+    }
+    if problems.is_empty() { Ok(contours) } else { Err(problems) }
+}
+
+/// The fields of a line without spaces and quotes around them.
+fn fields(line: &str) -> Vec<&str> {
+    line.split(',').map(|field| unquoted(field.trim())).collect()
+}
+
+fn unquoted(field: &str) -> &str {
+    field.strip_prefix('"').and_then(|inner| inner.strip_suffix('"')).unwrap_or(field)
+}
+
+/// The place of each column.
+fn header_places(header: &str) -> Result<[usize; 3], String> {
+    let names = fields(header);
+    let place = |column: &str| names.iter().position(|name| name.eq_ignore_ascii_case(column));
+    match COLUMNS.map(place) {
+        [Some(contour), Some(x), Some(y)] if names.len() == 3 => Ok([contour, x, y]),
+        _ => Err(format!("the header is `{}`: contours have the columns contour,x,y.", header.trim())),
+    }
+}
+
+/// The contours read so far.
+#[derive(Default)]
+struct Contours {
+    last: String,
+    names: HashSet<String>,
+    points: Vec<Vec<[f64; 2]>>,
+    /// The line of each vertex.
+    lines: Vec<Vec<usize>>,
+}
+
+impl Contours {
+    /// The line of the vertex that a problem is about.
+    fn line_of(&self, error: &PolygonError) -> Option<usize> {
+        let (contour, vertex) = match *error {
+            PolygonError::NotFinite { contour, vertex, .. }
+            | PolygonError::Extreme { contour, vertex, .. } => (contour, vertex),
+            PolygonError::Touching { first, .. } => (first.contour, first.from),
+            PolygonError::Orientation { contour, .. } => (contour, 0),
+            _ => return None,
+        };
+        self.lines.get(contour)?.get(vertex).copied()
+    }
+
+    fn add(&mut self, number: usize, line: &str, [contour, x, y]: [usize; 3]) -> Result<(), String> {
+        let fields = fields(line);
+        if fields.len() != 3 {
+            return Err(format!("{} fields: a vertex has three: contour,x,y.", fields.len()));
+        }
+        let point = [coordinate("x", fields[x])?, coordinate("y", fields[y])?];
+        let name = fields[contour];
+        if self.points.is_empty() || self.last != name {
+            if !self.names.insert(name.to_owned()) {
+                return Err(format!(
+                    "contour {name} goes on after another one: rows of a contour stand together."
+                ));
+            }
+            self.last = name.to_owned();
+            self.points.push(Vec::new());
+            self.lines.push(Vec::new());
+        }
+        if let (Some(points), Some(lines)) = (self.points.last_mut(), self.lines.last_mut()) {
+            points.push(point);
+            lines.push(number);
+        }
+        Ok(())
+    }
+}
+
+fn coordinate(column: &str, field: &str) -> Result<f64, String> {
+    match field.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(value) => Err(format!("{column} is {value}: coordinates are finite.")),
+        Err(_) => Err(format!("{column} is `{field}`: not a number.")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn problems(text: &str) -> Vec<String> {
+        let found = parse(text.as_bytes()).err().unwrap();
+        let file = "f.csv".to_owned();
+        ContourProblems { file, problems: found }.to_string().lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn contours_stand_one_after_the_other() {
+        let text = "\u{feff}\"contour\", x ,y\r\n0,0,0\r\n0, 1e0 ,0\n\n0,0,1\nhole,5,5\n";
+        let contours = parse(text.as_bytes()).unwrap().points;
+        assert_eq!(contours, [vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], vec![[5.0, 5.0]]]);
+        let swapped = parse(b"y,contour,x\n1,a,2\n").unwrap().points;
+        assert_eq!(swapped, [[[2.0, 1.0]]]);
+        assert_eq!(parse(b"contour,x,y\n").unwrap().points, [[[0.0; 2]; 0]; 0]);
+    }
+
+    #[test]
+    fn all_problems_with_their_lines() {
+        let text = "contour,x,y\n0,a,0\n0,1\n0,1,inf\n0,0,0\n1,0,0\n0,5,5\n";
+        let expected = [
+            "f.csv:2: x is `a`: not a number.",
+            "f.csv:3: 2 fields: a vertex has three: contour,x,y.",
+            "f.csv:4: y is inf: coordinates are finite.",
+            "f.csv:7: contour 0 goes on after another one: rows of a contour stand together.",
+        ];
+        assert_eq!(problems(text), expected);
+        assert_eq!(problems("\n \n"), ["f.csv: the file is empty: the first line is contour,x,y."]);
+        assert_eq!(
+            problems("x,y\n0,0\n"),
+            ["f.csv:1: the header is `x,y`: contours have the columns contour,x,y."]
+        );
+        let many = "contour,x,y\n".to_owned() + &"0,,\n".repeat(50);
+        assert_eq!(problems(&many).len(), MOST_PROBLEMS + 1);
+        assert!(parse(b"contour,x,y\n0,0,0\n0,\xff,1\n").err().unwrap()[0].0 == Some(3));
+    }
+}

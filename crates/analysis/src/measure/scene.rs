@@ -1,0 +1,91 @@
+//! Measuring the regions of a scene, with media and formulas.
+
+use super::{Estimate, Measured, Settings, exact_volume, measure, one_medium_each};
+use crate::AnalysisError;
+use crate::error::maker;
+use crate::subject::subject;
+use rayweave_error::Classified;
+use rayweave_model::{Evaluator, Program};
+use rayweave_scene::{Medium, Scene};
+use std::sync::Arc;
+
+/// The measurements of a scene.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SceneReport {
+    /// The regions in their order.
+    pub regions: Vec<RegionReport>,
+    /// The number of rays.
+    pub rays: u64,
+}
+
+/// The measurements of one region.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RegionReport {
+    /// The integrals, in lengths of the scene's unit.
+    pub measured: Measured,
+    /// The name of its medium.
+    pub medium: String,
+    /// The volume by formula, where the region is a single shape that no other region overlaps.
+    pub formula: Option<f64>,
+    /// The mass in grams, if the medium has a `density` (in g/cm^3).
+    pub mass: Option<Estimate>,
+}
+
+/// Measures the regions of a scene, or one of its solids as if it were alone. `make` makes the evaluator of a program;
+/// `progress` receives the number of rays so far.
+///
+/// # Errors
+///
+/// [`AnalysisError`]: an unknown solid, an unbounded region, settings out of range, a cancelled run.
+///
+/// ```
+/// use rayweave_analysis::measure::{Settings, measure_scene};
+/// use rayweave_trace::AnyEvaluator;
+///
+/// let (_, scene) = rayweave_scene::parse(
+///     "rayweave = 1\nunit = \"cm\"\n[solid.ball]\nsphere = { radius = 2 }\n[[region]]\nsolid = \"ball\"\nmedium = \"glass\"\n\
+///      [medium.glass]\ndensity = 2.51",
+/// )?;
+/// let report = measure_scene(&scene, None, AnyEvaluator::maker(None), &Settings::default(), &mut |_| ())?;
+/// let ball = &report.regions[0];
+/// let volume = 32.0 / 3.0 * std::f64::consts::PI;
+/// assert!(ball.measured.volume.holds(volume) && ball.measured.volume.half_width < 1e-3 * volume);
+/// assert_eq!(ball.formula, Some(volume));
+/// // grams: the density of a medium is in g/cm^3
+/// assert!((ball.mass.unwrap().value / volume - 2.51).abs() < 0.003);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn measure_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    scene: &Scene,
+    solid: Option<&str>,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &Settings,
+    progress: &mut dyn FnMut(u64),
+) -> Result<SceneReport, AnalysisError> {
+    let (regions, media) = subject(scene, solid)?;
+    let program = Arc::new(Program::compile_regions(&one_medium_each(&regions))?);
+    let evaluator = maker(make)(program.clone())?;
+    let found = measure(&evaluator, settings, progress)?;
+    let boxes = program.region_bounds();
+    let reports = found.regions.into_iter().enumerate().map(|(k, measured)| {
+        let is_alone = (0..regions.len()).all(|j| j == k || boxes[j].intersection(&boxes[k]).is_empty());
+        let formula = exact_volume(&regions[k].solid).filter(|_| is_alone && settings.within.is_none());
+        let medium = media[k];
+        let density = medium.and_then(|medium| number(medium, "density"));
+        let centimetres = scene.unit.metres() * 100.0;
+        let mass = density.map(|density| grams(measured.volume, density, centimetres));
+        RegionReport { formula, mass, medium: medium.map_or_else(String::new, |m| m.name.clone()), measured }
+    });
+    Ok(SceneReport { regions: reports.collect(), rays: found.rays })
+}
+
+fn number(medium: &Medium, name: &str) -> Option<f64> {
+    medium.numbers.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
+}
+
+fn grams(volume: Estimate, density: f64, centimetres: f64) -> Estimate {
+    let factor = density * centimetres.powi(3);
+    Estimate { value: factor * volume.value, half_width: factor.abs() * volume.half_width }
+}

@@ -1,0 +1,14 @@
+//! Lines between regions.
+
+use rayweave_model::RegionId;
+
+/// A line between two regions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edge {
+    /// Its points in order, at least two.
+    pub points: Vec<[f64; 2]>,
+    /// The region to the left, in the direction of the points; 0 is the world.
+    pub left: RegionId,
+    /// The region to the right.
+    pub right: RegionId,
+}

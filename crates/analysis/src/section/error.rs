@@ -1,0 +1,44 @@
+//! Errors of sections.
+
+use rayweave_error::{Classified, ErrorKind};
+use rayweave_math::Vec3;
+
+/// A section that cannot be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SectionError {
+    /// The axes span no plane.
+    #[error("the axes {across} and {up} span no plane: they have to be finite, and not parallel.")]
+    Axes {
+        /// The first axis.
+        across: Vec3,
+        /// The second axis.
+        up: Vec3,
+    },
+    /// The window has no area.
+    #[error("the window from {lo:?} to {hi:?} has no area: its ends have to be finite, the lower one first.")]
+    Window {
+        /// The lower left corner.
+        lo: [f64; 2],
+        /// The upper right corner.
+        hi: [f64; 2],
+    },
+    /// The tolerance is none.
+    #[error("the tolerance is {tolerance}: it has to be greater than 0 and finite.")]
+    Tolerance {
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// The run was cancelled.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl Classified for SectionError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            SectionError::Cancelled => ErrorKind::Cancelled,
+            _ => ErrorKind::Value,
+        }
+    }
+}

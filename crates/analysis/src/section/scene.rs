@@ -1,0 +1,212 @@
+//! Cross-sections of scenes, part by part.
+
+use super::{Look, Section, SectionError, SectionPlane, Sweep, section_with};
+use crate::AnalysisError;
+use crate::error::maker;
+use crate::measure::one_medium_each;
+use crate::subject::{clipped, subject};
+use rayweave_error::{Classified, Message};
+use rayweave_math::Bounds;
+use rayweave_model::{Evaluator, Program, Region, RegionId};
+use rayweave_scene::{Colour, Scene, SceneRegion};
+use std::sync::Arc;
+
+/// The parts of a section.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum By {
+    /// All regions of a medium as one part.
+    #[default]
+    Medium,
+    /// Each region as a part.
+    Region,
+}
+
+/// The options of a section.
+#[derive(Clone, Debug)]
+pub struct SectionSettings {
+    /// The parts.
+    pub by: By,
+    /// The largest distance of contours from the surfaces, in the unit of the model; by default 1/10,000 of the larger side of
+    /// the model in the plane.
+    pub tolerance: Option<f64>,
+    /// The least number of columns, from 2: parts thinner than their distance may be missed.
+    pub columns: u32,
+    /// Restricts the section to this box.
+    pub within: Option<Bounds>,
+    /// Threads and the token that stops the run.
+    pub sweep: Sweep,
+}
+
+/// By medium, 512 columns.
+impl Default for SectionSettings {
+    fn default() -> Self {
+        let sweep = Sweep::default();
+        SectionSettings { by: By::Medium, tolerance: None, columns: 512, within: None, sweep }
+    }
+}
+
+/// The section of a scene by a plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CrossSection {
+    /// The plane.
+    pub plane: SectionPlane,
+    /// The parts that the plane cuts, in the order of the regions or media.
+    pub parts: Vec<SectionPart>,
+    /// The lower left corner of the model in the plane.
+    pub lo: [f64; 2],
+    /// The upper right corner.
+    pub hi: [f64; 2],
+    /// The largest distance of contours from the surfaces; the error of an area is at most this times the perimeter.
+    pub tolerance: f64,
+}
+
+/// A medium, or a region, in a plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionPart {
+    /// Its name.
+    pub name: String,
+    /// Its colour in pictures.
+    pub colour: Colour,
+    /// Its area.
+    pub area: f64,
+    /// The length of all lines around it.
+    pub perimeter: f64,
+    /// Its outlines counter-clockwise, its holes clockwise; the last point is not the first one again. Coordinates are those of
+    /// [`SectionPlane::cut`].
+    pub contours: Vec<Vec<[f64; 2]>>,
+}
+
+impl CrossSection {
+    /// A part by its name.
+    pub fn part(&self, name: &str) -> Option<&SectionPart> {
+        self.parts.iter().find(|part| part.name == name)
+    }
+}
+
+/// Cuts the regions of a scene, or one of its solids alone, by planes. `make` makes the evaluator of a program; `progress`
+/// receives the number of planes that are done.
+///
+/// A plane that misses the model cuts nothing, which is no error.
+///
+/// # Errors
+///
+/// [`AnalysisError`]: an unknown solid, a model that is unbounded in a plane, settings out of range, a cancelled run.
+pub fn cross_sections<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    scene: &Scene,
+    solid: Option<&str>,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    planes: &[SectionPlane],
+    settings: &SectionSettings,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Vec<CrossSection>, AnalysisError> {
+    let (regions, _) = subject(scene, solid)?;
+    let kinds = Kinds::new(scene, &regions, settings.by);
+    let regions = clipped(regions, settings.within)?;
+    let program = Arc::new(Program::compile_regions(&one_medium_each(&regions))?);
+    let cutter = Cutter { evaluator: maker(make)(program)?, kinds, settings };
+    let mut sections = Vec::with_capacity(planes.len());
+    for plane in planes {
+        sections.push(cutter.cut(plane)?);
+        progress(sections.len());
+    }
+    Ok(sections)
+}
+
+/// The part of each region.
+#[derive(Clone, Debug)]
+pub(crate) struct Kinds {
+    /// The number of the part of each region, from 1.
+    pub of: Vec<u32>,
+    /// The parts.
+    pub names: Vec<(String, Colour)>,
+}
+
+impl Kinds {
+    fn new(scene: &Scene, regions: &[Region], by: By) -> Kinds {
+        let mut kinds = Kinds { of: Vec::new(), names: Vec::new() };
+        let mut known = std::collections::HashMap::new();
+        for (k, region) in regions.iter().enumerate() {
+            let key = if by == By::Medium { region.medium as usize } else { k };
+            let next = kinds.names.len() as u32 + 1;
+            let number = *known.entry(key).or_insert(next);
+            if number == next {
+                kinds.names.push(Kinds::name(scene, region, k, by));
+            }
+            kinds.of.push(number);
+        }
+        kinds
+    }
+
+    fn name(scene: &Scene, region: &Region, k: usize, by: By) -> (String, Colour) {
+        let of_medium = scene.medium_names().get(region.medium as usize).map(|name| (*name).to_owned());
+        let name = of_medium.filter(|_| by == By::Medium).unwrap_or_else(|| region.name.clone());
+        let same = |own: &&SceneRegion| own.name == region.name;
+        let own = scene.regions.get(k).filter(same).or_else(|| scene.regions.iter().rfind(same));
+        (name, own.map_or(Colour::PALETTE[k % Colour::PALETTE.len()], |own| own.colour))
+    }
+
+    fn number(&self, region: RegionId) -> RegionId {
+        region.index().checked_sub(1).and_then(|k| self.of.get(k)).map_or(RegionId(0), |&kind| RegionId(kind))
+    }
+}
+
+/// Cuts a compiled model.
+pub(crate) struct Cutter<'a, E> {
+    /// Of a program whose regions all have media of their own.
+    pub evaluator: E,
+    pub kinds: Kinds,
+    pub settings: &'a SectionSettings,
+}
+
+impl<E: Evaluator> Cutter<'_, E> {
+    pub fn cut(&self, plane: &SectionPlane) -> Result<CrossSection, AnalysisError> {
+        let cut = plane.cut()?;
+        let is_positive = |tolerance: &f64| *tolerance > 0.0 && tolerance.is_finite();
+        if let Some(tolerance) = self.settings.tolerance.filter(|tolerance| !is_positive(tolerance)) {
+            return Err(SectionError::Tolerance { tolerance }.into());
+        }
+        let bounds = self.evaluator.program().bounds();
+        let ranges = [0, 1].map(|k| cut.range(&bounds, k));
+        let (lo, hi) = ([ranges[0][0], ranges[1][0]], [ranges[0][1], ranges[1][1]]);
+        if bounds.is_empty() {
+            let tolerance = self.settings.tolerance.unwrap_or(1e-4);
+            return Ok(CrossSection {
+                plane: *plane,
+                parts: Vec::new(),
+                lo: [0.0; 2],
+                hi: [1.0; 2],
+                tolerance,
+            });
+        }
+        if !lo.iter().chain(&hi).all(|end| end.is_finite()) {
+            let problem = format!("the model is unbounded in the plane {plane}");
+            let message = Message::new(problem, "a section is finite").suggest("Cut it within a box.");
+            return Err(AnalysisError::Solid(message));
+        }
+        let side = (hi[0] - lo[0]).max(hi[1] - lo[1]).max(f64::MIN_POSITIVE);
+        let tolerance = self.settings.tolerance.unwrap_or(1e-4 * side);
+        // the faces at the ends of the model are within
+        let room = (1e-3 * side).max(4.0 * tolerance);
+        let columns = self.settings.columns.max(2);
+        let look =
+            Look { lo: lo.map(|x| x - room), hi: hi.map(|x| x + room), tolerance: 0.5 * tolerance, columns };
+        let found = section_with(&self.evaluator, &cut, &look, &self.settings.sweep)?;
+        let found = found.renumbered(|region| self.kinds.number(region)).simplified(0.5 * tolerance);
+        Ok(CrossSection { plane: *plane, parts: self.parts(&found), lo, hi, tolerance })
+    }
+
+    fn parts(&self, found: &Section) -> Vec<SectionPart> {
+        let part = |(number, (name, colour)): (u32, &(String, Colour))| {
+            let number = RegionId(number);
+            SectionPart {
+                name: name.clone(),
+                colour: *colour,
+                area: found.area(number),
+                perimeter: found.perimeter(number),
+                contours: found.contours(number),
+            }
+        };
+        let parts = (1..).zip(&self.kinds.names).map(part);
+        parts.filter(|part| !part.contours.is_empty()).collect()
+    }
+}

@@ -1,0 +1,211 @@
+//! Against closed forms.
+
+use super::*;
+use rayweave_error::{Classified, ErrorKind};
+use rayweave_math::{Bounds, Vec3};
+use rayweave_scene::Scene;
+use rayweave_trace::AnyEvaluator;
+use std::f64::consts::PI;
+
+fn scene(text: &str) -> Scene {
+    rayweave_scene::parse(&format!("rayweave = 1\n{text}")).unwrap().1
+}
+
+fn cut_by(scene: &Scene, plane: SectionPlane, settings: &SectionSettings) -> CrossSection {
+    cross_sections(scene, None, AnyEvaluator::maker(None), &[plane], settings, &mut |_| ()).unwrap().remove(0)
+}
+
+fn cut(text: &str, plane: &str) -> CrossSection {
+    cut_by(&scene(text), plane.parse().unwrap(), &SectionSettings::default())
+}
+
+/// Twice the area of a contour, positive where it goes around counter-clockwise.
+fn signed(contour: &[[f64; 2]]) -> f64 {
+    let next = contour.iter().cycle().skip(1);
+    0.5 * contour.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
+}
+
+/// Areas are as near as the tolerance and the perimeter allow; contours add up to them, holes turn the other way.
+fn check(section: &CrossSection, name: &str, area: f64, perimeter: f64, holes: usize) {
+    let part = section.part(name).unwrap();
+    assert!((part.area - area).abs() <= section.tolerance * part.perimeter, "{} {area}", part.area);
+    assert!((part.perimeter - perimeter).abs() < 2e-3 * perimeter, "{} {perimeter}", part.perimeter);
+    let all: f64 = part.contours.iter().map(|contour| signed(contour)).sum();
+    assert!((all - part.area).abs() < 1e-9 * area, "{all} {}", part.area);
+    assert_eq!(part.contours.iter().filter(|contour| signed(contour) < 0.0).count(), holes);
+}
+
+#[test]
+fn circle_and_annuli() {
+    let ball = cut("[solid.ball]\nsphere = { radius = 5 }", "z=3");
+    check(&ball, "ball", 16.0 * PI, 8.0 * PI, 0);
+    let shell = "[solid.a]\nsphere = { radius = 5 }\n[solid.b]\nsphere = { radius = 4 }\n[solid.shell]\nexpr = \"a - b\"";
+    let shell = format!("{shell}\n[[region]]\nsolid = \"shell\"");
+    let found = cut(&shell, "x=3");
+    check(&found, "shell", PI * (16.0 - 7.0), 2.0 * PI * (4.0 + 7f64.sqrt()), 1);
+    // a torus through its axis, and along its plane
+    let torus = "[solid.t]\ntorus = { major = 3, minor = 1 }";
+    check(&cut(torus, "xz"), "t", 2.0 * PI, 4.0 * PI, 0);
+    check(&cut(torus, "xy"), "t", 12.0 * PI, 12.0 * PI, 1);
+    assert!(cut(torus, "z=1.5").parts.is_empty());
+}
+
+#[test]
+fn an_oblique_cut_of_a_cylinder_is_an_ellipse() {
+    let rod = scene("[solid.rod]\ncylinder = { radius = 2, height = 40 }");
+    for degrees in [20.0, 45.0, 70.0] {
+        let tilt = f64::to_radians(degrees);
+        let normal = Vec3::new(tilt.sin(), 0.0, tilt.cos());
+        let plane = SectionPlane::new(Vec3::new(0.1, 0.2, 0.3), normal).unwrap();
+        let found = cut_by(&rod, plane, &SectionSettings::default());
+        let part = found.part("rod").unwrap();
+        let area = 4.0 * PI / tilt.cos();
+        assert!(
+            (part.area - area).abs() < found.tolerance * part.perimeter,
+            "{degrees}: {} {area}",
+            part.area
+        );
+        // every point lies on the cylinder
+        let cut = plane.cut().unwrap();
+        let off = part.contours[0].iter().map(|&point| cut.point(point));
+        let off = off.map(|p| (p.x.hypot(p.y) - 2.0).abs()).fold(0.0, f64::max);
+        assert!(off <= found.tolerance, "{off} {}", found.tolerance);
+    }
+}
+
+/// No point of a contour is farther from the truth than was asked, the middles of its edges among them.
+#[test]
+fn tolerances_hold() {
+    let ball = scene("[solid.ball]\nsphere = { radius = 1 }");
+    for tolerance in [1e-2, 1e-3, 1e-5] {
+        let settings = SectionSettings { tolerance: Some(tolerance), ..SectionSettings::default() };
+        let found = cut_by(&ball, "xy".parse().unwrap(), &settings);
+        let contour = &found.parts[0].contours[0];
+        let next = contour.iter().cycle().skip(1);
+        let middles = contour.iter().zip(next).map(|(a, b)| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
+        let points = contour.iter().copied().chain(middles);
+        let off = points.map(|[x, y]| (x.hypot(y) - 1.0).abs()).fold(0.0, f64::max);
+        assert!(off <= tolerance && off > 0.01 * tolerance, "{off} {tolerance}");
+        // a chord of angle a keeps to within a^2 / 8
+        let least = PI / (2.0 * tolerance).sqrt();
+        assert!((contour.len() as f64) < 6.0 * least + 24.0, "{} points for {tolerance}", contour.len());
+    }
+}
+
+const TWO: &str = "[solid.a]\nbox_from_corners = { lo = [0, 0, 0], hi = [2, 1, 1] }\n\
+    [solid.b]\nbox_from_corners = { lo = [2, 0, 0], hi = [3, 1, 1] }\n\
+    [solid.c]\nsphere = { radius = 0.25 }\ntransform = [{ translate = [1, 0.5, 0.5] }]\n\
+    [[region]]\nsolid = \"a\"\nmedium = \"steel\"\n[[region]]\nsolid = \"b\"\nmedium = \"steel\"\n\
+    [[region]]\nsolid = \"c\"\nmedium = \"air\"\n[medium.steel]\n[medium.air]";
+
+/// Two parts of steel that touch are one outline, unless they are to be kept apart.
+#[test]
+fn by_medium_or_by_region() {
+    let scene = scene(TWO);
+    let plane = "z=0.5".parse().unwrap();
+    let hole = PI / 16.0;
+    let by_medium = cut_by(&scene, plane, &SectionSettings::default());
+    check(&by_medium, "steel", 3.0 - hole, 8.0 + 0.5 * PI, 1);
+    check(&by_medium, "air", hole, 0.5 * PI, 0);
+    assert_eq!(by_medium.part("steel").unwrap().contours.len(), 2);
+    let by_region = cut_by(&scene, plane, &SectionSettings { by: By::Region, ..SectionSettings::default() });
+    check(&by_region, "a", 2.0 - hole, 6.0 + 0.5 * PI, 1);
+    check(&by_region, "b", 1.0, 4.0, 0);
+    // straight lines need no points but their corners
+    assert_eq!(by_region.part("b").unwrap().contours[0].len(), 4);
+}
+
+#[test]
+fn a_box_ends_what_has_no_end() {
+    let rod = scene("[solid.rod]\ncylinder = { radius = 1, height = inf }");
+    let settings = SectionSettings::default();
+    let plane = || "xz".parse().unwrap();
+    let refused = cross_sections(&rod, None, AnyEvaluator::maker(None), &[plane()], &settings, &mut |_| ())
+        .unwrap_err();
+    assert!(
+        refused.kind() == ErrorKind::Solid && refused.to_string().contains("Cut it within a box."),
+        "{refused}"
+    );
+    let within = Some(Bounds { lo: Vec3::new(0.0, -5.0, 0.0), hi: Vec3::new(5.0, 5.0, 3.0) });
+    let found = cut_by(&rod, plane(), &SectionSettings { within, ..settings.clone() });
+    check(&found, "rod", 3.0, 8.0, 0);
+    // the plane across it has an end without a box
+    check(&cut_by(&rod, "z=1e3".parse().unwrap(), &settings), "rod", PI, 2.0 * PI, 0);
+}
+
+#[test]
+fn a_stack_of_a_cone() {
+    let cone = scene("[solid.cone]\ncone = { radius1 = 2, radius2 = 0, height = 2 }");
+    let plane: SectionPlane = "xy".parse().unwrap();
+    let planes = plane.stack(-0.75, 0.75, 0.5).unwrap();
+    let settings = SectionSettings::default();
+    let mut told = 0;
+    let found =
+        cross_sections(&cone, None, AnyEvaluator::maker(None), &planes, &settings, &mut |done| told = done)
+            .unwrap();
+    assert_eq!((found.len(), told), (4, 4));
+    for (section, z) in found.iter().zip([-0.75, -0.25, 0.25, 0.75]) {
+        let r = 1.0 - z;
+        check(section, "cone", PI * r * r, 2.0 * PI * r, 0);
+    }
+}
+
+#[test]
+fn labels_of_stacks_are_short() {
+    let stack =
+        "z=0".parse::<SectionPlane>().unwrap().stack(-6858.585858585859, 0.0, 6858.585858585858).unwrap();
+    assert_eq!(stack[0].label(), "z = -6858.6");
+}
+
+#[test]
+fn the_same_on_any_number_of_threads() {
+    let scene = scene(TWO);
+    let on = |threads: usize| {
+        let sweep = Sweep { threads: std::num::NonZeroUsize::new(threads), ..Sweep::default() };
+        let settings = SectionSettings { sweep, columns: 5000, ..SectionSettings::default() };
+        cut_by(&scene, "z=0.5".parse().unwrap(), &settings)
+    };
+    assert_eq!(on(1), on(3));
+    let settings = SectionSettings::default();
+    settings.sweep.cancel.cancel();
+    let stopped = cross_sections(
+        &scene,
+        None,
+        AnyEvaluator::maker(None),
+        &["xy".parse().unwrap()],
+        &settings,
+        &mut |_| (),
+    );
+    assert!(stopped.unwrap_err().kind() == ErrorKind::Cancelled);
+}
+
+#[test]
+fn refusals() {
+    let ball = scene("[solid.ball]\nsphere = { radius = 1 }");
+    let fails = |settings: SectionSettings| {
+        cross_sections(
+            &ball,
+            None,
+            AnyEvaluator::maker(None),
+            &["xy".parse().unwrap()],
+            &settings,
+            &mut |_| (),
+        )
+        .unwrap_err()
+    };
+    assert!(fails(SectionSettings { tolerance: Some(0.0), ..Default::default() }).kind() == ErrorKind::Value);
+    assert!(
+        fails(SectionSettings { tolerance: Some(f64::NAN), ..Default::default() }).kind() == ErrorKind::Value
+    );
+    let swapped = Some(Bounds { lo: Vec3::ONE, hi: Vec3::ZERO });
+    assert!(fails(SectionSettings { within: swapped, ..Default::default() }).kind() == ErrorKind::Shape);
+    let none = cross_sections(
+        &ball,
+        Some("bal"),
+        AnyEvaluator::maker(None),
+        &[],
+        &SectionSettings::default(),
+        &mut |_| (),
+    );
+    assert!(none.unwrap_err().to_string().contains("Did you mean `ball`?"));
+}

@@ -1,0 +1,214 @@
+//! Path lengths pixel by pixel.
+
+use super::{PathLengths, Run, path_lengths};
+use crate::AnalysisError;
+use rayweave_error::Message;
+use rayweave_model::Evaluator;
+use rayweave_scene::{Compiled, Scene};
+use rayweave_shape::Ray;
+use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableWriter, Values};
+use std::path::Path;
+
+/// Path lengths through each medium, one ray per pixel, as along the rays of a camera.
+///
+/// ```
+/// use rayweave_analysis::thickness::{Run, ThicknessMap};
+/// use rayweave_math::Vec3;
+/// use rayweave_scene::Compiled;
+/// use rayweave_shape::Ray;
+/// use rayweave_trace::Packets;
+///
+/// let (_, scene) = rayweave_scene::parse(
+///     "rayweave = 1\nunit = \"cm\"\n[solid.ball]\nsphere = { radius = 2 }\n[[region]]\nsolid = \"ball\"\nmedium = \"steel\"\n\
+///      [medium.steel]\nattenuation = 0.5",
+/// )?;
+/// let compiled = Compiled::new(&scene)?;
+/// let evaluator = Packets::new(compiled.program.clone());
+/// let along_y = |x: usize, y: usize| Ray::new(Vec3::new(x as f64 - 2.0, -9.0, 2.0 - y as f64), Vec3::Y);
+/// let map = ThicknessMap::new(&compiled, &evaluator, [5, 5], along_y, &mut Run::default())?;
+///
+/// // through the middle: 4 cm of steel, which transmit exp(-2)
+/// assert!((map.lengths(2, 2)[1] - 4.0).abs() < 1e-12);
+/// assert!((map.radiograph(&scene)[2 * 5 + 2] - 0.135_335_283_236_612_7).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ThicknessMap {
+    size: [usize; 2],
+    media: Vec<String>,
+    lengths: PathLengths,
+}
+
+/// The attenuation over a length: 0 without attenuation, even over an infinite length.
+fn faint((length, mu): (&f64, &f64)) -> f64 {
+    if *mu == 0.0 { 0.0 } else { length * mu }
+}
+
+/// The transmission at the darkest pixel where no medium has an attenuation. The media then attenuate by their density, or all
+/// alike where none has a density.
+pub const FAINTEST: f64 = 0.05;
+
+impl ThicknessMap {
+    /// Traces the rays of all pixels; `ray` gives the ray of column x and row y, counted from the upper left.
+    ///
+    /// # Errors
+    ///
+    /// [`AnalysisError::Cancelled`].
+    pub fn new<E: Evaluator>(
+        compiled: &Compiled,
+        evaluator: &E,
+        [width, height]: [usize; 2],
+        ray: impl Fn(usize, usize) -> Ray + Sync,
+        run: &mut Run<'_>,
+    ) -> Result<ThicknessMap, AnalysisError> {
+        let media = compiled.media.to_vec();
+        let ray = |k: usize| ray(k % width, k / width);
+        let lengths = path_lengths(evaluator, media.len(), width * height, ray, run)?;
+        Ok(ThicknessMap { size: [width, height], media, lengths })
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// The names of the media.
+    pub fn media(&self) -> &[String] {
+        &self.media
+    }
+
+    /// The path lengths at a pixel, counted from the upper left one, medium by medium: see [`PathLengths::of`].
+    pub fn lengths(&self, x: usize, y: usize) -> &[f64] {
+        self.lengths.of(y * self.size[0] + x)
+    }
+
+    /// All path lengths, pixel by pixel.
+    pub fn path_lengths(&self) -> &PathLengths {
+        &self.lengths
+    }
+
+    /// The path lengths through one medium, pixel by pixel.
+    ///
+    /// # Errors
+    ///
+    /// [`AnalysisError::Name`] for an unknown medium.
+    pub fn of_medium(&self, name: &str) -> Result<Vec<f64>, AnalysisError> {
+        let known = self.media.iter().map(String::as_str);
+        let medium = known.clone().position(|own| own == name);
+        let medium = medium.ok_or_else(|| AnalysisError::Name(Message::unknown("medium", name, known)))?;
+        Ok(self.pixels(|lengths| lengths[medium]))
+    }
+
+    /// The transmission of an X-ray from 0 to 1, pixel by pixel, by the numbers `attenuation` of the media, per length of the
+    /// model; a medium without one is transparent. Without any, the media attenuate by their numbers `density`, or alike: see
+    /// [`FAINTEST`].
+    pub fn radiograph(&self, scene: &Scene) -> Vec<f64> {
+        let attenuations = self.attenuations(scene);
+        self.pixels(|lengths| libm::exp(-lengths.iter().zip(&attenuations).map(faint).sum::<f64>()))
+    }
+
+    /// The attenuation of each medium, per length of the model.
+    pub fn attenuations(&self, scene: &Scene) -> Vec<f64> {
+        if let Some(said) = self.numbers(scene, "attenuation") {
+            return said;
+        }
+        let alike = || (0..self.media.len()).map(|medium| if medium == 0 { 0.0 } else { 1.0 }).collect();
+        let weights: Vec<f64> = self.numbers(scene, "density").unwrap_or_else(alike);
+        let weighed = |lengths: &[f64]| lengths.iter().zip(&weights).map(faint).sum::<f64>();
+        let all = (0..self.lengths.len()).map(|ray| weighed(self.lengths.of(ray)));
+        let most = all.filter(|sum| sum.is_finite()).fold(0.0, f64::max);
+        let mu = if most > 0.0 { -libm::log(FAINTEST) / most } else { 0.0 };
+        weights.into_iter().map(|weight| mu * weight).collect()
+    }
+
+    /// A number of each medium, 0 for those that do not have it; `None` if none has.
+    fn numbers(&self, scene: &Scene, key: &str) -> Option<Vec<f64>> {
+        let of = |name: &String| {
+            let medium = scene.media.iter().find(|medium| medium.name == *name)?;
+            medium.numbers.iter().find(|(own, _)| own == key).map(|(_, value)| *value)
+        };
+        let said: Vec<Option<f64>> = self.media.iter().map(of).collect();
+        let any = said.iter().any(Option::is_some);
+        any.then(|| said.into_iter().map(Option::unwrap_or_default).collect())
+    }
+
+    fn pixels(&self, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+        (0..self.lengths.len()).map(|ray| of(self.lengths.of(ray))).collect()
+    }
+
+    /// Writes the table of all pixels: `x` and `y`, counted from the upper left one, and the path length through each medium,
+    /// under its name, in `unit`. The extension chooses the format, as for all tables.
+    ///
+    /// # Errors
+    ///
+    /// The table cannot be written.
+    pub fn write(&self, path: &Path, unit: &str) -> Result<(), TableError> {
+        let mut columns = vec![Column::new("x", DType::I64), Column::new("y", DType::I64)];
+        columns.extend(self.media.iter().map(|name| Column::new(name, DType::F64).unit(unit)));
+        let schema = Schema::new(columns)?;
+        let mut writer = TableWriter::create(path, &schema)?;
+        let [width, height] = self.size;
+        for y in 0..height {
+            let whole = |of: &dyn Fn(usize) -> i64| Values::from((0..width).map(of).collect::<Vec<_>>());
+            let mut values = vec![whole(&|x| x as i64), whole(&|_| y as i64)];
+            values.extend((0..self.media.len()).map(|medium| {
+                Values::from((0..width).map(|x| self.lengths(x, y)[medium]).collect::<Vec<_>>())
+            }));
+            let chunk = Chunk::new(values)?;
+            writer.write(&chunk)?;
+        }
+        writer.finish()?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayweave_math::Vec3;
+    use rayweave_trace::AnyEvaluator;
+
+    /// A ball of radius 2 in a box of side 6.
+    fn map(water: &str, steel: &str) -> (ThicknessMap, Scene) {
+        let text = format!(
+            "rayweave = 1\n[solid.tank]\nbox = {{ size = [6, 6, 6] }}\n[solid.ball]\nsphere = {{ radius = 2 }}\n[[region]]\n\
+             solid = \"tank\"\nmedium = \"water\"\n[[region]]\nsolid = \"ball\"\nmedium = \"steel\"\n[medium.water]\n{water}\n\
+             [medium.steel]\n{steel}"
+        );
+        let (_, scene) = rayweave_scene::parse(&text).unwrap();
+        let compiled = Compiled::new(&scene).unwrap();
+        let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
+        // parallel rays along y, 0.18 apart
+        let ray = |x: usize, y: usize| {
+            Ray::new(Vec3::new(0.18 * (x as f64 - 20.0), -9.0, 0.18 * (20.0 - y as f64)), Vec3::Y)
+        };
+        (ThicknessMap::new(&compiled, &evaluator, [41, 41], ray, &mut Run::default()).unwrap(), scene)
+    }
+
+    /// Along the middle 2 of water and 4 of steel; near a corner of the box 6 of water alone.
+    #[test]
+    fn media_weaken_by_attenuation_or_density_or_alike() {
+        let corner = (8, 8);
+        // the weights along the middle and the corner, and the most of all rays
+        for (water, steel, sums, most) in [
+            ("", "", [6.0, 6.0], 6.0),
+            ("density = 1", "density = 8", [34.0, 6.0], 34.0),
+            ("density = 1", "", [2.0, 6.0], 6.0),
+        ] {
+            let (map, scene) = map(water, steel);
+            assert!((map.lengths(corner.0, corner.1)[1] - 6.0).abs() < 1e-12);
+            let radiograph = map.radiograph(&scene);
+            let found = [20 * 41 + 20, corner.1 * 41 + corner.0].map(|pixel| -libm::log(radiograph[pixel]));
+            let wanted = sums.map(|sum| sum / most);
+            for (found, wanted) in found.into_iter().zip(wanted) {
+                assert!(
+                    (found / -libm::log(FAINTEST) - wanted).abs() < 1e-9,
+                    "{water} {steel} {found} {wanted}"
+                );
+            }
+        }
+        let (map, scene) = map("attenuation = 0.1\ndensity = 9", "density = 1");
+        let radiograph = map.radiograph(&scene);
+        assert!((-libm::log(radiograph[20 * 41 + 20]) - 0.2).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,75 @@
+//! The frame of a chart, with axes of equal scale.
+
+use crate::axis::Axis;
+use crate::svg::{Anchor, Pixels, Svg};
+use std::fmt::Write;
+
+/// The length of the longer axis.
+const SIDE: f64 = 460.0;
+/// The margins left of the axes and above them.
+pub const LEFT: f64 = 86.0;
+pub const TOP: f64 = 82.0;
+/// The margin below the axes.
+pub const BELOW: f64 = 56.0;
+pub const MARGIN: f64 = 24.0;
+
+/// A window of the plane of a detector, drawn to one scale in both directions.
+#[derive(Debug)]
+pub struct Chart {
+    pub x: Axis,
+    pub y: Axis,
+}
+
+impl Chart {
+    /// The chart of a window, which must not be empty.
+    pub fn new(lo: [f64; 2], hi: [f64; 2]) -> Chart {
+        let size = [0, 1].map(|k| hi[k] - lo[k]);
+        let scale = SIDE / size[0].max(size[1]);
+        let [width, height] = size.map(|side| scale * side);
+        Chart {
+            x: Axis { min: lo[0], max: hi[0], start: LEFT, end: LEFT + width },
+            y: Axis { min: lo[1], max: hi[1], start: TOP + height, end: TOP },
+        }
+    }
+
+    /// The position of a point.
+    pub fn position(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.x.position(x), self.y.position(y)]
+    }
+
+    /// The area between the axes: left, top, width, height.
+    pub fn frame(&self) -> [f64; 4] {
+        [self.x.start, self.y.end, self.x.end - self.x.start, self.y.start - self.y.end]
+    }
+
+    /// Draws title, subtitle, and axes with ticks. `unit` is that of lengths.
+    pub fn draw(&self, svg: &mut Svg, [title, subtitle]: [&str; 2], unit: &str) {
+        svg.text("title", [MARGIN, 30.0], Anchor::Start, title, title);
+        svg.text("tick", [MARGIN, 48.0], Anchor::Start, subtitle, subtitle);
+        let [left, top, width, height] = self.frame();
+        let (right, bottom) = (left + width, top + height);
+        let mut path = format!(
+            "M{} {}H{}V{}H{}Z",
+            Pixels(left),
+            Pixels(top),
+            Pixels(right),
+            Pixels(bottom),
+            Pixels(left)
+        );
+        // writing to a string cannot fail
+        for (value, text) in self.x.ticks((width / 80.0).max(1.0)) {
+            let x = self.x.position(value);
+            let _ = write!(path, "M{} {}v5", Pixels(x), Pixels(bottom));
+            svg.text("tick", [x, bottom + 18.0], Anchor::Middle, &text, &text);
+        }
+        for (value, text) in self.y.ticks((height / 50.0).max(1.0)) {
+            let y = self.y.position(value);
+            let _ = write!(path, "M{} {}h-5", Pixels(left), Pixels(y));
+            svg.text("tick", [left - 8.0, y + 4.0], Anchor::End, &text, &text);
+        }
+        svg.path("axis", path, "");
+        let (across, up) = (format!("x / {unit}"), format!("y / {unit}"));
+        svg.text("tick", [0.5 * (left + right), bottom + 38.0], Anchor::Middle, &across, &across);
+        svg.text("tick", [left - 8.0, top - 8.0], Anchor::End, &up, &up);
+    }
+}

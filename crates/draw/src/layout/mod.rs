@@ -1,0 +1,260 @@
+//! Layouts of optical systems: a true section of the solids by a plane, with rays near that plane.
+//!
+//! ```
+//! use rayweave_draw::layout::{Layout, LayoutOptions};
+//! use rayweave_optics::file::optics_of;
+//! use rayweave_trace::Packets;
+//!
+//! let (document, scene) = rayweave_scene::parse(r#"
+//!     rayweave = 1
+//!     [solid.ball]
+//!     sphere = { radius = 10 }
+//!     [optics.medium]
+//!     ball = 1.5
+//!     [[optics.source]]
+//!     line = { length = 12, rays = 7 }
+//!     transform = [{ translate = [0, 0, -30] }]
+//! "#)?;
+//! let optics = optics_of(&document, &scene)?;
+//! let system = optics.assembly.compile()?;
+//! let options = LayoutOptions::default();
+//! let layout = Layout::new(&system, &optics.sources, &optics.settings, &options, Packets::new)?;
+//! assert!(layout.to_svg("a ball lens", scene.unit.symbol()).starts_with("<svg "));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod plane;
+mod rays;
+mod svg;
+
+pub use plane::LayoutPlane;
+
+use crate::DrawError;
+use rays::TrialRays;
+use rayweave_analysis::section::{Cut, Look, Section, SectionError, section};
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{Evaluator, Program, RegionId};
+use rayweave_optics::{Emitter, Segments, Settings, System, Tracer};
+use std::sync::Arc;
+
+/// The meaning of the colours of rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RayColour {
+    /// The colour of the wavelength as eyes see it; grey outside of the visible range.
+    #[default]
+    Wavelength,
+    /// A colour for each source.
+    Source,
+}
+
+/// Options of a layout.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayoutOptions {
+    /// The plane of the section; by default the one nearest to the light.
+    pub plane: Option<LayoutPlane>,
+    /// The approximate number of rays of all sources together: those nearest to the plane, evenly spread.
+    pub rays: usize,
+    /// The colours of the rays.
+    pub colour: RayColour,
+}
+
+impl Default for LayoutOptions {
+    fn default() -> LayoutOptions {
+        LayoutOptions { plane: None, rays: 27, colour: RayColour::Wavelength }
+    }
+}
+
+/// A section of an optical system with light.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    plane: LayoutPlane,
+    cut: Cut,
+    /// The corners of the drawing in the plane.
+    lo: [f64; 2],
+    hi: [f64; 2],
+    parts: Vec<Part>,
+    sheets: Vec<Vec<[f64; 2]>>,
+    segments: Segments,
+    colour: RayColour,
+    sources: usize,
+}
+
+/// A region in the section.
+#[derive(Clone, Debug)]
+struct Part {
+    name: String,
+    /// The medium of the region, `None` if it is opaque.
+    medium: Option<String>,
+    contours: Vec<Vec<[f64; 2]>>,
+}
+
+/// Light with less than this part of its initial power is not drawn.
+const FAINTEST: f64 = 1e-4;
+
+impl Layout {
+    /// Cuts a system and traces some of its light. Rays are chosen from all parts of every source. `make` constructs
+    /// evaluators.
+    ///
+    /// # Errors
+    /// [`DrawError::Optics`] for light that cannot be traced, [`DrawError::Section`] for a plane or a system without size.
+    pub fn new<E: Evaluator>(
+        system: &System,
+        light: &impl Emitter,
+        settings: &Settings,
+        options: &LayoutOptions,
+        make: impl Fn(Arc<Program>) -> E,
+    ) -> Result<Layout, DrawError> {
+        let tracer = Tracer::new(system, &make);
+        let trial = TrialRays::new(&tracer, light, settings)?;
+        let plane = options.plane.unwrap_or_else(|| plane::nearest_to_light(&trial.segments));
+        let cut = plane.cut()?;
+        let chosen = trial.nearest_to(&cut, options.rays.max(1));
+        let faintest = FAINTEST * chosen.powers().iter().fold(0.0, |most: f64, &power| most.max(power));
+        let settings = Settings { threshold: settings.threshold.max(faintest), ..settings.clone() };
+        let segments = tracer.trace(&chosen, &settings)?.segments;
+        let (lo, hi) = window(system, &cut, &segments);
+        let mut layout = Layout {
+            plane,
+            cut,
+            lo,
+            hi,
+            parts: Vec::new(),
+            sheets: Vec::new(),
+            segments,
+            colour: options.colour,
+            sources: trial.sources,
+        };
+        layout.cut_solids(system, &make)?;
+        layout.cut_sheets(system, &make)?;
+        Ok(layout)
+    }
+
+    /// The layout as SVG. `unit` is that of lengths.
+    pub fn to_svg(&self, title: &str, unit: &str) -> String {
+        svg::drawing(self, title, unit)
+    }
+
+    /// The plane of the section.
+    pub fn plane(&self) -> LayoutPlane {
+        self.plane
+    }
+
+    fn cut_solids<E: Evaluator>(
+        &mut self,
+        system: &System,
+        make: impl Fn(Arc<Program>) -> E,
+    ) -> Result<(), DrawError> {
+        let program = system.program();
+        let found = self.section(&make(program.clone()), self.lo, self.hi)?;
+        for (number, region) in (1..).zip(program.regions()) {
+            let number = RegionId(number);
+            let medium = system.medium_of(number).map(|medium| medium.name().to_owned());
+            let contours = found.contours(number);
+            self.parts.push(Part { name: region.name.clone(), medium, contours });
+        }
+        Ok(())
+    }
+
+    /// Cuts the sheets, each in a window of its own size.
+    fn cut_sheets<E: Evaluator>(
+        &mut self,
+        system: &System,
+        make: impl Fn(Arc<Program>) -> E,
+    ) -> Result<(), DrawError> {
+        for name in system.element_names() {
+            let Some(program) = system.sheet_program(name) else { continue };
+            let ranges = [0, 1].map(|k| self.cut.range(&program.bounds(), k));
+            let lo = [0, 1].map(|k| ranges[k][0].max(self.lo[k]));
+            let hi = [0, 1].map(|k| ranges[k][1].min(self.hi[k]));
+            let room = 1e-3 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
+            if lo[0] < hi[0] && lo[1] < hi[1] {
+                let sheet = make(program.clone());
+                let found = self.section(&sheet, lo.map(|x| x - room), hi.map(|x| x + room))?;
+                self.sheets.extend(found.between(RegionId(1), RegionId(2)));
+            }
+        }
+        Ok(())
+    }
+
+    fn section(
+        &self,
+        evaluator: &impl Evaluator,
+        lo: [f64; 2],
+        hi: [f64; 2],
+    ) -> Result<Section, SectionError> {
+        let whole = (self.hi[0] - self.lo[0]).max(self.hi[1] - self.lo[1]);
+        let look = Look { tolerance: 2e-5 * whole, ..Look::new(lo, hi) };
+        section(evaluator, &self.cut, &look)
+    }
+}
+
+/// The corners of a drawing that shows all elements, and light before and behind them.
+fn window(system: &System, cut: &Cut, segments: &Segments) -> ([f64; 2], [f64; 2]) {
+    let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+    let mut grow = |range: [f64; 2], k: usize, within: [f64; 2]| {
+        let [lo, hi] = range.map(|end: f64| end.clamp(within[0], within[1]));
+        if range[0].is_finite() && range[1].is_finite() {
+            ranges[k] = [ranges[k][0].min(lo), ranges[k][1].max(hi)];
+        }
+    };
+    let all = [f64::NEG_INFINITY, f64::INFINITY];
+    for bounds in boxes(system) {
+        (0..2).for_each(|k| grow(cut.range(&bounds, k), k, all));
+    }
+    let of_light = light_range(cut, segments);
+    // distant light: as much is shown as the elements are large
+    let most = [0, 1].map(|k| {
+        let [lo, hi] = ranges[k];
+        let size = ranges.iter().map(|[lo, hi]| hi - lo).fold(0.0, f64::max);
+        if lo <= hi && size > 0.0 { [lo - 0.6 * size, hi + 0.6 * size] } else { all }
+    });
+    for k in 0..2 {
+        if let Some([lo, hi]) = of_light[k] {
+            ranges[k] = [ranges[k][0].min(lo.max(most[k][0])), ranges[k][1].max(hi.min(most[k][1]))];
+        }
+    }
+    with_margins(ranges)
+}
+
+/// The boxes of the regions and the sheets.
+fn boxes(system: &System) -> Vec<Bounds> {
+    let program = system.program();
+    let model = &program.prototypes()[0];
+    let leaves = model.leaves.clone().map(|leaf| program.leaf_bounds(rayweave_model::LeafId(leaf)));
+    let whole = program.bounds();
+    let solids: Vec<Bounds> = match whole.is_finite() {
+        true => vec![whole],
+        // of an unbounded model, the bounded parts
+        false => leaves.filter(Bounds::is_finite).collect(),
+    };
+    let sheets = system.element_names().iter().filter_map(|name| system.sheet_program(name));
+    solids.into_iter().chain(sheets.map(|program| program.bounds())).filter(|b| !b.is_empty()).collect()
+}
+
+/// The range of each coordinate over the ends of all segments.
+fn light_range(cut: &Cut, segments: &Segments) -> [Option<[f64; 2]>; 2] {
+    let mut ranges = [None; 2];
+    for segment in segments.iter() {
+        for point in [segment.start, segment.end].into_iter().filter(|point: &Vec3| point.is_finite()) {
+            for (range, x) in ranges.iter_mut().zip(cut.place(point)) {
+                let [lo, hi] = range.unwrap_or([x; 2]);
+                *range = Some([x.min(lo), x.max(hi)]);
+            }
+        }
+    }
+    ranges
+}
+
+/// Ranges with margins, none of them empty or much narrower than the other.
+fn with_margins(ranges: [[f64; 2]; 2]) -> ([f64; 2], [f64; 2]) {
+    let ranges = ranges.map(|[lo, hi]| if lo <= hi { [lo, hi] } else { [-1.0, 1.0] });
+    let size = ranges.iter().map(|[lo, hi]| hi - lo).fold(0.0, f64::max);
+    let size = if size > 0.0 { size } else { 2.0 };
+    let least = [0.2 * size, 0.12 * size];
+    let ranges = [0, 1].map(|k| {
+        let [lo, hi] = ranges[k];
+        let missing = (0.5 * (least[k] - (hi - lo))).max(0.0);
+        [lo - missing - 0.05 * size, hi + missing + 0.05 * size]
+    });
+    (ranges.map(|range| range[0]), ranges.map(|range| range[1]))
+}

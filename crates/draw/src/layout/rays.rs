@@ -1,0 +1,133 @@
+//! The choice of the rays that are drawn.
+
+use rayweave_analysis::section::Cut;
+use rayweave_math::Vec3;
+use rayweave_model::Evaluator;
+use rayweave_optics::{Beam, Branches, Emitter, Light, OpticsError, Segments, Settings, Tracer};
+
+/// The most trial rays of all sources together.
+const MOST: usize = 4096;
+
+/// Rays from all parts of the sources, with their segments where nothing splits them.
+pub struct TrialRays {
+    rays: Beam,
+    pub segments: Segments,
+    /// The number of sources.
+    pub sources: usize,
+}
+
+impl TrialRays {
+    pub fn new<E: Evaluator>(
+        tracer: &Tracer<'_, E>,
+        light: &impl Emitter,
+        settings: &Settings,
+    ) -> Result<TrialRays, OpticsError> {
+        let mut rays = Beam::default();
+        let count = light.count();
+        let parts = count.min(MOST);
+        for part in 0..parts {
+            let [from, to] = [part, part + 1].map(|k| (k as u128 * count as u128 / parts as u128) as usize);
+            // at random distances: even ones lie on few arms of a spiral
+            let ray = from + split_mix(part as u64) as usize % (to - from).max(1);
+            light.emit(ray..ray + 1, &mut rays);
+        }
+        let settings = Settings { branches: Branches::Ideal, ..settings.clone() };
+        let segments = tracer.trace(&rays, &settings)?.segments;
+        let sources = rays.sources().iter().max().map_or(0, |&last| last as usize + 1);
+        Ok(TrialRays { rays, segments, sources })
+    }
+
+    /// About `count` rays near a plane, evenly spread, the same number of each source.
+    pub fn nearest_to(&self, cut: &Cut, count: usize) -> Beam {
+        let keys = self.keys(cut);
+        let each = count.div_ceil(self.sources.max(1));
+        let mut chosen: Vec<usize> = Vec::new();
+        for source in 0..self.sources as u32 {
+            let mut own: Vec<&Key> =
+                keys.iter().filter(|key| self.rays.sources()[key.ray] == source).collect();
+            chosen.extend(spread(&mut own, each));
+        }
+        chosen.sort_unstable();
+        let lights = chosen.into_iter().map(|ray| self.rays.get(ray));
+        lights.filter(|light: &Light| light.power > 0.0).collect()
+    }
+
+    fn keys(&self, cut: &Cut) -> Vec<Key> {
+        let mut keys: Vec<Key> = (0..self.rays.len()).map(|ray| Key { ray, off: 0.0, along: 0.0 }).collect();
+        let origin = cut.point([0.0; 2]);
+        let off = |point: Vec3| if point.is_finite() { cut.normal().dot(point - origin).abs() } else { 0.0 };
+        for segment in self.segments.iter() {
+            let key = &mut keys[segment.id as usize];
+            key.off = key.off.max(off(segment.start)).max(off(segment.end));
+            if segment.parent < 0 {
+                let ends = [
+                    segment.start,
+                    if segment.end.is_finite() { segment.end } else { segment.start + segment.direction },
+                ];
+                key.along = ends.map(|end| cut.place(end)[1]).iter().sum();
+            }
+        }
+        keys
+    }
+}
+
+/// The place of a ray relative to a plane.
+struct Key {
+    ray: usize,
+    /// The greatest distance from the plane.
+    off: f64,
+    /// Increases from ray to ray upwards in the drawing.
+    along: f64,
+}
+
+/// The lowest and the highest of the rays nearest to the plane, and others evenly between.
+fn spread(keys: &mut Vec<&Key>, count: usize) -> Vec<usize> {
+    if keys.is_empty() {
+        return Vec::new();
+    }
+    keys.sort_by(|a, b| a.off.total_cmp(&b.off));
+    let last = keys[(6 * count).min(keys.len()) - 1].off;
+    // rays as near as the last one are kept, so that a flat fan stays whole
+    keys.retain(|key| key.off <= last * (1.0 + 1e-9));
+    keys.sort_by(|a, b| a.along.total_cmp(&b.along));
+    let count = count.min(keys.len());
+    let index = |k: usize| k * (keys.len() - 1) / (count - 1).max(1);
+    (0..count).map(|k| keys[index(k)].ray).collect()
+}
+
+/// A pseudorandom number (SplitMix64: G. L. Steele, D. Lea and C. H. Flood, OOPSLA 2014).
+fn split_mix(k: u64) -> u64 {
+    let z = k.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (z ^ (z >> 31)) >> 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chosen(keys: &[Key], count: usize) -> Vec<usize> {
+        spread(&mut keys.iter().collect(), count)
+    }
+
+    /// The ends and the middle of a flat fan; of a disc only points near the plane.
+    #[test]
+    fn rays_near_the_plane_evenly() {
+        let fan: Vec<Key> = (0..101).map(|ray| Key { ray, off: 0.0, along: ray as f64 }).collect();
+        assert_eq!(chosen(&fan, 3), [0, 50, 100]);
+        assert_eq!(chosen(&fan, 1), [0]);
+        assert_eq!(chosen(&fan[..2], 9), [0, 1]);
+        assert!(chosen(&[], 3).is_empty());
+        let disc = |ray: usize| {
+            let (r, angle) = ((ray as f64 / 2000.0).sqrt(), 2.4 * ray as f64);
+            Key { ray, off: (r * angle.cos()).abs(), along: r * angle.sin() }
+        };
+        let disc: Vec<Key> = (0..2000).map(disc).collect();
+        let some = chosen(&disc, 11);
+        assert!(some.iter().all(|&ray| disc[ray].off < 0.1));
+        let along: Vec<f64> = some.iter().map(|&ray| disc[ray].along).collect();
+        assert!(along.windows(2).all(|pair| pair[0] < pair[1] && pair[1] - pair[0] < 0.4), "{along:?}");
+        assert!(along[0] < -0.8 && along[10] > 0.8);
+    }
+}

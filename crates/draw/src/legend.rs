@@ -1,0 +1,76 @@
+//! Legends: the meaning of the colours of a drawing.
+
+use crate::axis::format_number;
+use crate::svg::{Anchor, Svg, paint};
+use rayweave_render::{Rgba, wavelength_colour};
+
+const MARGIN: f64 = 24.0;
+const ROW: f64 = 20.0;
+/// The approximate width of a character.
+const LETTER: f64 = 6.4;
+
+/// A name with its colour, of a line or of an area.
+pub struct Entry {
+    /// The name.
+    pub name: String,
+    /// The paint of the swatch.
+    pub colour: String,
+    /// True for a line, false for an area.
+    pub is_line: bool,
+}
+
+/// Draws entries in rows below a height. Returns the height of the drawing that ends with them.
+pub fn draw(svg: &mut Svg, entries: &[Entry], from: f64, width: f64) -> f64 {
+    let (mut x, mut y) = (MARGIN, from);
+    for Entry { name, colour, is_line } in entries {
+        let wide = 24.0 + LETTER * name.chars().count() as f64 + 18.0;
+        if x + wide > width - MARGIN && x > MARGIN {
+            (x, y) = (MARGIN, y + ROW);
+        }
+        let fill = format!(r#" fill="{colour}""#);
+        let (height, top) = if *is_line { (2.5, y - 5.5) } else { (11.0, y - 9.5) };
+        svg.rectangle("swatch", [x, top, 16.0, height], &fill);
+        svg.text("tick", [x + 22.0, y], Anchor::Start, name, name);
+        x += wide;
+    }
+    if entries.is_empty() { from } else { y + MARGIN }
+}
+
+/// The distinct wavelengths of a drawing, in nanometres.
+pub struct Wavelengths(Vec<f64>);
+
+impl Wavelengths {
+    /// Sorts wavelengths and removes duplicates.
+    pub fn new(wavelengths_nm: impl Iterator<Item = f64>) -> Wavelengths {
+        let mut lengths: Vec<f64> = wavelengths_nm.collect();
+        lengths.sort_by(f64::total_cmp);
+        lengths.dedup();
+        Wavelengths(lengths)
+    }
+
+    /// An entry for each of at most six wavelengths; for the ends and the middle of more.
+    pub fn entries(&self) -> Vec<Entry> {
+        let few = match self.0.len() {
+            0..=6 => self.0.clone(),
+            n => vec![self.0[0], self.0[n / 2], self.0[n - 1]],
+        };
+        let entry = |nm: f64| Entry {
+            name: format!("{} nm", format_number(nm, 0.1)),
+            colour: wavelength_paint(nm),
+            is_line: true,
+        };
+        few.into_iter().map(entry).collect()
+    }
+}
+
+/// The paint of light of a wavelength in nanometres.
+pub fn wavelength_paint(wavelength_nm: f64) -> String {
+    paint(darkened(wavelength_colour(wavelength_nm)))
+}
+
+/// A colour dark enough for a thin line on white: light greens and yellows are darkened the most.
+fn darkened(colour: Rgba) -> Rgba {
+    let Rgba { red, green, blue, .. } = colour;
+    let bright = (0.2 * f64::from(red) + 0.7 * f64::from(green) + 0.1 * f64::from(blue)) / 255.0;
+    Rgba::from([red, green, blue].map(|level| (f64::from(level) * (1.0 - 0.35 * bright)) as u8))
+}

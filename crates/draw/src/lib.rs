@@ -1,0 +1,31 @@
+//! Drawings as SVG and DXF, and pictures of scenes arranged on sheets.
+//!
+//! | drawing | functions and types |
+//! | --- | --- |
+//! | pictures of scenes, cut-away and exploded views, sheets | [`picture`] |
+//! | layouts of optical systems | [`layout`] |
+//! | spot diagrams and maps of irradiance | [`detector`] |
+//! | time lines of rays | [`Timeline`], [`ray_timeline`] |
+//! | cross-sections, as SVG and DXF | [`section`] |
+//! | infill | [`InfillPicture`] |
+//!
+//! [`svg`] writes the few elements that all drawings share, [`axis`] places values and formats numbers.
+//!
+//! Invariants of absence: this crate reads and writes no files and names no evaluator; functions that need one are generic over
+//! [`Evaluator`](rayweave_model::Evaluator).
+
+pub mod axis;
+pub mod detector;
+mod error;
+mod infill;
+pub mod layout;
+mod legend;
+pub mod picture;
+mod plan;
+pub mod section;
+pub mod svg;
+mod timeline;
+
+pub use error::DrawError;
+pub use infill::InfillPicture;
+pub use timeline::{Timeline, TimelineError, ray_timeline};

@@ -1,0 +1,175 @@
+//! Cross-sections as SVG.
+
+use crate::legend::{self, Entry};
+use crate::plan::Plan;
+use crate::svg::{Anchor, Svg};
+use rayweave_analysis::section::{CrossSection, SectionPart};
+use rayweave_scene::Colour;
+
+/// The width of the drawing, and the greatest height of a single section.
+const WIDTH: f64 = 960.0;
+const MOST_HEIGHT: f64 = 640.0;
+const MARGIN: f64 = 24.0;
+const TITLE: f64 = 46.0;
+/// The heights of the scale bar and of a row of the legend.
+const BAR: f64 = 34.0;
+const ROW: f64 = 20.0;
+/// The height of the name of a plane below its panel.
+const LABEL: f64 = 24.0;
+
+/// The most planes of a stack that are drawn.
+const MOST_PANELS: usize = 100;
+
+const STYLE: &str = "\
+.cut { stroke: none; fill-rule: evenodd }
+.outline { fill: none; stroke: #1d2733; stroke-width: 1; stroke-linejoin: round }
+@media (prefers-color-scheme: dark) {
+.cut { fill-opacity: 0.75 }
+.outline { stroke: #e4e9ee }
+}
+";
+
+/// Draws one section, or a stack side by side: parts filled with their colours, a legend and a scale bar. Lengths are in `unit`.
+/// Of more than 100 sections, 100 evenly chosen ones are drawn.
+pub fn section_svg(sections: &[CrossSection], title: &str, unit: &str) -> String {
+    let shown = chosen(sections);
+    let mut svg = Svg::default();
+    svg.text("title", [MARGIN, MARGIN + 8.0], Anchor::Start, title, title);
+    let note = match (sections, shown.len()) {
+        ([only], _) => only.plane.to_string(),
+        (all, n) if n < all.len() => format!("{n} of {} planes", all.len()),
+        (_, n) => format!("{n} planes"),
+    };
+    svg.text("tick", [WIDTH - MARGIN, MARGIN + 8.0], Anchor::End, &note, &note);
+    let visible = Visible::new(sections);
+    let (lo, hi) = window(sections, visible);
+    let grid = Grid::new(shown.len(), hi[0] - lo[0], hi[1] - lo[1]);
+    let plans = shown.iter().enumerate().map(|(k, section)| {
+        let plan = Plan::new(lo, hi, grid.frame(k));
+        draw(&mut svg, &plan, section, visible);
+        if shown.len() > 1 {
+            let (label, name) = (section.plane.label(), section.plane.to_string());
+            svg.text("tick", grid.label(k), Anchor::Middle, &label, &name);
+        }
+        plan
+    });
+    let bottom = grid.bottom(plans.last().map_or(TITLE, |plan| plan.bottom));
+    let plan = Plan::new(lo, hi, grid.frame(0));
+    if let Some(first) = sections.first() {
+        Plan::axes(&mut svg, [MARGIN + 4.0, bottom + BAR - 4.0], first.plane.axis_names());
+    }
+    plan.scale_bar(&mut svg, [WIDTH - MARGIN, bottom + BAR - 4.0], grid.width, unit);
+    let height = legend::draw(&mut svg, &entries(sections, visible), bottom + BAR + ROW, WIDTH);
+    let description = format!("Cross-sections, each medium in its own colour: {note}.");
+    svg.finish([WIDTH, height], title, &description, STYLE)
+}
+
+fn chosen(sections: &[CrossSection]) -> Vec<&CrossSection> {
+    let count = sections.len().min(MOST_PANELS);
+    (0..count).map(|k| &sections[k * sections.len() / count]).collect()
+}
+
+/// The corners of all visible parts of all sections.
+fn window(sections: &[CrossSection], visible: Visible) -> ([f64; 2], [f64; 2]) {
+    let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let parts = sections.iter().flat_map(|section| visible.parts(section));
+    for point in parts.flat_map(|part| part.contours.iter().flatten()) {
+        for k in 0..2 {
+            (lo[k], hi[k]) = (lo[k].min(point[k]), hi[k].max(point[k]));
+        }
+    }
+    match (lo[0] < hi[0] && lo[1] < hi[1], sections) {
+        (true, _) => (lo, hi),
+        (false, [first, ..]) => (first.lo, first.hi),
+        (false, []) => ([0.0; 2], [1.0; 2]),
+    }
+}
+
+/// The choice of the parts that are drawn.
+#[derive(Clone, Copy)]
+struct Visible {
+    /// Whether transparent parts are drawn: only if there are no others.
+    transparent: bool,
+}
+
+impl Visible {
+    fn new(sections: &[CrossSection]) -> Visible {
+        let opaque = Visible { transparent: false };
+        Visible { transparent: !sections.iter().any(|section| opaque.parts(section).next().is_some()) }
+    }
+
+    /// The parts that are drawn.
+    fn parts(self, section: &CrossSection) -> impl Iterator<Item = &SectionPart> {
+        let is_drawn = move |part: &&SectionPart| part.colour.alpha > 0 || self.transparent;
+        section.parts.iter().filter(|part| !part.contours.is_empty()).filter(is_drawn)
+    }
+}
+
+fn draw(svg: &mut Svg, plan: &Plan, section: &CrossSection, visible: Visible) {
+    let path = |part: &SectionPart| -> String {
+        part.contours.iter().map(|contour| plan.path(contour, true)).collect()
+    };
+    for part in visible.parts(section) {
+        svg.path("cut", path(part), &format!(r#" fill="{}""#, paint(part.colour)));
+    }
+    for part in visible.parts(section) {
+        svg.path("outline", path(part), "");
+    }
+}
+
+/// The legend: the names of the parts in the order of their appearance.
+fn entries(sections: &[CrossSection], visible: Visible) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for part in sections.iter().flat_map(|section| visible.parts(section)) {
+        if entries.iter().all(|entry| entry.name != part.name) {
+            entries.push(Entry { name: part.name.clone(), colour: paint(part.colour), is_line: false });
+        }
+    }
+    entries
+}
+
+/// The opaque colour: the parts of a section do not overlap.
+fn paint(colour: Colour) -> String {
+    Colour { alpha: 255, ..colour }.to_string()
+}
+
+/// The arrangement of the panels.
+struct Grid {
+    columns: usize,
+    width: f64,
+    height: f64,
+    is_one: bool,
+}
+
+impl Grid {
+    fn new(count: usize, wide: f64, high: f64) -> Grid {
+        let all = count.max(1);
+        // all panels together are about as wide as high
+        let columns = ((all as f64 * 1.2 * high / wide).sqrt().ceil() as usize).clamp(1, all.min(12));
+        let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
+        let most = if all == 1 { MOST_HEIGHT } else { width * 1.5 };
+        let room = if all == 1 { width } else { 0.9 * width };
+        Grid { columns, width, height: (room * high / wide).min(most), is_one: all == 1 }
+    }
+
+    fn corner(&self, k: usize) -> [f64; 2] {
+        let (column, row) = (k % self.columns, k / self.columns);
+        [MARGIN + column as f64 * self.width, TITLE + row as f64 * (self.height + LABEL)]
+    }
+
+    fn frame(&self, k: usize) -> [f64; 4] {
+        let [x, y] = self.corner(k);
+        let room = if self.is_one { 0.0 } else { 0.05 * self.width };
+        [x + room, y, self.width - 2.0 * room, self.height]
+    }
+
+    fn label(&self, k: usize) -> [f64; 2] {
+        let [x, y] = self.corner(k);
+        [x + 0.5 * self.width, y + self.height + 0.6 * LABEL]
+    }
+
+    /// The lower end of all panels, given that of the last one.
+    fn bottom(&self, last: f64) -> f64 {
+        if self.is_one { last } else { last + LABEL }
+    }
+}

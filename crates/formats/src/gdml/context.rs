@@ -1,0 +1,41 @@
+//! State of the reader: files, problems, warnings and losses.
+
+use super::trouble::Trouble;
+use super::xml::Files;
+use crate::{LossKind, Report};
+use rayweave_scene::Diagnostic;
+
+/// Most problems that are reported. More indicate a loop, or a file of another format.
+const MOST_PROBLEMS: usize = 200;
+
+/// State while files are read.
+#[derive(Debug, Default)]
+pub struct Context {
+    pub files: Files,
+    pub problems: Vec<Diagnostic>,
+    pub warnings: Vec<Diagnostic>,
+    pub report: Report,
+    /// Stack of the files being read, each included by the previous one.
+    pub open: Vec<std::path::PathBuf>,
+}
+
+impl Context {
+    /// Adds an error.
+    pub fn error(&mut self, trouble: Trouble) {
+        if self.problems.len() < MOST_PROBLEMS {
+            self.problems.push(self.files.locate(Diagnostic::error(trouble.message), trouble.place));
+        }
+    }
+
+    /// Adds a warning without a loss.
+    pub fn warn(&mut self, trouble: Trouble) {
+        if self.warnings.len() < MOST_PROBLEMS {
+            self.warnings.push(self.files.locate(Diagnostic::warning(trouble.message), trouble.place));
+        }
+    }
+
+    /// Adds a loss.
+    pub fn lose(&mut self, kind: LossKind, what: &str, trouble: Trouble) {
+        self.report.add(kind, what, self.files.locate(Diagnostic::warning(trouble.message), trouble.place));
+    }
+}

@@ -1,0 +1,39 @@
+//! Texts of GDML files.
+
+use rayweave_scene::{Diagnostics, Source};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Largest file in bytes.
+const LARGEST_FILE: u64 = 256 << 20;
+
+/// Text of a GDML file, in UTF-8 or in Latin-1 if the XML declaration says so.
+///
+/// # Errors
+///
+/// One problem: the file cannot be read, is too large, or is not text.
+pub(crate) fn source(path: &Path) -> Result<Source, Diagnostics> {
+    // the common reader of all formats reports the problem
+    Source::read(path).or_else(|problems| source_of(path).map_err(|_| problems))
+}
+
+/// Text of an included file.
+pub fn source_of(path: &Path) -> Result<Source, String> {
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let mut bytes = Vec::new();
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(format!("it is larger than {} MiB", LARGEST_FILE >> 20));
+    }
+    let text = String::from_utf8(bytes)
+        .or_else(|error| latin_1(error.as_bytes()).ok_or("it is not a text in UTF-8"))?;
+    Ok(Source::new(Some(path.to_owned()), text))
+}
+
+/// Text in Latin-1, if the XML declaration names that encoding.
+fn latin_1(bytes: &[u8]) -> Option<String> {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(100)]).to_ascii_lowercase();
+    let is_latin = head.starts_with("<?xml") && (head.contains("iso-8859-1") || head.contains("latin1"));
+    is_latin.then(|| bytes.iter().map(|byte| char::from(*byte)).collect())
+}

@@ -1,0 +1,221 @@
+//! Folds over the boolean tree below a node, with the shells of its leaves.
+
+use super::arguments::{Arguments, Refusal};
+use super::drawing::chords;
+use super::extent::Way;
+use super::facets::{Fineness, sphere_rings};
+use super::mesh::{self, Twist};
+use super::operation::Operation;
+use super::primitive::CylinderSizes;
+use super::region::{Contours, boundary};
+use super::shell::Shell;
+use super::state::Reader;
+use super::{gather, transform};
+use crate::kernel::triangulated;
+use rayweave_math::{Affine, Vec3, sin_cos_degrees};
+
+/// Most triangles of a node; more take too long.
+const MOST_TRIANGLES: usize = 500_000;
+
+/// A pending step of a traversal.
+enum Task {
+    Visit(usize, Affine),
+    Join(Operation, usize),
+}
+
+/// Start of a traversal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Start {
+    /// Start at a node.
+    Item(usize),
+    /// Start at the union of the children of a node, whatever its own operation.
+    Below(usize),
+}
+
+impl Start {
+    pub fn number(self) -> usize {
+        match self {
+            Start::Item(number) | Start::Below(number) => number,
+        }
+    }
+}
+
+/// Folds the boolean tree below `from`: `make` converts the shells of each leaf, `join` combines the results.
+pub(super) fn fold<T>(
+    reader: &Reader,
+    from: Start,
+    mut make: impl FnMut(&Arguments, &[Shell], &Affine) -> Result<T, Refusal>,
+    mut join: impl FnMut(Operation, Vec<T>) -> T,
+) -> Result<T, Refusal> {
+    let mut tasks = vec![Task::Visit(from.number(), Affine::IDENTITY)];
+    let mut made = Vec::new();
+    while let Some(task) = tasks.pop() {
+        let (number, map) = match task {
+            Task::Join(operation, count) => {
+                let operands = made.split_off(made.len() - count.min(made.len()));
+                made.push(join(operation, operands));
+                continue;
+            }
+            Task::Visit(number, map) => (number, map),
+        };
+        let node = &reader.tree.nodes[number];
+        let arguments = Arguments::new(reader.source, node);
+        reader.spend(&arguments, 20)?;
+        match structure(reader, number, from, &arguments)? {
+            Some((operation, inner)) => {
+                let children: Vec<usize> =
+                    node.children.iter().map(|k| *k as usize).filter(|k| reader.live[*k]).collect();
+                tasks.push(Task::Join(operation, children.len()));
+                let map = inner.then(&map);
+                tasks.extend(children.into_iter().rev().map(|child| Task::Visit(child, map)));
+            }
+            None => {
+                let shells = shells(reader, number, &arguments)?;
+                let triangles = shells.iter().map(|shell| shell.triangles.len()).sum::<usize>();
+                reader.spend(&arguments, 20 * triangles)?;
+                if triangles > MOST_TRIANGLES {
+                    return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
+                }
+                made.push(make(&arguments, &shells, &map)?);
+            }
+        }
+    }
+    // the first task produced the only remaining result
+    made.pop().ok_or_else(|| {
+        Arguments::new(reader.source, &reader.tree.nodes[from.number()]).refusal("nothing is in it")
+    })
+}
+
+/// Boolean operation and map of the children of a node; `None` for nodes with shells of their own.
+fn structure(
+    reader: &Reader,
+    number: usize,
+    from: Start,
+    arguments: &Arguments,
+) -> Result<Option<(Operation, Affine)>, Refusal> {
+    let name = reader.tree.nodes[number].name.as_str();
+    let map = match name {
+        "multmatrix" => transform::matrix(arguments)?,
+        "resize" if from != Start::Below(number) => {
+            reader.resized.get(&number).copied().unwrap_or(Affine::IDENTITY)
+        }
+        _ => Affine::IDENTITY,
+    };
+    let operation = match name {
+        "group" | "union" | "render" | "color" | "multmatrix" | "resize" => Operation::Union,
+        "difference" => Operation::Difference,
+        "intersection" => Operation::Intersection,
+        // the node itself is not applied to its children
+        _ if from == Start::Below(number) => Operation::Union,
+        _ => return Ok(None),
+    };
+    Ok(Some((operation, map)))
+}
+
+/// True if there is no difference or intersection below a node.
+pub(super) fn is_union(reader: &Reader, root: usize) -> Result<bool, Refusal> {
+    fold(
+        reader,
+        Start::Below(root),
+        |_, _, _| Ok(true),
+        |operation, parts| {
+            (operation == Operation::Union || parts.len() < 2) && parts.iter().all(|part| *part)
+        },
+    )
+}
+
+/// The shells of a node, whose union it is.
+fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<Shell>, Refusal> {
+    if let Some(known) = reader.shells.get(&number) {
+        return Ok(known.clone());
+    }
+    let fragments = |radius: f64| Ok::<_, Refusal>(round(reader, Fineness::of(arguments)?.fragments(radius)));
+    let rings = |rings: &[[f64; 2]], fragments| {
+        let (vertices, triangles) = mesh::between_rings(rings, fragments);
+        vec![Shell { vertices, triangles, is_convex: true }]
+    };
+    Ok(match reader.tree.nodes[number].name.as_str() {
+        "cube" => vec![Shell::hull(arguments, gather::cube(arguments)?)?],
+        "sphere" => {
+            let radius = arguments.number("r", 1.0)?;
+            let fragments = fragments(radius)?;
+            if radius > 0.0 { rings(&sphere_rings(radius, fragments), fragments) } else { Vec::new() }
+        }
+        "cylinder" => match CylinderSizes::of(arguments)? {
+            Some(sizes) => rings(&sizes.rings(), fragments(sizes.largest())?),
+            None => Vec::new(),
+        },
+        "polyhedron" => {
+            let (vertices, triangles) = mesh::parts(arguments)?;
+            let triangles = triangles.into_iter().map(|corners| corners.map(|k| k as u32)).collect();
+            vec![Shell { vertices, triangles, is_convex: false }]
+        }
+        "linear_extrude" => match (Way::of(arguments)?, reader.extruded.get(&number)) {
+            (Some(way), Some(flat)) => {
+                let twist = Twist::new(arguments, &reader.flats, *flat, &way)?;
+                vec![twist.shell(arguments, boundary(arguments, &reader.flats, *flat)?)?]
+            }
+            _ => Vec::new(),
+        },
+        "rotate_extrude" => match reader.extruded.get(&number) {
+            Some(flat) => {
+                let contours = boundary(arguments, &reader.flats, *flat)?;
+                let reach = contours.iter().flatten().fold(0f64, |reach, p| reach.max(p[0].abs()));
+                let count = fragments(reach)?;
+                vec![turned(arguments, &contours, count)?]
+            }
+            None => Vec::new(),
+        },
+        _ => return Err(arguments.refusal("what bounds it is not known")),
+    })
+}
+
+/// Number of facets of a circle with the given fragments in the dump; exact circles get fine facets.
+fn round(reader: &Reader, fragments: usize) -> usize {
+    if reader.options.facets {
+        return fragments;
+    }
+    reader.flats.has_chords.set(true);
+    fragments.max(chords(360.0))
+}
+
+/// Contours revolved about the z axis, in rings that start at the same angle as in OpenSCAD.
+fn turned(arguments: &Arguments, contours: &Contours, full: usize) -> Result<Shell, Refusal> {
+    let angle = arguments.number("angle", 360.0)?.clamp(-360.0, 360.0);
+    let is_whole = angle.abs() >= 360.0;
+    let start = arguments.number("start", if is_whole { 180.0 } else { 0.0 })?;
+    let steps = ((full as f64 * angle.abs() / 360.0).floor() as usize).max(1);
+    let rings = if is_whole { steps } else { steps + 1 };
+    let n = contours.iter().map(Vec::len).sum::<usize>();
+    if n.saturating_mul(2 * rings) > MOST_TRIANGLES {
+        return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
+    }
+    let ring = |k: usize| {
+        let (sin, cos) = sin_cos_degrees(start + angle * k as f64 / steps as f64);
+        contours.iter().flatten().map(move |p| Vec3::new(cos * p[0], sin * p[0], p[1]))
+    };
+    let n = n as u32;
+    let mut triangles = Vec::new();
+    for k in 0..steps as u32 {
+        let [a, b] = [k * n, (k + 1) % rings as u32 * n];
+        for [i, j] in edges(contours) {
+            triangles.extend([[a + i, b + i, b + j], [a + i, b + j, a + j]]);
+        }
+    }
+    if !is_whole {
+        let last = steps as u32 * n;
+        let ends = triangulated(contours);
+        triangles.extend(ends.iter().flat_map(|t| [*t, [last + t[0], last + t[2], last + t[1]]]));
+    }
+    Ok(Shell { vertices: (0..rings).flat_map(ring).collect(), triangles, is_convex: false })
+}
+
+/// Edges of contours, with the points of all contours numbered in sequence.
+pub(super) fn edges(contours: &Contours) -> impl Iterator<Item = [u32; 2]> {
+    let mut start = 0;
+    contours.iter().flat_map(move |contour| {
+        let (first, n) = (start, contour.len() as u32);
+        start += n;
+        (0..n).map(move |k| [first + k, first + (k + 1) % n])
+    })
+}

@@ -1,0 +1,81 @@
+//! State of the conversion of a dump.
+
+use super::arguments::{Arguments, Refusal};
+use super::flat::{Flat, Flats};
+use super::part::Part;
+use super::shell::Shell;
+use super::syntax::Tree;
+use super::text::Fonts;
+use crate::{Options, Report};
+use rayweave_math::Affine;
+use rayweave_scene::Source;
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Most steps, about half a minute: nested hulls would take quadratic time.
+const MOST_WORK: u64 = 2_000_000_000;
+
+/// The tree of a dump, with the geometry of the nodes that were read.
+pub(super) struct Reader<'a> {
+    pub source: &'a Arc<Source>,
+    pub options: &'a Options,
+    pub tree: &'a Tree,
+    /// Nodes that take part in the model.
+    pub live: Vec<bool>,
+    /// Geometry of each node that was read and not yet used by its parent.
+    pub parts: Vec<Part>,
+    pub flats: Flats,
+    /// Profile of each extrusion.
+    pub extruded: HashMap<usize, Flat>,
+    /// Nodes that have an ancestor that needs their shells.
+    pub wanted: Vec<bool>,
+    /// Shells of these nodes, if they cannot be derived from the arguments.
+    pub shells: HashMap<usize, Vec<Shell>>,
+    /// Scaling map of each `resize`.
+    pub resized: HashMap<usize, Affine>,
+    pub fonts: Fonts,
+    /// Steps spent on hulls and shells so far.
+    pub work: Cell<u64>,
+    pub report: Report,
+}
+
+impl<'a> Reader<'a> {
+    pub fn new(source: &'a Arc<Source>, options: &'a Options, tree: &'a Tree) -> Reader<'a> {
+        Reader {
+            source,
+            options,
+            tree,
+            live: vec![true; tree.nodes.len()],
+            parts: vec![Part::Empty; tree.nodes.len()],
+            flats: Flats::new(options.facets),
+            extruded: HashMap::new(),
+            wanted: wanted(tree),
+            shells: HashMap::new(),
+            resized: HashMap::new(),
+            fonts: Fonts::new(&options.fonts),
+            work: Cell::new(0),
+            report: Report::default(),
+        }
+    }
+
+    /// Counts steps, and refuses the item when the limit is exceeded.
+    pub fn spend(&self, arguments: &Arguments, steps: usize) -> Result<(), Refusal> {
+        self.work.set(self.work.get().saturating_add(steps as u64));
+        match self.work.get() > MOST_WORK {
+            true => Err(arguments.refusal("the hulls of the file, all together, would take too long")),
+            false => Ok(()),
+        }
+    }
+}
+
+/// Marks the nodes that have an ancestor that needs their shells.
+fn wanted(tree: &Tree) -> Vec<bool> {
+    let mut wanted = vec![false; tree.nodes.len()];
+    for (number, node) in tree.nodes.iter().enumerate() {
+        let asks =
+            wanted[number] || ["projection", "resize", "hull", "minkowski"].contains(&node.name.as_str());
+        node.children.iter().for_each(|child| wanted[*child as usize] = asks);
+    }
+    wanted
+}

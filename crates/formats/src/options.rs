@@ -1,0 +1,18 @@
+//! Options of readers.
+
+use rayweave_scene::Unit;
+use std::path::PathBuf;
+
+/// Options for reading models of other programs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Facets instead of round shapes, divided as the original program divides them, so that results are comparable. By
+    /// default round shapes are exactly round.
+    pub facets: bool,
+    /// Font files, and folders of font files, that are searched first for the fonts of texts.
+    pub fonts: Vec<PathBuf>,
+    /// Repair of meshes that are not closed or not consistently oriented, as far as that is safe.
+    pub repair: bool,
+    /// Unit of length for formats without units (STL, OBJ, PLY, OFF and OpenSCAD dumps); default: millimetres.
+    pub unit: Option<Unit>,
+}

@@ -1,0 +1,62 @@
+//! Errors of writers.
+
+use crate::Format;
+use rayweave_error::{Classified, ErrorKind};
+use rayweave_mesh_io::FileError;
+use rayweave_model::CompileError;
+use rayweave_table::TableError;
+
+/// The reason why a scene cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The tolerance is not a positive finite length.
+    #[error("the tolerance is {0}: it must be finite and greater than 0.")]
+    Tolerance(f64),
+    /// A solid cannot be compiled.
+    #[error(transparent)]
+    Compile(#[from] CompileError),
+    /// A region has no end.
+    #[error(
+        "region `{region}` has no end: files of the format {format} cannot say that. Can it be cut with a box?"
+    )]
+    Unbounded {
+        /// Name of the region.
+        region: String,
+        /// Format of the file.
+        format: Format,
+    },
+    /// A region becomes too long a text, or too many triangles.
+    #[error("region `{region}` becomes too large: {why}. Does a greater tolerance help?")]
+    TooLarge {
+        /// Name of the region.
+        region: String,
+        /// Limit that is exceeded.
+        why: String,
+    },
+    /// A boolean operation on triangle meshes failed.
+    #[error("the triangles of region `{region}` cannot be combined: {why}.")]
+    Kernel {
+        /// Name of the region.
+        region: String,
+        /// Message of the mesh kernel.
+        why: String,
+    },
+    /// The mesh writer failed.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Output(#[from] TableError),
+}
+
+impl Classified for WriteError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            WriteError::Compile(error) => error.kind(),
+            WriteError::Output(error) => error.kind(),
+            WriteError::Unbounded { .. } | WriteError::Kernel { .. } => ErrorKind::Solid,
+            _ => ErrorKind::Value,
+        }
+    }
+}

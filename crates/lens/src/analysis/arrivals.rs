@@ -1,0 +1,105 @@
+//! Rays that come to a sheet.
+
+use super::AnalysisError;
+use crate::prescription::{Pass, Resolved};
+use rayweave_math::{Affine, Vec3};
+use rayweave_optics::{Event, Segments, System};
+
+/// A ray that comes to a sheet, in the coordinates of the sheet: x, y along it, z along its normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrival {
+    /// The number of the ray in its source.
+    pub id: usize,
+    /// Where it meets the sheet.
+    pub position: Vec3,
+    /// Its direction there, of unit length.
+    pub direction: Vec3,
+    /// The optical path from the source.
+    pub path: f64,
+    /// The index of the medium in front of the sheet.
+    pub index: f64,
+    /// Its vacuum wavelength in nanometres.
+    pub wavelength_nm: f64,
+    /// Its power, which is its weight.
+    pub power: f64,
+}
+
+/// The rays that come to a sheet, by its name, in the order of their numbers. `sequence` lists the elements that light has to
+/// meet on its way, the sheet as the last of them; what lets it pass on straight ahead does not count. Without it, the last
+/// arrival of every ray counts.
+///
+/// # Errors
+/// [`AnalysisError::NoSheet`].
+pub fn arrivals(
+    system: &System,
+    segments: &Segments,
+    sheet: &str,
+    sequence: Option<&[usize]>,
+) -> Result<Vec<Arrival>, AnalysisError> {
+    let no_sheet = || AnalysisError::NoSheet(sheet.to_owned());
+    let surface = system.sheet_surface(sheet).ok_or_else(no_sheet)? as i32;
+    let frame = system.sheet_frame(sheet).ok_or_else(no_sheet)?;
+    let local = frame.inverse().map_err(|_| no_sheet())?;
+    let here = |&row: &usize| {
+        segments.surface[row] == surface && sequence.is_none_or(|wanted| came_by(segments, row, wanted))
+    };
+    let mut found: Vec<Arrival> =
+        (0..segments.len()).filter(here).map(|row| arrival(segments, row, &local)).collect();
+    // stable, so that the last of a ray stays its last
+    found.sort_by_key(|arrival| arrival.id);
+    let mut last: Vec<Arrival> = Vec::with_capacity(found.len());
+    for arrival in found {
+        match last.last_mut().filter(|other| other.id == arrival.id) {
+            Some(other) => *other = arrival,
+            None => last.push(arrival),
+        }
+    }
+    Ok(last)
+}
+
+fn arrival(segments: &Segments, row: usize, local: &Affine) -> Arrival {
+    let segment = segments.get(row);
+    Arrival {
+        id: segment.id as usize,
+        position: local.point(segment.end),
+        direction: local.vector(segment.direction).normalize(),
+        path: segment.path,
+        index: segment.index,
+        wavelength_nm: segment.wavelength_nm,
+        power: segment.intensity,
+    }
+}
+
+/// A ray that was followed through a prescription, on its image.
+pub(crate) fn followed(resolved: &Resolved, id: usize, last: &Pass, wavelength_nm: f64) -> Arrival {
+    let space = resolved.media.len() - 1;
+    let (point, direction) = match resolved.poses.get(space) {
+        Some(pose) => pose.local(last.point, last.direction),
+        None => (last.point, last.direction),
+    };
+    Arrival {
+        id,
+        position: point - Vec3::Z * resolved.vertices[space],
+        direction,
+        path: last.path,
+        index: resolved.index(space, wavelength_nm).abs(),
+        wavelength_nm,
+        power: 1.0,
+    }
+}
+
+/// True if a row's ray met these elements, the last at the row.
+fn came_by(segments: &Segments, row: usize, wanted: &[usize]) -> bool {
+    let mut left = wanted.iter().rev();
+    let mut at = row as i64;
+    let mut is_last = true;
+    while at >= 0 {
+        let row = at as usize;
+        let is_straight = segments.event[row] == Event::Passed as u8 && !is_last;
+        if !is_straight && left.next().map(|&element| element as i32) != Some(segments.element[row]) {
+            return false;
+        }
+        (at, is_last) = (segments.parent[row], false);
+    }
+    left.next().is_none()
+}

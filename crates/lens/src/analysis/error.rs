@@ -1,0 +1,63 @@
+//! Why there is nothing to analyse.
+
+use crate::prescription::PrescriptionError;
+use rayweave_error::{Classified, ErrorKind};
+use rayweave_optics::OpticsError;
+
+/// Error of an analysis, printed as `problem: reason. Suggestion.`.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AnalysisError {
+    /// The prescription says nothing.
+    #[error(transparent)]
+    Prescription(#[from] PrescriptionError),
+    /// The light cannot be traced.
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+    /// No sheet has this name.
+    #[error("there is no sheet `{0}`: the image has to be a sheet of the system.")]
+    NoSheet(String),
+    /// A ray that is needed does not arrive.
+    #[error(
+        "the {ray} ray of field {field} does not arrive at the image: it is stopped, lost or goes another way."
+    )]
+    Stopped {
+        /// Which ray.
+        ray: &'static str,
+        /// The number of the field, from 0.
+        field: usize,
+    },
+    /// Too few points for a fit.
+    #[error(
+        "{points} points cannot tell {terms} terms apart: there have to be at least as many points. Fewer terms."
+    )]
+    TooFew {
+        /// The number of points.
+        points: usize,
+        /// The number of terms.
+        terms: usize,
+    },
+}
+
+impl Classified for AnalysisError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            AnalysisError::Prescription(error) => error.kind(),
+            AnalysisError::Optics(error) => error.kind(),
+            _ => ErrorKind::Optics,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_those_of_the_cause() {
+        let cancelled = PrescriptionError::from(OpticsError::Cancelled);
+        assert_eq!(cancelled.kind(), ErrorKind::Cancelled);
+        assert_eq!(AnalysisError::from(cancelled).kind(), ErrorKind::Cancelled);
+        assert_eq!(AnalysisError::NoSheet("image".to_owned()).kind(), ErrorKind::Optics);
+    }
+}

@@ -1,0 +1,224 @@
+//! What a search works on: numbers of a prescription and where they should be.
+
+use super::variant::Variant;
+use super::{DesignError, Parameter};
+use crate::analysis::Spot;
+use crate::paraxial::Seidel;
+use rayweave_optics::component::{Asphere, Form};
+
+/// A Seidel sum, or a chromatic one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the fields of `Seidel` by name")]
+pub enum SeidelTerm {
+    Spherical,
+    Coma,
+    Astigmatism,
+    Petzval,
+    Distortion,
+    AxialColour,
+    LateralColour,
+}
+
+impl SeidelTerm {
+    fn of(self, sum: &Seidel) -> f64 {
+        match self {
+            SeidelTerm::Spherical => sum.spherical,
+            SeidelTerm::Coma => sum.coma,
+            SeidelTerm::Astigmatism => sum.astigmatism,
+            SeidelTerm::Petzval => sum.petzval,
+            SeidelTerm::Distortion => sum.distortion,
+            SeidelTerm::AxialColour => sum.axial_colour,
+            SeidelTerm::LateralColour => sum.lateral_colour,
+        }
+    }
+}
+
+/// Numbers of a prescription; lengths are in its unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Operand {
+    /// The focal length at the primary wavelength.
+    FocalLength,
+    /// The distance from the last vertex to the back focal point at the primary wavelength.
+    BackFocalDistance,
+    /// The distance from the image to the paraxial image along the axis, at the primary wavelength.
+    Defocus,
+    /// The lateral magnification at the primary wavelength.
+    Magnification,
+    /// A Seidel sum over all surfaces.
+    Seidel(SeidelTerm),
+    /// The transverse aberrations of the rays of a field from their centroid, along x and y: the root of the sum of their
+    /// squares is the RMS radius of the spot.
+    Spot {
+        /// The field, counted from 0.
+        field: usize,
+        /// The wavelength in nanometres.
+        wavelength_nm: f64,
+    },
+    /// The optical path differences of the rays of a field from their mean, in waves: the root of the sum of their squares is
+    /// the RMS of the wavefront.
+    Wavefront {
+        /// The field, counted from 0.
+        field: usize,
+        /// The wavelength in nanometres.
+        wavelength_nm: f64,
+    },
+    /// The value of a parameter.
+    Value(Parameter),
+    /// The distance along z from a surface to the next one, away from the axis: of a lens the thickness of its edge.
+    EdgeThickness {
+        /// The surface, counted from 1.
+        surface: usize,
+        /// The distance from the axis.
+        height: f64,
+    },
+}
+
+/// Where numbers should be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// At a value.
+    Equal(f64),
+    /// Not below a value.
+    AtLeast(f64),
+    /// Not above a value.
+    AtMost(f64),
+}
+
+impl Target {
+    /// How far a number is from where it should be.
+    fn miss(self, value: f64) -> f64 {
+        match self {
+            Target::Equal(wanted) => value - wanted,
+            Target::AtLeast(least) => (value - least).min(0.0),
+            Target::AtMost(most) => (value - most).max(0.0),
+        }
+    }
+}
+
+/// An operand, where it should be, and how much that matters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// The numbers.
+    pub operand: Operand,
+    /// Where they should be.
+    pub target: Target,
+    /// The factor of what they are off by; its square is that of the sum of squares.
+    pub weight: f64,
+}
+
+impl Goal {
+    /// An operand that should have a value, with the weight 1.
+    pub fn equal(operand: Operand, value: f64) -> Goal {
+        Goal { operand, target: Target::Equal(value), weight: 1.0 }
+    }
+
+    /// An operand that should not be below a value, with the weight 1.
+    pub fn at_least(operand: Operand, value: f64) -> Goal {
+        Goal { operand, target: Target::AtLeast(value), weight: 1.0 }
+    }
+
+    /// An operand that should not be above a value, with the weight 1.
+    pub fn at_most(operand: Operand, value: f64) -> Goal {
+        Goal { operand, target: Target::AtMost(value), weight: 1.0 }
+    }
+
+    /// The same with another weight.
+    pub fn weight(self, weight: f64) -> Goal {
+        Goal { weight, ..self }
+    }
+
+    /// How many numbers it has, by rays through so many points of the pupil.
+    pub(super) fn count(&self, rays: usize) -> usize {
+        match self.operand {
+            Operand::Spot { .. } => 2 * rays,
+            Operand::Wavefront { .. } => rays,
+            _ => 1,
+        }
+    }
+
+    /// Its numbers; `None` where a ray that is needed does not arrive.
+    pub(super) fn values(
+        &self,
+        variant: &Variant,
+        pupil: &[[f64; 2]],
+    ) -> Result<Option<Vec<f64>>, DesignError> {
+        let values = match self.operand {
+            Operand::Spot { field, wavelength_nm } => spot(variant, field, wavelength_nm, pupil)?,
+            Operand::Wavefront { field, wavelength_nm } => wavefront(variant, field, wavelength_nm, pupil)?,
+            operand => Some(vec![number(operand, variant)?]),
+        };
+        Ok(values.filter(|values| values.iter().all(|value| value.is_finite())))
+    }
+
+    /// How far a number is from where it should be, weighted.
+    pub(super) fn miss(&self, value: f64) -> f64 {
+        self.weight * self.target.miss(value)
+    }
+
+    /// By how much the miss grows with the number: nothing within a bound.
+    pub(super) fn slope(&self, value: f64) -> f64 {
+        let is_bound = !matches!(self.target, Target::Equal(_));
+        if is_bound && self.target.miss(value) == 0.0 { 0.0 } else { self.weight }
+    }
+}
+
+fn spot(
+    variant: &Variant,
+    field: usize,
+    wavelength_nm: f64,
+    pupil: &[[f64; 2]],
+) -> Result<Option<Vec<f64>>, DesignError> {
+    let rays = variant.arrivals(field, wavelength_nm, pupil)?;
+    let Some(spot) = Spot::of(&rays).filter(|spot| spot.rays == pupil.len()) else { return Ok(None) };
+    let [x, y] = spot.centroid;
+    let scale = (rays.len() as f64).sqrt().recip();
+    Ok(Some(
+        rays.iter().flat_map(|ray| [scale * (ray.position.x - x), scale * (ray.position.y - y)]).collect(),
+    ))
+}
+
+fn wavefront(
+    variant: &Variant,
+    field: usize,
+    wavelength_nm: f64,
+    pupil: &[[f64; 2]],
+) -> Result<Option<Vec<f64>>, DesignError> {
+    let found = variant.wavefront(field, wavelength_nm, pupil, 0.0)?;
+    let whole = found.filter(|wavefront| wavefront.waves.len() == pupil.len());
+    Ok(whole.map(|wavefront| {
+        let (mean, scale) = (wavefront.mean(), (pupil.len() as f64).sqrt().recip());
+        wavefront.waves.iter().map(|waves| scale * (waves - mean)).collect()
+    }))
+}
+
+fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
+    let lens = &variant.lens;
+    let first_order = || variant.first_order(lens.primary_nm());
+    Ok(match operand {
+        Operand::FocalLength => first_order()?.focal_length,
+        Operand::BackFocalDistance => first_order()?.back_focal_distance,
+        Operand::Magnification => first_order()?.magnification,
+        Operand::Defocus => {
+            let image = lens.surfaces.last().map_or(0.0, |surface| surface.thickness);
+            first_order()?.image_distance - image
+        }
+        Operand::Seidel(term) => term.of(&Seidel::sum(&lens.seidel()?)),
+        Operand::Value(parameter) => parameter.value(lens)?,
+        Operand::EdgeThickness { surface, height } => edge(variant, surface, height)?,
+        // of many numbers
+        Operand::Spot { .. } | Operand::Wavefront { .. } => f64::NAN,
+    })
+}
+
+/// The distance between two surfaces away from the axis, along y; NaN where one of them has ended.
+fn edge(variant: &Variant, surface: usize, height: f64) -> Result<f64, DesignError> {
+    let lens = &variant.lens;
+    let count = lens.surfaces.len();
+    let no_such =
+        || crate::prescription::PrescriptionError::NoSuch { what: "surface", number: surface, count };
+    let front = surface.checked_sub(1).and_then(|k| lens.surfaces.get(k)).ok_or_else(no_such)?;
+    let back = lens.surfaces.get(surface);
+    let image = Form::from(Asphere::conic(lens.image.radius, lens.image.conic));
+    let sag = |form: Form| form.sag([0.0, height]).unwrap_or(f64::NAN);
+    Ok(front.thickness + sag(back.map_or(image, |back| back.form())) - sag(front.form()))
+}

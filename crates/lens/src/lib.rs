@@ -1,0 +1,32 @@
+//! Lens design: sequential prescriptions, their paraxial data and aberrations, tolerances and optimisation.
+//!
+//! - [`prescription`]: lenses surface by surface, read from and written to Zemax files, as beams and as solids of a
+//!   [`System`](rayweave_optics::System).
+//! - [`paraxial`]: ray transfer matrices, focal lengths, pupils, Petzval and Seidel sums.
+//! - [`analysis`]: spots, ray fans, wavefronts, Zernike fits, encircled energy and geometric MTF of the rays that arrive at a
+//!   sheet, in prescriptions and in any other system.
+//! - [`design`]: tolerances by random trials, and damped least squares for better values of parameters.
+//!
+//! Solids, media and the tracing of light are those of [`rayweave_optics`].
+//!
+//! ```
+//! use rayweave_lens::prescription::{Behind, Prescription, Surface};
+//!
+//! let singlet = Prescription::new(vec![
+//!     Surface::new(50.0, 4.0, Behind::Glass("N-BK7".to_owned())),
+//!     Surface::new(-50.0, 47.0, Behind::Air),
+//! ])
+//! .entrance_pupil_diameter(10.0);
+//! assert!((singlet.first_order(587.5618)?.focal_length - 49.04).abs() < 0.01);
+//! # Ok::<(), rayweave_lens::prescription::PrescriptionError>(())
+//! ```
+
+pub mod analysis;
+pub mod design;
+pub mod paraxial;
+pub mod prescription;
+
+/// The code of the guide, compiled and run with the documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guides/lens-design.md")]
+mod guide {}

@@ -1,0 +1,387 @@
+//! Prescriptions as solids: lenses that share their cemented faces, mirrors on substrates, stop and image as sheets.
+
+use super::error::{bad, positive};
+use super::{Behind, Prescription, PrescriptionError, Resolved, Surface};
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::Solid;
+use rayweave_optics::component::{
+    Aperture, Asphere, Blank, ComponentError, Form, Sheet, freeform_lens, freeform_mirror, rod, with_prefix,
+};
+use rayweave_optics::{Action, Assembly, Element, Finish, Medium};
+
+/// The name of the element that is the image.
+pub const IMAGE: &str = "image";
+/// The name of the element that is the stop, where that is no lens or mirror itself.
+pub const STOP: &str = "stop";
+
+/// Semi-diameters that nobody stated are larger by this factor than the rays need.
+const SPARE: f64 = 1.02;
+
+/// The least thickness of the substrate of a mirror behind its rim, in units of its diameter.
+const SUBSTRATE: f64 = 0.1;
+
+/// A prescription as parts of a system.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// The parts: lenses are `lens 1-2` by their surfaces, mirrors `mirror 3`; then [`STOP`], if it is not the rim of one of
+    /// them, and [`IMAGE`], which lets the light pass. Rims absorb.
+    pub assembly: Assembly,
+    /// The elements that light meets in the order of the prescription, by their numbers; light that meets others, or in
+    /// another order, is stray.
+    pub sequence: Vec<usize>,
+    /// The clear semi-diameters of the surfaces; the last is that of the image.
+    pub semi_diameters: Vec<f64>,
+}
+
+impl Prescription {
+    /// The prescription as solids in air, the unit of lengths included. Light is [`Prescription::beam`]'s.
+    ///
+    /// A lens is as wide as the wider one of its two surfaces; where the other one does not reach so far, or they would cross
+    /// outside its semi-diameter, a flat rim goes from it to the edge. Neighbours whose faces are one, as in cemented lenses,
+    /// have one surface in the compiled system, so that light passes from glass to glass in one event. Mirrors get a
+    /// substrate. A lens or mirror that light passes twice is one part.
+    ///
+    /// # Errors
+    /// [`PrescriptionError`], with the surfaces at fault, for lenses that cannot be made.
+    pub fn assembly(&self) -> Result<Layout, PrescriptionError> {
+        let resolved = self.resolved()?;
+        let radii = self.semi_diameters(&resolved)?;
+        let mut builder = Builder { lens: self, resolved: &resolved, radii, parts: Vec::new() };
+        (0..self.surfaces.len()).try_for_each(|k| builder.open_gap(k))?;
+        let mut sequence = Vec::new();
+        for k in 0..self.surfaces.len() {
+            sequence.extend(builder.surface(k)?);
+        }
+        if let Some(stop) = builder.stop()? {
+            builder.parts.push(Part { k: self.stop - 1, low: 0.0, high: 0.0, element: stop });
+        }
+        sequence.push(builder.parts.len());
+        let assembly = Assembly::new().unit_nm(self.unit_nm);
+        let assembly = builder.parts.iter().fold(assembly, |all, part| all.add(part.element.clone()));
+        let image = builder.image()?;
+        Ok(Layout { assembly: assembly.add(image), sequence, semi_diameters: builder.radii })
+    }
+
+    /// The clear semi-diameters: those stated, else what the real rays of all fields and wavelengths through middle and rim
+    /// of the entrance pupil, and of the stop, need. That of the image comes last.
+    fn semi_diameters(&self, resolved: &Resolved) -> Result<Vec<f64>, PrescriptionError> {
+        let mut needed = vec![0.0_f64; resolved.vertices.len()];
+        let mut lost = None;
+        for field in 0..self.fields.len() {
+            for line in &self.lines {
+                let rim: Vec<[f64; 2]> = rim().collect();
+                let mut beams = vec![self.beam(field, line.wavelength_nm, &rim)?];
+                // where no ray is found that leads to the rim of the stop, there is none that needs room
+                beams.extend(self.beam_at_stop(field, line.wavelength_nm, &rim));
+                for ray in beams.iter().flat_map(|beam| (0..beam.len()).map(|k| beam.get(k).ray)) {
+                    // a ray that is lost needs no room
+                    let followed = self.follow_resolved(resolved, &ray, line.wavelength_nm);
+                    let passes = followed.unwrap_or_else(|error| {
+                        lost = Some(error);
+                        Vec::new()
+                    });
+                    for (k, (room, pass)) in needed.iter_mut().zip(&passes).enumerate() {
+                        let at = resolved.local(k, pass.point);
+                        *room = room.max(libm::hypot(at.x, at.y));
+                    }
+                }
+            }
+        }
+        // what needs no room because no ray gets there is not of the size 0
+        if let Some(error) = lost.filter(|_| needed.iter().all(|&room| room == 0.0)) {
+            return Err(error);
+        }
+        let image = self.surfaces.len();
+        let widest = needed[..image].iter().fold(0.0_f64, |widest, &room| widest.max(room));
+        let stated = |k: usize| match self.surfaces.get(k) {
+            Some(surface) => surface.semi_diameter.unwrap_or(SPARE * needed[k]),
+            None => self.image.semi_diameter.unwrap_or((2.0 * needed[k]).max(0.1 * widest)),
+        };
+        (0..=image).map(|k| positive(format!("the semi-diameter of surface {}", k + 1), stated(k))).collect()
+    }
+}
+
+/// Middle and rim of the pupil.
+fn rim() -> impl Iterator<Item = [f64; 2]> {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let diagonal = [[half, half], [half, -half], [-half, half], [-half, -half]];
+    [[0.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 0.0], [-1.0, 0.0]].into_iter().chain(diagonal)
+}
+
+/// An element and where it is along the axis of a surface.
+struct Part {
+    k: usize,
+    low: f64,
+    high: f64,
+    element: Element,
+}
+
+struct Builder<'a> {
+    lens: &'a Prescription,
+    resolved: &'a Resolved,
+    radii: Vec<f64>,
+    parts: Vec<Part>,
+}
+
+/// A surface in its place: the number, from 0, vertex, form, semi-diameter.
+#[derive(Clone)]
+struct Placed {
+    k: usize,
+    vertex: f64,
+    form: Form,
+    reach: f64,
+}
+
+impl Placed {
+    fn z(&self, place: [f64; 2]) -> Option<f64> {
+        Some(self.vertex + self.form.sag(place)?)
+    }
+
+    /// The heights over a circle about the axis; `None` where the surface has ended.
+    fn around(&self, radius: f64) -> Option<Vec<f64>> {
+        self.form.directions().map(|[x, y]| self.z([radius * x, radius * y])).collect()
+    }
+
+    /// The plane at the middle of its rim.
+    fn rim(&self) -> Option<Placed> {
+        let heights = self.around(self.reach)?;
+        let vertex = heights.iter().sum::<f64>() / heights.len() as f64;
+        Some(Placed { vertex, form: Asphere::conic(f64::INFINITY, 0.0).into(), ..self.clone() })
+    }
+}
+
+impl Builder<'_> {
+    fn placed(&self, k: usize) -> Placed {
+        let form = self.resolved.forms[k].clone();
+        Placed { k, vertex: self.resolved.vertices[k], form, reach: self.radii[k] }
+    }
+
+    /// Both ends of the space behind a surface, in the order of z.
+    fn ends(&self, k: usize) -> [Placed; 2] {
+        let (here, next) = (self.placed(k), self.placed(k + 1));
+        if self.resolved.forward[k + 1] { [here, next] } else { [next, here] }
+    }
+
+    /// Checks the space behind a surface. Where surfaces cross only in what is to spare beyond all rays, they are made as narrow
+    /// as the place where they do.
+    fn open_gap(&mut self, k: usize) -> Result<(), PrescriptionError> {
+        let checked = self.check_gap(k);
+        let Err(PrescriptionError::Cross { height, .. }) = checked else { return checked };
+        let narrower = if self.radii[k] <= self.radii[k + 1] { k } else { k + 1 };
+        let is_stated = |surface: &Surface| surface.semi_diameter.is_some();
+        if self.lens.surfaces.get(narrower).is_none_or(is_stated) || SPARE * height < self.radii[narrower] {
+            return checked;
+        }
+        self.radii[narrower] = height * (1.0 - 1e-9);
+        self.check_gap(k)
+    }
+
+    /// The surfaces at both ends of a space must not cross where both of them are.
+    fn check_gap(&self, k: usize) -> Result<(), PrescriptionError> {
+        for placed in [self.placed(k), self.placed(k + 1)] {
+            if let Some(limit) = placed.form.end_within(placed.reach) {
+                return Err(PrescriptionError::TooLarge {
+                    surface: placed.k + 1,
+                    reach: placed.reach,
+                    limit,
+                });
+            }
+        }
+        if k + 1 == self.lens.surfaces.len() && self.resolved.media[k + 1] == Medium::vacuum() {
+            return Ok(());
+        }
+        if !self.resolved.are_aligned(k, k + 1) {
+            return Ok(());
+        }
+        let [low, high] = self.ends(k);
+        let reach = low.reach.min(high.reach);
+        let directions: Vec<_> = low.form.directions().chain(high.form.directions()).collect();
+        let gap = |height: f64| {
+            let gaps = directions.iter().map(|[x, y]| [height * x, height * y]);
+            gaps.filter_map(|place| Some(high.z(place)? - low.z(place)?)).reduce(f64::min)
+        };
+        let is_open =
+            |height: &f64| gap(*height).is_some_and(|gap| gap < -1e-12 * (reach + low.vertex.abs()));
+        // steps, then halves: only the message tells where
+        let wrong = (0..=64).map(|step| reach * f64::from(step) / 64.0).find(is_open);
+        match wrong {
+            None => Ok(()),
+            Some(wrong) => {
+                let (mut good, mut bad) = ((wrong - reach / 64.0).max(0.0), wrong);
+                for _ in 0..60 {
+                    let middle = 0.5 * (good + bad);
+                    if gap(middle).is_some_and(|gap| gap < 0.0) { bad = middle } else { good = middle }
+                }
+                Err(PrescriptionError::Cross { first: k + 1, second: k + 2, height: bad, reach })
+            }
+        }
+    }
+
+    /// Adds what begins at a surface; the element that light meets there.
+    fn surface(&mut self, k: usize) -> Result<Option<usize>, PrescriptionError> {
+        let surface = &self.lens.surfaces[k];
+        if surface.behind == Behind::Mirror {
+            return self.mirror(k, surface).map(Some);
+        }
+        if self.resolved.media[k + 1] != Medium::vacuum() {
+            return self.lens(k).map(Some);
+        }
+        // into air: the light leaves what it was in
+        let inside = k > 0 && self.resolved.media[k] != Medium::vacuum();
+        if inside { self.lens(k - 1).map(Some) } else { Ok(None) }
+    }
+
+    /// The number of a part that is there already, or of the new one.
+    fn put(&mut self, part: Part) -> usize {
+        let span = part.high - part.low;
+        let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * span;
+        let is_lens = |name: &str| name.starts_with("lens");
+        let known = self.parts.iter().position(|other| {
+            same(other.low, part.low)
+                && same(other.high, part.high)
+                && self.resolved.are_aligned(other.k, part.k)
+                && is_lens(other.element.name()) == is_lens(part.element.name())
+        });
+        known.unwrap_or_else(|| {
+            self.parts.push(part);
+            self.parts.len() - 1
+        })
+    }
+
+    /// The lens between a surface and the next one.
+    fn lens(&mut self, k: usize) -> Result<usize, PrescriptionError> {
+        if !self.resolved.are_aligned(k, k + 1) {
+            return Err(PrescriptionError::Tilted { first: k + 1, second: k + 2 });
+        }
+        let [low, high] = self.ends(k);
+        if low.vertex >= high.vertex {
+            let name = format!("the thickness behind surface {}", k + 1);
+            let range = "greater than 0 in a lens, less where light travels back";
+            return Err(bad(name, self.lens.surfaces[k].thickness, range));
+        }
+        let name = format!("lens {}-{}", k + 1, k + 2);
+        let wrong = |problem| told(problem, k);
+        let (solid, has_flat) = body(&low, &high).map_err(wrong)?;
+        let mut element = Element::transparent(&name, self.moved(k, solid), &self.resolved.media[k + 1])
+            .face("edge", Finish::Absorber);
+        if has_flat {
+            let flat = if low.reach > high.reach { "back" } else { "front" };
+            element = element.face(&format!("{name}.flat.{flat}.plane"), Finish::Absorber);
+        }
+        Ok(self.put(Part { k, low: low.vertex, high: high.vertex, element }))
+    }
+
+    fn mirror(&mut self, k: usize, surface: &Surface) -> Result<usize, PrescriptionError> {
+        let (placed, faces_back) = (self.placed(k), !self.resolved.forward[k]);
+        let heights = placed.around(placed.reach).unwrap_or_default();
+        let rims: Vec<f64> = heights.iter().map(|z| z - placed.vertex).collect();
+        let towards = rims.iter().map(|rim| if faces_back { -rim } else { *rim });
+        let towards_substrate = towards.fold(0.0, f64::max);
+        let thickness = towards_substrate + 2.0 * SUBSTRATE * placed.reach;
+        let blank = Blank::new(Aperture::circle(2.0 * placed.reach), thickness);
+        let blank = if faces_back { blank.turned() } else { blank };
+        let wrong = |problem| told(problem, k);
+        let mut solid = freeform_mirror(&placed.form, &blank).map_err(wrong)?;
+        if surface.hole > 0.0 {
+            let bore = rod(
+                2.0 * surface.hole,
+                4.0 * (thickness + rims.iter().fold(0.0, |most: f64, rim| most.max(rim.abs()))),
+            )
+            .map_err(wrong)?;
+            solid = solid - with_prefix(&bore, "hole");
+        }
+        // all of it reflects but what is named: where the face lies in one of a lens, as on the back of a meniscus, it may
+        // bear the name of that
+        let name = format!("mirror {}", k + 1);
+        let mut element = Element::mirror(&name, self.moved(k, solid.translate(Vec3::Z * placed.vertex)))
+            .face(&format!("{name}.back.plane"), Finish::Absorber)
+            .face(&format!("{name}.edge.side"), Finish::Absorber);
+        if surface.hole > 0.0 {
+            element = element.face(&format!("{name}.hole.edge.side"), Finish::Absorber);
+        }
+        let (low, high) = if faces_back { (-thickness, 0.0) } else { (0.0, thickness) };
+        Ok(self.put(Part { k, low: placed.vertex + low, high: placed.vertex + high, element }))
+    }
+
+    /// A solid on the axis where the surface is that it begins at.
+    fn moved(&self, k: usize, solid: Solid) -> Solid {
+        match self.resolved.poses.get(k) {
+            Some(pose) => solid.apply(pose.to_world()),
+            None => solid,
+        }
+    }
+
+    /// The map from the vertex of a surface at the origin.
+    fn place(&self, placed: &Placed) -> Affine {
+        let on_axis = Affine::translate(Vec3::Z * placed.vertex);
+        self.resolved.poses.get(placed.k).map_or(on_axis, |pose| on_axis.then(&pose.to_world()))
+    }
+
+    /// The sheet of the stop, unless the rim of a lens or mirror is the stop.
+    fn stop(&self) -> Result<Option<Element>, PrescriptionError> {
+        let k = self.lens.stop - 1;
+        let placed = self.placed(k);
+        let is_dummy = self.resolved.media[k] == self.resolved.media[k + 1]
+            && self.lens.surfaces[k].behind != Behind::Mirror;
+        if !is_dummy {
+            return Ok(None);
+        }
+        let widest = self.radii.iter().fold(0.0_f64, |widest, &radius| widest.max(radius));
+        let outline = 2.0 * widest.max(placed.reach);
+        let wrong = |problem| told(problem, k);
+        let sheet = Sheet::iris(2.0 * outline, 2.0 * placed.reach).map_err(wrong)?;
+        let sheet = sheet.apply(&self.place(&placed)).map_err(wrong)?;
+        Ok(Some(Element::sheet(STOP, sheet, Action::Absorb)))
+    }
+
+    fn image(&self) -> Result<Element, PrescriptionError> {
+        let k = self.lens.surfaces.len();
+        let placed = self.placed(k);
+        let wrong = |problem| told(problem, k);
+        let sheet =
+            Sheet::conic(self.lens.image.radius, self.lens.image.conic, Aperture::circle(2.0 * placed.reach));
+        let sheet = sheet.map_err(wrong)?.apply(&self.place(&placed)).map_err(wrong)?;
+        Ok(Element::sheet(IMAGE, sheet, Action::Record))
+    }
+}
+
+/// What lies between two surfaces, and whether it needs a flat rim.
+fn body(low: &Placed, high: &Placed) -> Result<(Solid, bool), ComponentError> {
+    let reach = low.reach.max(high.reach);
+    let whole = between(low, high, reach);
+    let is_whole =
+        !matches!(whole, Err(ComponentError::ApertureTooLarge { .. } | ComponentError::SurfacesCross { .. }));
+    let narrow = low.reach.min(high.reach);
+    let flat = if low.reach > high.reach {
+        (Some(low.clone()), high.rim())
+    } else {
+        (low.rim(), Some(high.clone()))
+    };
+    match flat {
+        (Some(front), Some(back)) if !is_whole && narrow < reach => {
+            let core = between(low, high, narrow)?;
+            let ring = between(&front, &back, reach)?;
+            let length = 4.0 * (reach + (back.vertex - front.vertex).abs());
+            let bore = rod(2.0 * narrow, length)?.translate(Vec3::Z * front.vertex);
+            Ok((core | with_prefix(&(ring - bore.named("bore")), "flat"), true))
+        }
+        _ => Ok((whole?, false)),
+    }
+}
+
+fn between(low: &Placed, high: &Placed, reach: f64) -> Result<Solid, ComponentError> {
+    let thickness = high.vertex - low.vertex;
+    let aperture = Aperture::circle(2.0 * reach);
+    let solid = freeform_lens(&low.form, &high.form, thickness, aperture)?;
+    Ok(solid.translate(Vec3::Z * (low.vertex + 0.5 * thickness)))
+}
+
+/// A problem of a component with the surface at which it begins, counted from 0.
+fn told(problem: ComponentError, k: usize) -> PrescriptionError {
+    match problem {
+        ComponentError::SurfacesCross { height, reach, .. } => {
+            PrescriptionError::Cross { first: k + 1, second: k + 2, height, reach }
+        }
+        problem => PrescriptionError::Component { surface: k + 1, problem },
+    }
+}

@@ -1,0 +1,54 @@
+//! Zemax files: sequential prescriptions as text.
+//!
+//! A line is a keyword and its arguments; lines about a surface follow its `SURF` line. What is read, and written again:
+//!
+//! | keyword | holds |
+//! | --- | --- |
+//! | `NAME`, `NOTE 0` | the name, a line of notes |
+//! | `UNIT` | the unit of lengths: MM, CM, IN, METER |
+//! | `ENPD`, `FNUM`, `OBNA`, `FLOA` | diameter of the entrance pupil, F-number, object aperture, or "as the stop is" |
+//! | `FTYP` | kind of field (0 angle, 1 object height, 2 paraxial image height, for which 3, real image height, is taken), then the numbers of fields and of wavelengths |
+//! | `XFLN`, `YFLN` (`XFLD`, `YFLD`) | fields |
+//! | `WAVM n` (`WAVL`, `WWGT`), `PWAV` | wavelengths in µm with weights, the primary one |
+//! | `SURF n` | begins a surface: 0 is the object, the last one the image |
+//! | `TYPE` | STANDARD, EVENASPH, XASPHERE, ODDASPHE, BICONICX, TOROIDAL, XPOLYNOM, SZERNSAG or FZERNSAG |
+//! | `PARM 1` to `PARM 8` | of EVENASPH, SZERNSAG and FZERNSAG, the coefficients of r^2, r^4, ..., r^16; of ODDASPHE, those of r, r^2, ..., r^8; of BICONICX, radius (0 for none) and conic constant along x; of TOROIDAL, the radius of the turn (0 for a cylinder) and the coefficients of y^2, y^4, ..., y^14 |
+//! | `XDAT 1` on, or `PARM 13` on | of XASPHERE, the number of terms, the radius by which r is divided, the coefficients of r^2, r^4, ..., r^16; of XPOLYNOM, SZERNSAG and FZERNSAG, the number of terms, the radius by which x and y are divided, the coefficients: of x, y, x^2, x y, y^2, ...; of Noll's Zernike polynomials; of those in the fringe order |
+//! | `CURV`, `CONI`, `DISZ` | curvature, conic constant, distance to the next surface |
+//! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number, which are also taken for unknown glasses |
+//! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is computed again) |
+//! | `STOP` | the stop |
+//!
+//! `MODE` has to be `SEQ`. Everything else is passed over, with a note. The format is described by its use only: Zemax
+//! OpticStudio user guide, "Lens data editor", and files that makers of lenses publish.
+
+mod kind;
+mod read;
+mod write;
+
+use rayweave_math::round_to_digits;
+
+pub use read::{Read, ZmxError, read_zmx};
+pub use write::write_zmx;
+
+/// Significant digits to which a number in a file is taken for a decimal one.
+const DIGITS: usize = 12;
+
+/// The decimal number with few digits that is this one but for rounding, or this one.
+fn decimal(value: f64) -> f64 {
+    let short = round_to_digits(value, DIGITS);
+    if ((short - value) / value).abs() <= 1e-15 { short } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_found_again() {
+        assert_eq!(decimal(1.0 / (1.0 / 22.01359)), 22.01359);
+        assert_eq!(decimal(587.5618 / 1e3), 0.5875618);
+        assert_eq!(decimal(1.0 / 3.0), 1.0 / 3.0);
+        assert_eq!(decimal(f64::INFINITY), f64::INFINITY);
+    }
+}

@@ -1,0 +1,493 @@
+//! Reader of Zemax files.
+
+use super::decimal;
+use super::kind::{Parameters, broken, shaped};
+use crate::prescription::{
+    Behind, CoordinateBreak, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture,
+};
+use rayweave_error::{Classified, ErrorKind};
+use rayweave_math::{Affine, Vec3};
+use rayweave_optics::glass::{Problem, decode_text};
+use std::collections::HashSet;
+
+/// The units of lengths with their names, in nanometres.
+pub(super) const UNITS: [(&str, f64); 4] = [("MM", 1e6), ("CM", 1e7), ("IN", 2.54e7), ("METER", 1e9)];
+
+/// What a file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Read {
+    /// The prescription.
+    pub prescription: Prescription,
+    /// The keywords that were passed over, each once, with the line where it came first, and what was taken for something
+    /// else.
+    pub notes: Vec<Problem>,
+}
+
+/// All problems of a file, in the order of its lines.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct ZmxError {
+    /// What is wrong, line by line; at least one problem.
+    pub problems: Vec<Problem>,
+}
+
+impl Classified for ZmxError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
+}
+
+/// Reads a Zemax file in UTF-16, UTF-8 or Latin-1.
+///
+/// # Errors
+/// All problems at once, each with its line: numbers that are none, unknown glasses, types of surfaces that are not read.
+///
+/// ```
+/// use rayweave_lens::prescription::read_zmx;
+///
+/// let file = b"ENPD 10\nYFLN 0\nWAVM 1 0.55 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n CURV 0.02\n DISZ 4\n GLAS N-BK7\nSURF 2\n DISZ 95\nSURF 3\n";
+/// let lens = read_zmx(file)?.prescription;
+/// assert_eq!(lens.surfaces.len(), 2);
+/// assert_eq!(lens.surfaces[0].radius, 50.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_zmx(bytes: &[u8]) -> Result<Read, ZmxError> {
+    let text = decode_text(bytes);
+    let mut reader = Reader::default();
+    for (index, line) in text.lines().enumerate() {
+        reader.line = index + 1;
+        if let Err(text) = reader.read(line.trim()) {
+            reader.problems.push(Problem { line: index + 1, text });
+        }
+    }
+    reader.finish()
+}
+
+/// Keywords that say nothing about the light, or what is said elsewhere.
+const SILENT: [&str; 22] = [
+    "VERS", "PFIL", "LANG", "GCAT", "ENVD", "GFAC", "RAIM", "PUSH", "SDMA", "OMMA", "ROPD", "PICB", "POLS",
+    "GLRS", "GSTD", "NSCD", "COFN", "HIDE", "MIRR", "SLAB", "POPS", "FIMP",
+];
+
+/// What is said of a surface so far.
+#[derive(Default)]
+struct Record {
+    line: usize,
+    type_line: usize,
+    kind: String,
+    curvature: f64,
+    conic: f64,
+    thickness: f64,
+    behind: Option<Behind>,
+    semi_diameter: Option<f64>,
+    /// As the file has it, fixed or computed.
+    diam: f64,
+    hole: f64,
+    /// Its aperture is not about the vertex.
+    is_decentred: bool,
+    is_stop: bool,
+    /// The parameters of a type that has them; its extra data among them.
+    parameters: Parameters,
+}
+
+#[derive(Default)]
+struct Reader {
+    line: usize,
+    name: String,
+    notes: Vec<String>,
+    unit_nm: Option<f64>,
+    aperture: Option<SystemAperture>,
+    kind: Option<FieldKind>,
+    counts: Option<[usize; 2]>,
+    fields: [Vec<f64>; 2],
+    wavelengths: Vec<f64>,
+    weights: Vec<f64>,
+    primary: usize,
+    surfaces: Vec<Record>,
+    passed_over: HashSet<String>,
+    ignored: Vec<Problem>,
+    problems: Vec<Problem>,
+}
+
+impl Reader {
+    fn read(&mut self, line: &str) -> Result<(), String> {
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let words: Vec<&str> = rest.split_whitespace().collect();
+        match keyword {
+            "" => Ok(()),
+            "SURF" => {
+                self.surfaces.push(Record { line: self.line, ..Record::default() });
+                Ok(())
+            }
+            _ if self.of_surface(keyword, &words)? || self.of_system(keyword, rest, &words)? => Ok(()),
+            _ => {
+                if !SILENT.contains(&keyword) && self.passed_over.insert(keyword.to_owned()) {
+                    self.note(format!("{keyword} is passed over"));
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// True if the keyword is one about the system that is read.
+    fn of_system(&mut self, keyword: &str, rest: &str, words: &[&str]) -> Result<bool, String> {
+        match keyword {
+            "MODE" if words != ["SEQ"] => {
+                return Err(format!("the mode is {rest}: only sequential systems, SEQ, are read."));
+            }
+            "MODE" => {}
+            "NAME" => self.name = rest.trim().to_owned(),
+            "NOTE" => {
+                let (_, note) = rest.trim().split_once(' ').unwrap_or_default();
+                self.notes.push(note.to_owned());
+            }
+            "UNIT" => self.unit_nm = Some(unit(words.first().copied().unwrap_or(""))?),
+            "ENPD" => self.aperture = Some(SystemAperture::EntrancePupilDiameter(number(words, 0)?)),
+            "FNUM" => self.aperture = Some(SystemAperture::FNumber(number(words, 0)?)),
+            "OBNA" if words.get(1) == Some(&"1") => {
+                return Err(
+                    "the object aperture is an angle: only the numerical aperture is read.".to_owned()
+                );
+            }
+            "OBNA" => self.aperture = Some(SystemAperture::ObjectNumericalAperture(number(words, 0)?)),
+            "FLOA" => self.aperture = Some(SystemAperture::StopSemiDiameter(f64::NAN)),
+            "FTYP" => {
+                self.kind = Some(field_kind(words)?);
+                if words.first() == Some(&"3") {
+                    self.note("real image heights of fields are taken for paraxial ones".to_owned());
+                }
+                let count = |k: usize| words.get(k).and_then(|word| word.parse::<usize>().ok());
+                self.counts = count(2).zip(count(3)).map(|(fields, lines)| [fields, lines]);
+            }
+            "XFLN" | "XFLD" => self.fields[0] = numbers(words)?,
+            "YFLN" | "YFLD" => self.fields[1] = numbers(words)?,
+            "WAVM" => {
+                self.wavelengths.push(number(words, 1)?);
+                self.weights.push(number(words, 2).unwrap_or(1.0));
+            }
+            "WAVL" | "WAVN" => self.wavelengths = numbers(words)?,
+            "WWGT" | "WWGN" => self.weights = numbers(words)?,
+            "PWAV" => self.primary = whole(words, 0)?.max(1) - 1,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// True if the keyword is one about the last surface that is read.
+    fn of_surface(&mut self, keyword: &str, words: &[&str]) -> Result<bool, String> {
+        let Some(surface) = self.surfaces.last_mut() else { return Ok(false) };
+        let is_standard = matches!(surface.kind.as_str(), "" | "STANDARD");
+        match keyword {
+            "TYPE" => {
+                surface.type_line = self.line;
+                surface.kind = words.first().copied().unwrap_or("").to_owned();
+            }
+            "PARM" if is_standard => {}
+            "XDAT" if is_standard => return Ok(false),
+            "PARM" => surface.parameters.set(whole(words, 0)?, number(words, 1)?)?,
+            "XDAT" => surface.parameters.set_extra(whole(words, 0)?, number(words, 1)?)?,
+            "CURV" => surface.curvature = number(words, 0)?,
+            "CONI" => surface.conic = number(words, 0)?,
+            "DISZ" if words.first() == Some(&"INFINITY") => surface.thickness = f64::INFINITY,
+            "DISZ" => surface.thickness = number(words, 0)?,
+            "GLAS" => {
+                let (behind, note) = behind(words)?;
+                surface.behind = Some(behind);
+                note.into_iter().for_each(|note| self.note(note));
+            }
+            "DIAM" => {
+                let is_fixed = words.get(1).is_some_and(|flag| *flag != "0");
+                let value = number(words, 0)?;
+                surface.diam = value;
+                surface.semi_diameter = (is_fixed && value > 0.0).then_some(value).or(surface.semi_diameter);
+            }
+            "CLAP" => {
+                surface.hole = number(words, 0)?;
+                let outer = number(words, 1)?;
+                surface.semi_diameter = (outer > 0.0).then_some(outer).or(surface.semi_diameter);
+            }
+            "OBDC" if numbers(&words[..words.len().min(2)])?.iter().any(|&place| place != 0.0) => {
+                surface.is_decentred = true;
+                self.note(
+                    "for the decentred aperture, OBDC, one about the vertex is taken that holds all rays"
+                        .to_owned(),
+                );
+            }
+            "STOP" => surface.is_stop = true,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    fn note(&mut self, text: String) {
+        self.ignored.push(Problem { line: self.line, text });
+    }
+
+    fn problem(&mut self, line: usize, text: &str) {
+        self.problems.push(Problem { line, text: text.to_owned() });
+    }
+
+    fn finish(mut self) -> Result<Read, ZmxError> {
+        if self.surfaces.is_empty() && self.aperture.is_none() && self.wavelengths.is_empty() {
+            self.problems.clear();
+            self.problem(
+                1,
+                "the file has no line of a Zemax file (SURF, ENPD, WAVM, ...) is it another kind of file?",
+            );
+            return Err(ZmxError { problems: self.problems });
+        }
+        self.check_distances();
+        let breaks = self.take_breaks();
+        let stop = self.surfaces.iter().position(|surface| surface.is_stop);
+        if self.surfaces.len() < 3 {
+            self.problem(
+                self.line,
+                "the file has no surface between object and image: it needs three SURF lines.",
+            );
+        } else if !stop.is_some_and(|stop| (1..self.surfaces.len() - 1).contains(&stop)) {
+            self.problem(self.line, "no surface between object and image is the STOP");
+        }
+        if self.aperture.is_none() {
+            self.problem(self.line, "the file has no aperture: one of ENPD, FNUM, OBNA, FLOA.");
+        }
+        let sizeless = |stop: &Record| stop.semi_diameter.unwrap_or(stop.diam) <= 0.0;
+        let floating = matches!(self.aperture, Some(SystemAperture::StopSemiDiameter(_)));
+        let stop_line = stop
+            .map(|stop| &self.surfaces[stop])
+            .filter(|stop| floating && sizeless(stop))
+            .map(|stop| stop.line);
+        if let Some(line) = stop_line {
+            self.problem(
+                line,
+                "the stop has no semi-diameter, DIAM, and the aperture is that of the stop, FLOA",
+            );
+        }
+        let lines = self.lines();
+        if lines.is_empty() {
+            self.problem(self.line, "the file has no wavelength: WAVM or WAVL.");
+        }
+        let surfaces = self.surfaces();
+        match (self.problems.is_empty(), stop, self.aperture) {
+            (true, Some(stop), Some(aperture)) => {
+                self.note_ends(&surfaces);
+                let Read { prescription, notes } = self.prescription(surfaces, (stop, aperture), lines);
+                Ok(Read { prescription: Prescription { breaks, ..prescription }, notes })
+            }
+            _ => {
+                self.problems.sort_by_key(|problem| problem.line);
+                Err(ZmxError { problems: self.problems })
+            }
+        }
+    }
+
+    fn check_distances(&mut self) {
+        let far = self.surfaces.iter().skip(1).find(|surface| surface.thickness.is_infinite());
+        if let Some(line) = far.map(|surface| surface.line) {
+            self.problem(
+                line,
+                "the distance to the next surface is infinite: only that of the object may be.",
+            );
+        }
+    }
+
+    /// Takes coordinate breaks out of the list of surfaces. Their thicknesses are added to that of the surface before, as first-order
+    /// data want it, and undone in the frame of the one behind.
+    fn take_breaks(&mut self) -> Vec<CoordinateBreak> {
+        let along = |z: f64| Affine::translate(Vec3::Z * z);
+        let mut breaks = Vec::new();
+        let (mut kept, mut frame): (Vec<Record>, Option<(Affine, f64)>) = (Vec::new(), None);
+        for record in std::mem::take(&mut self.surfaces) {
+            if record.kind != "COORDBRK" || kept.is_empty() {
+                let moved = frame.take().map(|(map, by)| map.then(&along(-by)));
+                breaks.extend(moved.map(|map| CoordinateBreak { before: kept.len(), map }));
+                kept.push(record);
+                continue;
+            }
+            match broken(&record.parameters) {
+                Ok(own) => {
+                    let (map, by) = frame.unwrap_or((Affine::IDENTITY, 0.0));
+                    frame = Some((along(record.thickness).then(&own).then(&map), by + record.thickness));
+                    kept.iter_mut()
+                        .last()
+                        .into_iter()
+                        .for_each(|before| before.thickness += record.thickness);
+                    let text =
+                        "the coordinate break is no surface of its own; surfaces are counted without it"
+                            .to_owned();
+                    self.ignored.push(Problem { line: record.line, text });
+                }
+                Err(text) => self.problem(record.type_line, &text),
+            }
+        }
+        if frame.is_some() {
+            self.problem(self.line, "the image is a coordinate break: it has to be a surface.");
+        }
+        self.surfaces = kept;
+        breaks
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let count = self.counts.map_or(usize::MAX, |counts| counts[1].max(1));
+        let line = |(k, &um): (usize, &f64)| Line {
+            wavelength_nm: decimal(um * 1e3),
+            weight: self.weights.get(k).copied().unwrap_or(1.0),
+        };
+        self.wavelengths.iter().enumerate().take(count).map(line).collect()
+    }
+
+    fn fields(&self) -> Vec<[f64; 2]> {
+        let given = self.fields[0].len().max(self.fields[1].len());
+        let count = self.counts.map_or(given, |counts| counts[0].min(given)).max(1);
+        let at = |axis: usize, k: usize| self.fields[axis].get(k).copied().unwrap_or(0.0);
+        (0..count).map(|k| [at(0, k), at(1, k)]).collect()
+    }
+
+    /// All surfaces, object and image among them; what is wrong with their types and parameters is a problem.
+    fn surfaces(&mut self) -> Vec<Surface> {
+        let found: Vec<_> = self.surfaces.iter().map(|record| (record.type_line, record.surface())).collect();
+        let told = |(line, surface): (usize, Result<Surface, String>)| {
+            surface.map_err(|text| self.problem(line, &text)).ok()
+        };
+        found.into_iter().filter_map(told).collect()
+    }
+
+    /// Object and image have no terms here.
+    fn note_ends(&mut self, surfaces: &[Surface]) {
+        let last = surfaces.len().saturating_sub(1);
+        for (k, name) in [(0, "object"), (last, "image")] {
+            if surfaces.get(k).is_some_and(|surface| !surface.is_conic()) {
+                let line = self.surfaces[k].type_line;
+                let text = format!("the terms of the {name} beyond its conic are passed over");
+                self.ignored.push(Problem { line, text });
+            }
+        }
+    }
+
+    fn prescription(
+        self,
+        surfaces: Vec<Surface>,
+        (stop, aperture): (usize, SystemAperture),
+        lines: Vec<Line>,
+    ) -> Read {
+        let fields = self.fields();
+        let last = self.surfaces.len() - 1;
+        let image = &self.surfaces[last];
+        let image = ImageSurface {
+            radius: radius(image.curvature),
+            conic: image.conic,
+            semi_diameter: image.semi_diameter,
+        };
+        let stop_radius = self.surfaces[stop].semi_diameter.unwrap_or(self.surfaces[stop].diam);
+        let aperture = match aperture {
+            SystemAperture::StopSemiDiameter(_) => SystemAperture::StopSemiDiameter(stop_radius),
+            aperture => aperture,
+        };
+        let prescription = Prescription {
+            name: self.name,
+            notes: self.notes,
+            unit_nm: self.unit_nm.unwrap_or(1e6),
+            aperture,
+            field_kind: self.kind.unwrap_or(FieldKind::Angle),
+            fields,
+            lines,
+            primary: self.primary,
+            object_distance: self.surfaces[0].thickness,
+            surfaces: surfaces[1..last].to_vec(),
+            stop,
+            image,
+            breaks: Vec::new(),
+        };
+        Read { prescription, notes: self.ignored }
+    }
+}
+
+impl Record {
+    fn surface(&self) -> Result<Surface, String> {
+        let behind = self.behind.clone().unwrap_or(Behind::Air);
+        let conic = Surface {
+            semi_diameter: self.semi_diameter.filter(|_| !self.is_decentred),
+            ..Surface::new(radius(self.curvature), self.thickness, behind).conic(self.conic).hole(self.hole)
+        };
+        shaped(&self.kind, &self.parameters, conic)
+    }
+}
+
+fn radius(curvature: f64) -> f64 {
+    if curvature == 0.0 { f64::INFINITY } else { decimal(1.0 / curvature) }
+}
+
+fn unit(name: &str) -> Result<f64, String> {
+    let known = UNITS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+    known
+        .map(|(_, nm)| *nm)
+        .ok_or_else(|| format!("the unit {name:?} is not known: MM, CM, IN and METER are."))
+}
+
+fn field_kind(words: &[&str]) -> Result<FieldKind, String> {
+    match words.first().copied() {
+        Some("0") => Ok(FieldKind::Angle),
+        Some("1") => Ok(FieldKind::ObjectHeight),
+        Some("2" | "3") => Ok(FieldKind::ImageHeight),
+        other => Err(format!(
+            "fields are of type {}: 0 to 3 are read: angle, object height, paraxial and real image height.",
+            other.unwrap_or("nothing")
+        )),
+    }
+}
+
+/// What programs write where they do not know index and Abbe number.
+const DUMMY: [f64; 2] = [1.5, 40.0];
+
+/// What lies behind the surface, and a note if it is only nearly that.
+fn behind(words: &[&str]) -> Result<(Behind, Option<String>), String> {
+    let data = number(words, 3).and_then(|n_d| Ok([n_d, number(words, 4)?]));
+    let name = match words.first().copied() {
+        None => return Err("GLAS has no name".to_owned()),
+        Some("MIRROR") => return Ok((Behind::Mirror, None)),
+        Some("___BLANK") => return data.map(|data| (model(data), None)),
+        Some(name) => name,
+    };
+    let glass = Behind::Glass(name.to_owned());
+    match (glass.medium(), data) {
+        (Ok(_), _) => Ok((glass, None)),
+        (Err(problem), Ok(data)) if data != DUMMY && model(data).medium().is_ok() => {
+            let [n_d, v_d] = data;
+            let note = format!("{problem}; a model glass of its index {n_d} and Abbe number {v_d} is taken");
+            Ok((model(data), Some(note)))
+        }
+        (Err(problem), _) => match successor(name) {
+            Some(successor) => {
+                let note = format!("{problem}; N-{name}, which took its place, is taken");
+                Ok((successor, Some(note)))
+            }
+            None => Err(problem.to_string()),
+        },
+    }
+}
+
+/// The glass without lead and arsenic of the same place in Schott's catalogue, for one of the time before.
+fn successor(name: &str) -> Option<Behind> {
+    let glass = Behind::Glass(format!("N-{name}"));
+    glass.medium().is_ok().then_some(glass)
+}
+
+fn model([n_d, v_d]: [f64; 2]) -> Behind {
+    if v_d == 0.0 { Behind::Index(n_d) } else { Behind::Abbe { n_d, v_d } }
+}
+
+fn number(words: &[&str], place: usize) -> Result<f64, String> {
+    let word = words.get(place).ok_or_else(|| format!("number {} of the line is missing", place + 1))?;
+    match word.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("{word:?} is no number")),
+    }
+}
+
+fn whole(words: &[&str], place: usize) -> Result<usize, String> {
+    let word = words.get(place).copied().unwrap_or("");
+    word.parse().map_err(|_| format!("{word:?} is no whole number"))
+}
+
+fn numbers(words: &[&str]) -> Result<Vec<f64>, String> {
+    (0..words.len()).map(|k| number(words, k)).collect()
+}

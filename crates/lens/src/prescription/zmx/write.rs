@@ -1,0 +1,113 @@
+//! Writer of Zemax files.
+
+use super::decimal;
+use super::kind::written;
+use crate::prescription::{Behind, FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
+use rayweave_optics::Medium;
+
+/// A prescription as a Zemax file, in UTF-8 with line feeds. Reading it gives the same prescription, with three exceptions: a
+/// [`Behind::Medium`] becomes a model glass, radii are rounded to 16 digits, and a stop that sets the aperture gets a
+/// semi-diameter of its own.
+///
+/// # Errors
+/// [`PrescriptionError::Glass`] for media that do not exist, [`PrescriptionError::Undefined`] for a surface that no type holds,
+/// as one with odd powers of r and any beyond r^8, and for coordinate breaks.
+pub fn write_zmx(lens: &Prescription) -> Result<String, PrescriptionError> {
+    if !lens.breaks.is_empty() {
+        let why = "coordinate breaks are read, but not written";
+        return Err(PrescriptionError::Undefined { what: "Zemax file", why });
+    }
+    let mut file = head(lens);
+    let thickness = if lens.object_distance.is_finite() {
+        lens.object_distance.to_string()
+    } else {
+        "INFINITY".to_owned()
+    };
+    file.extend(["SURF 0".to_owned(), "  TYPE STANDARD".to_owned(), "  CURV 0".to_owned()]);
+    file.push(format!("  DISZ {thickness}"));
+    for (k, surface) in lens.surfaces.iter().enumerate() {
+        let number = k + 1;
+        file.push(format!("SURF {number}"));
+        file.extend((number == lens.stop).then(|| "  STOP".to_owned()));
+        let glass = glass(&surface.behind);
+        let glass = glass.map_err(|problem| PrescriptionError::Glass { surface: number, problem })?;
+        let semi_diameter = match lens.aperture {
+            SystemAperture::StopSemiDiameter(radius) if number == lens.stop => Some(radius),
+            _ => surface.semi_diameter,
+        };
+        file.extend(surface_lines(&Surface { semi_diameter, ..surface.clone() }, glass)?);
+    }
+    file.push(format!("SURF {}", lens.surfaces.len() + 1));
+    file.extend(surface_lines(&lens.image_as_surface(), None)?);
+    Ok(file.join("\n") + "\n")
+}
+
+/// What is said before the surfaces.
+fn head(lens: &Prescription) -> Vec<String> {
+    let mut file = vec!["MODE SEQ".to_owned(), format!("NAME {}", lens.name)];
+    file.extend(lens.notes.iter().map(|note| format!("NOTE 0 {note}")));
+    file.push(format!("UNIT {} X W X CM MR CPMM", unit(lens.unit_nm)));
+    file.push(match lens.aperture {
+        SystemAperture::EntrancePupilDiameter(diameter) => format!("ENPD {diameter}"),
+        SystemAperture::FNumber(number) => format!("FNUM {number} 0"),
+        SystemAperture::ObjectNumericalAperture(aperture) => format!("OBNA {aperture} 0"),
+        SystemAperture::StopSemiDiameter(_) => "FLOA".to_owned(),
+    });
+    let kind = match lens.field_kind {
+        FieldKind::Angle => 0,
+        FieldKind::ObjectHeight => 1,
+        FieldKind::ImageHeight => 2,
+    };
+    file.push(format!("FTYP {kind} 0 {} {} 0 0 0", lens.fields.len(), lens.lines.len()));
+    for (keyword, axis) in [("XFLN", 0), ("YFLN", 1)] {
+        let values: Vec<String> = lens.fields.iter().map(|field| field[axis].to_string()).collect();
+        file.push(format!("{keyword} {}", values.join(" ")));
+    }
+    let line = |(k, line): (usize, &crate::prescription::Line)| {
+        format!("WAVM {} {} {}", k + 1, decimal(line.wavelength_nm / 1e3), line.weight)
+    };
+    file.extend(lens.lines.iter().enumerate().map(line));
+    file.push(format!("PWAV {}", lens.primary + 1));
+    file
+}
+
+/// The name of the unit, millimetres for all that has none.
+fn unit(unit_nm: f64) -> &'static str {
+    super::read::UNITS.iter().find(|(_, nm)| *nm == unit_nm).map_or("MM", |(name, _)| name)
+}
+
+fn surface_lines(surface: &Surface, glass: Option<String>) -> Result<Vec<String>, PrescriptionError> {
+    let curvature = if surface.radius.is_infinite() { 0.0 } else { 1.0 / surface.radius };
+    let (kind, parameters) =
+        written(surface).map_err(|why| PrescriptionError::Undefined { what: "Zemax file", why })?;
+    let mut lines = vec![format!("  TYPE {kind}"), format!("  CURV {:.15e}", curvature)];
+    lines.extend(parameters);
+    lines.extend((surface.conic != 0.0).then(|| format!("  CONI {}", surface.conic)));
+    lines.push(format!("  DISZ {}", surface.thickness));
+    lines.extend(glass.map(|glass| format!("  GLAS {glass}")));
+    lines.extend(surface.semi_diameter.map(|radius| format!("  DIAM {radius} 1 0 0 1 \"\"")));
+    if surface.hole > 0.0 {
+        lines.push(format!("  CLAP {} {} 0", surface.hole, surface.semi_diameter.unwrap_or(0.0)));
+    }
+    Ok(lines)
+}
+
+/// The arguments of `GLAS`; none for air.
+fn glass(behind: &Behind) -> Result<Option<String>, rayweave_optics::glass::GlassError> {
+    Ok(match behind {
+        Behind::Air => None,
+        Behind::Mirror => Some("MIRROR 0 0 1.5 40".to_owned()),
+        Behind::Index(n) => Some(format!("___BLANK 1 0 {n} 0")),
+        Behind::Abbe { n_d, v_d } => Some(format!("___BLANK 1 0 {n_d} {v_d}")),
+        Behind::Glass(name) => behind.medium()?.map(|medium| named(name, &medium)),
+        Behind::Medium(medium) => Some(named("___BLANK", medium)),
+    })
+}
+
+/// Name, index and Abbe number, to six and four digits as in catalogues.
+fn named(name: &str, medium: &Medium) -> String {
+    let [f, d, c] = [486.1327, 587.5618, 656.2725].map(|line| medium.index(line).re);
+    let (n_d, v_d) = (format!("{d:.6}"), format!("{:.4}", (d - 1.0) / (f - c)));
+    let kind = if name == "___BLANK" { 1 } else { 0 };
+    format!("{name} {kind} 0 {n_d} {v_d}")
+}

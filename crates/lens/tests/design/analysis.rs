@@ -1,0 +1,397 @@
+//! Images of real rays, against closed forms.
+
+use crate::lenses::{D_NM, cassegrain, doublet, index, near, triplet};
+use rayweave_lens::analysis::{
+    AnalysisError, Arrival, Spot, Study, Wavefront, Zernike, arrivals, best_focus, encircled_energy, fan_x,
+    fan_y, fit, geometric_mtf, hexapolar, radius_of_energy, square, through_focus,
+};
+use rayweave_lens::paraxial::Seidel;
+use rayweave_lens::prescription::{Behind, Prescription, Surface};
+use rayweave_math::{Affine, Vec3};
+use rayweave_optics::component::{Aperture, Sheet};
+use rayweave_optics::{Action, Assembly, Beam, Element, Light, Settings, Tracer};
+use rayweave_trace::Packets;
+
+/// What a study of a prescription tells.
+fn study<T>(lens: &Prescription, ask: impl Fn(&Study<'_, Packets>) -> T) -> T {
+    let layout = lens.assembly().unwrap();
+    let system = layout.assembly.compile().unwrap();
+    let tracer = Tracer::new(&system, Packets::new);
+    ask(&Study::new(lens, &layout, &tracer))
+}
+
+fn sphere(radius: f64, diameter: f64, angle: f64) -> Prescription {
+    Prescription::new(vec![Surface::new(-radius, -0.5 * radius, Behind::Mirror)])
+        .entrance_pupil_diameter(diameter)
+        .field_angles(&[0.0, angle])
+}
+
+/// Rays at points of a disk of a given radius, all along z but for a slope towards a focus in front.
+fn disk(radius: f64, focus: f64) -> Vec<Arrival> {
+    let ray = |(id, [x, y]): (usize, [f64; 2])| {
+        let position = radius * Vec3::new(x, y, 0.0);
+        let direction = (Vec3::Z * focus - position).normalize();
+        Arrival { id, position, direction, path: 0.0, index: 1.0, wavelength_nm: D_NM, power: 1.0 }
+    };
+    square(201).into_iter().enumerate().map(ray).collect()
+}
+
+#[test]
+fn spots_of_disks() {
+    let rays = disk(2.0, 100.0);
+    let spot = Spot::of(&rays).unwrap();
+    // of a uniform disk the mean square radius is half the square of the radius
+    near(spot.rms, 2.0 / 2f64.sqrt(), 3e-3);
+    near(spot.rms_xy[0], 1.0, 3e-3);
+    near(spot.geometric, 2.0, 1e-12);
+    near(spot.centroid[0].hypot(spot.centroid[1]), 0.0, 1e-12);
+    near(best_focus(&rays).unwrap(), 100.0, 1e-10);
+    for (k, spot) in through_focus(&rays, &[-50.0, 0.0, 50.0, 100.0]).iter().enumerate() {
+        near(spot.geometric, 2.0 * (1.5 - 0.5 * k as f64), 1e-12);
+    }
+    for (radius, energy) in
+        [0.5, 1.0, 1.7, 3.0].into_iter().zip(encircled_energy(&rays, &[0.5, 1.0, 1.7, 3.0]))
+    {
+        near(energy, (radius * radius / 4.0_f64).min(1.0), 2e-3);
+    }
+    near(radius_of_energy(&rays, 0.5).unwrap(), 2f64.sqrt(), 1e-2);
+    near(radius_of_energy(&rays, 1.0).unwrap(), 2.0, 1e-12);
+    // the transform of a disk: 2 J1(x) / x
+    let frequencies = [0.0, 0.05, 0.2, 0.305, 0.5];
+    for direction in [[1.0, 0.0], [0.6, -0.8]] {
+        for (v, found) in frequencies.into_iter().zip(geometric_mtf(&rays, direction, &frequencies)) {
+            let x = std::f64::consts::TAU * v * 2.0;
+            let expected = if v == 0.0 { 1.0 } else { (2.0 * libm::j1(x) / x).abs() };
+            near(found, expected, 3e-3);
+        }
+    }
+    assert_eq!(Spot::of(&[]), None);
+    assert_eq!(best_focus(&[]), None);
+    assert_eq!(radius_of_energy(&[], 0.5), None);
+}
+
+#[test]
+fn weights_count() {
+    let rays = disk(1.0, 10.0);
+    let heavy: Vec<Arrival> = rays
+        .iter()
+        .map(|ray| Arrival { power: if ray.position.x > 0.0 { 3.0 } else { 1.0 }, ..*ray })
+        .collect();
+    // half disks have their centroids at 4 / (3 pi)
+    near(Spot::of(&heavy).unwrap().centroid[0], 0.5 * 4.0 / (3.0 * std::f64::consts::PI), 6e-3);
+}
+
+#[test]
+fn wavefronts_of_defocus_and_tilt() {
+    // all rays of a perfect focus that lies a little behind the centre of the reference sphere
+    let (shift, radius) = (1e-3, 100.0);
+    let rays: Vec<Arrival> = disk(20.0, radius)
+        .iter()
+        .map(|ray| Arrival { position: Vec3::Z * shift, path: 500.0, ..*ray })
+        .collect();
+    let principal = Arrival { position: Vec3::ZERO, direction: Vec3::Z, path: 500.0 - shift, ..rays[0] };
+    let pupil = square(201);
+    let found = Wavefront::new(&principal, &rays, &pupil, radius, 1e6);
+    for (ray, wave) in rays.iter().zip(&found.waves) {
+        let expected = -shift * (1.0 - ray.direction.z) * 1e6 / D_NM;
+        // second order in the shift
+        near(*wave, expected, shift * shift / radius * 1e6 / D_NM);
+    }
+    assert!(found.peak_to_valley() > 0.03);
+    let flat = Wavefront { pupil: pupil.clone(), waves: pupil.iter().map(|[x, _]| 0.2 * x).collect() };
+    near(flat.rms(), 0.1, 1e-3);
+    near(flat.strehl(), (-(0.2 * std::f64::consts::PI).powi(2)).exp(), 1e-2);
+}
+
+#[test]
+fn telecentric_lenses_have_wavefronts() {
+    // the same spherical aberration whether the stop is at the lens or in its front focal plane
+    let lens = |stop: f64| {
+        let surfaces = vec![
+            Surface::dummy(stop),
+            Surface::new(60.0, 5.0, index(1.5)),
+            Surface::new(-60.0, 0.0, Behind::Air),
+        ];
+        let mut lens = Prescription::new(surfaces).entrance_pupil_diameter(8.0);
+        lens.surfaces[2].thickness = lens.first_order(D_NM).unwrap().image_distance;
+        lens
+    };
+    let front = -{
+        let bare = Prescription { surfaces: lens(1.0).surfaces[1..].to_vec(), ..lens(1.0) };
+        bare.first_order(D_NM).unwrap().front_focal_distance
+    };
+    let telecentric = lens(front);
+    assert!(telecentric.first_order(D_NM).unwrap().exit_pupil.position.abs() > 1e10);
+    let waves =
+        |lens: &Prescription| study(lens, |study| study.wavefront(0, D_NM, &fan_y(11)).unwrap().waves);
+    let near_by = lens(1.0);
+    let errors = study(&near_by, |study| study.fan(0, D_NM, &fan_y(11)).unwrap().errors);
+    let image: f64 = near_by.surfaces.iter().map(|surface| surface.thickness).sum();
+    let radius = image - near_by.first_order(D_NM).unwrap().exit_pupil.position;
+    let (far, near_by) = (waves(&telecentric), waves(&near_by));
+    assert!(far[0].abs() > 0.5);
+    for ((a, b), [_, error]) in far.iter().zip(&near_by).zip(errors) {
+        // spheres of other radii about one point differ by the square of the transverse aberration over twice the radius
+        let expected = error * error / (2.0 * radius) * 1e6 / D_NM;
+        near(a - b, expected, 2e-2 * expected + 1e-9);
+    }
+}
+
+#[test]
+fn nolls_table() {
+    // R. J. Noll, J. Opt. Soc. Am. 66, 207 (1976), table I
+    let points = [[0.3, 0.4], [-0.7, 0.1], [0.0, 0.9], [0.5, -0.5]];
+    for [x, y] in points {
+        let (r, a) = (f64::hypot(x, y), y.atan2(x));
+        let r2 = r * r;
+        let table = [
+            1.0,
+            2.0 * r * a.cos(),
+            2.0 * r * a.sin(),
+            3f64.sqrt() * (2.0 * r2 - 1.0),
+            6f64.sqrt() * r2 * (2.0 * a).sin(),
+            6f64.sqrt() * r2 * (2.0 * a).cos(),
+            8f64.sqrt() * (3.0 * r2 - 2.0) * r * a.sin(),
+            8f64.sqrt() * (3.0 * r2 - 2.0) * r * a.cos(),
+            8f64.sqrt() * r2 * r * (3.0 * a).sin(),
+            8f64.sqrt() * r2 * r * (3.0 * a).cos(),
+            5f64.sqrt() * (6.0 * r2 * r2 - 6.0 * r2 + 1.0),
+            10f64.sqrt() * (4.0 * r2 - 3.0) * r2 * (2.0 * a).cos(),
+            10f64.sqrt() * (4.0 * r2 - 3.0) * r2 * (2.0 * a).sin(),
+            10f64.sqrt() * r2 * r2 * (4.0 * a).cos(),
+            10f64.sqrt() * r2 * r2 * (4.0 * a).sin(),
+        ];
+        for (k, expected) in table.into_iter().enumerate() {
+            near(Zernike::noll(k as u32 + 1).at([x, y]), expected, 1e-14);
+        }
+        near(
+            Zernike::noll(22).at([x, y]),
+            7f64.sqrt() * (20.0 * r2.powi(3) - 30.0 * r2 * r2 + 12.0 * r2 - 1.0),
+            1e-13,
+        );
+    }
+    // ANSI Z80.28: j = (n (n + 2) + m) / 2
+    for j in 0..66 {
+        let Zernike { n, m } = Zernike::osa(j);
+        assert_eq!((n * (n + 2)) as i32 + m, 2 * j as i32);
+        assert!(m.unsigned_abs() <= n && (n - m.unsigned_abs()) % 2 == 0, "{j}");
+    }
+    // on the rim all radial polynomials are 1
+    for (n, m) in [(40, 0), (41, 3), (60, 58)] {
+        let normal = if m == 0 { f64::from(n + 1).sqrt() } else { (2.0 * f64::from(n + 1)).sqrt() };
+        near(Zernike { n, m }.at([1.0, 0.0]), normal, 1e-10);
+    }
+}
+
+#[test]
+fn fits_find_what_was_put_in() {
+    let terms: Vec<Zernike> = (1..=15).map(Zernike::noll).collect();
+    let points = square(31);
+    let truth =
+        |point: [f64; 2]| 0.3 * terms[3].at(point) - 0.07 * terms[7].at(point) + 0.02 * terms[10].at(point);
+    let values: Vec<f64> = points.iter().map(|&point| truth(point)).collect();
+    let found = fit(&points, &values, &terms).unwrap();
+    near(found.coefficient(Zernike::noll(4)), 0.3, 1e-14);
+    near(found.coefficient(Zernike::noll(8)), -0.07, 1e-14);
+    near(found.coefficient(Zernike::noll(11)), 0.02, 1e-14);
+    near(found.coefficient(Zernike::noll(5)), 0.0, 1e-14);
+    near(found.residual_rms, 0.0, 1e-14);
+    near(found.at([0.2, 0.1]), truth([0.2, 0.1]), 1e-14);
+    // what is left is what no term can say: r^6 beyond r^4
+    let sixth: Vec<f64> = points.iter().map(|&point| Zernike::noll(22).at(point)).collect();
+    assert!(fit(&points, &sixth, &terms).unwrap().residual_rms > 0.8);
+    assert_eq!(
+        fit(&points[..4], &values[..4], &terms).unwrap_err().to_string(),
+        "4 points cannot tell 15 terms apart: there have to be at least as many points. Fewer terms."
+    );
+}
+
+#[test]
+fn spherical_aberration_of_a_sphere() {
+    // W = S_I / 8 at the rim, and of W r^4 the Zernike coefficient is W / (6 sqrt 5) in Noll's norm
+    let lens = sphere(1000.0, 50.0, 0.1);
+    let expected = lens.seidel().unwrap()[0].spherical / 8.0 * 1e6 / D_NM;
+    near(expected.abs(), 25f64.powi(4) / (4.0 * 1000f64.powi(3)) * 1e6 / D_NM, 1e-12);
+    let wavefront = study(&lens, |study| study.wavefront(0, D_NM, &hexapolar(12)).unwrap());
+    let rim = wavefront.pupil.iter().position(|p| p[0] == 1.0).unwrap();
+    // the sign: the light of the rim comes early
+    near(wavefront.waves[rim], expected, 2e-3 * expected.abs());
+    let terms: Vec<Zernike> = (1..=22).map(Zernike::noll).collect();
+    let found = fit(&wavefront.pupil, &wavefront.waves, &terms).unwrap();
+    near(found.coefficient(Zernike::noll(11)), expected / (6.0 * 5f64.sqrt()), 2e-3 * expected.abs());
+    // the longitudinal aberration of a sphere: R (1 - 1 / (2 cos a)) - R / 2 with sin a = h / R
+    for height in [0.5, 1.0] {
+        let cosine = (1.0 - (25.0 * height / 1000.0_f64).powi(2)).sqrt();
+        let found = study(&lens, |study| study.axial_focus(D_NM, height).unwrap());
+        // light travels towards -z: nearer to the mirror is at greater z
+        near(found, 1000.0 * (0.5 / cosine - 0.5), 1e-9);
+    }
+}
+
+#[test]
+fn thin_pencils_at_a_sphere_obey_coddington() {
+    // 1/s + 1/s' = 2 cos i / R across the plane of incidence, 2 / (R cos i) in it; the stop at the mirror
+    let (radius, angle) = (1000.0, 8.0_f64);
+    let cosine = angle.to_radians().cos();
+    let foci = study(&sphere(radius, 10.0, angle), |study| study.field_foci(1, D_NM).unwrap());
+    // along z from the plane of the paraxial focus, light going towards -z
+    near(foci.tangential, 0.5 * radius - 0.5 * radius * cosine * cosine, 1e-3);
+    near(foci.sagittal, 0.5 * radius - 0.5 * radius / cosine * cosine, 1e-3);
+    let axis = study(&sphere(radius, 10.0, angle), |study| study.field_foci(0, D_NM).unwrap());
+    near(axis.tangential, axis.sagittal, 1e-9);
+}
+
+#[test]
+fn a_stop_in_the_centre_of_curvature_leaves_no_astigmatism() {
+    let (radius, angle) = (500.0, 6.0_f64);
+    let lens =
+        Prescription::new(vec![Surface::dummy(radius), Surface::new(-radius, -0.5 * radius, Behind::Mirror)])
+            .entrance_pupil_diameter(10.0)
+            .field_angles(&[0.0, angle]);
+    let foci = study(&lens, |study| study.field_foci(1, D_NM).unwrap());
+    // the image lies on a sphere of radius R / 2 about the centre
+    let expected = -0.5 * radius * (1.0 - angle.to_radians().cos());
+    near(foci.tangential, expected, 1e-6);
+    near(foci.sagittal, expected, 1e-6);
+}
+
+#[test]
+fn a_mirror_that_is_its_own_stop_has_no_distortion() {
+    let lens = Prescription::new(vec![Surface::new(-400.0, -200.0, Behind::Mirror).conic(-1.0)])
+        .entrance_pupil_diameter(10.0)
+        .field_angles(&[0.0, 5.0]);
+    let found = study(&lens, |study| study.distortion(1, D_NM).unwrap());
+    near(found.real, 200.0 * 5f64.to_radians().tan(), 1e-11);
+    near(found.relative(), 0.0, 1e-13);
+    // a stop in front of a lens, and aspheres away from the stop: as the Seidel sum says, dh = S_V / (2 n' u') for small fields
+    let mut focused = triplet().field_angles(&[0.0, 2.0]);
+    focused.surfaces[6].thickness = focused.first_order(D_NM).unwrap().image_distance;
+    for lens in [focused, cassegrain().field_angles(&[0.0, 0.1])] {
+        let sum = Seidel::sum(&lens.seidel().unwrap()).distortion;
+        let found = study(&lens, |study| study.distortion(1, D_NM).unwrap());
+        let slope = -0.5 / lens.first_order(D_NM).unwrap().f_number;
+        near(found.real - found.paraxial, 0.5 * sum / slope, 2e-2 * (0.5 * sum / slope).abs());
+    }
+}
+
+#[test]
+fn colour_follows_dispersion() {
+    let lens = Prescription::new(vec![
+        Surface::new(60.0, 5.0, Behind::Glass("N-BK7".to_owned())),
+        Surface::new(-60.0, 40.0, Behind::Air),
+        Surface::dummy(15.0),
+    ])
+    .stop_at(3)
+    .entrance_pupil_diameter(4.0)
+    .field_angles(&[0.0, 1.0])
+    .wavelengths_nm(&[486.1327, D_NM, 656.2725], 1);
+    let shift = study(&lens, |study| {
+        study.axial_focus(486.1327, 1e-3).unwrap() - study.axial_focus(656.2725, 1e-3).unwrap()
+    });
+    let image = |nm: f64| lens.first_order(nm).unwrap().image_distance;
+    near(shift, image(486.1327) - image(656.2725), 1e-6);
+    assert!(shift < -0.5);
+    // C_II / (n' u') is the lateral colour between the outer wavelengths in the paraxial focus
+    let focused = {
+        let mut lens = lens.clone();
+        lens.surfaces[2].thickness = image(D_NM);
+        lens
+    };
+    let lateral = study(&focused, |study| {
+        study.lateral_colour(1, 486.1327).unwrap() - study.lateral_colour(1, 656.2725).unwrap()
+    });
+    let sum = Seidel::sum(&focused.seidel().unwrap()).lateral_colour;
+    let slope = -0.5 / focused.first_order(D_NM).unwrap().f_number;
+    near(lateral.abs(), (sum / slope).abs(), 2e-2 * (sum / slope).abs());
+}
+
+#[test]
+fn rays_are_aimed_at_the_stop() {
+    // a wide field, at which the paraxial pupil misses the stop's middle by far
+    let lens = triplet().field_angles(&[0.0, 20.0]);
+    let radius = lens.first_order(D_NM).unwrap().stop_semi_diameter;
+    let points = hexapolar(4);
+    let at_stop = |beam: &Beam, k: usize| lens.follow(&beam.get(k).ray, D_NM).unwrap()[4].point / radius;
+    let (plain, aimed) = (lens.beam(1, D_NM, &points).unwrap(), lens.beam_at_stop(1, D_NM, &points).unwrap());
+    assert!(at_stop(&plain, 0).y.abs() > 0.01);
+    for (k, [x, y]) in points.iter().enumerate() {
+        near(at_stop(&aimed, k).x, *x, 2e-11);
+        near(at_stop(&aimed, k).y, *y, 2e-11);
+    }
+    // the solids see the same: a stop of this size takes the rays inside and leaves those outside
+    let mut stopped = lens.clone();
+    stopped.surfaces[4].semi_diameter = Some(radius);
+    let count = |scale: f64| {
+        let points: Vec<[f64; 2]> = points.iter().skip(1).map(|p| p.map(|c| c * scale)).collect();
+        let layout = stopped.assembly().unwrap();
+        let system = layout.assembly.compile().unwrap();
+        let tracer = Tracer::new(&system, Packets::new);
+        Study::new(&stopped, &layout, &tracer).aimed().arrivals(1, D_NM, &points).unwrap().len()
+    };
+    assert_eq!((count(0.9999), count(1.0001)), (60, 36));
+}
+
+/// No prescription: a grating, an ideal lens and a detector.
+#[test]
+fn a_spectrometer() {
+    let sheet = |z: f64| {
+        let map = Affine::translate(Vec3::Z * z);
+        Sheet::plane(Aperture::circle(200.0)).unwrap().apply(&map).unwrap()
+    };
+    let (lines_per_mm, focal_length) = (600.0, 100.0);
+    let grating = Action::Grating { lines: lines_per_mm * Vec3::X, order: 1, reflects: false };
+    let system = Assembly::new()
+        .add(Element::sheet("grating", sheet(0.0), grating))
+        .add(Element::sheet("lens", sheet(50.0), Action::ThinLens { focal_length }))
+        .add(Element::sheet("detector", sheet(50.0 + focal_length), Action::Absorb))
+        .compile()
+        .unwrap();
+    let tracer = Tracer::new(&system, Packets::new);
+    for wavelength_nm in [400.0, 550.0, 633.0] {
+        let light = |p: &[f64; 2]| Light::new([5.0 * p[0], 5.0 * p[1], -20.0], Vec3::Z, wavelength_nm);
+        let beam: Beam = hexapolar(5).iter().map(light).collect();
+        let trace = tracer.trace(&beam, &Settings::default()).unwrap();
+        let rays = arrivals(&system, &trace.segments, "detector", Some(&[0, 1, 2])).unwrap();
+        let spot = Spot::of(&rays).unwrap();
+        assert_eq!(spot.rays, 91);
+        // sin(b) = m wavelength / d, and the lens takes an angle to f tan(b)
+        let sine = lines_per_mm * wavelength_nm * 1e-6;
+        near(spot.centroid[0], focal_length * sine / (1.0 - sine * sine).sqrt(), 1e-12);
+        near(spot.rms, 0.0, 1e-12);
+        near(best_focus(&rays).unwrap(), 0.0, 1e-11);
+    }
+}
+
+#[test]
+fn fans_and_stops() {
+    let lens = doublet();
+    study(&lens, |study| {
+        let fan = study.fan(1, D_NM, &fan_y(21)).unwrap();
+        assert_eq!((fan.pupil[10], fan.errors[10]), ([0.0; 2], [0.0; 2]));
+        assert!(fan.errors.iter().all(|error| error[0].abs() < 1e-12));
+        // across the field both sides are alike
+        let fan = study.fan(1, D_NM, &fan_x(21)).unwrap();
+        for k in 0..10 {
+            near(fan.errors[k][0], -fan.errors[20 - k][0], 1e-12);
+            near(fan.errors[k][1], fan.errors[20 - k][1], 1e-12);
+        }
+        let white = study.polychromatic(0, &hexapolar(3)).unwrap();
+        assert_eq!(white.len(), 37);
+        assert!(matches!(study.fan(7, D_NM, &fan_y(3)), Err(AnalysisError::Prescription(_))));
+    });
+    // the secondary mirror is in the way of the middle, not of the reference
+    study(&cassegrain(), |study| {
+        let found = study.wavefront(0, D_NM, &hexapolar(8)).unwrap();
+        assert!(found.waves.len() > 150 && found.waves.len() < 217);
+        assert!(found.waves.iter().all(|wave| wave.abs() < 1e-6), "{:?}", found.peak_to_valley());
+    });
+    let layout = lens.assembly().unwrap();
+    let system = layout.assembly.compile().unwrap();
+    let beam = lens.beam(0, D_NM, &hexapolar(2)).unwrap();
+    let trace = Tracer::new(&system, Packets::new).trace(&beam, &Settings::default()).unwrap();
+    assert_eq!(arrivals(&system, &trace.segments, "image", None).unwrap().len(), 19);
+    assert_eq!(arrivals(&system, &trace.segments, "image", Some(&[0, 2])).unwrap().len(), 0);
+    let unknown = arrivals(&system, &trace.segments, "film", None).unwrap_err();
+    assert_eq!(unknown.to_string(), "there is no sheet `film`: the image has to be a sheet of the system.");
+    assert_eq!(index(1.5), Behind::Index(1.5));
+}

@@ -1,0 +1,137 @@
+//! Searches whose ends are closed forms.
+
+use crate::lenses::near;
+use rayweave_lens::design::{Goal, Operand, Optimiser, Optimum, Parameter, SeidelTerm};
+use rayweave_lens::prescription::{Behind, Prescription, Surface};
+
+fn parameter(name: &str) -> Parameter {
+    name.parse().unwrap()
+}
+
+/// A thin singlet of an index, equiconvex to begin with.
+fn singlet(n: f64) -> Prescription {
+    let surfaces =
+        vec![Surface::new(110.0, 0.01, Behind::Index(n)), Surface::new(-110.0, 100.0, Behind::Air)];
+    Prescription::new(surfaces).entrance_pupil_diameter(10.0)
+}
+
+fn shape(lens: &Prescription) -> f64 {
+    let [r1, r2] = [lens.surfaces[0].radius, lens.surfaces[1].radius];
+    (r2 + r1) / (r2 - r1)
+}
+
+/// The wavefront of a thin singlet with the best focus, by its two curvatures and the place of the image.
+fn best_form(n: f64) -> Optimum {
+    let start = singlet(n);
+    Optimiser::new(&start)
+        .vary(parameter("curvature 1"))
+        .vary(parameter("curvature 2"))
+        .vary(parameter("thickness 2"))
+        .goal(Goal::equal(Operand::FocalLength, 100.0).weight(100.0))
+        .goal(Goal::equal(Operand::Wavefront { field: 0, wavelength_nm: 587.5618 }, 0.0))
+        .run()
+        .unwrap()
+}
+
+#[test]
+fn the_singlet_of_best_form() {
+    // E. Hecht, Optics, section 6.3.1; W. J. Smith: q = 2 (n^2 - 1) / (n + 2) for distant objects
+    for n in [1.5, 1.7] {
+        let found = best_form(n);
+        let q = 2.0 * (n * n - 1.0) / (n + 2.0);
+        near(shape(&found.lens), q, 5e-3);
+        near(found.lens.first_order(587.5618).unwrap().focal_length, 100.0, 1e-4);
+        assert!(found.after < found.before, "{found:?}");
+    }
+}
+
+#[test]
+fn a_conic_without_spherical_aberration_is_descartes_s() {
+    // a plane-hyperbolic lens with its plane towards the light: k = -n^2, exactly (Hecht, section 5.2.1)
+    let n = 1.6;
+    let surfaces =
+        vec![Surface::new(f64::INFINITY, 6.0, Behind::Index(n)), Surface::new(-60.0, 100.0, Behind::Air)];
+    let start = Prescription::new(surfaces).entrance_pupil_diameter(30.0);
+    let found = Optimiser::new(&start)
+        .vary(parameter("conic 2"))
+        .vary(parameter("thickness 2"))
+        .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: 587.5618 }, 0.0))
+        .run()
+        .unwrap();
+    assert!(found.has_converged, "{}", found.reason);
+    assert!(found.after < 1e-9, "{}", found.after);
+    near(found.lens.surfaces[1].conic, -n * n, 1e-7);
+    near(found.lens.surfaces[1].thickness, 60.0 / (n - 1.0), 1e-7);
+}
+
+#[test]
+fn an_achromat_has_the_powers_that_cancel() {
+    let lines = [486.1327, 587.5618, 656.2725];
+    let glass = |name: &str| Behind::Glass(name.to_owned());
+    let surfaces = vec![
+        Surface::new(60.0, 1e-4, glass("N-BK7")),
+        Surface::new(-60.0, 1e-4, glass("N-SF5")),
+        Surface::new(-300.0, 100.0, Behind::Air),
+    ];
+    let start = Prescription::new(surfaces).entrance_pupil_diameter(10.0).wavelengths_nm(&lines, 1);
+    let found = Optimiser::new(&start)
+        .vary(parameter("curvature 2"))
+        .vary(parameter("curvature 3"))
+        .goal(Goal::equal(Operand::FocalLength, 100.0))
+        .goal(Goal::equal(Operand::Seidel(SeidelTerm::AxialColour), 0.0).weight(1e3))
+        .run()
+        .unwrap();
+    assert!(found.after < 1e-9, "{} {}", found.after, found.reason);
+    let index = |name: &str, line: f64| rayweave_optics::glass::glass(name).unwrap().index(line).unwrap();
+    let power = |name: &str, k: usize| {
+        let [a, b] = [k, k + 1].map(|k| 1.0 / found.lens.surfaces[k].radius);
+        (index(name, lines[1]) - 1.0) * (a - b)
+    };
+    let abbe = |name: &str| (index(name, lines[1]) - 1.0) / (index(name, lines[0]) - index(name, lines[2]));
+    let (v1, v2) = (abbe("N-BK7"), abbe("N-SF5"));
+    // thin lenses in contact: power V1 / (V1 - V2) and -V2 / (V1 - V2); their thickness is 1e-6 of the focal length
+    near(power("N-BK7", 0), 0.01 * v1 / (v1 - v2), 1e-6);
+    near(power("N-SF5", 1), -0.01 * v2 / (v1 - v2), 1e-6);
+}
+
+#[test]
+fn bounds_hold() {
+    // a biconvex lens of a given power that is to be as thin as its edge allows
+    let surfaces = vec![Surface::new(50.0, 12.0, Behind::Index(1.5)), Surface::new(-50.0, 45.0, Behind::Air)];
+    let start = Prescription::new(surfaces).entrance_pupil_diameter(20.0);
+    let edge = Operand::EdgeThickness { surface: 1, height: 12.0 };
+    let found = Optimiser::new(&start)
+        .vary(parameter("thickness 1"))
+        .goal(Goal::equal(Operand::Value(parameter("thickness 1")), 0.0).weight(1e-3))
+        .goal(Goal::at_least(edge, 2.0).weight(1e3))
+        .run()
+        .unwrap();
+    let sag = 50.0 - (50.0_f64 * 50.0 - 144.0).sqrt();
+    near(found.lens.surfaces[0].thickness, 2.0 + 2.0 * sag, 1e-4);
+    // one that holds already does not pull
+    let centre = Operand::Value(parameter("thickness 1"));
+    let idle = Optimiser::new(&start)
+        .vary(parameter("thickness 1"))
+        .goal(Goal::at_most(centre, 15.0))
+        .goal(Goal::at_least(centre, 10.0))
+        .run()
+        .unwrap();
+    assert_eq!((idle.lens.surfaces[0].thickness, idle.before, idle.after), (12.0, 0.0, 0.0));
+}
+
+#[test]
+fn refusals() {
+    let start = singlet(1.5);
+    let focal = Goal::equal(Operand::FocalLength, 100.0);
+    let text = |optimiser: Optimiser<'_>| optimiser.run().unwrap_err().to_string();
+    assert!(text(Optimiser::new(&start).goal(focal)).contains("parameter to vary"));
+    assert!(text(Optimiser::new(&start).vary(parameter("radius 1"))).contains("no goal"));
+    assert!(text(Optimiser::new(&start).vary(parameter("radius 9")).goal(focal)).contains("no radius 9"));
+    assert!(text(Optimiser::new(&start).vary(parameter("tilt x 1")).goal(focal)).contains("centred"));
+    let spot = Goal::equal(Operand::Spot { field: 4, wavelength_nm: 500.0 }, 0.0);
+    assert!(text(Optimiser::new(&start).vary(parameter("radius 1")).goal(spot)).contains("field"));
+    // rays that miss the lens
+    let wide = singlet(1.5).entrance_pupil_diameter(400.0);
+    let spot = Goal::equal(Operand::Spot { field: 0, wavelength_nm: 500.0 }, 0.0);
+    assert!(text(Optimiser::new(&wide).vary(parameter("radius 1")).goal(spot)).contains("cannot begin"));
+}

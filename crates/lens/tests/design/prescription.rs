@@ -1,0 +1,167 @@
+//! Prescriptions as solids.
+
+use crate::lenses::{D_NM, at_image, cassegrain, disk, doublet, index, near, trace, triplet};
+use rayweave_lens::prescription::{Behind, Prescription, Surface, SystemAperture};
+use rayweave_optics::Event;
+
+/// The same rays, surface by surface and through the solids.
+#[test]
+fn solids_and_the_sequence_of_surfaces_agree() {
+    for lens in [doublet(), triplet(), cassegrain()] {
+        let layout = lens.assembly().unwrap();
+        for field in 0..lens.fields.len() {
+            let pupil: Vec<_> = disk(400, 0.98).into_iter().filter(|p| p[0].hypot(p[1]) > 0.3).collect();
+            let beam = lens.beam(field, D_NM, &pupil).unwrap();
+            let rows = at_image(&layout, &beam);
+            assert_eq!(rows.len(), beam.len(), "{:?}", layout.assembly.compile().unwrap().element_names());
+            for (k, row) in rows.iter().enumerate() {
+                let passes = lens.follow(&beam.get(k).ray, D_NM).unwrap();
+                let last = passes.last().unwrap();
+                near((row.end - last.point).length(), 0.0, 1e-10);
+                near((row.direction - last.direction).length(), 0.0, 1e-12);
+                near(row.path, last.path, 1e-10);
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_is_seen_between_cemented_elements() {
+    let lens = doublet();
+    let layout = lens.assembly().unwrap();
+    let beam = lens.beam(1, D_NM, &disk(20_000, 1.0)).unwrap();
+    let found = trace(&layout, &beam);
+    let mut met = vec![Vec::new(); beam.len()];
+    found.segments.iter().for_each(|row| met[row.id as usize].push(row.element));
+    let names = layout.assembly.compile().unwrap().element_names().to_vec();
+    assert_eq!(names, ["lens 1-2", "lens 2-3", "image"]);
+    assert!(met.iter().all(|met| *met == [0, 1, 1, 2, -1]), "{:?}", met[0]);
+    assert_eq!(layout.sequence, [0, 1, 1, 2]);
+}
+
+#[test]
+fn a_perfect_telescope_has_a_perfect_focus() {
+    let lens = cassegrain();
+    let layout = lens.assembly().unwrap();
+    let pupil: Vec<_> = disk(500, 0.99).into_iter().filter(|p| p[0].hypot(p[1]) > 0.25).collect();
+    let rows = at_image(&layout, &lens.beam(0, D_NM, &pupil).unwrap());
+    assert_eq!(rows.len(), pupil.len());
+    for row in &rows {
+        near(row.end.x.hypot(row.end.y), 0.0, 1e-10);
+        near(row.path, rows[0].path, 1e-10);
+    }
+}
+
+/// A concave surface that is no wider than its ball, beside a much wider front.
+#[test]
+fn lenses_have_flat_rims_where_one_surface_is_narrow() {
+    let lens = Prescription::new(vec![
+        Surface::new(30.0, 4.0, index(1.6)).semi_diameter(12.0),
+        Surface::new(7.0, 30.0, Behind::Air).semi_diameter(6.0),
+    ])
+    .entrance_pupil_diameter(10.0);
+    let layout = lens.assembly().unwrap();
+    let beam = lens.beam(0, D_NM, &disk(300, 0.9)).unwrap();
+    let rows = at_image(&layout, &beam);
+    assert_eq!(rows.len(), 300);
+    for (k, row) in rows.iter().enumerate() {
+        let passes = lens.follow(&beam.get(k).ray, D_NM).unwrap();
+        near((row.end - passes[2].point).length(), 0.0, 1e-11);
+    }
+    // beside the narrow surface light meets the rim, which is black
+    let wide = Prescription { aperture: SystemAperture::EntrancePupilDiameter(22.0), ..lens };
+    let outer: Vec<_> = disk(300, 0.99).into_iter().filter(|p| p[0].hypot(p[1]) > 0.7).collect();
+    let found = trace(&layout, &wide.beam(0, D_NM, &outer).unwrap());
+    let system = layout.assembly.compile().unwrap();
+    let ends = found.segments.iter().filter(|row| row.event == Event::Absorbed);
+    let names: Vec<_> = ends.map(|row| system.surface_name(row.surface as usize).to_owned()).collect();
+    assert_eq!(names.len(), outer.len());
+    assert!(names.iter().all(|name| name == "lens 1-2.flat.back.plane"), "{names:?}");
+}
+
+#[test]
+fn stops_stop() {
+    let mut lens = triplet();
+    lens.surfaces[4].semi_diameter = Some(1.5);
+    let layout = lens.assembly().unwrap();
+    let beam = lens.beam(0, D_NM, &disk(500, 1.0)).unwrap();
+    let rows = at_image(&layout, &beam);
+    let passes = |k: usize| lens.follow(&beam.get(k).ray, D_NM).unwrap()[4].point;
+    let expected: Vec<i64> =
+        (0..500).filter(|&k| passes(k).x.hypot(passes(k).y) < 1.5).map(|k| k as i64).collect();
+    assert!(expected.len() > 50 && expected.len() < 450);
+    assert_eq!(rows.iter().map(|row| row.id).collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn double_passes_use_one_lens() {
+    // a Mangin mirror: glass in front of a mirror, passed twice
+    let lens = Prescription::new(vec![
+        Surface::new(-150.0, 5.0, index(1.5168)),
+        Surface::new(-230.0, -5.0, Behind::Mirror),
+        Surface::new(-150.0, -150.0, Behind::Air),
+    ])
+    .entrance_pupil_diameter(40.0);
+    let layout = lens.assembly().unwrap();
+    let names = layout.assembly.compile().unwrap().element_names().to_vec();
+    assert_eq!(names, ["lens 1-2", "mirror 2", "image"]);
+    assert_eq!(layout.sequence, [0, 1, 0, 2]);
+    let pupil: Vec<_> = disk(300, 0.99);
+    let beam = lens.beam(0, D_NM, &pupil).unwrap();
+    for (k, row) in at_image(&layout, &beam).iter().enumerate() {
+        near((row.end - lens.follow(&beam.get(k).ray, D_NM).unwrap()[3].point).length(), 0.0, 1e-10);
+    }
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let message = |lens: Prescription| lens.assembly().unwrap_err().to_string();
+    let biconvex = |t: f64, semi_diameter: f64| {
+        Prescription::new(vec![
+            Surface::new(50.0, t, index(1.5)).semi_diameter(semi_diameter),
+            Surface::new(-50.0, 40.0, Behind::Air).semi_diameter(semi_diameter),
+        ])
+    };
+    // two sags of 50 - sqrt(50^2 - h^2) are 1 at h = sqrt(50^2 - 49.5^2) = 7.0534
+    let crossing = message(biconvex(1.0, 12.5));
+    assert!(crossing.starts_with("surfaces 1 and 2 cross 7.05"), "{crossing}");
+    assert!(crossing.contains(": their clear semi-diameters reach 12.5."), "{crossing}");
+    assert!(message(biconvex(-1.0, 5.0)).starts_with("surfaces 1 and 2 cross 0 from the axis"));
+    assert_eq!(
+        message(biconvex(5.0, 60.0)),
+        "surface 1: its semi-diameter is 60: the surface ends 50 from the axis."
+    );
+    // in the air between two lenses
+    let close = Prescription::new(vec![
+        Surface::new(f64::INFINITY, 2.0, index(1.5)).semi_diameter(10.0),
+        Surface::new(-30.0, 0.9, Behind::Air).semi_diameter(10.0),
+        Surface::new(-20.0, 2.0, index(1.5)).semi_diameter(10.0),
+        Surface::new(f64::INFINITY, 2.0, Behind::Air).semi_diameter(10.0),
+    ]);
+    assert!(message(close).starts_with("surfaces 2 and 3 cross "));
+    let unknown = Prescription::new(vec![Surface::new(50.0, 5.0, Behind::Glass("N-BK8".to_owned()))]);
+    assert!(message(unknown).starts_with("surface 1: no glass is named \"N-BK8\""));
+    assert_eq!(message(Prescription::new(vec![])), "the prescription has no surface: it needs at least one.");
+    assert_eq!(message(biconvex(5.0, 5.0).stop_at(3)), "the stop is number 3: there are 2.");
+    let zero = Prescription::new(vec![Surface::new(0.0, 5.0, Behind::Air)]);
+    assert_eq!(
+        message(zero),
+        "the radius of surface 1 is 0: it has to be other than 0, infinite for a plane."
+    );
+    let far = doublet().wavelengths_nm(&[200.0], 0);
+    // Schott's data sheet of N-BK7
+    assert!(
+        message(far)
+            .starts_with("the wavelength is 200 nm: the index of `N-BK7` is known from 300 nm to 2500 nm.")
+    );
+    // light that no lens of these radii can take in
+    let wide = Prescription { fields: vec![[0.0; 2]], ..biconvex(5.0, 5.0) }.entrance_pupil_diameter(500.0);
+    let unsized_surfaces =
+        wide.surfaces.iter().map(|s| Surface { semi_diameter: None, ..s.clone() }).collect();
+    assert_eq!(
+        message(Prescription { surfaces: unsized_surfaces, ..wide }),
+        "the ray does not reach the image: it misses at surface 1."
+    );
+    let perturbation = Prescription { fields: vec![[0.0, 90.0]], ..biconvex(5.0, 5.0) };
+    assert_eq!(message(perturbation), "the angle of a field is 90: it has to be between -90 and 90 degrees.");
+}

@@ -1,0 +1,185 @@
+//! Zemax files, read and written.
+
+use crate::lenses::{cassegrain, doublet, near, triplet};
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rayweave_lens::prescription::{
+    Behind, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture, read_zmx, write_zmx,
+};
+
+/// As programs write them: indented, with much that does not matter here.
+const SINGLET: &str = "VERS 160720 18 100027\r\nMODE SEQ\r\nNAME a singlet\r\nNOTE 0 from 0.5 to 2\r\n\
+UNIT IN X W X CM MR CPMM\r\nENPD 1.0E-1\r\nGCAT SCHOTT \r\nFTYP 0 0 2 3 0 0 0\r\nXFLN 0 0 0 0\r\nYFLN 0 7.0E+0 0 0\r\n\
+FWGN 1 1\r\nWAVM 1 4.861327E-1 1\r\nWAVM 2 5.875618E-1 2\r\nWAVM 3 6.562725E-1 1\r\nWAVM 4 5.5E-1 1\r\nPWAV 2\r\n\
+SURF 0\r\n  TYPE STANDARD\r\n  CURV 0.0 0 0 0 0 \"\"\r\n  DISZ INFINITY\r\n  DIAM 0 0 0 0 1 \"\"\r\n\
+SURF 1\r\n  STOP\r\n  TYPE EVENASPH\r\n  CURV 5.0E-1 0 0 0 0 \"\"\r\n  CONI -5.0E-1\r\n  PARM 1 0\r\n  PARM 2 0.0\r\n  MIRR 2 0\r\n\
+  DISZ 1.2E-1\r\n  GLAS N-BK7 0 0 1.5168 64.17\r\n  DIAM 2.5E-1 1 0 0 1 \"\"\r\n\
+SURF 2\r\n  TYPE STANDARD\r\n  CURV 0.0\r\n  DISZ 3.7\r\n  DIAM 2.4E-1 0 0 0 1 \"\"\r\n  XDAT 1 2\r\n\
+SURF 3\r\n  TYPE STANDARD\r\n  CURV -0.1\r\n  DISZ 0\r\n  DIAM 0.3 0 0 0 1 \"\"\r\nBLNK \r\nXDAT 3\r\n";
+
+fn singlet() -> Prescription {
+    let line = |wavelength_nm, weight| Line { wavelength_nm, weight };
+    Prescription {
+        name: "a singlet".to_owned(),
+        notes: vec!["from 0.5 to 2".to_owned()],
+        unit_nm: 2.54e7,
+        aperture: SystemAperture::EntrancePupilDiameter(0.1),
+        fields: vec![[0.0; 2], [0.0, 7.0]],
+        lines: vec![line(486.1327, 1.0), line(587.5618, 2.0), line(656.2725, 1.0)],
+        primary: 1,
+        image: ImageSurface { radius: -10.0, conic: 0.0, semi_diameter: None },
+        ..Prescription::new(vec![
+            Surface::new(2.0, 0.12, Behind::Glass("N-BK7".to_owned())).conic(-0.5).semi_diameter(0.25),
+            Surface::new(f64::INFINITY, 3.7, Behind::Air),
+        ])
+    }
+}
+
+#[test]
+fn files_are_read_in_any_encoding() {
+    let utf16: Vec<u8> = SINGLET.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let with_mark: Vec<u8> = [0xff, 0xfe].into_iter().chain(utf16.iter().copied()).collect();
+    for bytes in [SINGLET.as_bytes(), &utf16, &with_mark] {
+        let read = read_zmx(bytes).unwrap();
+        assert_eq!(read.prescription, singlet());
+        let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            notes,
+            ["line 11: FWGN is passed over", "line 38: XDAT is passed over", "line 44: BLNK is passed over"]
+        );
+    }
+    let latin: Vec<u8> = SINGLET.replace("a singlet", "R\u{f6}ntgen").chars().map(|c| c as u8).collect();
+    assert_eq!(read_zmx(&latin).unwrap().prescription.name, "R\u{f6}ntgen");
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let model = Prescription::new(vec![
+        Surface::new(33.3, 2.0, Behind::Abbe { n_d: 1.62, v_d: 36.37 }),
+        Surface::new(-1.0 / 3.0e-2, 0.0, Behind::Index(1.5)),
+        Surface::new(7.7, 5.0, Behind::Air).semi_diameter(2.5),
+    ])
+    .stop_at(2);
+    let finite = Prescription {
+        object_distance: 123.4,
+        field_kind: FieldKind::ObjectHeight,
+        fields: vec![[0.5, 1.0]],
+        aperture: SystemAperture::ObjectNumericalAperture(0.05),
+        ..model.clone()
+    };
+    let slow =
+        Prescription { aperture: SystemAperture::FNumber(8.0), field_kind: FieldKind::ImageHeight, ..model };
+    let hubble = {
+        let mut lens = cassegrain();
+        lens.surfaces[0].semi_diameter = Some(51.0);
+        lens
+    };
+    for lens in [singlet(), doublet(), triplet(), finite, slow, hubble] {
+        let text = write_zmx(&lens).unwrap();
+        let read = read_zmx(text.as_bytes()).unwrap();
+        assert_eq!(read.prescription, lens, "{text}");
+        assert_eq!(read.notes, []);
+        assert_eq!(write_zmx(&read.prescription).unwrap(), text);
+    }
+    let floating = Prescription { aperture: SystemAperture::StopSemiDiameter(3.0), ..triplet() };
+    let read = read_zmx(write_zmx(&floating).unwrap().as_bytes()).unwrap().prescription;
+    let diameter = |lens: &Prescription| lens.first_order(587.6).unwrap().entrance_pupil.diameter;
+    near(diameter(&read), diameter(&floating), 1e-12);
+    assert_eq!(read.surfaces[4].semi_diameter, Some(3.0));
+}
+
+#[test]
+fn unknown_glasses_are_taken_from_their_indices() {
+    let file = SINGLET.replace("N-BK7 0 0 1.5168 64.17", "BK7 0 0 1.5168 64.17").replace("FTYP 0", "FTYP 3");
+    let read = read_zmx(file.as_bytes()).unwrap();
+    assert_eq!(read.prescription.surfaces[0].behind, Behind::Abbe { n_d: 1.5168, v_d: 64.17 });
+    assert_eq!(read.prescription.field_kind, FieldKind::ImageHeight);
+    let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
+    assert_eq!(notes[0], "line 8: real image heights of fields are taken for paraxial ones");
+    assert!(notes[2].starts_with("line 31: no glass is named \"BK7\""), "{notes:?}");
+    assert!(notes[2].ends_with("; a model glass of its index 1.5168 and Abbe number 64.17 is taken"));
+    // what programs write for want of data is none
+    let dummy = |name: &str| SINGLET.replace("N-BK7 0 0 1.5168 64.17", &format!("{name} 0 0 1.5 40"));
+    assert!(read_zmx(dummy("BK8").as_bytes()).unwrap_err().to_string().starts_with("line 31: no glass"));
+    // a glass of the time before Schott's without lead and arsenic
+    let read = read_zmx(dummy("BK7").as_bytes()).unwrap();
+    assert_eq!(read.prescription.surfaces[0].behind, Behind::Glass("N-BK7".to_owned()));
+    let told =
+        read.notes.iter().any(|note| note.to_string().ends_with("; N-BK7, which took its place, is taken"));
+    assert!(told, "{:?}", read.notes);
+}
+
+#[test]
+fn all_problems_are_reported_with_their_lines() {
+    let file = "MODE NSC\nUNIT FURLONG\nENPD x\nFTYP 4\nSURF 0\n DISZ INFINITY\nSURF 1\n TYPE TILTSURF\n GLAS BK8\n CURV\nSURF 2\n \
+                TYPE EVENASPH\n PARM 9 1e-5\n DISZ INFINITY\nSURF 3\n";
+    let problems: Vec<String> =
+        read_zmx(file.as_bytes()).unwrap_err().problems.iter().map(ToString::to_string).collect();
+    let expected = [
+        "line 1: the mode is NSC: only sequential systems, SEQ, are read.",
+        "line 2: the unit \"FURLONG\" is not known: MM, CM, IN and METER are.",
+        "line 3: \"x\" is no number",
+        "line 4: fields are of type 4: 0 to 3 are read: angle, object height, paraxial and real image height.",
+        "line 8: the surface is of type TILTSURF: STANDARD, EVENASPH,",
+        "line 9: no glass is named \"BK8\"",
+        "line 10: number 1 of the line is missing",
+        "line 11: the distance to the next surface is infinite: only that of the object may be.",
+        "line 12: the asphere has a parameter 9: 1 to 8 are read, r^2 to r^16.",
+        "line 15: no surface between object and image is the STOP",
+        "line 15: the file has no aperture: one of ENPD, FNUM, OBNA, FLOA.",
+        "line 15: the file has no wavelength: WAVM or WAVL.",
+    ];
+    assert_eq!(problems.len(), expected.len(), "{problems:#?}");
+    for (found, expected) in problems.iter().zip(expected) {
+        assert!(found.starts_with(expected), "{found}");
+    }
+    let floating = SINGLET.replace("ENPD 1.0E-1", "FLOA").replace("DIAM 2.5E-1 1", "DIAM 0 0");
+    assert_eq!(
+        read_zmx(floating.as_bytes()).unwrap_err().to_string(),
+        "line 22: the stop has no semi-diameter, DIAM, and the aperture is that of the stop, FLOA"
+    );
+    for other in [&b""[..], b"rayweave = 1\n[solid.a]\nsphere = {}\n", b"\x89PNG\r\n"] {
+        assert!(
+            read_zmx(other)
+                .unwrap_err()
+                .to_string()
+                .starts_with("line 1: the file has no line of a Zemax file")
+        );
+    }
+}
+
+/// Words put out of place, doubled, dropped and replaced: an answer or problems, never a panic, and what is read can be looked at.
+#[test]
+fn damaged_files_do_no_harm() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let words = [
+        "SURF 9",
+        "STOP",
+        "1e300",
+        "-1e-300",
+        "0",
+        "INFINITY",
+        "NaN",
+        "GLAS MIRROR",
+        "\u{fffd}",
+        "CURV",
+        "FTYP 2 0 999999999 0",
+    ];
+    let (mut read, mut made) = (0, 0);
+    for _ in 0..3000 {
+        let mut parts: Vec<&str> = SINGLET.split_inclusive(' ').collect();
+        for _ in 0..random.random_range(1..4) {
+            let at = random.random_range(0..parts.len());
+            match random.random_range(0..3) {
+                0 => drop(parts.remove(at)),
+                1 => parts.insert(at, words[random.random_range(0..words.len())]),
+                _ => parts[at] = words[random.random_range(0..words.len())],
+            }
+        }
+        let Ok(found) = read_zmx(parts.concat().as_bytes()) else { continue };
+        read += 1;
+        let lens = found.prescription;
+        let _ = (lens.first_order(lens.primary_nm()), lens.seidel(), write_zmx(&lens));
+        made += usize::from(lens.assembly().is_ok_and(|layout| layout.assembly.compile().is_ok()));
+    }
+    assert!(read > 300 && made > 100, "{read} {made}");
+}

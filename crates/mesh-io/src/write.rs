@@ -1,0 +1,89 @@
+//! Writing mesh files: dispatch by format, and atomic saving.
+
+use crate::read::unknown_format;
+use crate::{FileError, Location, MeshFormat, WriteOptions, gltf, obj, off, ply, stl, threemf};
+use rayweave_mesh::Mesh;
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+/// Writes a mesh.
+///
+/// # Errors
+/// [`FileError::Io`] from the writer.
+pub fn write(
+    mesh: &Mesh,
+    format: MeshFormat,
+    options: WriteOptions,
+    to: impl Write,
+) -> Result<(), FileError> {
+    write_objects(&[("", mesh)], format, options, to)
+}
+
+/// Writes named meshes as the objects of one file. [`LoadedMesh::objects`](crate::LoadedMesh::objects) restores them, except from
+/// PLY, OFF and binary STL, which do not distinguish objects.
+///
+/// # Errors
+/// [`rayweave_mesh::MeshError::TooMany`] as a [`FileError`], or [`FileError::Io`] from the writer.
+pub fn write_objects(
+    objects: &[(&str, &Mesh)],
+    format: MeshFormat,
+    options: WriteOptions,
+    mut to: impl Write,
+) -> Result<(), FileError> {
+    match format {
+        MeshFormat::Stl if options.text => stl::write_text(objects, &mut to)?,
+        MeshFormat::Stl => stl::write_binary(joined(objects)?.as_ref(), &mut to)?,
+        MeshFormat::Obj => obj::write(objects, &mut to)?,
+        MeshFormat::Ply => ply::write(joined(objects)?.as_ref(), options, &mut to)?,
+        MeshFormat::Off => off::write(joined(objects)?.as_ref(), &mut to)?,
+        MeshFormat::ThreeMf => threemf::write(objects, &mut to)?,
+        MeshFormat::Gltf => gltf::write_text(objects, &mut to)?,
+        MeshFormat::Glb => gltf::write_binary(objects, &mut to)?,
+    }
+    Ok(to.flush()?)
+}
+
+/// The concatenation of all meshes.
+fn joined<'a>(objects: &[(&str, &'a Mesh)]) -> Result<Cow<'a, Mesh>, FileError> {
+    if let [(_, mesh)] = objects {
+        return Ok(Cow::Borrowed(mesh));
+    }
+    let error = |error| FileError::Mesh { location: Location::Byte(0), error };
+    let count: usize = objects.iter().map(|(_, mesh)| mesh.vertices().len()).sum();
+    Mesh::check_count("vertices", count as u64).map_err(error)?;
+    let (mut vertices, mut triangles) = (Vec::with_capacity(count), Vec::new());
+    for (_, mesh) in objects {
+        let first = vertices.len() as u32;
+        vertices.extend_from_slice(mesh.vertices());
+        triangles.extend(mesh.triangles().iter().map(|corners| corners.map(|corner| corner + first)));
+    }
+    Ok(Cow::Owned(Mesh::new(vertices, triangles).map_err(error)?))
+}
+
+/// Writes a mesh to a file atomically: to a temporary file beside it, renamed when complete. Without a format, the file name
+/// extension determines it.
+///
+/// # Errors
+/// [`FileError::UnknownFormat`], or [`FileError::Io`] if the file cannot be written.
+pub fn save(
+    mesh: &Mesh,
+    path: &Path,
+    format: Option<MeshFormat>,
+    options: WriteOptions,
+) -> Result<(), FileError> {
+    let format = format.or_else(|| MeshFormat::from_path(path)).ok_or_else(|| unknown_format(path))?;
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.part", std::process::id()));
+    let temporary = path.with_file_name(name);
+    let written = File::create(&temporary)
+        .map_err(FileError::from)
+        .and_then(|file| write(mesh, format, options, BufWriter::new(file)))
+        .and_then(|()| Ok(std::fs::rename(&temporary, path)?));
+    if written.is_err() {
+        // the first error is the one to report
+        let _ = std::fs::remove_file(&temporary);
+    }
+    written
+}

@@ -1,0 +1,224 @@
+//! Answers in columns, filled batch by batch: for tables, arrays and pictures, without a list or a callback per ray.
+//!
+//! - [`HitRows`]: the times at which each ray enters and leaves, as a hit array;
+//! - [`FirstHits`]: the first crossing of each ray;
+//! - [`CrossingColumns`]: all crossings of each ray.
+//!
+//! [`Evaluator::hits`](crate::Evaluator::hits), [`Evaluator::nearest`](crate::Evaluator::nearest) and
+//! [`Evaluator::columns`](crate::Evaluator::columns) fill them. All are views of the list of crossings, the same to the
+//! bit; an evaluator may have a shorter way to them. The caller owns the memory and chooses the size of a batch.
+
+use crate::{Crossing, Face, LeafId, PlacementId, Program, RayAnswer, Rays, RegionId, Sink, attributes};
+use std::ops::Range;
+
+/// A hit array (H rows, N columns): column = ray, row = entry, in order of time.
+///
+/// Entries are the times at which a ray enters or leaves whatever is not of the medium of the world, -inf first for a
+/// ray that is inside just after `t_min`; unused entries are +inf. From one medium into another is no entry.
+#[derive(Debug)]
+pub struct HitRows<'r, 'a> {
+    /// The times, in units of the rays' directions: row by row, each as long as the batch.
+    pub times: &'r mut [&'a mut [f64]],
+    /// The numbers of the faces hit ([`Program::face_number`]), -1 where there is none: as many rows as `times`, or no
+    /// row if they are not asked for.
+    pub faces: &'r mut [&'a mut [i32]],
+}
+
+impl HitRows<'_, '_> {
+    /// Writes the column of one ray; how many entries it has, be there room for them or not.
+    pub fn put(&mut self, program: &Program, answer: &RayAnswer<'_>) -> usize {
+        let is_inside = |region| program.medium_of(region) != 0;
+        let mut inside = is_inside(answer.start);
+        let mut count = 0;
+        if inside {
+            self.entry(answer.ray, &mut count, f64::NEG_INFINITY, -1);
+        }
+        for crossing in answer.crossings {
+            if is_inside(crossing.after) != inside {
+                inside = !inside;
+                self.entry(answer.ray, &mut count, crossing.t, face_number(program, crossing));
+            }
+        }
+        self.pad(answer.ray, count);
+        count
+    }
+
+    fn entry(&mut self, ray: usize, count: &mut usize, t: f64, face: i32) {
+        if let Some(row) = self.times.get_mut(*count) {
+            row[ray] = t;
+        }
+        if let Some(row) = self.faces.get_mut(*count) {
+            row[ray] = face;
+        }
+        *count += 1;
+    }
+
+    fn pad(&mut self, ray: usize, count: usize) {
+        self.times.iter_mut().skip(count).for_each(|row| row[ray] = f64::INFINITY);
+        self.faces.iter_mut().skip(count).for_each(|row| row[ray] = -1);
+    }
+}
+
+/// What each ray of a batch meets first: columns as long as the batch.
+#[derive(Debug)]
+pub struct FirstHits<'a> {
+    /// When, in units of the rays' directions; +inf for a miss.
+    pub t: &'a mut [f64],
+    /// The number of the face ([`Program::face_number`]); -1 for a miss.
+    pub face: &'a mut [i32],
+    /// The placement of the face; 0 for a miss.
+    pub placement: &'a mut [u32],
+    /// The region before the crossing; for a miss the one that the ray is in.
+    pub before: &'a mut [u32],
+    /// The region after it; for a miss the one that the ray is in.
+    pub after: &'a mut [u32],
+    /// The components of the unit normals ([`attributes::normal`]), NaN for a miss; `None` if they are not asked for.
+    pub normal: Option<[&'a mut [f64]; 3]>,
+}
+
+impl FirstHits<'_> {
+    /// Writes what one ray meets.
+    pub fn put(&mut self, program: &Program, rays: &Rays<'_>, answer: &RayAnswer<'_>) {
+        let i = answer.ray;
+        let first = answer.crossings.first();
+        self.t[i] = first.map_or(f64::INFINITY, |crossing| crossing.t);
+        self.face[i] = first.map_or(-1, |crossing| face_number(program, crossing));
+        self.placement[i] = first.map_or(0, |crossing| crossing.face.placement.0);
+        self.before[i] = first.map_or(answer.start, |crossing| crossing.before).0;
+        self.after[i] = first.map_or(answer.start, |crossing| crossing.after).0;
+        if let Some(columns) = &mut self.normal {
+            let normal = first.map_or([f64::NAN; 3], |crossing| {
+                attributes::normal(program, &rays.get(i), crossing).to_array()
+            });
+            columns.iter_mut().zip(normal).for_each(|(column, component)| column[i] = component);
+        }
+    }
+}
+
+/// All crossings of rays in columns: one row for each crossing, sorted by ray, then t.
+///
+/// [`Evaluator::columns`](crate::Evaluator::columns) appends the rows of a batch. The rows are the same for any size of the
+/// batches. [`CrossingColumns::clear`] keeps the memory, so that a loop over batches of similar size allocates nothing once
+/// the columns have grown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CrossingColumns {
+    /// The region of each ray just after `t_min`: as long as the number of rays.
+    pub start: Vec<u32>,
+    /// The rows of ray i are `offsets[i]..offsets[i + 1]`: one entry more than there are rays.
+    pub offsets: Vec<usize>,
+    /// The time of each crossing, in units of the ray's direction.
+    pub t: Vec<f64>,
+    /// The number of the face ([`Program::face_number`]).
+    pub face: Vec<u32>,
+    /// The leaf of the face.
+    pub leaf: Vec<u32>,
+    /// The placement of the leaf.
+    pub placement: Vec<u32>,
+    /// True if the ray enters a region, false if it leaves for the world.
+    pub enters: Vec<bool>,
+    /// The region before the crossing; 0 is the world.
+    pub before: Vec<u32>,
+    /// The region after the crossing.
+    pub after: Vec<u32>,
+    /// The rows whose crossing belongs to other faces on its two sides ([`Crossing::is_between`]), in order, with that
+    /// crossing.
+    pub between: Vec<(usize, Crossing)>,
+}
+
+impl Default for CrossingColumns {
+    fn default() -> Self {
+        CrossingColumns {
+            start: Vec::new(),
+            offsets: vec![0],
+            t: Vec::new(),
+            face: Vec::new(),
+            leaf: Vec::new(),
+            placement: Vec::new(),
+            enters: Vec::new(),
+            before: Vec::new(),
+            after: Vec::new(),
+            between: Vec::new(),
+        }
+    }
+}
+
+impl CrossingColumns {
+    /// The number of rays.
+    pub fn rays(&self) -> usize {
+        self.start.len()
+    }
+
+    /// The number of crossings.
+    pub fn rows(&self) -> usize {
+        self.t.len()
+    }
+
+    /// The rows of ray `i`.
+    pub fn rows_of(&self, i: usize) -> Range<usize> {
+        self.offsets[i]..self.offsets[i + 1]
+    }
+
+    /// Removes all rays and keeps the memory.
+    pub fn clear(&mut self) {
+        let CrossingColumns { start, offsets, t, face, leaf, placement, enters, before, after, between } =
+            self;
+        offsets.truncate(1);
+        t.clear();
+        enters.clear();
+        between.clear();
+        [start, face, leaf, placement, before, after].into_iter().for_each(Vec::clear);
+    }
+
+    /// The crossing of a row, with the faces on both sides of it.
+    pub fn crossing(&self, program: &Program, row: usize) -> Crossing {
+        if let Ok(k) = self.between.binary_search_by_key(&row, |(row, _)| *row) {
+            return self.between[k].1;
+        }
+        let leaf = LeafId(self.leaf[row]);
+        let face = Face {
+            leaf,
+            facet: self.face[row] - program.face_number(leaf, 0),
+            surface: program.facets()[self.face[row] as usize].surface(),
+            placement: PlacementId(self.placement[row]),
+        };
+        let (before, after) = (RegionId(self.before[row]), RegionId(self.after[row]));
+        Crossing { t: self.t[row], face, left: face, entered: face, before, after }
+    }
+
+    /// Appends the crossings of the next ray.
+    pub fn push(&mut self, program: &Program, answer: &RayAnswer<'_>) {
+        let first = self.t.len();
+        for (k, crossing) in answer.crossings.iter().enumerate() {
+            let face = crossing.face;
+            self.t.push(crossing.t);
+            self.face.push(program.face_number(face.leaf, face.facet));
+            self.leaf.push(face.leaf.0);
+            self.placement.push(face.placement.0);
+            self.enters.push(crossing.enters());
+            self.before.push(crossing.before.0);
+            self.after.push(crossing.after.0);
+            if crossing.is_between() {
+                self.between.push((first + k, *crossing));
+            }
+        }
+        self.start.push(answer.start.0);
+        self.offsets.push(self.t.len());
+    }
+}
+
+/// Columns with the program to which the crossings belong.
+pub(crate) struct ColumnSink<'a> {
+    pub program: &'a Program,
+    pub columns: &'a mut CrossingColumns,
+}
+
+impl Sink for ColumnSink<'_> {
+    fn ray(&mut self, answer: RayAnswer<'_>) {
+        self.columns.push(self.program, &answer);
+    }
+}
+
+/// The number of the face that a crossing belongs to.
+fn face_number(program: &Program, crossing: &Crossing) -> i32 {
+    program.face_number(crossing.face.leaf, crossing.face.facet) as i32
+}

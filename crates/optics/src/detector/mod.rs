@@ -1,0 +1,103 @@
+//! Detectors: light that arrives at the sheets of a system, as spot diagrams and irradiance, in bounded memory.
+
+mod irradiance;
+mod spot;
+
+pub use irradiance::{IrradianceBins, IrradianceMap};
+pub use spot::{SpotDiagram, SpotPoint};
+
+use crate::{Segments, System};
+use rayweave_math::{Affine, Vec3};
+
+/// The sheets of a system as detectors of light.
+///
+/// ```
+/// use rayweave_optics::component::{Aperture, Sheet};
+/// use rayweave_optics::detector::Detectors;
+/// use rayweave_optics::{Action, Assembly, Beam, Element, Light, Settings, Tracer};
+/// use rayweave_trace::Packets;
+///
+/// let screen = Element::sheet("screen", Sheet::plane(Aperture::circle(20.0))?, Action::Absorb);
+/// let system = Assembly::new().add(screen).compile()?;
+/// let beam: Beam = (0..5).map(|k| Light::new([0.0, f64::from(k), -9.0], [0.0, 0.0, 1.0], 550.0)).collect();
+/// let mut detectors = Detectors::new(&system, false);
+/// detectors.add(&Tracer::new(&system, Packets::new).trace(&beam, &Settings::default())?.segments);
+/// let screen = &detectors.list()[0];
+/// assert_eq!((screen.name.as_str(), screen.spots.count(), screen.spots.centroid()), ("screen", 5, [0.0, 2.0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Detectors {
+    list: Vec<Detector>,
+    /// The number of the detector of each element, `None` for solids.
+    of_element: Vec<Option<usize>>,
+    bins_irradiance: bool,
+}
+
+/// A sheet and the light that arrives at it. Points are in coordinates of the sheet: lengths along its x and y axes from its
+/// middle.
+#[derive(Clone, Debug)]
+pub struct Detector {
+    /// The number of the sheet among the elements of the system.
+    pub element: usize,
+    /// The name of the sheet.
+    pub name: String,
+    /// The points at which light arrives.
+    pub spots: SpotDiagram,
+    /// The power that arrives; empty if irradiance is not binned.
+    pub irradiance: IrradianceBins,
+    middle: Vec3,
+    /// Unit vectors.
+    axes: [Vec3; 2],
+}
+
+impl Detectors {
+    /// A detector without light for each sheet of a system. Irradiance takes some megabytes for each of them.
+    pub fn new(system: &System, bins_irradiance: bool) -> Detectors {
+        let mut detectors = Detectors { list: Vec::new(), of_element: Vec::new(), bins_irradiance };
+        for (number, name) in system.element_names().iter().enumerate() {
+            let frame = system.sheet_frame(name);
+            detectors.of_element.push(frame.map(|_| detectors.list.len()));
+            detectors.list.extend(frame.map(|frame| Detector::new(number, name, frame)));
+        }
+        detectors
+    }
+
+    /// Adds the light of all segments that end at a sheet.
+    pub fn add(&mut self, segments: &Segments) {
+        let [x, y, z] = &segments.end;
+        for (row, &element) in segments.element.iter().enumerate() {
+            let element = usize::try_from(element).ok().and_then(|number| self.of_element.get(number));
+            let Some(sheet) = element.copied().flatten() else { continue };
+            let (detector, power) = (&mut self.list[sheet], segments.intensity[row]);
+            let point = detector.coordinates(Vec3::new(x[row], y[row], z[row]));
+            detector.spots.add(point, segments.wavelength_nm[row], power);
+            if self.bins_irradiance {
+                detector.irradiance.add(point, power);
+            }
+        }
+    }
+
+    /// The detectors in the order of their elements.
+    pub fn list(&self) -> &[Detector] {
+        &self.list
+    }
+}
+
+impl Detector {
+    fn new(element: usize, name: &str, frame: &Affine) -> Detector {
+        let axis = |axis: Vec3| (frame.linear * axis).normalize_or_zero();
+        Detector {
+            element,
+            name: name.to_owned(),
+            spots: SpotDiagram::default(),
+            irradiance: IrradianceBins::default(),
+            middle: frame.translation,
+            axes: [axis(Vec3::X), axis(Vec3::Y)],
+        }
+    }
+
+    fn coordinates(&self, point: Vec3) -> [f64; 2] {
+        self.axes.map(|axis| axis.dot(point - self.middle))
+    }
+}

@@ -1,0 +1,96 @@
+//! Boxes in a tree, so that those around a point are found without a look at all of them.
+
+use rayweave_math::Bounds;
+use std::ops::{ControlFlow, Range};
+
+/// A box around some boxes that stand one after the other in a list, or one of these.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Bounds,
+    /// The node to go on with where this one is not entered.
+    next: u32,
+    /// The number of the box, if it is one of the list.
+    leaf: Option<u32>,
+}
+
+/// A binary tree over a list of boxes in the order of the list: what stands near in the list stands
+/// near in space most often, and the boxes are found in their order. Nodes stand before what is
+/// below them, so that walking needs no stack.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tree {
+    nodes: Vec<Node>,
+}
+
+impl Tree {
+    pub fn new(boxes: &[Bounds]) -> Tree {
+        let mut tree = Tree { nodes: Vec::with_capacity(2 * boxes.len()) };
+        if !boxes.is_empty() {
+            tree.grow(boxes, 0..boxes.len());
+        }
+        tree
+    }
+
+    /// Adds the node of a range: as deep as the logarithm of its length.
+    fn grow(&mut self, boxes: &[Bounds], range: Range<usize>) -> Bounds {
+        let (at, middle) = (self.nodes.len(), range.start + range.len() / 2);
+        let leaf = (range.len() == 1).then_some(range.start as u32);
+        self.nodes.push(Node { bounds: boxes[range.start], next: 0, leaf });
+        if leaf.is_none() {
+            let first = self.grow(boxes, range.start..middle);
+            self.nodes[at].bounds = first.union(&self.grow(boxes, middle..range.end));
+        }
+        self.nodes[at].next = self.nodes.len() as u32;
+        self.nodes[at].bounds
+    }
+
+    /// Visits the boxes that are touched, in their order; `is_touched` holds for a box around
+    /// others if it does for one of them.
+    #[inline(always)]
+    pub fn visit(
+        &self,
+        mut is_touched: impl FnMut(&Bounds) -> bool,
+        mut visit: impl FnMut(usize) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let mut at = 0;
+        while let Some(node) = self.nodes.get(at) {
+            if !is_touched(&node.bounds) {
+                at = node.next as usize;
+                continue;
+            }
+            if let Some(leaf) = node.leaf {
+                visit(leaf as usize)?;
+            }
+            at += 1;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayweave_math::Vec3;
+
+    #[test]
+    fn all_boxes_around_a_point_are_found_in_their_order() {
+        let centre = |k: usize| Vec3::new((k * 7 % 13) as f64, (k * 5 % 11) as f64, (k % 3) as f64);
+        for count in [0, 1, 2, 3, 100] {
+            let boxes: Vec<Bounds> = (0..count)
+                .map(|k| Bounds { lo: centre(k) - Vec3::splat(1.5), hi: centre(k) + Vec3::splat(1.0) })
+                .collect();
+            let tree = Tree::new(&boxes);
+            for point in (0..40).map(centre) {
+                let mut found = Vec::new();
+                let flow = tree.visit(
+                    |bounds| bounds.contains(point),
+                    |k| {
+                        found.push(k);
+                        ControlFlow::Continue(())
+                    },
+                );
+                let expected: Vec<usize> = (0..count).filter(|&k| boxes[k].contains(point)).collect();
+                assert_eq!((flow, found), (ControlFlow::Continue(()), expected));
+            }
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Prism (linear extrusion) over a region, as a solid of space.
+
+use crate::{HalfPlane, Operator, Polygons};
+use rayweave_math::Vec3;
+use rayweave_model::Solid;
+use rayweave_rootray::Side;
+use rayweave_shape::primitive::{BoxFromCorners, HalfSpace, Primitive, ShapeError, Slab};
+
+/// The margin of the bounding box around a prism, relative to the larger side of the region.
+const RELATIVE_MARGIN: f64 = 1.0 / 64.0;
+
+impl Polygons {
+    /// The prism over the region, `lo < z < hi`, as a solid of space: one half-space for each edge, and a box.
+    ///
+    /// Half-spaces are named after the contour and the first vertex of their edge, `contour0.edge3`. The box is named `ends`: its
+    /// faces `z-` and `z+` are those of the prism, the others keep a margin around the region and only make the solid bounded.
+    /// (For an unbounded region `ends` is a slab.)
+    ///
+    /// A ray in a face is perturbed along the direction for space ([`rayweave_math::PERTURBATION_DIRECTION`]), not that for the
+    /// plane. At an edge whose slope lies between the slopes of these two directions, the ray and the line under it
+    /// ([`Polygons::trace`]) are on different sides.
+    ///
+    /// # Errors
+    ///
+    /// [`ShapeError`] unless `lo < hi` and both are finite.
+    pub fn extrude(&self, lo: f64, hi: f64) -> Result<Solid, ShapeError> {
+        let ends = Solid::from(self.ends(lo, hi)?).named("ends");
+        let mut problem = None;
+        let wall = |half_plane: HalfPlane| {
+            let normal = Vec3::new(half_plane.normal[0], half_plane.normal[1], 0.0);
+            match HalfSpace::new(normal, half_plane.offset) {
+                Ok(half_space) => {
+                    Solid::from(Primitive::from(half_space)).named(&self.edge_name(half_plane.edge))
+                }
+                Err(error) => {
+                    problem = Some(error);
+                    Solid::empty()
+                }
+            }
+        };
+        let base = self.fold(wall, |operator, parts| match operator {
+            Operator::Intersection => Solid::intersection(parts),
+            Operator::Union => Solid::union(parts),
+            Operator::SymmetricDifference => Solid::symmetric_difference(parts),
+            Operator::Complement => !Solid::union(parts),
+        });
+        match problem {
+            Some(error) => Err(error),
+            None => Ok(base & ends),
+        }
+    }
+
+    /// The box or slab that bounds the prism in z and, for a bounded region, with a margin in x and y.
+    fn ends(&self, lo: f64, hi: f64) -> Result<Primitive, ShapeError> {
+        let [low, high] = self.corner_bounds();
+        if self.outside() == Side::Inside || self.edge_count() == 0 {
+            return Ok(Slab::new(Vec3::Z, lo, hi)?.into());
+        }
+        // large enough to keep corners off the walls, small enough to keep the box useful
+        let margin = RELATIVE_MARGIN * (high[0] - low[0]).max(high[1] - low[1]);
+        let corner = |at: [f64; 2], margin: f64, z| Vec3::new(at[0] + margin, at[1] + margin, z);
+        Ok(BoxFromCorners::new(corner(low, -margin, lo), corner(high, margin, hi))?.into())
+    }
+
+    fn edge_name(&self, edge: u32) -> String {
+        let edge = self.edge(edge);
+        format!("contour{}.edge{}", edge.contour, edge.from)
+    }
+}

@@ -1,0 +1,94 @@
+//! A compiled scene.
+
+use crate::{Colour, Medium, Scene, SceneError, SceneRegion};
+use rayweave_error::Message;
+use rayweave_model::{Program, RegionId, Solid};
+use std::sync::Arc;
+
+/// A compiled scene with the names of its media.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// The model.
+    pub program: Arc<Program>,
+    /// The names of the media: number 0 is that of the world.
+    pub media: Arc<[String]>,
+}
+
+impl Compiled {
+    /// Compiles the regions of a scene.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::Compile`], for a singular transform for instance.
+    pub fn new(scene: &Scene) -> Result<Compiled, SceneError> {
+        let program = Program::compile_regions(&scene.model_regions())?;
+        let media = scene.medium_names().into_iter().map(str::to_owned).collect();
+        Ok(Compiled { program: Arc::new(program), media })
+    }
+
+    /// Compiles one solid of a scene as the only region, as [`Scene::alone`] gives it.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`]: an unknown name, or a solid that cannot be compiled.
+    pub fn solid(scene: &Scene, name: &str) -> Result<Compiled, SceneError> {
+        Compiled::new(&scene.alone(name)?)
+    }
+
+    /// Compiles a solid of a scene, or all of its regions if there is no name.
+    ///
+    /// # Errors
+    ///
+    /// As [`Compiled::new`] and [`Compiled::solid`].
+    pub fn named(scene: &Scene, solid: Option<&str>) -> Result<Compiled, SceneError> {
+        match solid {
+            Some(name) => Compiled::solid(scene, name),
+            None => Compiled::new(scene),
+        }
+    }
+
+    /// The name of a region; `None` for the world.
+    pub fn region_name(&self, region: RegionId) -> Option<&str> {
+        let index = region.index().checked_sub(1)?;
+        Some(&self.program.regions().get(index)?.name)
+    }
+
+    /// The name of the medium of a region, that of the world for region 0.
+    pub fn medium_name(&self, region: RegionId) -> &str {
+        let medium = self.program.medium_of(region) as usize;
+        self.media.get(medium).map_or("", String::as_str)
+    }
+}
+
+impl Scene {
+    /// A solid by its name.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::UnknownName`] with the name that was probably meant.
+    pub fn find_solid(&self, name: &str) -> Result<&Solid, SceneError> {
+        let known = self.solids.iter().map(|(own, _)| own.as_str());
+        self.solid(name).ok_or_else(|| SceneError::UnknownName(Message::unknown("solid", name, known)))
+    }
+
+    /// The scene with one of its solids as the only region. Its medium is that of the last region made of the solid; without
+    /// such a region it is a new one, named like the solid.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::UnknownName`].
+    pub fn alone(&self, name: &str) -> Result<Scene, SceneError> {
+        let solid = self.find_solid(name)?;
+        let mut alone = self.clone();
+        let own = self.regions.iter().rfind(|region| region.solid.is_same(solid));
+        let (medium, colour) = match own {
+            Some(region) => (region.medium, region.colour),
+            None => {
+                alone.media.push(Medium { name: name.to_owned(), ..Medium::default() });
+                (alone.media.len() as u32 - 1, Colour::PALETTE[0])
+            }
+        };
+        alone.regions = vec![SceneRegion { name: name.to_owned(), solid: solid.clone(), medium, colour }];
+        Ok(alone)
+    }
+}

@@ -1,0 +1,57 @@
+//! `cargo xtask golden` and `cargo xtask answers`: tests that compare results with accepted ones, or accept new ones.
+
+use std::process::Command;
+
+use lexopt::prelude::*;
+
+use crate::outcome::{Outcome, usage};
+use crate::process;
+use crate::repository::Repository;
+
+/// Tests that compare results with files of the repository.
+pub struct Accepted {
+    /// The integration tests of the package `rayweave`.
+    tests: &'static [&'static str],
+    /// The environment variable that makes the tests write the files instead of comparing them.
+    variable: &'static str,
+    /// The next step after acceptance.
+    next: &'static str,
+}
+
+/// Rendered pictures of models and of documentation pages.
+pub const GOLDEN: Accepted = Accepted {
+    tests: &["--test", "golden", "--test", "concepts"],
+    variable: "RAYWEAVE_ACCEPT_GOLDEN",
+    next: "look at every picture that 'git status' lists under models/, tests/golden/ and docs/",
+};
+
+/// Hashes of answers, for refactorings that must not change any.
+pub const ANSWERS: Accepted = Accepted {
+    tests: &["--test", "answers"],
+    variable: "RAYWEAVE_ACCEPT_ANSWERS",
+    next: "explain every line that 'git diff tests/answers.txt' shows in the commit message",
+};
+
+/// Runs the tests; with `--accept` they write their files and print what changed.
+pub fn run(repository: &Repository, accepted: &Accepted, mut arguments: lexopt::Parser) -> Outcome {
+    let mut accept = false;
+    while let Some(argument) = arguments.next().map_err(|error| usage(&error.to_string()))? {
+        match argument {
+            Long("accept") => accept = true,
+            other => return Err(usage(&other.unexpected().to_string())),
+        }
+    }
+    let mut cargo = Command::new("cargo");
+    // the release build runs these tests several times faster and must give the same bits
+    cargo.current_dir(&repository.root).args(["test", "--release", "--package", "rayweave"]);
+    cargo.args(accepted.tests).env_remove(accepted.variable);
+    if accept {
+        // the tests write to the same file, and print what they changed
+        cargo.env(accepted.variable, "1").args(["--", "--nocapture", "--test-threads=1"]);
+    }
+    process::run(&mut cargo)?;
+    if accept {
+        println!("accepted: {}", accepted.next);
+    }
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! Checks of wording: retired words, and counts of phrasings that readers have to read twice.
+
+use std::fmt;
+
+use super::text::has_word;
+use super::violation::{Rule, Violation};
+use crate::masked::Masked;
+use crate::repository::Source;
+
+static RETIRED_WORD: Rule = Rule { name: "retired-word", why: "the field has a standard term" };
+
+/// Words that the project no longer uses, in code and in text, each with the standard term.
+///
+/// Written in two parts, so that this file does not break its own rule.
+const RETIRED: [(&str, &str); 8] = [
+    (concat!("fore", "see"), "predict"),
+    (concat!("fore", "sight"), "prediction"),
+    (concat!("a", "breast"), "bundle"),
+    (concat!("hu", "gs"), "coincides_along"),
+    (concat!("may_", "hug"), "may_coincide"),
+    (concat!("LIE", "_DIRECTION"), "PERTURBATION_DIRECTION"),
+    (concat!("lie", "_direction"), "perturbation_direction"),
+    (concat!("Travel", "ler"), "RayState"),
+];
+
+/// Files that must name retired words: the record of what was renamed.
+const RECORDS: [&str; 1] = ["CHANGELOG.md"];
+
+/// Most comment lines that may begin with What, That, Where, How or Who.
+const MOST_OPENINGS: usize = 500;
+/// Most comment lines with a passive such as "is asked".
+const MOST_PASSIVES: usize = 220;
+/// Most comment lines that let a program tell something.
+const MOST_TELLING: usize = 64;
+
+const OPENINGS: [&str; 5] = ["What", "That", "Where", "How", "Who"];
+const AUXILIARIES: [&str; 6] = ["is", "are", "was", "were", "be", "been"];
+const PARTICIPLES: [&str; 9] =
+    ["asked", "wished", "told", "wanted", "met", "known", "gone", "said", "looked"];
+const TELLING: [&str; 4] = ["tell", "tells", "told", "telling"];
+
+/// The retired words of one file.
+pub fn check(source: &Source) -> Vec<Violation> {
+    let ours = ["rs", "md", "py", "pyi", "toml"].iter().any(|extension| source.is(extension));
+    if !ours || RECORDS.contains(&source.path.as_str()) {
+        return Vec::new();
+    }
+    let mut violations = Vec::new();
+    for (index, line) in source.text.lines().enumerate() {
+        for (word, term) in RETIRED.iter().filter(|(word, _)| has_word(line, word)) {
+            let suggestion = format!("write '{term}'");
+            violations.push(Violation::new(
+                &RETIRED_WORD,
+                source,
+                index + 1,
+                format!("'{word}'"),
+                &suggestion,
+            ));
+        }
+    }
+    violations
+}
+
+/// Numbers of comment lines in Rust files, in all and with each kind of phrasing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Phrasings {
+    comments: usize,
+    openings: usize,
+    passives: usize,
+    telling: usize,
+}
+
+impl Phrasings {
+    /// Adds the comments of a file.
+    pub fn add(&mut self, source: &Source) {
+        if !source.is("rs") {
+            return;
+        }
+        for line in Masked::new(&source.text).comments {
+            let text = line.trim_start().trim_start_matches(['/', '!']).trim_start();
+            if text.is_empty() {
+                continue;
+            }
+            let words: Vec<&str> = text.split(|c: char| !c.is_alphabetic()).collect();
+            let is_one = |list: &[&str], word: &&str| list.iter().any(|own| own.eq_ignore_ascii_case(word));
+            self.comments += 1;
+            self.openings += usize::from(OPENINGS.contains(&words[0]));
+            let passive = |pair: &[&str]| is_one(&AUXILIARIES, &pair[0]) && is_one(&PARTICIPLES, &pair[1]);
+            self.passives += usize::from(words.windows(2).any(passive));
+            self.telling += usize::from(words.iter().any(|word| is_one(&TELLING, word)));
+        }
+    }
+
+    /// The counts that exceed their limits.
+    pub fn problems(&self) -> Vec<String> {
+        let limits = [
+            (
+                self.openings,
+                MOST_OPENINGS,
+                "begin with What, That, Where, How or Who",
+                "begin with the subject",
+            ),
+            (self.passives, MOST_PASSIVES, "hold a passive such as 'is asked'", "name who does what"),
+            (
+                self.telling,
+                MOST_TELLING,
+                "let a program tell something",
+                "write 'returns', 'reports' or 'states'",
+            ),
+        ];
+        let exceeded = limits.into_iter().filter(|(count, most, ..)| count > most);
+        exceeded
+            .map(|(count, most, what, advice)| {
+                format!("{count} comment lines {what}: the limit is {most}. Please {advice}.")
+            })
+            .collect()
+    }
+}
+
+impl fmt::Display for Phrasings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Phrasings { comments, openings, passives, telling } = self;
+        write!(
+            f,
+            "{comments} comment lines: {openings} begin with a question word, {passives} hold a vague passive, {telling} 'tell'"
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tidy::found;
+
+    fn phrasings(text: &str) -> Phrasings {
+        let mut phrasings = Phrasings::default();
+        phrasings.add(&Source { path: "crates/a/src/b.rs".to_owned(), text: text.to_owned() });
+        phrasings
+    }
+
+    #[test]
+    fn retired_words_are_found_everywhere() {
+        let (word, _) = RETIRED[0];
+        assert_eq!(found("docs/a.md", &format!("One {word}.\n\nNo {word}n.\n")), [("retired-word", 1)]);
+        assert_eq!(found("CHANGELOG.md", &format!("{word}\n")), []);
+    }
+
+    #[test]
+    fn phrasings_are_counted_by_line() {
+        let text = "//! What it is.\n\n/// The ray is asked, and told.\nfn f() {} // tells\n// That\n";
+        let expected = Phrasings { comments: 4, openings: 2, passives: 1, telling: 2 };
+        assert_eq!(phrasings(text), expected);
+        assert_eq!(expected.problems().len(), 0);
+    }
+
+    #[test]
+    fn exceeded_limits_are_reported() {
+        let all = Phrasings { comments: 9999, openings: 9999, passives: 9999, telling: 9999 };
+        assert_eq!(all.problems().len(), 3);
+        assert!(all.problems()[0].starts_with("9999 comment lines begin with What"));
+    }
+}
