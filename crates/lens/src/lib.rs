@@ -1,13 +1,13 @@
 //! Lens design: sequential prescriptions, their paraxial data and aberrations, tolerances and optimisation.
 //!
-//! - [`prescription`]: lenses surface by surface, read from and written to Zemax files, as beams and as solids of a
-//!   [`System`](rayweave_optics::System).
+//! - [`prescription`]: sequential lens data, read from and written to Zemax files, with conversion to beams
+//!   and to the solids of a [`System`](rayweave_optics::System).
 //! - [`paraxial`]: ray transfer matrices, focal lengths, pupils, Petzval and Seidel sums.
-//! - [`analysis`]: spots, ray fans, wavefronts, Zernike fits, encircled energy and geometric MTF of the rays that arrive at a
-//!   sheet, in prescriptions and in any other system.
-//! - [`design`]: tolerances by random trials, and damped least squares for better values of parameters.
+//! - [`analysis`]: spots, ray fans, wavefronts, Zernike fits, encircled energy and geometric MTF of the rays
+//!   that arrive at a sheet, in prescriptions and in any other system.
+//! - [`design`]: Monte Carlo tolerancing, and optimisation by damped least squares.
 //!
-//! Solids, media and the tracing of light are those of [`rayweave_optics`].
+//! Solids, media and ray tracing come from [`rayweave_optics`].
 //!
 //! ```
 //! use rayweave_lens::prescription::{Behind, Prescription, Surface};

@@ -1,32 +1,32 @@
-//! Rays that come to a sheet.
+//! Rays that arrive at a sheet.
 
 use super::AnalysisError;
 use crate::prescription::{Pass, Resolved};
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::{Event, Segments, System};
 
-/// A ray that comes to a sheet, in the coordinates of the sheet: x, y along it, z along its normal.
+/// A ray that arrives at a sheet, in the coordinates of the sheet: x and y along it, z along its normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
     /// The number of the ray in its source.
     pub id: usize,
-    /// Where it meets the sheet.
+    /// The point on the sheet.
     pub position: Vec3,
     /// Its direction there, of unit length.
     pub direction: Vec3,
-    /// The optical path from the source.
+    /// The optical path length from the source.
     pub path: f64,
     /// The index of the medium in front of the sheet.
     pub index: f64,
     /// Its vacuum wavelength in nanometres.
     pub wavelength_nm: f64,
-    /// Its power, which is its weight.
+    /// The power, used as weight.
     pub power: f64,
 }
 
-/// The rays that come to a sheet, by its name, in the order of their numbers. `sequence` lists the elements that light has to
-/// meet on its way, the sheet as the last of them; what lets it pass on straight ahead does not count. Without it, the last
-/// arrival of every ray counts.
+/// The rays that arrive at the sheet named `sheet`, ordered by their ids. `sequence` lists the elements on
+/// the path of the light, ending with the sheet; elements that transmit the ray undeviated are ignored.
+/// Without it, the last arrival of each ray is returned.
 ///
 /// # Errors
 /// [`AnalysisError::NoSheet`].
@@ -45,7 +45,7 @@ pub fn arrivals(
     };
     let mut found: Vec<Arrival> =
         (0..segments.len()).filter(here).map(|row| arrival(segments, row, &local)).collect();
-    // stable, so that the last of a ray stays its last
+    // the sort is stable: the last arrival of a ray stays the last
     found.sort_by_key(|arrival| arrival.id);
     let mut last: Vec<Arrival> = Vec::with_capacity(found.len());
     for arrival in found {
@@ -70,7 +70,7 @@ fn arrival(segments: &Segments, row: usize, local: &Affine) -> Arrival {
     }
 }
 
-/// A ray that was followed through a prescription, on its image.
+/// The arrival at the image of a ray followed through a prescription.
 pub(crate) fn followed(resolved: &Resolved, id: usize, last: &Pass, wavelength_nm: f64) -> Arrival {
     let space = resolved.media.len() - 1;
     let (point, direction) = match resolved.poses.get(space) {
@@ -88,7 +88,8 @@ pub(crate) fn followed(resolved: &Resolved, id: usize, last: &Pass, wavelength_n
     }
 }
 
-/// True if a row's ray met these elements, the last at the row.
+/// True if the ray of a row interacted with the elements `wanted` in this order, with the last of them at
+/// this row.
 fn came_by(segments: &Segments, row: usize, wanted: &[usize]) -> bool {
     let mut left = wanted.iter().rev();
     let mut at = row as i64;

@@ -1,12 +1,13 @@
-//! How the image depends on the wavelength.
+//! Chromatic aberrations: axial and lateral colour.
 
 use super::{AnalysisError, Study};
 use rayweave_model::Evaluator;
 
 impl<E: Evaluator> Study<'_, E> {
-    /// Where the ray of the axis through a height in the pupil, in units of its semi-diameter, crosses the axis: the distance
-    /// along it from the image. Longitudinal spherical aberration by height, axial colour by wavelength. The first field has to
-    /// be the axis.
+    /// The distance along the axis from the image to the point where an axial ray crosses the axis; `height`
+    /// is its height in the pupil, in units of the pupil's semi-diameter. As a function of height it is the
+    /// longitudinal spherical aberration, as a function of wavelength the axial colour. The first field has
+    /// to be the axis.
     ///
     /// # Errors
     /// As of [`Study::principal`].
@@ -15,8 +16,8 @@ impl<E: Evaluator> Study<'_, E> {
         Ok(arrival.position.z - arrival.position.y * arrival.direction.z / arrival.direction.y)
     }
 
-    /// How far from that of the primary wavelength the principal ray of a field meets the image, away from the axis: lateral
-    /// colour.
+    /// Lateral colour: the height of the principal ray on the image at a wavelength minus that at the primary
+    /// wavelength.
     ///
     /// # Errors
     /// As of [`Study::principal`].

@@ -1,8 +1,8 @@
-//! Encircled energy and geometric modulation transfer.
+//! Encircled energy and geometric modulation transfer function (MTF).
 
 use super::{Arrival, Spot};
 
-/// The distances from the centroid, sorted, each with its power.
+/// The distances from the centroid with the powers, sorted by distance.
 fn distances(arrivals: &[Arrival]) -> Vec<(f64, f64)> {
     let [x, y] = Spot::of(arrivals).map_or([0.0; 2], |spot| spot.centroid);
     let off = |arrival: &Arrival| libm::hypot(arrival.position.x - x, arrival.position.y - y);
@@ -11,7 +11,7 @@ fn distances(arrivals: &[Arrival]) -> Vec<(f64, f64)> {
     found
 }
 
-/// The fraction of the power within circles of some radii about the centroid; NaN if there is no light.
+/// The fraction of the power within each radius about the centroid; NaN if there is no light.
 pub fn encircled_energy(arrivals: &[Arrival], radii: &[f64]) -> Vec<f64> {
     let distances = distances(arrivals);
     let total: f64 = distances.iter().map(|(_, power)| power).sum();
@@ -21,7 +21,8 @@ pub fn encircled_energy(arrivals: &[Arrival], radii: &[f64]) -> Vec<f64> {
     radii.iter().map(|&radius| within(radius) / total).collect()
 }
 
-/// The radius of the smallest circle about the centroid with at least a fraction of the power; `None` if there is no light.
+/// The radius of the smallest circle about the centroid that contains a fraction of the power; `None` if
+/// there is no light.
 pub fn radius_of_energy(arrivals: &[Arrival], fraction: f64) -> Option<f64> {
     let distances = distances(arrivals);
     let wanted = fraction * distances.iter().map(|(_, power)| power).sum::<f64>();
@@ -33,10 +34,10 @@ pub fn radius_of_energy(arrivals: &[Arrival], fraction: f64) -> Option<f64> {
     reached.map(|(distance, _)| *distance)
 }
 
-/// The modulation of a grating of lines across a direction (x, y of the sheet) after geometric imaging, at frequencies in
-/// cycles per unit of length: the modulus of the Fourier transform of the spot, `|sum p exp(2 pi i v s)| / sum p` with the
-/// place s along the direction (W. J. Smith, *Modern Optical Engineering*, section on the modulation transfer function).
-/// Diffraction is not in it. NaN if there is no light.
+/// The geometric MTF along a direction (x, y of the sheet) at frequencies in cycles per unit of length: the
+/// modulus of the Fourier transform of the spot, `|sum p exp(2 pi i v s)| / sum p`, with the coordinate s
+/// along the direction (W. J. Smith, *Modern Optical Engineering*, section on the modulation transfer
+/// function). Diffraction is not included. NaN if there is no light.
 pub fn geometric_mtf(arrivals: &[Arrival], direction: [f64; 2], frequencies: &[f64]) -> Vec<f64> {
     let length = libm::hypot(direction[0], direction[1]);
     let [a, b] = direction.map(|component| component / length);

@@ -1,4 +1,4 @@
-//! Why there is nothing to analyse.
+//! Errors of image analysis.
 
 use crate::prescription::PrescriptionError;
 use rayweave_error::{Classified, ErrorKind};
@@ -8,21 +8,21 @@ use rayweave_optics::OpticsError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnalysisError {
-    /// The prescription says nothing.
+    /// An invalid prescription.
     #[error(transparent)]
     Prescription(#[from] PrescriptionError),
-    /// The light cannot be traced.
+    /// An error of ray tracing.
     #[error(transparent)]
     Optics(#[from] OpticsError),
     /// No sheet has this name.
     #[error("there is no sheet `{0}`: the image has to be a sheet of the system.")]
     NoSheet(String),
-    /// A ray that is needed does not arrive.
+    /// A required ray does not arrive.
     #[error(
         "the {ray} ray of field {field} does not arrive at the image: it is stopped, lost or goes another way."
     )]
     Stopped {
-        /// Which ray.
+        /// The name of the ray.
         ray: &'static str,
         /// The number of the field, from 0.
         field: usize,

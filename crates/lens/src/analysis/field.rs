@@ -1,17 +1,18 @@
-//! How the image depends on the field: distortion and field curvature.
+//! Field aberrations: distortion and field curvature.
 
 use super::{AnalysisError, Study};
 use rayweave_model::Evaluator;
 
-/// The distance of the rays from the principal one that field curvature is measured by, in units of the pupil.
+/// The pupil distance between the principal ray and the neighbours that measure field curvature, in units of
+/// the semi-diameter.
 const NEAR: f64 = 1e-3;
 
-/// Where a principal ray meets the image, and where it paraxially should.
+/// The real and the paraxial height of a principal ray on the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distortion {
     /// The distance from the axis of the real principal ray on the image.
     pub real: f64,
-    /// That of the paraxial principal ray on the image plane.
+    /// The distance from the axis of the paraxial principal ray on the image plane.
     pub paraxial: f64,
 }
 
@@ -22,12 +23,13 @@ impl Distortion {
     }
 }
 
-/// Where rays near the principal ray meet it, by the distance along the axis from the image.
+/// Tangential and sagittal foci: where rays near the principal ray intersect it, as distances along the axis
+/// from the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldFoci {
-    /// Of rays in the plane of the axis and the principal ray.
+    /// The focus of rays in the plane of the axis and the principal ray.
     pub tangential: f64,
-    /// Of rays across it.
+    /// The focus of rays perpendicular to that plane.
     pub sagittal: f64,
 }
 
@@ -55,8 +57,8 @@ impl<E: Evaluator> Study<'_, E> {
         Ok(y + self.lens.surfaces[last - 1].thickness * nu / n[last])
     }
 
-    /// The foci of thin pencils of a field (Coddington's) at a wavelength, by rays a thousandth of the pupil away from the
-    /// principal ray.
+    /// The tangential and sagittal foci of a field (Coddington) at a wavelength, computed from rays a
+    /// thousandth of the pupil away from the principal ray.
     ///
     /// # Errors
     /// As of [`Study::principal`].
@@ -71,13 +73,13 @@ impl<E: Evaluator> Study<'_, E> {
         })
     }
 
-    /// Where two rays on both sides of the principal one have the same place along a direction.
+    /// The z at which two rays on both sides of the principal ray have the same coordinate along a direction.
     fn pencil(&self, field: usize, wavelength_nm: f64, [a, b]: [f64; 2]) -> Result<f64, AnalysisError> {
         let ray =
             |side: f64| self.one(field, wavelength_nm, [side * a, side * b], "neighbour of the principal");
         let (one, other) = (ray(NEAR)?, ray(-NEAR)?);
         let slope = |d: rayweave_math::Vec3| (a * d.x + b * d.y) / d.z;
-        // on a curved image the two are not at one height
+        // on a curved image the two rays end at different z
         let place = |p: rayweave_math::Vec3, d| a * p.x + b * p.y - p.z * slope(d);
         let apart = place(one.position, one.direction) - place(other.position, other.direction);
         Ok(-apart / (slope(one.direction) - slope(other.direction)))

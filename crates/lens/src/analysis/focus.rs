@@ -1,8 +1,8 @@
-//! Rays in front of the image and behind it.
+//! Defocus: spots in front of and behind the image, best focus.
 
 use super::{Arrival, Spot};
 
-/// The same rays on a plane moved along its normal; paths are those there.
+/// The rays on a plane moved along its normal, with their optical paths to it.
 pub fn moved(arrivals: &[Arrival], shift: f64) -> Vec<Arrival> {
     let at = |arrival: &Arrival| {
         let length = shift / arrival.direction.z;
@@ -15,14 +15,14 @@ pub fn moved(arrivals: &[Arrival], shift: f64) -> Vec<Arrival> {
     arrivals.iter().map(at).collect()
 }
 
-/// The spots on planes moved along the normal; where there is no light the list is empty.
+/// The spots on planes moved along the normal; empty if there is no light.
 pub fn through_focus(arrivals: &[Arrival], shifts: &[f64]) -> Vec<Spot> {
     shifts.iter().filter_map(|&shift| Spot::of(&moved(arrivals, shift))).collect()
 }
 
-/// By how much the plane has to move for the least RMS radius, exactly: places are x + s m with the slopes m, so that the mean
-/// square radius is a parabola in s with its vertex at - cov(x, m) / var(m), summed over both axes. `None` for rays that are
-/// parallel.
+/// The shift of the plane that minimises the RMS radius, in closed form: positions are x + s m with the
+/// slopes m, so the mean square radius is a parabola in s with its vertex at - cov(x, m) / var(m), summed
+/// over both axes. `None` for parallel rays.
 pub fn best_focus(arrivals: &[Arrival]) -> Option<f64> {
     let [covariance, variance] = focal_moments(arrivals);
     let shift = -covariance / variance;

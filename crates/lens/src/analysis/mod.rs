@@ -1,7 +1,8 @@
-//! Analysis of images from real rays.
+//! Image analysis with real rays: spots, wavefronts, MTF, field and colour aberrations.
 //!
-//! Light is traced through a [`System`](rayweave_optics::System), of whatever kind; [`arrivals`] picks the rays that come to a sheet,
-//! in the coordinates of that sheet, and the rest works on these:
+//! [`arrivals`] extracts the rays of a trace that arrive at a sheet of any
+//! [`System`](rayweave_optics::System), in the coordinates of that sheet. The other functions work on these
+//! rays:
 //!
 //! | what | where |
 //! | --- | --- |
@@ -11,8 +12,8 @@
 //! | wavefront against a reference sphere | [`Wavefront`] |
 //! | Zernike polynomials by Noll's and the OSA/ANSI index, fits | [`Zernike`], [`fit`] |
 //!
-//! A [`Study`] does so for a prescription, field by field, and adds what only a prescription has: ray fans, distortion, field
-//! curvature, axial and lateral colour.
+//! A [`Study`] traces and analyses a prescription field by field, and adds what needs a prescription: ray
+//! fans, distortion, field curvature, axial and lateral colour.
 //!
 //! ```
 //! use rayweave_lens::analysis::{Spot, Study, hexapolar};

@@ -1,6 +1,6 @@
-//! Points of a pupil, in units of its semi-diameter.
+//! Sample points of a pupil, in units of its semi-diameter.
 
-/// The middle and rings around it with 6, 12, 18, ... points, the first on the x axis, the last ring on the rim.
+/// The centre and rings of 6, 12, 18, ... points, the first of each on the x axis, the last ring on the rim.
 pub fn hexapolar(rings: usize) -> Vec<[f64; 2]> {
     let ring = |k: usize| {
         (0..6 * k).map(move |i| {
@@ -12,7 +12,7 @@ pub fn hexapolar(rings: usize) -> Vec<[f64; 2]> {
     [[0.0; 2]].into_iter().chain((1..=rings).flat_map(ring)).collect()
 }
 
-/// The points of a square grid, `across` of them along the diameter from rim to rim, that lie in the pupil.
+/// The points inside the pupil of a square grid with `across` points along the diameter from rim to rim.
 pub fn square(across: usize) -> Vec<[f64; 2]> {
     let at = |i: usize| if across < 2 { 0.0 } else { 2.0 * i as f64 / (across - 1) as f64 - 1.0 };
     let all = (0..across).flat_map(|i| (0..across).map(move |k| [at(k), at(i)]));

@@ -2,25 +2,25 @@
 
 use super::Arrival;
 
-/// What a spot diagram says in numbers; rays count by their power.
+/// Statistics of a spot diagram; rays are weighted by their power.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     /// The number of rays.
     pub rays: usize,
-    /// Their power.
+    /// The total power.
     pub power: f64,
-    /// The mean of their places.
+    /// The mean position.
     pub centroid: [f64; 2],
-    /// The root of the mean square distance from the centroid.
+    /// The root mean square distance from the centroid.
     pub rms: f64,
-    /// The same along x and along y; `rms` is their hypotenuse.
+    /// The RMS distances along x and along y; `rms` is their hypotenuse.
     pub rms_xy: [f64; 2],
     /// The greatest distance from the centroid.
     pub geometric: f64,
 }
 
 impl Spot {
-    /// The spot of some rays; `None` if there is no light.
+    /// The spot of a set of rays; `None` if there is no light.
     pub fn of(arrivals: &[Arrival]) -> Option<Spot> {
         let power: f64 = arrivals.iter().map(|arrival| arrival.power).sum();
         if power <= 0.0 {

@@ -1,11 +1,11 @@
-//! A prescription and its system, looked at field by field.
+//! Image analysis of a prescription, field by field.
 
 use super::{AnalysisError, Arrival, Wavefront, arrivals, followed, reference_radius};
 use crate::prescription::{IMAGE, Layout, Prescription, PrescriptionError};
 use rayweave_model::Evaluator;
 use rayweave_optics::{Beam, Settings, Tracer};
 
-/// A prescription and its system, looked at field by field; fields are counted from 0.
+/// Image analysis of a prescription on its traced system; fields are counted from 0.
 #[derive(Debug)]
 pub struct Study<'a, E> {
     pub(super) lens: &'a Prescription,
@@ -14,23 +14,22 @@ pub struct Study<'a, E> {
     aims: bool,
 }
 
-/// A ray fan: the transverse aberrations of rays through a line of the pupil.
+/// A ray fan: transverse aberrations of rays along a line of the pupil.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fan {
     /// The points of the pupil, in units of its semi-diameter.
     pub pupil: Vec<[f64; 2]>,
-    /// Where the rays meet the image, from where the principal ray meets it.
+    /// The positions on the image, relative to the principal ray.
     pub errors: Vec<[f64; 2]>,
 }
 
 impl<'a, E: Evaluator> Study<'a, E> {
-    /// Of a prescription, its layout, and a tracer of the system compiled from that.
+    /// A study of a prescription with its layout, and a tracer of the system compiled from that layout.
     pub fn new(lens: &'a Prescription, layout: &'a Layout, tracer: &'a Tracer<'a, E>) -> Study<'a, E> {
         Study { lens, layout, tracer, aims: false }
     }
 
-    /// The same with rays aimed at the stop: points of the pupil are points of the stop then (see
-    /// [`Prescription::beam_at_stop`]).
+    /// Aims rays at the stop: pupil points become points of the stop (see [`Prescription::beam_at_stop`]).
     pub fn aimed(self) -> Study<'a, E> {
         Study { aims: true, ..self }
     }
@@ -42,11 +41,12 @@ impl<'a, E: Evaluator> Study<'a, E> {
         }
     }
 
-    /// The rays of a field through points of the pupil that come to the image by the surfaces of the prescription in their
-    /// order; a ray's number is that of its point. Lossless and of power 1.
+    /// Traces rays of a field through points of the pupil and returns those that arrive at the image through
+    /// the surfaces in the order of the prescription. The id of a ray is the index of its point. Rays are
+    /// lossless and have power 1.
     ///
     /// # Errors
-    /// [`AnalysisError`] for fields that do not exist and light that cannot be traced.
+    /// [`AnalysisError`] for fields that do not exist and beams that cannot be traced.
     pub fn arrivals(
         &self,
         field: usize,
@@ -60,7 +60,8 @@ impl<'a, E: Evaluator> Study<'a, E> {
         arrivals(self.tracer.system(), &trace.segments, IMAGE, Some(&self.layout.sequence))
     }
 
-    /// The rays of a field at all wavelengths of the prescription, each with the weight of its wavelength.
+    /// The rays of a field at all wavelengths of the prescription, with the weights of the wavelengths as
+    /// power.
     ///
     /// # Errors
     /// As of [`Study::arrivals`].
@@ -75,7 +76,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
         Ok(all)
     }
 
-    /// The ray of a field through the middle of the entrance pupil.
+    /// The principal (chief) ray: the ray of a field through the centre of the entrance pupil.
     ///
     /// # Errors
     /// As of [`Study::arrivals`], and [`AnalysisError::Stopped`].
@@ -98,14 +99,16 @@ impl<'a, E: Evaluator> Study<'a, E> {
             .ok_or(AnalysisError::Stopped { ray, field })
     }
 
-    /// Where the ray would meet the image but for what is in its way, as the secondary mirror of a telescope.
+    /// The arrival of a ray without obstruction: the secondary mirror of a telescope blocks its principal
+    /// ray.
     fn beside(&self, field: usize, wavelength_nm: f64, point: [f64; 2]) -> Option<Arrival> {
         let beam = self.beam(field, wavelength_nm, &[point]).ok()?;
         let passes = self.lens.follow(&beam.get(0).ray, wavelength_nm).ok()?;
         Some(followed(&self.lens.resolved().ok()?, 0, passes.last()?, wavelength_nm))
     }
 
-    /// A ray fan through points of the pupil, as [`fan_x`](super::fan_x) and [`fan_y`](super::fan_y) make them.
+    /// A ray fan through points of the pupil such as those of [`fan_x`](super::fan_x) and
+    /// [`fan_y`](super::fan_y).
     ///
     /// # Errors
     /// As of [`Study::principal`].
@@ -119,8 +122,8 @@ impl<'a, E: Evaluator> Study<'a, E> {
         })
     }
 
-    /// The wavefront of a field; the radius of the reference sphere is the distance from the paraxial exit pupil, on the
-    /// axis, to where the principal ray meets the image.
+    /// The wavefront of a field. The radius of the reference sphere is the distance from the paraxial exit
+    /// pupil, on the axis, to the point of the principal ray on the image.
     ///
     /// # Errors
     /// As of [`Study::principal`].

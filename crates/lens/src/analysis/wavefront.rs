@@ -3,11 +3,12 @@
 use super::Arrival;
 use rayweave_math::Vec3;
 
-/// Optical path differences of some rays.
+/// Optical path differences of a set of rays.
 ///
-/// The reference sphere has its centre where the principal ray meets the image and the radius of the exit pupil's distance.
-/// The difference of a ray is the path of the principal ray to the sphere less its own, in waves: positive where the
-/// wavefront is ahead (W. T. Welford, *Aberrations of Optical Systems*, 1986, section 7.2).
+/// The reference sphere is centred at the point of the principal ray on the image; its radius is the distance
+/// of the exit pupil. The difference is the path of the principal ray to the sphere minus that of the ray, in
+/// waves: positive where the wavefront is ahead (W. T. Welford, *Aberrations of Optical Systems*, 1986,
+/// section 7.2).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wavefront {
     /// The points of the pupil, in units of its semi-diameter.
@@ -17,9 +18,9 @@ pub struct Wavefront {
 }
 
 impl Wavefront {
-    /// The differences of rays against a principal ray. The number of a ray is that of its point in `pupil`; `radius` is the
-    /// distance from the exit pupil to the image, negative for a pupil behind it, infinite for a telecentric system; `unit_nm`
-    /// the unit of lengths.
+    /// Computes the path differences against a principal ray. The id of a ray is the index of its point in
+    /// `pupil`. `radius` is the distance from the exit pupil to the image, negative for a pupil behind it,
+    /// infinite for a telecentric system; `unit_nm` is the unit of lengths.
     pub fn new(
         principal: &Arrival,
         arrivals: &[Arrival],
@@ -49,22 +50,22 @@ impl Wavefront {
         (squares / self.waves.len() as f64).sqrt()
     }
 
-    /// The greatest difference less the least.
+    /// The greatest difference minus the least.
     pub fn peak_to_valley(&self) -> f64 {
         let fold = |start: f64, f: fn(f64, f64) -> f64| self.waves.iter().fold(start, |a, &b| f(a, b));
         fold(f64::NEG_INFINITY, f64::max) - fold(f64::INFINITY, f64::min)
     }
 
-    /// The ratio of the intensity in the focus to that without aberrations, exp(-(2 pi rms)^2): good for ratios above 0.1
-    /// (V. N. Mahajan, J. Opt. Soc. Am. 73, 860, 1983).
+    /// The Strehl ratio in Mahajan's approximation exp(-(2 pi rms)^2), accurate for ratios above 0.1 (V. N.
+    /// Mahajan, J. Opt. Soc. Am. 73, 860, 1983).
     pub fn strehl(&self) -> f64 {
         let phase = std::f64::consts::TAU * self.rms();
         libm::exp(-phase * phase)
     }
 }
 
-/// The radius of the reference sphere: the distance from the exit pupil, at a place on the axis, to where the principal ray meets
-/// the image; negative for a pupil that light reaches after the image.
+/// The radius of the reference sphere: the distance from the exit pupil, at `exit` on the axis, to the point
+/// of the principal ray on the image; negative for a pupil behind the image along the light.
 pub(crate) fn reference_radius(principal: &Arrival, exit: f64) -> f64 {
     let [x, y, z] = principal.position.to_array();
     let radius = libm::hypot(libm::hypot(x, y), z - exit);
@@ -72,8 +73,8 @@ pub(crate) fn reference_radius(principal: &Arrival, exit: f64) -> f64 {
     if is_behind { -radius } else { radius }
 }
 
-/// The optical path of a ray, taken back from the image to the sphere of reference, but for its radius, which is the same for
-/// all: what is subtracted stays small however far the pupil.
+/// The optical path of a ray up to the reference sphere, without the sphere's radius, which is the same for
+/// all rays: this avoids cancellation for distant pupils.
 fn to_sphere(ray: &Arrival, centre: Vec3, radius: f64) -> f64 {
     let from_centre = ray.position - centre;
     let along = from_centre.dot(ray.direction);

@@ -1,13 +1,13 @@
-//! Zernike polynomials and fits of them.
+//! Zernike polynomials and least-squares fits.
 
 use super::AnalysisError;
 use nalgebra::{DMatrix, DVector};
 
-/// A Zernike polynomial by its radial order n and its azimuthal frequency m, negative for sines; n - |m| is even.
+/// A Zernike polynomial: radial order n and azimuthal frequency m, negative for sines; n - |m| is even.
 ///
-/// It is normalised so that its mean square over the unit disk is 1: sqrt(n + 1) R(r) for m = 0, else
-/// sqrt(2 (n + 1)) R(r) cos(m a) or sin(|m| a), with the angle a from x to y. A coefficient of a fit is then the RMS that it
-/// adds (R. J. Noll, J. Opt. Soc. Am. 66, 207, 1976; ANSI Z80.28).
+/// Normalised to a mean square of 1 over the unit disk: sqrt(n + 1) R(r) for m = 0, else sqrt(2 (n + 1)) R(r)
+/// cos(m a) or sin(|m| a), with the angle a from x to y. A coefficient of a fit is then its contribution to
+/// the RMS (R. J. Noll, J. Opt. Soc. Am. 66, 207, 1976; ANSI Z80.28).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Zernike {
     /// The radial order.
@@ -17,22 +17,24 @@ pub struct Zernike {
 }
 
 impl Zernike {
-    /// By Noll's index: 1 piston, 2 and 3 tilts along x and y, 4 defocus, 5 and 6 astigmatism, 7 and 8 coma along y and x,
-    /// 11 spherical aberration. Even numbers are cosines. There is none for 0, which is taken for 1.
+    /// The polynomial of a Noll index: 1 piston, 2 and 3 tilts along x and y, 4 defocus, 5 and 6 astigmatism,
+    /// 7 and 8 coma along y and x, 11 spherical aberration. Even indices are cosines. Index 0 does not exist
+    /// and is treated as 1.
     pub fn noll(j: u32) -> Zernike {
         let j = j.max(1);
         let mut n = 0;
-        // as many as (n + 1) (n + 2) / 2 up to order n
+        // (n + 1) (n + 2) / 2 polynomials have an order of at most n
         while (n + 1) * (n + 2) / 2 < j {
             n += 1;
         }
         let place = j - n * (n + 1) / 2;
-        // frequencies come in pairs, but for 0
+        // frequencies come in pairs, except 0
         let m = if n.is_multiple_of(2) { place / 2 * 2 } else { (place - 1) / 2 * 2 + 1 } as i32;
         Zernike { n, m: if j.is_multiple_of(2) { m } else { -m } }
     }
 
-    /// By the OSA/ANSI index (n (n + 2) + m) / 2: 0 piston, 1 and 2 tilts along y and x, 4 defocus, 12 spherical aberration.
+    /// The polynomial of an OSA/ANSI index (n (n + 2) + m) / 2: 0 piston, 1 and 2 tilts along y and x, 4
+    /// defocus, 12 spherical aberration.
     pub fn osa(j: u32) -> Zernike {
         let mut n = 0;
         while (n + 1) * (n + 2) / 2 <= j {
@@ -55,11 +57,11 @@ impl Zernike {
     }
 }
 
-/// The radial polynomial, by R(n, m) = r (R(n-1, |m-1|) + R(n-1, m+1)) - R(n-2, m), which loses no digits at high orders
-/// (B. Honarvar Shakibaei and R. Paramesran, Opt. Lett. 38, 2487, 2013).
+/// The radial polynomial, by the recurrence R(n, m) = r (R(n-1, |m-1|) + R(n-1, m+1)) - R(n-2, m), which is
+/// stable at high orders (B. Honarvar Shakibaei and R. Paramesran, Opt. Lett. 38, 2487, 2013).
 fn radial(n: usize, m: usize, r: f64) -> f64 {
     let mut rows = [vec![0.0; n + 2], vec![0.0; n + 2], vec![0.0; n + 2]];
-    // the rows of the orders before last, last and next
+    // rows of orders n - 2, n - 1 and n
     rows[1][0] = 1.0;
     for order in 1..=n {
         let [before, last, next] = &mut rows;
@@ -73,17 +75,17 @@ fn radial(n: usize, m: usize, r: f64) -> f64 {
     rows[1][m]
 }
 
-/// A sum of Zernike polynomials.
+/// A least-squares fit: a sum of Zernike polynomials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// The polynomials with their coefficients, in the unit of the values.
     pub terms: Vec<(Zernike, f64)>,
-    /// The root of the mean square of what is left.
+    /// The root mean square of the residuals.
     pub residual_rms: f64,
 }
 
 impl Fit {
-    /// The coefficient of a polynomial; 0 if it is none of the terms.
+    /// The coefficient of a polynomial; 0 if it is not among the terms.
     pub fn coefficient(&self, of: Zernike) -> f64 {
         self.terms.iter().find(|(zernike, _)| *zernike == of).map_or(0.0, |term| term.1)
     }
@@ -94,8 +96,8 @@ impl Fit {
     }
 }
 
-/// The sum of Zernike polynomials with the least mean square distance from values at points of the unit disk, by singular
-/// values, so that terms that the points cannot tell apart get the smallest coefficients.
+/// Fits Zernike polynomials to values at points of the unit disk by least squares. The singular value
+/// decomposition gives the solution of least norm where the points do not determine all terms.
 ///
 /// # Errors
 /// [`AnalysisError::TooFew`] if there are fewer points than terms.
@@ -111,7 +113,7 @@ pub fn fit(points: &[[f64; 2]], values: &[f64], terms: &[Zernike]) -> Result<Fit
     let least = 1e-12 * singular.singular_values.max();
     let solve = |right: &DVector<f64>| singular.solve(right, least).map_err(|_| too_few());
     let first = solve(&wanted)?;
-    // the iteration for singular values stops early where some are nearly equal: what it leaves is solved for once more
+    // the singular value iteration stops early for nearly equal values: one step of iterative refinement
     let solution = &first + solve(&(&wanted - &matrix * &first))?;
     let left = wanted - matrix * &solution;
     Ok(Fit {

@@ -1,4 +1,4 @@
-//! What can be wrong with a task of design.
+//! Errors of tolerancing and optimisation.
 
 use crate::analysis::AnalysisError;
 use crate::design::Parameter;
@@ -19,29 +19,29 @@ pub enum DesignError {
     Absent {
         /// The parameter.
         parameter: Parameter,
-        /// Why it is not there.
+        /// The reason.
         why: &'static str,
     },
     /// A number that is out of its range.
     #[error("{what} is {value}: it has to be {range}.")]
     BadNumber {
-        /// What the number is.
+        /// The name of the number.
         what: String,
         /// The number.
         value: f64,
-        /// Which numbers are possible.
+        /// The admissible range.
         range: &'static str,
     },
-    /// There is nothing to do.
+    /// An empty list where at least one entry is needed.
     #[error("there is no {0}: at least one is needed.")]
     None(&'static str),
-    /// The search cannot begin.
+    /// The merit function has no finite value at the start.
     #[error("the search cannot begin ({0})")]
     NoStart(String),
-    /// The prescription itself, as it is.
+    /// An error of the prescription.
     #[error(transparent)]
     Prescription(#[from] PrescriptionError),
-    /// Its image.
+    /// An error of the image analysis.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
 }

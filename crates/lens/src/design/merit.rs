@@ -1,27 +1,27 @@
-//! Numbers by which prescriptions with errors are judged.
+//! Merit functions of tolerancing.
 
 use super::variant::Variant;
 use super::{DesignError, Parameter};
 use crate::analysis::{Arrival, Spot, focal_moments, moved};
 use crate::prescription::Prescription;
 
-/// A number by which a prescription is judged. Lengths are in its unit.
+/// A figure of merit of a prescription. Lengths are in its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Merit {
-    /// The RMS radius of the spots about their centroids, of all wavelengths with their weights; the root of its mean square
-    /// over all fields.
+    /// The RMS radius of the spots about their centroids, over all wavelengths with their weights; the root
+    /// mean square over all fields.
     SpotRms,
-    /// The RMS of the wavefronts at the primary wavelength, in waves; the root of its mean square over all fields.
+    /// The RMS of the wavefronts at the primary wavelength, in waves; the root mean square over all fields.
     WavefrontRms,
     /// The focal length at the primary wavelength.
     FocalLength,
     /// The distance from the last vertex to the back focal point at the primary wavelength.
     BackFocalDistance,
-    /// How far the centroid of the first field's spot is from where it is without errors.
+    /// The distance of the centroid of the first field's spot from its place without errors.
     ImageShift,
 }
 
-/// A merit, ready to be asked.
+/// Evaluator of a merit, with its settings and the reference centroid.
 pub(super) struct Judge {
     merit: Merit,
     refocus: bool,
@@ -30,7 +30,8 @@ pub(super) struct Judge {
     centroid: [f64; 2],
 }
 
-/// A merit, the shift of the image that refocused it, and how many rays of all fields and wavelengths did not arrive.
+/// A merit, the image shift of the refocusing, and the number of rays of all fields and wavelengths that did
+/// not arrive.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Verdict {
     pub merit: f64,
@@ -54,7 +55,7 @@ impl Judge {
         Ok(judge)
     }
 
-    /// The merit with changes of parameters; NaN if no light arrives.
+    /// The merit after changes of parameters; NaN if no light arrives.
     pub fn ask(&self, lens: &Prescription, changes: &[(Parameter, f64)]) -> Result<Verdict, DesignError> {
         let variant = self.variant(lens, changes)?;
         let nm = lens.primary_nm();
@@ -78,12 +79,12 @@ impl Judge {
         Ok(Variant { vignettes: self.vignettes, ..Variant::new(lens, changes)? })
     }
 
-    /// How many of the rays that were sent are not there.
+    /// The number of rays sent that did not arrive.
     fn lost(&self, lens: &Prescription, images: &[Vec<Arrival>]) -> usize {
         self.sent(lens).saturating_sub(images.iter().map(Vec::len).sum())
     }
 
-    /// The rays of all fields and wavelengths; none for a merit that follows none.
+    /// The number of rays sent, over all fields and wavelengths; 0 for first-order merits.
     pub fn sent(&self, lens: &Prescription) -> usize {
         match self.merit {
             Merit::FocalLength | Merit::BackFocalDistance => 0,
@@ -91,7 +92,7 @@ impl Judge {
         }
     }
 
-    /// The rays of all fields on the image, refocused if asked for, and the shift.
+    /// The rays of all fields on the image, refocused if that is set, and the shift.
     fn images(&self, variant: &Variant) -> Result<(Vec<Vec<Arrival>>, f64), DesignError> {
         let fields = 0..variant.lens.fields.len();
         let images: Result<Vec<_>, _> =

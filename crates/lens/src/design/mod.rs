@@ -1,9 +1,10 @@
-//! Design: prescriptions with parameters that err or are looked for.
+//! Lens design: tolerance analysis and optimisation of prescriptions.
 //!
-//! A [`Parameter`] is a number of a prescription by its name, as `radius 2` or `tilt x 3-4`. [`Tolerancing`] draws the errors
-//! of some at random and tells what they do to a [`Merit`]; [`Optimiser`] looks for the values of some that come nearest to
-//! goals. Both follow rays from surface to surface ([`Prescription::follow`](crate::prescription::Prescription::follow)),
-//! through the paraxial entrance pupil, whatever the semi-diameters: no solids are made.
+//! A [`Parameter`] is a number of a prescription, named as in `radius 2` or `tilt x 3-4`. [`Tolerancing`]
+//! computes the effect of random errors of parameters on a [`Merit`]; [`Optimiser`] computes the parameter
+//! values that best satisfy a list of goals. Both follow rays from surface to surface
+//! ([`Prescription::follow`](crate::prescription::Prescription::follow)) through the paraxial entrance pupil,
+//! without regard to semi-diameters, and build no solids.
 //!
 //! ```
 //! use rayweave_lens::design::{Goal, Merit, Operand, Optimiser, Spread, Tolerancing};

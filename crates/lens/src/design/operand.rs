@@ -1,4 +1,4 @@
-//! What a search works on: numbers of a prescription and where they should be.
+//! Operands and goals of an optimisation.
 
 use super::variant::Variant;
 use super::{DesignError, Parameter};
@@ -33,7 +33,7 @@ impl SeidelTerm {
     }
 }
 
-/// Numbers of a prescription; lengths are in its unit.
+/// Quantity of a prescription that a goal constrains; lengths are in the unit of the prescription.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Operand {
     /// The focal length at the primary wavelength.
@@ -64,7 +64,8 @@ pub enum Operand {
     },
     /// The value of a parameter.
     Value(Parameter),
-    /// The distance along z from a surface to the next one, away from the axis: of a lens the thickness of its edge.
+    /// The distance along z from a surface to the next one at a height off the axis: the edge thickness of a
+    /// lens.
     EdgeThickness {
         /// The surface, counted from 1.
         surface: usize,
@@ -73,7 +74,7 @@ pub enum Operand {
     },
 }
 
-/// Where numbers should be.
+/// The target of an operand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// At a value.
@@ -85,7 +86,7 @@ pub enum Target {
 }
 
 impl Target {
-    /// How far a number is from where it should be.
+    /// The difference between a number and its target; 0 within a bound.
     fn miss(self, value: f64) -> f64 {
         match self {
             Target::Equal(wanted) => value - wanted,
@@ -95,29 +96,29 @@ impl Target {
     }
 }
 
-/// An operand, where it should be, and how much that matters.
+/// An operand with its target and weight: one term of the merit function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// The numbers.
+    /// The operand.
     pub operand: Operand,
-    /// Where they should be.
+    /// Its target.
     pub target: Target,
-    /// The factor of what they are off by; its square is that of the sum of squares.
+    /// The factor of the residual; it enters the sum of squares as its square.
     pub weight: f64,
 }
 
 impl Goal {
-    /// An operand that should have a value, with the weight 1.
+    /// An operand with a target value, of weight 1.
     pub fn equal(operand: Operand, value: f64) -> Goal {
         Goal { operand, target: Target::Equal(value), weight: 1.0 }
     }
 
-    /// An operand that should not be below a value, with the weight 1.
+    /// An operand with a lower bound, of weight 1.
     pub fn at_least(operand: Operand, value: f64) -> Goal {
         Goal { operand, target: Target::AtLeast(value), weight: 1.0 }
     }
 
-    /// An operand that should not be above a value, with the weight 1.
+    /// An operand with an upper bound, of weight 1.
     pub fn at_most(operand: Operand, value: f64) -> Goal {
         Goal { operand, target: Target::AtMost(value), weight: 1.0 }
     }
@@ -127,7 +128,7 @@ impl Goal {
         Goal { weight, ..self }
     }
 
-    /// How many numbers it has, by rays through so many points of the pupil.
+    /// The number of residuals, for `rays` points of the pupil.
     pub(super) fn count(&self, rays: usize) -> usize {
         match self.operand {
             Operand::Spot { .. } => 2 * rays,
@@ -136,7 +137,7 @@ impl Goal {
         }
     }
 
-    /// Its numbers; `None` where a ray that is needed does not arrive.
+    /// The values; `None` if a ray that they need does not arrive.
     pub(super) fn values(
         &self,
         variant: &Variant,
@@ -150,12 +151,12 @@ impl Goal {
         Ok(values.filter(|values| values.iter().all(|value| value.is_finite())))
     }
 
-    /// How far a number is from where it should be, weighted.
+    /// The weighted residual of a value.
     pub(super) fn miss(&self, value: f64) -> f64 {
         self.weight * self.target.miss(value)
     }
 
-    /// By how much the miss grows with the number: nothing within a bound.
+    /// The derivative of the residual with respect to the value: 0 within a bound.
     pub(super) fn slope(&self, value: f64) -> f64 {
         let is_bound = !matches!(self.target, Target::Equal(_));
         if is_bound && self.target.miss(value) == 0.0 { 0.0 } else { self.weight }
@@ -205,12 +206,12 @@ fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
         Operand::Seidel(term) => term.of(&Seidel::sum(&lens.seidel()?)),
         Operand::Value(parameter) => parameter.value(lens)?,
         Operand::EdgeThickness { surface, height } => edge(variant, surface, height)?,
-        // of many numbers
+        // these have several values
         Operand::Spot { .. } | Operand::Wavefront { .. } => f64::NAN,
     })
 }
 
-/// The distance between two surfaces away from the axis, along y; NaN where one of them has ended.
+/// The distance between two surfaces at a height along y; NaN beyond the end of one of them.
 fn edge(variant: &Variant, surface: usize, height: f64) -> Result<f64, DesignError> {
     let lens = &variant.lens;
     let count = lens.surfaces.len();

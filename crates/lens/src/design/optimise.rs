@@ -1,4 +1,4 @@
-//! A search for the values of parameters that come nearest to goals: damped least squares.
+//! Optimisation by damped least squares (Levenberg-Marquardt).
 
 use super::variant::Variant;
 use super::{DesignError, Goal, Parameter, Quantity};
@@ -7,17 +7,20 @@ use crate::prescription::Prescription;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
-/// Steps for differences, in units of the scale of a parameter: about the cube root of the roundoff, where the errors of rounding
-/// and of the third order are as small as each other (Nocedal & Wright, *Numerical Optimization*, section 8.1).
+/// Step of the central differences, in units of the scale of a parameter: about the cube root of the
+/// roundoff, where rounding error and third-order error are equal (Nocedal & Wright, *Numerical
+/// Optimization*, section 8.1).
 const STEP: f64 = 1e-5;
 
-/// A miss where there is no light, in units of the first one: worse than any that a search should accept.
+/// Residual where no light arrives, in units of the norm at the start: worse than any acceptable step.
 const DARK: f64 = 1e3;
 
-/// A search for the values of parameters at which the sum of squares of what goals miss is least, from a prescription on.
+/// Damped least squares: minimises the weighted sum of squares of the residuals of all goals, from a start
+/// prescription.
 ///
-/// The algorithm is Levenberg and Marquardt's in the form of J. J. Moré (MINPACK; *The Levenberg-Marquardt algorithm*, Lecture
-/// Notes in Mathematics 630, 1978), with derivatives by differences. It finds the nearest minimum, not the best one.
+/// The algorithm is Levenberg and Marquardt's in the form of J. J. Moré (MINPACK; *The Levenberg-Marquardt
+/// algorithm*, Lecture Notes in Mathematics 630, 1978), with derivatives by central differences. It finds a
+/// local minimum near the start, not the global one.
 #[derive(Clone, Debug)]
 pub struct Optimiser<'a> {
     lens: &'a Prescription,
@@ -27,57 +30,58 @@ pub struct Optimiser<'a> {
     patience: usize,
 }
 
-/// What a search has found.
+/// The result of an optimisation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optimum {
-    /// The prescription with the values that were found.
+    /// The optimised prescription.
     pub lens: Prescription,
     /// The parameters with their values.
     pub values: Vec<(Parameter, f64)>,
-    /// The root of the sum of squares of all misses at the start.
+    /// The root of the sum of squares of all residuals at the start.
     pub before: f64,
     /// The same at the end.
     pub after: f64,
-    /// How many prescriptions were looked at, but for the derivatives.
+    /// The number of evaluations of the residuals, without those for derivatives.
     pub evaluations: usize,
-    /// True if it ended because no step made it better, not for lack of patience.
+    /// True if no step improves the result further; false if the evaluation limit ended the search.
     pub has_converged: bool,
-    /// Why it ended.
+    /// The reason for the end.
     pub reason: String,
 }
 
 impl<'a> Optimiser<'a> {
-    /// From a prescription, with 4 rings of rays in the pupil.
+    /// An optimiser that starts from a prescription, with 4 rings of rays in the pupil.
     pub fn new(lens: &'a Prescription) -> Optimiser<'a> {
         Optimiser { lens, parameters: Vec::new(), goals: Vec::new(), rings: 4, patience: 100 }
     }
 
-    /// The same with one more parameter to vary; what moves surfaces off the axis cannot be varied.
+    /// Adds a parameter to vary. Decentres and tilts cannot be varied.
     pub fn vary(mut self, parameter: Parameter) -> Optimiser<'a> {
         self.parameters.push(parameter);
         self
     }
 
-    /// The same with one more goal.
+    /// Adds a goal.
     pub fn goal(mut self, goal: Goal) -> Optimiser<'a> {
         self.goals.push(goal);
         self
     }
 
-    /// The same with another number of rings of rays in the pupil.
+    /// Sets the number of rings of rays in the pupil.
     pub fn rings(self, rings: usize) -> Optimiser<'a> {
         Optimiser { rings, ..self }
     }
 
-    /// The same that looks at so many prescriptions for each parameter, and one more, before it gives up; by default 100.
+    /// Limits the evaluations to `patience` times the number of parameters plus one; the default is 100.
     pub fn patience(self, patience: usize) -> Optimiser<'a> {
         Optimiser { patience: patience.max(1), ..self }
     }
 
-    /// Searches.
+    /// Runs the search.
     ///
     /// # Errors
-    /// [`DesignError`] for parameters that are not there, goals that have no value at the start, nothing to vary and no goals.
+    /// [`DesignError`] for parameters that do not exist, goals without a value at the start, no parameters or
+    /// no goals.
     pub fn run(&self) -> Result<Optimum, DesignError> {
         let task = self.task()?;
         let dark = || DesignError::NoStart("a ray does not arrive, or a number is not finite".to_owned());
@@ -119,8 +123,8 @@ impl<'a> Optimiser<'a> {
     }
 }
 
-/// The step that changes a prescription about as much as any other parameter's: lengths and curvatures by the length of the
-/// system, terms by that and the height of the light.
+/// The change of a parameter that affects a prescription about as much as that of any other: lengths and
+/// curvatures by the length of the system, aspheric terms by that and the pupil height.
 fn scale(parameter: Parameter, lens: &Prescription) -> Result<f64, DesignError> {
     let value = parameter.value(lens)?;
     let length = lens.surfaces.iter().map(|surface| surface.thickness.abs()).sum::<f64>();
@@ -129,7 +133,7 @@ fn scale(parameter: Parameter, lens: &Prescription) -> Result<f64, DesignError> 
         Quantity::Radius => value.abs(),
         Quantity::Curvature => 1.0 / length,
         Quantity::Thickness => length,
-        // as high at the rim of the pupil as a sphere of a curvature as above
+        // as high at the rim of the pupil as a sphere of the curvature above
         Quantity::Term(power) => {
             let height = 0.5 * lens.first_order(lens.primary_nm())?.entrance_pupil.diameter;
             let height = if height > 0.0 && height.is_finite() { height } else { length };
@@ -140,18 +144,18 @@ fn scale(parameter: Parameter, lens: &Prescription) -> Result<f64, DesignError> 
 }
 
 fn has_converged(reason: &TerminationReason) -> bool {
-    // where rounding allows no better step, none is better
+    // rounding allows no better step: a minimum
     reason.was_successful() || matches!(reason, TerminationReason::NoImprovementPossible(_))
 }
 
-/// The changes of parameters, in units of their scales, as a problem of least squares.
+/// The least-squares problem; its variables are changes of parameters in units of their scales.
 #[derive(Clone, Debug)]
 struct Task<'a> {
     optimiser: &'a Optimiser<'a>,
     pupil: Vec<[f64; 2]>,
     scales: Vec<f64>,
     at: DVector<f64>,
-    /// What every miss is where there is no light.
+    /// The residual used where no light arrives.
     dark: f64,
 }
 
@@ -162,7 +166,7 @@ impl Task<'_> {
         Variant::new(self.optimiser.lens, &changes.collect::<Vec<_>>())
     }
 
-    /// The numbers of all goals; `None` where a ray that is needed does not arrive.
+    /// The values of all goals; `None` if a ray that they need does not arrive.
     fn values_at(&self, at: &DVector<f64>) -> Result<Option<Vec<f64>>, DesignError> {
         let variant = self.variant(at)?;
         let mut all = Vec::with_capacity(self.count());
@@ -175,20 +179,20 @@ impl Task<'_> {
         Ok(Some(all))
     }
 
-    /// The goal of every number.
+    /// The goal of each value.
     fn goals(&self) -> impl Iterator<Item = &Goal> {
         let count = |goal: &Goal| goal.count(self.pupil.len());
         self.optimiser.goals.iter().flat_map(move |goal| std::iter::repeat_n(goal, count(goal)))
     }
 
-    /// What numbers miss, at least one for every parameter.
+    /// The residuals, padded with zeros to at least one per parameter.
     fn misses(&self, values: &[f64]) -> DVector<f64> {
         let mut misses: Vec<f64> = self.goals().zip(values).map(|(goal, value)| goal.miss(*value)).collect();
         misses.resize(self.count(), 0.0);
         DVector::from_vec(misses)
     }
 
-    /// How the numbers change with a parameter, by differences.
+    /// The derivatives of all values with respect to a parameter, by central differences.
     fn changes(&self, parameter: usize) -> Option<Vec<f64>> {
         let beside = |step: f64| {
             let mut at = self.at.clone();
@@ -219,13 +223,14 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Task<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        // a step into the dark, or to numbers that no prescription has, is a bad one, not the end
+        // a step to where no light arrives, or to values out of range, is a bad step, not the end of the
+        // search
         let dark = || DVector::from_element(self.count(), self.dark);
         Some(self.values_at(&self.at).ok().flatten().map_or_else(dark, |values| self.misses(&values)))
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        // from the numbers, not from the misses, which have a kink at a bound
+        // derivatives of the values, because the residuals have a kink at a bound
         let values = self.values_at(&self.at).ok().flatten()?;
         let slopes: Vec<f64> = self.goals().zip(&values).map(|(goal, value)| goal.slope(*value)).collect();
         let mut jacobian = DMatrix::zeros(self.count(), self.scales.len());

@@ -1,13 +1,13 @@
-//! Names of parameters of prescriptions.
+//! Parameters of prescriptions, and their names.
 
 use std::fmt;
 
-/// What of a surface is meant.
+/// A quantity of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// The radius of curvature; planes have none.
     Radius,
-    /// The curvature, 1 over the radius: a search can pass through a plane with it.
+    /// The curvature, 1 / radius; unlike the radius it is continuous through a plane.
     Curvature,
     /// The distance to the next surface.
     Thickness,
@@ -15,20 +15,20 @@ pub enum Quantity {
     Conic,
     /// The coefficient of a power of the distance from the axis, 1 to 16.
     Term(u8),
-    /// The index of refraction behind it, at all wavelengths by the same amount.
+    /// The index of refraction behind the surface, changed at all wavelengths by the same amount.
     Index,
-    /// A place off the axis along x.
+    /// The decentre along x.
     DecentreX,
-    /// A place off the axis along y.
+    /// The decentre along y.
     DecentreY,
-    /// A turn about the axis through the vertex along x, in degrees, right-handed.
+    /// The tilt in degrees about the x axis through the vertex, right-handed.
     TiltX,
-    /// A turn about the axis through the vertex along y, in degrees, right-handed.
+    /// The tilt in degrees about the y axis through the vertex, right-handed.
     TiltY,
 }
 
 impl Quantity {
-    /// All of them with their names, but for the terms.
+    /// All quantities and their names, without the terms.
     const NAMES: [(&str, Quantity); 9] = [
         ("radius", Quantity::Radius),
         ("curvature", Quantity::Curvature),
@@ -41,20 +41,20 @@ impl Quantity {
         ("tilt y", Quantity::TiltY),
     ];
 
-    /// A quantity by its name; `r^4` is that of a term.
+    /// A quantity by its name; `r^4` names a term.
     pub(super) fn named(name: &str) -> Option<Quantity> {
         let power = || name.strip_prefix("r^")?.parse().ok().filter(|power| POWERS.contains(power));
         let known = Quantity::NAMES.into_iter().find(|(known, _)| *known == name);
         known.map(|(_, quantity)| quantity).or_else(|| power().map(Quantity::Term))
     }
 
-    /// True if it moves surfaces as they are.
+    /// True for decentres and tilts, which move surfaces as rigid bodies.
     pub(super) fn is_pose(self) -> bool {
         matches!(self, Quantity::DecentreX | Quantity::DecentreY | Quantity::TiltX | Quantity::TiltY)
     }
 }
 
-/// The powers that an asphere has.
+/// The powers of an asphere.
 const POWERS: std::ops::RangeInclusive<u8> = 1..=16;
 
 impl fmt::Display for Quantity {
@@ -70,17 +70,18 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// A number of a prescription: a quantity and the surfaces that it is of, counted from 1.
+/// A number of a prescription: a quantity and its surfaces, counted from 1.
 ///
-/// Surfaces `first` to `last` are moved as one body, about the vertex of the first; all other quantities are those of one
-/// surface. Its text is the name of the quantity with the numbers: `radius 2`, `r^4 1`, `decentre y 3-4`.
+/// Decentres and tilts move surfaces `first` to `last` as one body, about the vertex of the first; all other
+/// quantities belong to one surface. The text form is the name of the quantity and the surfaces: `radius 2`,
+/// `r^4 1`, `decentre y 3-4`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Parameter {
-    /// What is meant.
+    /// The quantity.
     pub quantity: Quantity,
-    /// The surface.
+    /// The surface, or the first of those moved together.
     pub first: usize,
-    /// The last of the surfaces that are moved together; `first` for all that move none.
+    /// The last of the surfaces moved together; `first` for all other quantities.
     pub last: usize,
 }
 

@@ -1,4 +1,5 @@
-//! Tolerancing: what errors of making and mounting do to a merit.
+//! Tolerance analysis: effect of manufacturing and mounting errors on a merit, by Monte Carlo trials and
+//! sensitivities.
 
 use super::merit::{Judge, Verdict};
 use super::{DesignError, Merit, Parameter};
@@ -10,30 +11,30 @@ use rayweave_math::unit_fraction;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use std::num::NonZeroUsize;
 
-/// Keeps the streams of errors apart from those of other things that are drawn by the same seed.
+/// Random stream of tolerances, distinct from other streams of the same seed.
 const TOLERANCES: u64 = u64::from_be_bytes(*b"tolerate");
 
 /// Trials per chunk of work.
 const CHUNK: u64 = 16;
 
-/// How far a parameter may be from its value, in its unit.
+/// The distribution of the error of a parameter, in its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spread {
-    /// Anything up to a distance, all equally likely.
+    /// Uniform between minus and plus this value.
     Uniform(f64),
     /// A normal distribution of this standard deviation.
     Normal(f64),
 }
 
 impl Spread {
-    /// The distance, or the standard deviation.
+    /// The half width, or the standard deviation.
     pub fn scale(self) -> f64 {
         let (Spread::Uniform(scale) | Spread::Normal(scale)) = self;
         scale
     }
 
-    /// The deviation of a trial by two numbers uniform in [0, 1): the normal one by the transform of G. E. P. Box and M. E.
-    /// Muller, Ann. Math. Stat. 29, 610, 1958.
+    /// The error of a trial, from two numbers uniform in [0, 1); the normal distribution by the transform of
+    /// G. E. P. Box and M. E. Muller, Ann. Math. Stat. 29, 610, 1958.
     fn deviation(self, [a, b]: [f64; 2]) -> f64 {
         match self {
             Spread::Uniform(scale) => scale * (2.0 * a - 1.0),
@@ -44,10 +45,10 @@ impl Spread {
     }
 }
 
-/// Errors of parameters, and the merit that they change.
+/// Monte Carlo tolerancing: parameters with random errors, and a merit.
 ///
-/// Trial k draws its errors from the k-th place of a stream for each parameter: it is the same whatever the number of trials
-/// and threads, and the errors of one parameter do not depend on the others.
+/// Each parameter has a random stream, and trial k uses its k-th entry. A trial therefore does not depend on
+/// the number of trials or threads, and the errors of one parameter do not depend on the other parameters.
 #[derive(Clone, Debug)]
 pub struct Tolerancing<'a> {
     lens: &'a Prescription,
@@ -62,7 +63,7 @@ pub struct Tolerancing<'a> {
 }
 
 impl<'a> Tolerancing<'a> {
-    /// Of a prescription without errors, in place, with 6 rings of rays in the pupil.
+    /// Tolerancing of a prescription, without errors yet, with 6 rings of rays in the pupil.
     pub fn new(lens: &'a Prescription, merit: Merit) -> Tolerancing<'a> {
         Tolerancing {
             lens,
@@ -77,38 +78,38 @@ impl<'a> Tolerancing<'a> {
         }
     }
 
-    /// The same with an error of one more parameter.
+    /// Adds a parameter with an error.
     pub fn add(mut self, parameter: Parameter, spread: Spread) -> Tolerancing<'a> {
         self.errors.push((parameter, spread));
         self
     }
 
-    /// The same with the image moved along the axis, in every trial, to where the mean square radius of all spots is least.
+    /// Refocuses every trial: moves the image along the axis to the least mean square radius of all spots.
     pub fn refocused(self) -> Tolerancing<'a> {
         Tolerancing { refocus: true, ..self }
     }
 
-    /// The same in which a ray ends where it meets a surface beyond the semi-diameter that is stated for it, or in its hole.
+    /// Vignettes: a ray ends where it meets a surface beyond its stated semi-diameter, or in its hole.
     pub fn vignetted(self) -> Tolerancing<'a> {
         Tolerancing { vignettes: true, ..self }
     }
 
-    /// The same with another number of rings of rays in the pupil.
+    /// Sets the number of rings of rays in the pupil.
     pub fn rings(self, rings: usize) -> Tolerancing<'a> {
         Tolerancing { rings, ..self }
     }
 
-    /// The same with other random numbers.
+    /// Sets the seed of the random numbers.
     pub fn seed(self, seed: u64) -> Tolerancing<'a> {
         Tolerancing { seed, ..self }
     }
 
-    /// The same on so many threads.
+    /// Sets the number of threads.
     pub fn threads(self, threads: Option<NonZeroUsize>) -> Tolerancing<'a> {
         Tolerancing { threads, ..self }
     }
 
-    /// The same with a token that ends the trials.
+    /// Sets a cancellation token.
     pub fn cancel(self, cancel: Cancel) -> Tolerancing<'a> {
         Tolerancing { cancel, ..self }
     }
@@ -116,7 +117,7 @@ impl<'a> Tolerancing<'a> {
     /// The merit without errors.
     ///
     /// # Errors
-    /// [`DesignError`] for parameters that are not there, spreads below 0, and prescriptions that say nothing.
+    /// [`DesignError`] for parameters that do not exist, spreads below 0, and invalid prescriptions.
     pub fn nominal(&self) -> Result<f64, DesignError> {
         Ok(self.judge()?.ask(self.lens, &[])?.merit)
     }
@@ -133,11 +134,12 @@ impl<'a> Tolerancing<'a> {
         Judge::new(self.lens, self.merit, [self.refocus, self.vignettes], hexapolar(self.rings))
     }
 
-    /// The merits of so many trials. One in which no light arrives, or in which a number is out of its range, has the merit
-    /// NaN.
+    /// Runs `count` trials. The merit is NaN in a trial in which no light arrives or a number is out of its
+    /// range.
     ///
     /// # Errors
-    /// As of [`Tolerancing::nominal`], and [`DesignError::None`] without errors; a run that was cancelled has fewer trials.
+    /// As of [`Tolerancing::nominal`], and [`DesignError::None`] without errors. A cancelled run returns
+    /// fewer trials.
     pub fn trials(&self, count: u64) -> Result<Trials, DesignError> {
         if self.errors.is_empty() {
             return Err(DesignError::None("parameter with an error"));
@@ -174,16 +176,16 @@ impl<'a> Tolerancing<'a> {
         (deviations, judge.ask(self.lens, &changes).unwrap_or(nothing))
     }
 
-    /// The two numbers of a parameter in a trial.
+    /// The two random numbers of a parameter in a trial.
     fn numbers(&self, parameter: usize, trial: u64) -> [f64; 2] {
         let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
         generator.set_stream(TOLERANCES ^ parameter as u64);
-        // two words of 32 bits for each number
+        // two 32-bit words for each number
         generator.set_word_pos(u128::from(trial) * 4);
         [unit_fraction(generator.next_u64()), unit_fraction(generator.next_u64())]
     }
 
-    /// What each parameter does alone, at both ends of its spread.
+    /// The merit with each parameter changed alone, to both ends of its spread.
     ///
     /// # Errors
     /// As of [`Tolerancing::nominal`].
@@ -201,33 +203,34 @@ impl<'a> Tolerancing<'a> {
     }
 }
 
-/// What one parameter does to a merit.
+/// The effect of one parameter on a merit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensitivity {
     /// The parameter.
     pub parameter: Parameter,
-    /// The merit where it is too small by its spread: the greatest deviation, or the standard one.
+    /// The merit with the parameter reduced by its spread: the greatest deviation, or the standard one.
     pub minus: f64,
-    /// The merit where it is too large by its spread.
+    /// The merit with the parameter increased by its spread.
     pub plus: f64,
-    /// The merit's change over that of the parameter, between these.
+    /// The change of the merit per change of the parameter, between `minus` and `plus`.
     pub slope: f64,
 }
 
-/// The merits of trials, with the deviations that they had.
+/// The results of Monte Carlo trials: merits and deviations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trials {
     /// The merit without errors.
     pub nominal: f64,
     /// The parameters.
     pub parameters: Vec<Parameter>,
-    /// The deviations of every parameter, in the order of the trials.
+    /// The deviations, a column for each parameter in the order of `parameters`, a row for each trial.
     pub deviations: Vec<Vec<f64>>,
-    /// The merit of every trial.
+    /// The merit of each trial.
     pub merits: Vec<f64>,
-    /// By how much the image was moved along the axis; 0 if it was not asked for.
+    /// The shift of the image along the axis in each trial; 0 without refocusing.
     pub shifts: Vec<f64>,
-    /// How many rays of all fields and wavelengths did not arrive in every trial; 0 for merits that follow none.
+    /// The number of rays of all fields and wavelengths that did not arrive in each trial; 0 for first-order
+    /// merits.
     pub lost: Vec<usize>,
 }
 
@@ -243,7 +246,7 @@ impl Trials {
         self.merits.iter().copied().filter(|merit| !merit.is_nan())
     }
 
-    /// The number of trials without a merit.
+    /// The number of trials whose merit is NaN.
     pub fn failures(&self) -> usize {
         self.merits.len() - self.known().count()
     }
@@ -253,15 +256,15 @@ impl Trials {
         self.known().sum::<f64>() / self.known().count() as f64
     }
 
-    /// The standard deviation of the merits, with the number of trials less 1; NaN for fewer than two.
+    /// The standard deviation of the merits, with n - 1 degrees of freedom; NaN for fewer than two.
     pub fn standard_deviation(&self) -> f64 {
         let mean = self.mean();
         let squares: f64 = self.known().map(|merit| (merit - mean) * (merit - mean)).sum();
         (squares / (self.known().count() as f64 - 1.0)).sqrt()
     }
 
-    /// The merit below which a fraction of the trials are, from 0 to 1, linear between two of them (R. J. Hyndman and Y. Fan,
-    /// Am. Stat. 50, 361, 1996, definition 7); NaN if there are none.
+    /// A quantile of the merits, for a fraction from 0 to 1, by linear interpolation (R. J. Hyndman and Y.
+    /// Fan, Am. Stat. 50, 361, 1996, definition 7); NaN if there are no merits.
     pub fn quantile(&self, fraction: f64) -> f64 {
         let mut sorted: Vec<f64> = self.known().collect();
         sorted.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Values of parameters: read from text, read from a prescription, changed in one.
+//! Values of parameters: text, lookup in a prescription, change of a prescription.
 
 use super::{DesignError, Parameter, Quantity};
 use crate::prescription::{Behind, Prescription, PrescriptionError, Surface};
@@ -35,7 +35,8 @@ impl Parameter {
         lens.surfaces.get(self.first.wrapping_sub(1)).ok_or_else(no_surface)
     }
 
-    /// Its value in a prescription: 0 for what moves surfaces, for an index that at the primary wavelength.
+    /// The value in a prescription: 0 for decentres and tilts, the index at the primary wavelength for an
+    /// index.
     ///
     /// # Errors
     /// [`DesignError::Absent`] for surfaces that do not exist, radii of planes, indices of mirrors.
@@ -65,7 +66,7 @@ impl Parameter {
         medium.ok_or_else(|| self.absent("behind a mirror is the medium in front of it"))
     }
 
-    /// Adds to its value in a prescription; what moves surfaces changes nothing there.
+    /// Adds `change` to the value in a prescription; decentres and tilts leave it unchanged.
     pub(super) fn add(self, lens: &mut Prescription, change: f64) -> Result<(), DesignError> {
         self.value(lens)?;
         let surface = &mut lens.surfaces[self.first - 1];
@@ -95,7 +96,7 @@ fn term(surface: &mut Surface, power: u8) -> Option<&mut f64> {
     if power.is_multiple_of(2) { surface.even.get_mut(place) } else { surface.odd.get_mut(place) }
 }
 
-/// A medium with an index that is everywhere greater by the same amount.
+/// A medium whose index is increased by the same amount at all wavelengths.
 #[derive(Debug)]
 struct Shifted {
     medium: Medium,

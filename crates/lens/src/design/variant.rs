@@ -1,4 +1,4 @@
-//! Prescriptions with other values of some parameters, and what they image.
+//! Prescriptions with changed parameters, and their images.
 
 use super::{DesignError, Parameter, Quantity};
 use crate::analysis::{Arrival, Wavefront, followed, moved, reference_radius};
@@ -6,17 +6,17 @@ use crate::paraxial::FirstOrder;
 use crate::prescription::{Pass, Pose, Prescription, PrescriptionError, Resolved, Surface};
 use rayweave_math::{Affine, Vec3};
 
-/// A prescription with other values of some parameters.
+/// A prescription with changed parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Variant {
     pub lens: Prescription,
     pub resolved: Resolved,
-    /// Whether a ray ends where it is beyond the semi-diameter that is stated for a surface.
+    /// True if rays end beyond the stated semi-diameter of a surface.
     pub vignettes: bool,
 }
 
 impl Variant {
-    /// With changes of parameters, in their order.
+    /// Applies changes of parameters in their order.
     pub fn new(lens: &Prescription, changes: &[(Parameter, f64)]) -> Result<Variant, DesignError> {
         let mut lens = lens.clone();
         for (parameter, change) in changes {
@@ -29,12 +29,12 @@ impl Variant {
         Ok(Variant { lens, resolved, vignettes: false })
     }
 
-    /// First-order data at a wavelength; what is off the axis does not count.
+    /// First-order data at a wavelength, without decentres and tilts.
     pub fn first_order(&self, wavelength_nm: f64) -> Result<FirstOrder, DesignError> {
         Ok(self.lens.first_order_resolved(&self.resolved, wavelength_nm)?)
     }
 
-    /// The rays of a field that arrive at the image, by the numbers of their points of the pupil.
+    /// The rays of a field that arrive at the image; the id of a ray is the index of its pupil point.
     pub fn arrivals(
         &self,
         field: usize,
@@ -57,7 +57,8 @@ impl Variant {
         Ok(found)
     }
 
-    /// True if a ray keeps within all semi-diameters that are stated, in the coordinates of each surface, and out of holes.
+    /// True if a ray stays within all stated semi-diameters, in the coordinates of each surface, and outside
+    /// holes.
     fn passes(&self, passes: &[Pass]) -> bool {
         let keeps = |(k, (pass, surface)): (usize, (&Pass, &Surface))| {
             let place = self.resolved.local(k, pass.point);
@@ -77,7 +78,8 @@ impl Variant {
         Ok(all)
     }
 
-    /// The wavefront of a field on a plane moved along the axis; `None` if its principal ray does not arrive.
+    /// The wavefront of a field on the image plane moved along the axis; `None` if the principal ray does not
+    /// arrive.
     pub fn wavefront(
         &self,
         field: usize,
@@ -95,7 +97,7 @@ impl Variant {
     }
 }
 
-/// Where surfaces and the image are moved to; `None` if all are where the prescription has them.
+/// The poses of surfaces and image; `None` if no parameter decentres or tilts them.
 fn poses(resolved: &Resolved, changes: &[(Parameter, f64)]) -> Option<Vec<Pose>> {
     if !changes.iter().any(|(parameter, _)| parameter.quantity.is_pose()) {
         return None;

@@ -1,6 +1,7 @@
-//! Ray transfer matrices.
+//! Ray transfer matrices (ABCD matrices).
 
-/// A ray transfer matrix (a, b; c, d): it takes height and index times slope to those of the ray further on.
+/// A ray transfer matrix (a, b; c, d), which maps (height, index times slope) of a ray at one plane to those
+/// at a later plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the entries of a matrix have no other names")]
 pub struct Matrix {
@@ -11,20 +12,20 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// Nothing happens.
+    /// The identity.
     pub const IDENTITY: Matrix = Matrix { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
 
-    /// A way along the axis in a medium.
+    /// Propagation over a length in a medium.
     pub fn distance(length: f64, index: f64) -> Matrix {
         Matrix { b: length / index, ..Matrix::IDENTITY }
     }
 
-    /// A surface of a curvature between two indices; a mirror if one is minus the other.
+    /// Refraction at a surface of a curvature between two indices; reflection if one is minus the other.
     pub fn surface(curvature: f64, before: f64, behind: f64) -> Matrix {
         Matrix { c: -(behind - before) * curvature, ..Matrix::IDENTITY }
     }
 
-    /// This one first, then the other one.
+    /// The product: this matrix first, then `next`.
     pub fn then(self, next: Matrix) -> Matrix {
         Matrix {
             a: next.a * self.a + next.b * self.c,
@@ -34,7 +35,7 @@ impl Matrix {
         }
     }
 
-    /// The ray further on of one with a height and an index times slope.
+    /// Applies the matrix to a ray (height, index times slope).
     pub fn apply(self, [y, nu]: [f64; 2]) -> [f64; 2] {
         [self.a * y + self.b * nu, self.c * y + self.d * nu]
     }

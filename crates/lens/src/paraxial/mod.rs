@@ -28,7 +28,7 @@ pub use seidel::Seidel;
 
 use crate::prescription::{Prescription, PrescriptionError, Resolved, SystemAperture};
 
-/// A plane that holds the axis, for systems that differ in both.
+/// A meridian: a plane that contains the axis, for systems that differ along x and y.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Meridian {
     /// The plane of x and z.
@@ -38,20 +38,21 @@ pub enum Meridian {
     Y,
 }
 
-/// A pupil.
+/// A pupil: the image of the stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pupil {
-    /// Its place along z, in the coordinates of the prescription: the vertex of surface 1 is 0; infinite if telecentric.
+    /// Its position along z in the coordinates of the prescription, 0 at the vertex of surface 1; infinite if
+    /// telecentric.
     pub position: f64,
     /// Its diameter; infinite if telecentric.
     pub diameter: f64,
 }
 
-/// First-order data at one wavelength. Lengths are infinite or NaN where there are none, as the focal length of an afocal
-/// system.
+/// First-order data at one wavelength. Lengths that do not exist are infinite or NaN, for example the focal
+/// length of an afocal system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstOrder {
-    /// From the first to the last surface.
+    /// The ray transfer matrix from the first to the last surface.
     pub matrix: Matrix,
     /// 1 / power; positive if collimated light is made to converge.
     pub focal_length: f64,
@@ -63,17 +64,17 @@ pub struct FirstOrder {
     pub back_principal_plane: f64,
     /// From the vertex of the first surface to the front principal plane, along z.
     pub front_principal_plane: f64,
-    /// The stop as seen from the object.
+    /// The entrance pupil: the stop seen from the object.
     pub entrance_pupil: Pupil,
-    /// The stop as seen from the image.
+    /// The exit pupil: the stop seen from the image.
     pub exit_pupil: Pupil,
     /// The semi-diameter of the stop itself.
     pub stop_semi_diameter: f64,
-    /// Focal length over entrance pupil.
+    /// Focal length over entrance pupil diameter.
     pub f_number: f64,
     /// The lateral magnification between the object and its paraxial image; 0 for distant objects.
     pub magnification: f64,
-    /// The angular magnification of light that comes and leaves collimated: of meaning for afocal systems.
+    /// The angular magnification for collimated light; meaningful for afocal systems.
     pub angular_magnification: f64,
     /// From the vertex of the last surface to the paraxial image, along z.
     pub image_distance: f64,
@@ -85,13 +86,14 @@ impl Prescription {
     /// First-order data at a wavelength in nanometres.
     ///
     /// # Errors
-    /// [`PrescriptionError`] for prescriptions that say nothing and wavelengths at which a medium has no index.
+    /// [`PrescriptionError`] for invalid prescriptions and wavelengths at which a medium has no index.
     pub fn first_order(&self, wavelength_nm: f64) -> Result<FirstOrder, PrescriptionError> {
         self.first_order_along(Meridian::Y, wavelength_nm)
     }
 
-    /// The same of rays in one of both meridians: what [`Prescription::first_order`] gives is along y. Curvatures at the
-    /// vertices count; a term in x y, which turns the meridians, and those in x and y alone, which tilt the surface, do not.
+    /// First-order data in one meridian; [`Prescription::first_order`] returns those along y. Curvatures at
+    /// the vertices count; a term in x y, which turns the meridians, and terms in x or y alone, which tilt
+    /// the surface, do not.
     ///
     /// # Errors
     /// As of [`Prescription::first_order`].
@@ -123,7 +125,7 @@ impl Prescription {
         let matrix = |from: usize, to: usize| self.matrix(&curvatures, &n, from, to);
         let (front, back) = (matrix(0, self.stop - 1), matrix(self.stop - 1, last));
         let matrix = front.then(back);
-        // of what has no power f is inf, not -inf
+        // without power f is inf, not -inf
         let (a, d, power) = (matrix.a, matrix.d, 0.0 - matrix.c);
         let (n_object, n_image) = (n[0], n[last]);
         let last_vertex = resolved.vertices[last - 1];
@@ -152,7 +154,8 @@ impl Prescription {
         })
     }
 
-    /// From in front of one surface, counted from 0, to in front of another; behind the last there is no distance.
+    /// The matrix from in front of surface `from`, counted from 0, to in front of `to`; no propagation behind
+    /// the last one.
     fn matrix(&self, curvatures: &[f64], n: &[f64], from: usize, to: usize) -> Matrix {
         (from..to).fold(Matrix::IDENTITY, |matrix, k| {
             let surface = &self.surfaces[k];
@@ -174,13 +177,13 @@ impl Prescription {
         }
     }
 
-    /// Where the paraxial image is, from the last vertex, and how large.
+    /// The distance of the paraxial image from the last vertex, and its magnification.
     fn image_of_object(&self, matrix: Matrix, n_object: f64, n_image: f64) -> (f64, f64) {
         let from_object = match self.object_distance.is_finite() {
             false => return (n_image * matrix.a / -matrix.c, 0.0),
             true => Matrix::distance(self.object_distance, n_object).then(matrix),
         };
-        // the image is where height does not depend on slope
+        // at the image, height does not depend on slope
         let distance = -n_image * from_object.b / from_object.d;
         (distance, from_object.then(Matrix::distance(distance, n_image)).a)
     }
@@ -191,7 +194,7 @@ fn petzval_sum(curvatures: &[f64], n: &[f64]) -> f64 {
 }
 
 impl Resolved {
-    /// The curvatures of all surfaces but the image at their vertices.
+    /// The curvatures of all surfaces at their vertices, without the image.
     pub(crate) fn curvatures(&self, meridian: Meridian) -> Vec<f64> {
         let surfaces = self.forms.iter().take(self.forms.len() - 1);
         surfaces.map(|form| form.curvatures()[meridian as usize]).collect()

@@ -1,12 +1,12 @@
-//! Seidel sums: the third-order aberrations surface by surface.
+//! Seidel sums: third-order aberrations, surface by surface.
 
 use crate::paraxial::{Matrix, Meridian};
 use crate::prescription::{Prescription, PrescriptionError};
 use rayweave_optics::component::Form;
 
-/// The Seidel sums S_I to S_V and the chromatic sums C_I and C_II of one surface, or of all: wavefront aberrations, twice to
-/// eight times their coefficients, in the unit of lengths. The rim ray is that of the axis through the rim of the pupil, the
-/// principal ray that of the last field through its middle.
+/// The Seidel sums S_I to S_V and the chromatic sums C_I and C_II of one surface or of a system, in the unit
+/// of lengths: twice to eight times the wavefront coefficients. The marginal ray goes from the axis through
+/// the rim of the pupil, the principal (chief) ray from the last field through its centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seidel {
     /// S_I; the wavefront at the rim of the pupil is S_I / 8.
@@ -15,7 +15,7 @@ pub struct Seidel {
     pub coma: f64,
     /// S_III; the wavefront is S_III / 2.
     pub astigmatism: f64,
-    /// S_IV, the part of the Petzval sum; the wavefront is S_IV / 4.
+    /// S_IV, the contribution of the Petzval sum; the wavefront is S_IV / 4.
     pub petzval: f64,
     /// S_V; the wavefront is S_V / 2.
     pub distortion: f64,
@@ -44,15 +44,15 @@ impl Seidel {
     }
 }
 
-/// What the formulas need of one surface.
+/// The data of one surface in Welford's formulas.
 struct At {
-    /// The curvature at the vertex, and what the surface has beyond the sphere of that: 8 times the difference in r^4.
+    /// The curvature at the vertex, and the departure from its sphere: 8 times the difference in r^4.
     curvature: f64,
     asphericity: f64,
-    /// Indices before and behind, and what they differ by between the first and the last wavelength.
+    /// Indices before and behind, and their differences between the first and the last wavelength.
     n: [f64; 2],
     dispersion: [f64; 2],
-    /// Rim ray and principal ray: the height, and index times slope before and behind.
+    /// Marginal ray and principal ray: height, then index times slope before and behind.
     rim: [f64; 3],
     principal: [f64; 3],
 }
@@ -60,9 +60,10 @@ struct At {
 impl At {
     /// W. T. Welford, *Aberrations of Optical Systems*, 1986, chapters 8 (sums and aspheric surfaces) and 10 (colour).
     ///
-    /// There S_V = (A' / A) (S_III + S_IV) with the refraction invariants A = n (u + y c) of the rim ray and A' of the
-    /// principal ray. With the difference of u/n, A (1/n'^2 - 1/n^2) - y P, P = c (1/n' - 1/n), and H = A y' - A' y, the
-    /// division by A, which may be 0, drops out: S_V = -A' (A'^2 y (1/n'^2 - 1/n^2) + (H - A' y) y' P).
+    /// Welford writes S_V = (A' / A) (S_III + S_IV) with the refraction invariants A = n (u + y c) of the
+    /// marginal ray and A' of the principal ray. With the difference of u/n, A (1/n'^2 - 1/n^2) - y P, P = c
+    /// (1/n' - 1/n), and H = A y' - A' y, the division by A, which may be 0, cancels: S_V = -A' (A'^2 y
+    /// (1/n'^2 - 1/n^2) + (H - A' y) y' P).
     fn sums(&self) -> Seidel {
         let ([n0, n1], c) = (self.n, self.curvature);
         let ([y, nu0, nu1], [y_bar, nu0_bar, _]) = (self.rim, self.principal);
@@ -92,8 +93,8 @@ impl Prescription {
     /// The Seidel sums of every surface at the primary wavelength.
     ///
     /// # Errors
-    /// As of [`Prescription::first_order`], a pupil that is infinitely far, a surface that is not of revolution, and
-    /// coordinate breaks.
+    /// As of [`Prescription::first_order`]; also an infinitely distant pupil, a surface that is not of
+    /// revolution, and coordinate breaks.
     pub fn seidel(&self) -> Result<Vec<Seidel>, PrescriptionError> {
         let resolved = self.resolved()?;
         if !resolved.forms.iter().all(Form::is_round) {
@@ -127,7 +128,7 @@ impl Prescription {
         Ok(parts)
     }
 
-    /// The rim ray of the axis and the principal ray of the last field, at the first surface.
+    /// The marginal ray of the axis and the principal ray of the last field, at the first surface.
     fn paraxial_rays(&self, n: f64) -> Result<[[f64; 2]; 2], PrescriptionError> {
         let resolved = self.resolved()?;
         let first_order = self.first_order_resolved(&resolved, self.primary_nm())?;

@@ -1,4 +1,4 @@
-//! Poses of surfaces behind the coordinate breaks of a prescription.
+//! Poses of the surfaces behind coordinate breaks.
 
 use super::error::bad;
 use super::pose::Pose;
@@ -6,13 +6,13 @@ use super::{CoordinateBreak, Prescription, PrescriptionError};
 use rayweave_math::{Affine, Vec3};
 
 impl Prescription {
-    /// The same with a coordinate break behind those that it has.
+    /// Adds a coordinate break behind the existing ones.
     pub fn broken(mut self, at: CoordinateBreak) -> Prescription {
         self.breaks.push(at);
         self
     }
 
-    /// Where all surfaces and the image are moved to from the axis; nothing if they are on it.
+    /// The poses of all surfaces and the image; empty if all are on the axis.
     pub(super) fn poses(&self, vertices: &[f64]) -> Vec<Pose> {
         let mut axis = Affine::IDENTITY;
         let places = if self.breaks.is_empty() { &[] } else { vertices };

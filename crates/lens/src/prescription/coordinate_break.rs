@@ -2,28 +2,30 @@
 
 use rayweave_math::{Affine, Vec3};
 
-/// A coordinate break: the surface behind it, and all that follow, lie in another frame than on the axis.
+/// A coordinate break: a change of frame for the next surface and all that follow.
 ///
-/// The frame in front of a break has its origin where the vertex of the surface would be, and z along the axis so far.
-/// Thicknesses go on along the new z. First-order data do not know of breaks: they are those of the surfaces on one axis.
+/// The frame in front of a break has its origin at the vertex that the surface would have, and z along the
+/// axis so far. Thicknesses continue along the new z. First-order data ignore breaks: they describe the
+/// surfaces on one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoordinateBreak {
-    /// The surface that it is in front of, counted from 1; the image is one more than the last surface.
+    /// The surface behind the break, counted from 1; one more than the last surface for the image.
     pub before: usize,
-    /// Coordinates in front of the break from those behind it: a rigid map.
+    /// The rigid map from coordinates behind the break to those in front of it.
     pub map: Affine,
 }
 
 impl CoordinateBreak {
-    /// A decentre along x and y, then tilts in degrees about x, about the new y and about the new z, each right-handed: what
-    /// Zemax's coordinate break does by default (OpticStudio user guide, Ansys, 2024 R2, "Coordinate Break").
+    /// A decentre along x and y, then tilts in degrees about x, the new y and the new z, each right-handed:
+    /// the default order of Zemax's coordinate break (OpticStudio user guide, Ansys, 2024 R2, "Coordinate
+    /// Break").
     pub fn new(before: usize, decentre: [f64; 2], tilt_degrees: [f64; 3]) -> CoordinateBreak {
         let [x, y, z] = turns(tilt_degrees);
         let map = z.then(&y).then(&x).then(&shift(decentre));
         CoordinateBreak { before, map }
     }
 
-    /// The tilts first, about z, the new y and the new x, then the decentre: with all signs changed the way back from
+    /// Tilts about z, the new y and the new x, then the decentre. With all signs changed it is the inverse of
     /// [`CoordinateBreak::new`].
     pub fn tilts_first(before: usize, decentre: [f64; 2], tilt_degrees: [f64; 3]) -> CoordinateBreak {
         let [x, y, z] = turns(tilt_degrees);

@@ -1,4 +1,4 @@
-//! What can be wrong with a prescription.
+//! Errors of prescriptions.
 
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::round_to_digits;
@@ -16,32 +16,32 @@ pub enum PrescriptionError {
     /// A number that is out of its range.
     #[error("{what} is {value}: it has to be {range}.")]
     BadNumber {
-        /// What the number is, with its surface.
+        /// The name of the number, with its surface.
         what: String,
         /// The number.
         value: f64,
-        /// Which numbers are possible.
+        /// The admissible range.
         range: &'static str,
     },
     /// A surface, field or wavelength that does not exist.
     #[error("the {what} is number {number}: there are {count}.")]
     NoSuch {
-        /// What was asked for.
+        /// The kind of object.
         what: &'static str,
         /// Its number.
         number: usize,
-        /// How many there are.
+        /// The number of existing ones.
         count: usize,
     },
-    /// A medium that is not known.
+    /// An unknown medium, or one without an index.
     #[error("surface {surface}: {problem}")]
     Glass {
         /// The surface in front of the medium.
         surface: usize,
-        /// What is wrong.
+        /// The problem.
         problem: GlassError,
     },
-    /// Surfaces that cross inside the aperture: the lens, or the space between two lenses, has a negative thickness there.
+    /// Surfaces that intersect inside the aperture: the thickness of the lens or gap is negative there.
     #[error(
         "surfaces {first} and {second} cross {} from the axis: their clear semi-diameters reach {}. Is the thickness too small or a semi-diameter too large?",
         round_to_digits(*height, 6), round_to_digits(*reach, 6)
@@ -51,12 +51,12 @@ pub enum PrescriptionError {
         first: usize,
         /// The surface behind it.
         second: usize,
-        /// The distance from the axis at which they cross.
+        /// The distance from the axis of the intersection.
         height: f64,
-        /// How far the aperture reaches.
+        /// The clear semi-diameter.
         reach: f64,
     },
-    /// A coordinate break within a lens.
+    /// A coordinate break inside a lens.
     #[error(
         "surfaces {first} and {second} are tilted or decentred against each other, with glass between them: a lens has one axis."
     )]
@@ -66,33 +66,33 @@ pub enum PrescriptionError {
         /// The surface behind it.
         second: usize,
     },
-    /// A semi-diameter that reaches beyond where the surface ends.
+    /// A semi-diameter larger than the surface.
     #[error("surface {surface}: its semi-diameter is {reach}: the surface ends {limit} from the axis.")]
     TooLarge {
         /// The surface.
         surface: usize,
         /// Its semi-diameter.
         reach: f64,
-        /// Where it ends.
+        /// The distance from the axis at which the surface ends.
         limit: f64,
     },
-    /// A part that cannot be made for another reason.
+    /// A part that cannot be built for another reason.
     #[error("surface {surface}: {problem}")]
     Component {
         /// The first surface of the part.
         surface: usize,
-        /// What is wrong.
+        /// The problem.
         problem: ComponentError,
     },
-    /// What is asked for does not exist for this system.
+    /// A quantity that does not exist for this system.
     #[error("the system has no {what}: {why}.")]
     Undefined {
-        /// What was asked for.
+        /// The quantity.
         what: &'static str,
-        /// Why there is none.
+        /// The reason.
         why: &'static str,
     },
-    /// A wavelength at which the index of a medium is not known.
+    /// A wavelength outside the range of a medium.
     #[error(
         "the wavelength is {wavelength_nm} nm: the index of `{medium}` is known from {} nm to {} nm. Is it in nanometres?",
         range_nm[0], range_nm[1]
@@ -102,18 +102,18 @@ pub enum PrescriptionError {
         medium: String,
         /// The wavelength in nanometres.
         wavelength_nm: f64,
-        /// The least and the greatest one in nanometres.
+        /// The shortest and the longest wavelength of the medium in nanometres.
         range_nm: [f64; 2],
     },
-    /// A ray that does not arrive.
+    /// A ray that does not reach the image.
     #[error("the ray does not reach the image: {why} at surface {surface}.")]
     Lost {
         /// The surface, counted from 1; the image is the last.
         surface: usize,
-        /// What happens there.
+        /// The reason.
         why: &'static str,
     },
-    /// Light that cannot be traced.
+    /// An error of ray tracing.
     #[error(transparent)]
     Optics(#[from] OpticsError),
 }
@@ -132,7 +132,7 @@ pub(super) fn bad(what: impl Into<String>, value: f64, range: &'static str) -> P
     PrescriptionError::BadNumber { what: what.into(), value, range }
 }
 
-/// The value, if it is finite and greater than 0.
+/// The value if it is finite and greater than 0, otherwise an error.
 pub(super) fn positive(what: impl Into<String>, value: f64) -> Result<f64, PrescriptionError> {
     match value > 0.0 && value.is_finite() {
         true => Ok(value),

@@ -1,4 +1,5 @@
-//! One real ray from surface to surface, in the order of the prescription: what sizes lenses before they are solids.
+//! Sequential ray tracing: one real ray from surface to surface, without solids. It also sizes the lenses of
+//! a layout.
 
 use super::{Behind, Prescription, PrescriptionError, Resolved};
 use rayweave_math::Vec3;
@@ -6,23 +7,24 @@ use rayweave_optics::component::Form;
 use rayweave_optics::interface::{reflect, refract};
 use rayweave_shape::Ray;
 
-/// Where a ray meets a surface and how it goes on.
+/// The intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
     /// The point, in the coordinates of the prescription.
     pub point: Vec3,
     /// The direction behind the surface, of unit length.
     pub direction: Vec3,
-    /// The optical path from the start of the ray.
+    /// The optical path length from the start of the ray.
     pub path: f64,
 }
 
 impl Prescription {
-    /// Follows a ray in the order of the surfaces, whatever their semi-diameters: a point for every surface and one for the
-    /// image. Total reflection and missed surfaces end it.
+    /// Traces a ray sequentially through all surfaces, without regard to semi-diameters. Returns a point for
+    /// each surface and one for the image.
     ///
     /// # Errors
-    /// [`PrescriptionError`] for prescriptions that say nothing, and [`PrescriptionError::Lost`].
+    /// [`PrescriptionError`] for invalid prescriptions; [`PrescriptionError::Lost`] for total reflection and
+    /// missed surfaces.
     pub fn follow(&self, ray: &Ray, wavelength_nm: f64) -> Result<Vec<Pass>, PrescriptionError> {
         self.follow_resolved(&self.resolved()?, ray, wavelength_nm)
     }
@@ -36,7 +38,7 @@ impl Prescription {
         self.follow_part(resolved, ray, wavelength_nm, resolved.vertices.len())
     }
 
-    /// The same as far as a surface, counted from 1.
+    /// Traces a ray as far as surface `last`, counted from 1.
     pub(super) fn follow_part(
         &self,
         resolved: &Resolved,
@@ -81,7 +83,7 @@ struct Curved<'a> {
     form: &'a Form,
 }
 
-/// Steps of Newton's method to a surface that is no conic; the number of right digits doubles with each.
+/// Limit of the steps of Newton's method, which converges quadratically.
 const STEPS: u32 = 40;
 
 impl Curved<'_> {
@@ -90,8 +92,8 @@ impl Curved<'_> {
         self.form.is_round() && !self.form.asphere.has_terms()
     }
 
-    /// How far a ray has to go to the surface: if it is no conic, by Newton's method from the conic or, where it is missed, from
-    /// the vertex plane (Welford, section 4.5).
+    /// The distance along a ray to the surface. Surfaces other than conics: Newton's method, from the
+    /// intersection with the conic or, if the ray misses that, with the vertex plane (Welford, section 4.5).
     fn reach(&self, point: Vec3, d: Vec3) -> Option<f64> {
         if self.is_conic() {
             return self.distance(point, d);
@@ -112,8 +114,8 @@ impl Curved<'_> {
         None
     }
 
-    /// How far a ray has to go to the root that tends to that of the vertex plane as the curvature tends to 0 (Welford,
-    /// section 4.4).
+    /// The distance to the conic: the root that tends to the vertex plane as the curvature tends to 0
+    /// (Welford, section 4.4).
     fn distance(&self, point: Vec3, d: Vec3) -> Option<f64> {
         let to_plane = (self.vertex - point.z) / d.z;
         let p = point + to_plane * d;
@@ -126,7 +128,7 @@ impl Curved<'_> {
         length.is_finite().then_some(length)
     }
 
-    /// The unit normal against a direction.
+    /// The unit normal, directed against the ray.
     fn normal(&self, point: Vec3, d: Vec3) -> Vec3 {
         let (c, turn) = (1.0 / self.form.asphere.radius, 1.0 + self.form.asphere.conic);
         let height = if self.is_conic() { None } else { self.form.sag_and_slopes([point.x, point.y]) };

@@ -1,32 +1,33 @@
-//! Rays from points of the field through the entrance pupil.
+//! Launch of rays from field points through the entrance pupil.
 
 use super::{FieldKind, Prescription, PrescriptionError, Resolved};
 use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_optics::{Beam, Light};
 use rayweave_shape::Ray;
 
-/// A point of the field and the entrance pupil through which its light goes.
+/// A field point and the entrance pupil.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Launch {
-    /// The place of the entrance pupil along z.
+    /// The position of the entrance pupil along z.
     pupil: f64,
     /// Its semi-diameter.
     semi_diameter: f64,
-    /// Where the light comes from.
+    /// The origin of the light.
     origin: Origin,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Origin {
-    /// Collimated light of this direction; it starts on a wavefront so far in front of the pupil.
+    /// Collimated light of this direction, from a plane wavefront at the distance `before` in front of the
+    /// pupil.
     Distant { direction: Vec3, before: f64 },
-    /// A point.
+    /// A point source.
     Point(Vec3),
 }
 
 impl Launch {
-    /// The ray through a point of the pupil in units of its semi-diameter. Rays of a distant point start on one plane
-    /// wavefront, so that optical paths can be compared.
+    /// The ray through a pupil point, in units of the semi-diameter. Rays of a distant field point start on
+    /// one plane wavefront, so their optical paths are comparable.
     pub fn ray(&self, [x, y]: [f64; 2]) -> Ray {
         let pupil = Vec3::Z * self.pupil;
         let target = pupil + self.semi_diameter * Vec3::new(x, y, 0.0);
@@ -42,12 +43,13 @@ impl Launch {
 }
 
 impl Prescription {
-    /// Rays of a field, by its number, through points of the entrance pupil in units of its semi-diameter. The pupil is the
-    /// paraxial one at the primary wavelength, for all fields and wavelengths: rays are not aimed at the rim of the stop.
+    /// Rays of a field (counted from 0) through points of the entrance pupil, in units of its semi-diameter.
+    /// The pupil is the paraxial one at the primary wavelength for all fields and wavelengths: rays are not
+    /// aimed at the rim of the stop.
     ///
     /// # Errors
-    /// [`PrescriptionError`] for a field that does not exist, an object that lies in the system, a pupil that is infinitely
-    /// far.
+    /// [`PrescriptionError`] for a field that does not exist, an object inside the system, or an infinitely
+    /// distant pupil.
     pub fn beam(
         &self,
         field: usize,
@@ -62,12 +64,13 @@ impl Prescription {
         Ok(pupil.iter().map(light).collect())
     }
 
-    /// Rays of a field, by its number, aimed at points of the stop in units of its semi-diameter, the paraxial one at the
-    /// primary wavelength: what a real stop lets through. Wide fields need it, where the entrance pupil is not where it is
-    /// paraxially.
+    /// Ray aiming: rays of a field (counted from 0) through points of the stop, in units of its paraxial
+    /// semi-diameter at the primary wavelength. Needed for wide fields, whose real entrance pupil differs
+    /// from the paraxial one.
     ///
     /// # Errors
-    /// As of [`Prescription::beam`], and [`PrescriptionError::Lost`] where no ray is found that leads there.
+    /// As of [`Prescription::beam`], and [`PrescriptionError::Lost`] if no ray to a point of the stop is
+    /// found.
     pub fn beam_at_stop(
         &self,
         field: usize,
@@ -85,7 +88,7 @@ impl Prescription {
         stop.iter().map(light).collect()
     }
 
-    /// How light of a field goes into the system.
+    /// The launch data of a field.
     pub(crate) fn launch(&self, resolved: &Resolved, field: usize) -> Result<Launch, PrescriptionError> {
         let count = self.fields.len();
         let no_such = PrescriptionError::NoSuch { what: "field", number: field, count };
@@ -122,17 +125,17 @@ impl Prescription {
         Origin::Point(Vec3::new(x, y, -self.object_distance))
     }
 
-    /// Light that starts in front of everything.
+    /// A distant origin, in front of the whole system.
     fn distant(&self, resolved: &Resolved, [x, y]: [f64; 2], semi_diameter: f64, pupil: f64) -> Origin {
         let direction = Vec3::new(x, y, 1.0).normalize();
         let [low, high] = resolved.vertices.iter().fold([0.0f64; 2], |[a, b], &z| [a.min(z), b.max(z)]);
-        // far enough for the sags of the outer surfaces and for pupils behind the system
+        // a margin for the sags of the outer surfaces and for pupils behind the system
         let before = 2.0 * (high - low) + 4.0 * semi_diameter + (pupil - low).abs();
         Origin::Distant { direction, before }
     }
 }
 
-/// The search for rays that lead to points of the stop.
+/// Ray aiming: the search for rays through points of the stop.
 struct Aim<'a> {
     lens: &'a Prescription,
     resolved: &'a Resolved,
@@ -141,13 +144,13 @@ struct Aim<'a> {
     semi_diameter: f64,
 }
 
-/// How near a ray has to come to its point of the stop, in units of the stop, and after how many steps it is given up.
+/// Tolerance of aiming, in units of the stop's semi-diameter, and the limit of Newton steps.
 const AIMED: f64 = 1e-11;
 const STEPS: usize = 40;
 
 impl Aim<'_> {
-    /// The point of the entrance pupil through which light comes to a point of the stop, by Newton's method with differences
-    /// for derivatives.
+    /// The pupil point whose ray goes through a point of the stop, by Newton's method with difference
+    /// quotients.
     fn pupil_of(&self, target: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {
         let miss = |[x, y]: [f64; 2]| {
             let [a, b] = self.stop_of([x, y])?;
@@ -171,12 +174,12 @@ impl Aim<'_> {
         Err(PrescriptionError::Lost { surface: self.lens.stop, why: "no ray leads to the point of the stop" })
     }
 
-    /// Where light through a point of the entrance pupil crosses the stop.
+    /// The stop point of the ray through a pupil point.
     fn stop_of(&self, pupil: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {
         let ray = self.launch.ray(pupil);
         let stop = self.lens.stop;
         let passes = self.lens.follow_part(self.resolved, &ray, self.wavelength_nm, stop)?;
-        // the part has a point for every surface up to the stop
+        // the last point is that on the stop
         let point = passes.last().map_or(ray.origin, |pass| pass.point);
         Ok([point.x / self.semi_diameter, point.y / self.semi_diameter])
     }

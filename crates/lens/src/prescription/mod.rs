@@ -1,9 +1,10 @@
-//! Prescriptions: optical systems as designers write them, surface by surface along the axis.
+//! Lens prescriptions: sequential optical systems, surface by surface along the axis.
 //!
-//! The axis is z, the light comes from -z. A surface has a radius of curvature (positive if its centre lies on the side of
-//! +z, infinite for a plane), a conic constant (see [`sag`](rayweave_optics::component::sag)), aspheric terms, the distance to the next surface along z
-//! (negative where light travels back after a mirror) and the medium behind it. Surfaces are counted from 1; 0 is the object.
-//! The vertex of surface 1 is the origin. Lengths are in any unit, millimetres unless [`Prescription::unit_nm`] says otherwise.
+//! The axis is z; the light comes from -z. A surface has a radius of curvature (positive if its centre lies
+//! on the side of +z, infinite for a plane), a conic constant (see [`sag`](rayweave_optics::component::sag)),
+//! aspheric terms, the distance to the next surface (negative where light travels back after a mirror) and
+//! the medium behind it. Surfaces are counted from 1; 0 is the object. The vertex of surface 1 is the origin.
+//! Lengths are in millimetres unless [`Prescription::unit_nm`] sets another unit.
 //!
 //! | what | where |
 //! | --- | --- |
@@ -60,10 +61,10 @@ const NM_PER_MM: f64 = 1e6;
 /// The d line of helium, in nanometres.
 const D_NM: f64 = 587.5618;
 
-/// What lies behind a surface.
+/// The medium behind a surface, or a mirror.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Behind {
-    /// Air, in which indices of glasses are stated: an index of 1.
+    /// Air, the reference medium of glass indices: index 1.
     Air,
     /// The surface is a mirror; the light travels back in the medium from which it came.
     Mirror,
@@ -71,7 +72,7 @@ pub enum Behind {
     Glass(String),
     /// A medium with the same index at all wavelengths.
     Index(f64),
-    /// A model of a glass by index and Abbe number at the d line (see [`Glass::from_abbe`]).
+    /// A model glass, by index and Abbe number at the d line (see [`Glass::from_abbe`]).
     Abbe {
         /// The index at the d line.
         n_d: f64,
@@ -86,7 +87,7 @@ impl Behind {
     /// The medium; `None` for a mirror.
     ///
     /// # Errors
-    /// [`GlassError`] for an unknown glass, or an index or an Abbe number that no glass has.
+    /// [`GlassError`] for an unknown glass, or an invalid index or Abbe number.
     pub fn medium(&self) -> Result<Option<Medium>, GlassError> {
         Ok(Some(match self {
             Behind::Mirror => return Ok(None),
@@ -100,10 +101,10 @@ impl Behind {
     }
 }
 
-/// A surface and what lies behind it.
+/// A surface and the medium behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// The radius of curvature at the vertex, along y if it differs from that along x; infinite for a plane.
+    /// The radius of curvature at the vertex, along y if the two meridians differ; infinite for a plane.
     pub radius: f64,
     /// The conic constant.
     pub conic: f64,
@@ -111,57 +112,57 @@ pub struct Surface {
     pub even: [f64; 8],
     /// The coefficients of r, r^3, ..., r^15, as of [`Asphere`].
     pub odd: [f64; 8],
-    /// What makes it other than of revolution.
+    /// The departure from a surface of revolution.
     pub figure: Figure,
     /// The distance along z from this vertex to the next one.
     pub thickness: f64,
-    /// What lies behind it.
+    /// The medium behind the surface.
     pub behind: Behind,
-    /// The clear semi-diameter; if not given, as large as the rays of all fields need it, and 2 % more.
+    /// The clear semi-diameter. By default the rays of all fields determine it, plus 2 %.
     pub semi_diameter: Option<f64>,
-    /// The semi-diameter of a hole in its middle, of mirrors only; 0 for none.
+    /// The semi-diameter of a central hole, for mirrors only; 0 for none.
     pub hole: f64,
 }
 
 impl Surface {
-    /// A spherical surface, or with an infinite radius a plane.
+    /// A sphere, or a plane for an infinite radius.
     pub fn new(radius: f64, thickness: f64, behind: Behind) -> Surface {
         let (even, odd) = ([0.0; 8], [0.0; 8]);
         let figure = Figure::Round;
         Surface { radius, conic: 0.0, even, odd, figure, thickness, behind, semi_diameter: None, hole: 0.0 }
     }
 
-    /// A plane between equal media: a place for a stop.
+    /// A plane between equal media, for example for a stop.
     pub fn dummy(thickness: f64) -> Surface {
         Surface::new(f64::INFINITY, thickness, Behind::Air)
     }
 
-    /// The same with a conic constant.
+    /// Sets the conic constant.
     pub fn conic(self, conic: f64) -> Surface {
         Surface { conic, ..self }
     }
 
-    /// The same with terms in r^2, r^4, ..., r^16.
+    /// Sets the terms in r^2, r^4, ..., r^16.
     pub fn even(self, even: [f64; 8]) -> Surface {
         Surface { even, ..self }
     }
 
-    /// The same with terms in r, r^3, ..., r^15.
+    /// Sets the terms in r, r^3, ..., r^15.
     pub fn odd(self, odd: [f64; 8]) -> Surface {
         Surface { odd, ..self }
     }
 
-    /// The same with another figure: a biconic, a toroid, terms in x and y.
+    /// Sets the figure: a biconic, a toroid, terms in x and y.
     pub fn figure(self, figure: Figure) -> Surface {
         Surface { figure, ..self }
     }
 
-    /// The same with a clear semi-diameter.
+    /// Sets the clear semi-diameter.
     pub fn semi_diameter(self, semi_diameter: f64) -> Surface {
         Surface { semi_diameter: Some(semi_diameter), ..self }
     }
 
-    /// The same with a hole in its middle.
+    /// Sets the semi-diameter of a central hole.
     pub fn hole(self, semi_diameter: f64) -> Surface {
         Surface { hole: semi_diameter, ..self }
     }
@@ -171,7 +172,7 @@ impl Surface {
         self.figure == Figure::Round && self.even == [0.0; 8] && self.odd == [0.0; 8]
     }
 
-    /// By how much the coefficient of r^4 is larger than that of the sphere of the same curvature at the vertex, times 8.
+    /// The coefficient of r^4 minus that of the sphere of the same vertex curvature, times 8.
     pub(crate) fn asphericity(&self) -> f64 {
         let base = 1.0 / self.radius;
         let vertex = base + 2.0 * self.even[0];
@@ -182,14 +183,14 @@ impl Surface {
         cubes + 8.0 * self.even[1]
     }
 
-    /// Its form.
+    /// The form (sag function) of the surface.
     pub(crate) fn form(&self) -> Form {
         let asphere = Asphere { radius: self.radius, conic: self.conic, even: self.even, odd: self.odd };
         Form::new(asphere, self.figure.clone())
     }
 }
 
-/// How much light the system takes in.
+/// The system aperture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SystemAperture {
     /// The diameter of the entrance pupil.
@@ -202,55 +203,55 @@ pub enum SystemAperture {
     StopSemiDiameter(f64),
 }
 
-/// What the numbers of a field are; all give the place along x and y.
+/// The kind of the field coordinates, which are pairs (x, y).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldKind {
-    /// Angles against the axis in degrees: the principal ray goes towards (tan x, tan y, 1).
+    /// Angles from the axis in degrees: the principal ray has the direction (tan x, tan y, 1).
     Angle,
-    /// The place of the object, at a finite distance.
+    /// The position of an object point, at a finite distance.
     ObjectHeight,
-    /// The paraxial place of the image.
+    /// The position of a paraxial image point.
     ImageHeight,
 }
 
 /// A wavelength with its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// In nanometres, in vacuum.
+    /// The vacuum wavelength in nanometres.
     pub wavelength_nm: f64,
-    /// Its weight among the others.
+    /// The relative weight.
     pub weight: f64,
 }
 
-/// The surface on which the image is looked at.
+/// The image surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageSurface {
     /// The radius of curvature; infinite for a plane.
     pub radius: f64,
     /// The conic constant.
     pub conic: f64,
-    /// Its semi-diameter; if not given, twice what the rays of all fields need.
+    /// The semi-diameter. By default twice that of the rays of all fields.
     pub semi_diameter: Option<f64>,
 }
 
 /// A sequential lens prescription.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {
-    /// What it is called.
+    /// The name.
     pub name: String,
-    /// Where it was published, and other remarks, line by line.
+    /// The source and other remarks, line by line.
     pub notes: Vec<String>,
     /// The unit of lengths, in nanometres.
     pub unit_nm: f64,
-    /// How much light it takes in.
+    /// The system aperture.
     pub aperture: SystemAperture,
-    /// What the numbers of the fields are.
+    /// The kind of the field coordinates.
     pub field_kind: FieldKind,
-    /// The points of the field that are looked at.
+    /// The field points.
     pub fields: Vec<[f64; 2]>,
-    /// The wavelengths that are looked at.
+    /// The wavelengths.
     pub lines: Vec<Line>,
-    /// Which of them is the primary one, counted from 0.
+    /// The index of the primary wavelength, counted from 0.
     pub primary: usize,
     /// The distance from the object to the first surface; infinite for distant objects.
     pub object_distance: f64,
@@ -258,15 +259,15 @@ pub struct Prescription {
     pub surfaces: Vec<Surface>,
     /// The surface at the aperture stop, counted from 1.
     pub stop: usize,
-    /// Where the image is looked at.
+    /// The image surface.
     pub image: ImageSurface,
-    /// Where the axis is folded or tilted; several in front of one surface count one after the other.
+    /// Decentres and tilts of the axis; several in front of one surface apply in order.
     pub breaks: Vec<CoordinateBreak>,
 }
 
 impl Prescription {
-    /// A distant object on the axis, light of the d line, an entrance pupil 1 in diameter, the stop at the first surface, a
-    /// plane image.
+    /// A prescription with a distant object on the axis, light of the d line, an entrance pupil of diameter
+    /// 1, the stop at the first surface, and a plane image.
     pub fn new(surfaces: Vec<Surface>) -> Prescription {
         Prescription {
             name: String::new(),
@@ -285,28 +286,28 @@ impl Prescription {
         }
     }
 
-    /// The same with a name.
+    /// Sets the name.
     pub fn named(self, name: &str) -> Prescription {
         Prescription { name: name.to_owned(), ..self }
     }
 
-    /// The same with an entrance pupil of this diameter.
+    /// Sets the diameter of the entrance pupil.
     pub fn entrance_pupil_diameter(self, diameter: f64) -> Prescription {
         Prescription { aperture: SystemAperture::EntrancePupilDiameter(diameter), ..self }
     }
 
-    /// The same with fields at these angles along y, in degrees.
+    /// Sets fields at these angles along y, in degrees.
     pub fn field_angles(self, degrees: &[f64]) -> Prescription {
         let fields = degrees.iter().map(|&y| [0.0, y]).collect();
         Prescription { field_kind: FieldKind::Angle, fields, ..self }
     }
 
-    /// The same with the stop at a surface, counted from 1.
+    /// Sets the surface of the stop, counted from 1.
     pub fn stop_at(self, surface: usize) -> Prescription {
         Prescription { stop: surface, ..self }
     }
 
-    /// The same with other wavelengths of equal weight; the primary one by its number, counted from 0.
+    /// Sets the wavelengths, of equal weight; `primary` is the index of the primary one, counted from 0.
     pub fn wavelengths_nm(self, wavelengths: &[f64], primary: usize) -> Prescription {
         let line = |&wavelength_nm: &f64| Line { wavelength_nm, weight: 1.0 };
         Prescription { lines: wavelengths.iter().map(line).collect(), primary, ..self }

@@ -1,4 +1,4 @@
-//! A prescription with its media found, its vertices placed and its numbers checked.
+//! Resolved prescriptions: numbers checked, media looked up, vertices placed.
 
 use super::error::{bad, positive};
 use super::pose::Pose;
@@ -7,23 +7,23 @@ use rayweave_math::Vec3;
 use rayweave_optics::Medium;
 use rayweave_optics::component::Form;
 
-/// Vertices and media along the axis.
+/// Vertices, forms and media along the axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Resolved {
-    /// The place of every surface along z; the last is the image.
+    /// The z of each vertex; the last is the image.
     pub vertices: Vec<f64>,
-    /// The form of every surface; the last is the image.
+    /// The form of each surface; the last is the image.
     pub forms: Vec<Form>,
-    /// The medium in front of every surface; the last is that in front of the image.
+    /// The medium in front of each surface; the last is in front of the image.
     pub media: Vec<Medium>,
-    /// True where light travels towards +z in front of a surface.
+    /// True where light travels towards +z in front of the surface.
     pub forward: Vec<bool>,
-    /// Where the surfaces are moved to; empty if all are where they should be.
+    /// The poses of the surfaces; empty if all are on the axis.
     pub poses: Vec<Pose>,
 }
 
 impl Prescription {
-    /// Checks all numbers and finds all media.
+    /// Checks all numbers and looks up all media.
     pub(crate) fn resolved(&self) -> Result<Resolved, PrescriptionError> {
         self.check()?;
         let mut resolved = Resolved {
@@ -49,7 +49,7 @@ impl Prescription {
         Ok(resolved)
     }
 
-    /// The image as the surface that it is, with nothing behind it.
+    /// The image as a surface, with air behind it.
     pub(super) fn image_as_surface(&self) -> Surface {
         Surface {
             conic: self.image.conic,
@@ -138,25 +138,25 @@ impl Surface {
 }
 
 impl Resolved {
-    /// A point in the coordinates in which a surface, counted from 0, is in its place on the axis.
+    /// Maps a point to coordinates in which a surface, counted from 0, is on the axis.
     pub fn local(&self, k: usize, point: Vec3) -> Vec3 {
         self.poses.get(k).map_or(point, |pose| pose.local(point, Vec3::ZERO).0)
     }
 
-    /// True if two surfaces, counted from 0, are on one axis.
+    /// True if two surfaces, counted from 0, have a common axis.
     pub fn are_aligned(&self, one: usize, other: usize) -> bool {
         let poses = self.poses.get(one).zip(self.poses.get(other));
         poses.is_none_or(|(one, other)| one.is_near(other))
     }
 
-    /// The index in front of a surface at a wavelength; negative where light travels towards -z, as paraxial formulas want
-    /// it (Welford, *Aberrations of Optical Systems*, 1986, section 4.2).
+    /// The index in front of a surface at a wavelength; negative where light travels towards -z, the sign
+    /// convention of paraxial formulas (Welford, *Aberrations of Optical Systems*, 1986, section 4.2).
     pub fn index(&self, space: usize, wavelength_nm: f64) -> f64 {
         let n = self.media[space].index(wavelength_nm).re;
         if self.forward[space] { n } else { -n }
     }
 
-    /// All of them; an error where one is not known.
+    /// The indices of all spaces; an error if the wavelength is outside the range of a medium.
     pub fn indices(&self, wavelength_nm: f64) -> Result<Vec<f64>, PrescriptionError> {
         let index = |space: usize| {
             let medium = &self.media[space];

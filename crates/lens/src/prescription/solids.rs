@@ -1,4 +1,5 @@
-//! Prescriptions as solids: lenses that share their cemented faces, mirrors on substrates, stop and image as sheets.
+//! Conversion of prescriptions to solids: lenses with shared cemented faces, mirrors on substrates, stop and
+//! image as sheets.
 
 use super::error::{bad, positive};
 use super::{Behind, Prescription, PrescriptionError, Resolved, Surface};
@@ -9,40 +10,42 @@ use rayweave_optics::component::{
 };
 use rayweave_optics::{Action, Assembly, Element, Finish, Medium};
 
-/// The name of the element that is the image.
+/// The name of the image element.
 pub const IMAGE: &str = "image";
-/// The name of the element that is the stop, where that is no lens or mirror itself.
+/// The name of the stop element, if the stop is not the rim of a lens or mirror.
 pub const STOP: &str = "stop";
 
-/// Semi-diameters that nobody stated are larger by this factor than the rays need.
+/// Factor of computed semi-diameters over the extent of the rays.
 const SPARE: f64 = 1.02;
 
-/// The least thickness of the substrate of a mirror behind its rim, in units of its diameter.
+/// The least thickness of a mirror substrate behind its rim, in units of its diameter.
 const SUBSTRATE: f64 = 0.1;
 
-/// A prescription as parts of a system.
+/// A prescription converted to parts of a system.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// The parts: lenses are `lens 1-2` by their surfaces, mirrors `mirror 3`; then [`STOP`], if it is not the rim of one of
-    /// them, and [`IMAGE`], which lets the light pass. Rims absorb.
+    /// The parts: lenses are `lens 1-2` by their surfaces, mirrors `mirror 3`; then [`STOP`], unless the rim
+    /// of one of them is the stop, and [`IMAGE`], which transmits the light. Rims absorb.
     pub assembly: Assembly,
-    /// The elements that light meets in the order of the prescription, by their numbers; light that meets others, or in
-    /// another order, is stray.
+    /// The numbers of the elements in the order in which light reaches them in the prescription; light on any
+    /// other path is stray light.
     pub sequence: Vec<usize>,
     /// The clear semi-diameters of the surfaces; the last is that of the image.
     pub semi_diameters: Vec<f64>,
 }
 
 impl Prescription {
-    /// The prescription as solids in air, the unit of lengths included. Light is [`Prescription::beam`]'s.
+    /// Converts the prescription to solids in air, with the unit of lengths; [`Prescription::beam`] makes its
+    /// rays.
     ///
-    /// A lens is as wide as the wider one of its two surfaces; where the other one does not reach so far, or they would cross
-    /// outside its semi-diameter, a flat rim goes from it to the edge. Neighbours whose faces are one, as in cemented lenses,
-    /// have one surface in the compiled system, so that light passes from glass to glass in one event. Mirrors get a
-    /// substrate. A lens or mirror that light passes twice is one part.
+    /// A lens is as wide as the wider one of its two surfaces. If the other surface ends earlier, or if the
+    /// two would intersect outside its semi-diameter, a flat rim joins it to the edge. Coincident faces of
+    /// neighbours, as in cemented lenses, become one surface of the compiled system, so light passes from
+    /// glass to glass in one event. Mirrors get a substrate. A lens or mirror that light passes twice is one
+    /// part.
     ///
     /// # Errors
-    /// [`PrescriptionError`], with the surfaces at fault, for lenses that cannot be made.
+    /// [`PrescriptionError`], with the surfaces at fault, for lenses that cannot be built.
     pub fn assembly(&self) -> Result<Layout, PrescriptionError> {
         let resolved = self.resolved()?;
         let radii = self.semi_diameters(&resolved)?;
@@ -62,8 +65,9 @@ impl Prescription {
         Ok(Layout { assembly: assembly.add(image), sequence, semi_diameters: builder.radii })
     }
 
-    /// The clear semi-diameters: those stated, else what the real rays of all fields and wavelengths through middle and rim
-    /// of the entrance pupil, and of the stop, need. That of the image comes last.
+    /// The clear semi-diameters: the stated ones, otherwise the extent of the real rays of all fields and
+    /// wavelengths through centre and rim of the entrance pupil and of the stop. The last is that of the
+    /// image.
     fn semi_diameters(&self, resolved: &Resolved) -> Result<Vec<f64>, PrescriptionError> {
         let mut needed = vec![0.0_f64; resolved.vertices.len()];
         let mut lost = None;
@@ -71,10 +75,10 @@ impl Prescription {
             for line in &self.lines {
                 let rim: Vec<[f64; 2]> = rim().collect();
                 let mut beams = vec![self.beam(field, line.wavelength_nm, &rim)?];
-                // where no ray is found that leads to the rim of the stop, there is none that needs room
+                // if aiming at the rim of the stop fails, the rays through the entrance pupil alone count
                 beams.extend(self.beam_at_stop(field, line.wavelength_nm, &rim));
                 for ray in beams.iter().flat_map(|beam| (0..beam.len()).map(|k| beam.get(k).ray)) {
-                    // a ray that is lost needs no room
+                    // a lost ray does not count
                     let followed = self.follow_resolved(resolved, &ray, line.wavelength_nm);
                     let passes = followed.unwrap_or_else(|error| {
                         lost = Some(error);
@@ -87,7 +91,7 @@ impl Prescription {
                 }
             }
         }
-        // what needs no room because no ray gets there is not of the size 0
+        // no ray arrived anywhere: an error, not a semi-diameter of 0
         if let Some(error) = lost.filter(|_| needed.iter().all(|&room| room == 0.0)) {
             return Err(error);
         }
@@ -101,14 +105,14 @@ impl Prescription {
     }
 }
 
-/// Middle and rim of the pupil.
+/// Centre and rim of the pupil.
 fn rim() -> impl Iterator<Item = [f64; 2]> {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let diagonal = [[half, half], [half, -half], [-half, half], [-half, -half]];
     [[0.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 0.0], [-1.0, 0.0]].into_iter().chain(diagonal)
 }
 
-/// An element and where it is along the axis of a surface.
+/// An element and its extent along the axis of a surface.
 struct Part {
     k: usize,
     low: f64,
@@ -123,7 +127,7 @@ struct Builder<'a> {
     parts: Vec<Part>,
 }
 
-/// A surface in its place: the number, from 0, vertex, form, semi-diameter.
+/// A placed surface: number from 0, vertex, form, semi-diameter.
 #[derive(Clone)]
 struct Placed {
     k: usize,
@@ -137,12 +141,12 @@ impl Placed {
         Some(self.vertex + self.form.sag(place)?)
     }
 
-    /// The heights over a circle about the axis; `None` where the surface has ended.
+    /// The heights on a circle about the axis; `None` beyond the end of the surface.
     fn around(&self, radius: f64) -> Option<Vec<f64>> {
         self.form.directions().map(|[x, y]| self.z([radius * x, radius * y])).collect()
     }
 
-    /// The plane at the middle of its rim.
+    /// The plane at the mean height of its rim.
     fn rim(&self) -> Option<Placed> {
         let heights = self.around(self.reach)?;
         let vertex = heights.iter().sum::<f64>() / heights.len() as f64;
@@ -156,14 +160,14 @@ impl Builder<'_> {
         Placed { k, vertex: self.resolved.vertices[k], form, reach: self.radii[k] }
     }
 
-    /// Both ends of the space behind a surface, in the order of z.
+    /// Both surfaces of the space behind a surface, in the order of z.
     fn ends(&self, k: usize) -> [Placed; 2] {
         let (here, next) = (self.placed(k), self.placed(k + 1));
         if self.resolved.forward[k + 1] { [here, next] } else { [next, here] }
     }
 
-    /// Checks the space behind a surface. Where surfaces cross only in what is to spare beyond all rays, they are made as narrow
-    /// as the place where they do.
+    /// Checks the space behind a surface. If the surfaces intersect only in the spare width beyond all rays,
+    /// their semi-diameters are reduced to the intersection.
     fn open_gap(&mut self, k: usize) -> Result<(), PrescriptionError> {
         let checked = self.check_gap(k);
         let Err(PrescriptionError::Cross { height, .. }) = checked else { return checked };
@@ -176,7 +180,7 @@ impl Builder<'_> {
         self.check_gap(k)
     }
 
-    /// The surfaces at both ends of a space must not cross where both of them are.
+    /// Reports an error if the surfaces on both sides of a space intersect within both semi-diameters.
     fn check_gap(&self, k: usize) -> Result<(), PrescriptionError> {
         for placed in [self.placed(k), self.placed(k + 1)] {
             if let Some(limit) = placed.form.end_within(placed.reach) {
@@ -202,7 +206,7 @@ impl Builder<'_> {
         };
         let is_open =
             |height: &f64| gap(*height).is_some_and(|gap| gap < -1e-12 * (reach + low.vertex.abs()));
-        // steps, then halves: only the message tells where
+        // a scan, then bisection; the height appears only in the message
         let wrong = (0..=64).map(|step| reach * f64::from(step) / 64.0).find(is_open);
         match wrong {
             None => Ok(()),
@@ -217,7 +221,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds what begins at a surface; the element that light meets there.
+    /// Adds the part that begins at a surface; returns the element that light reaches there.
     fn surface(&mut self, k: usize) -> Result<Option<usize>, PrescriptionError> {
         let surface = &self.lens.surfaces[k];
         if surface.behind == Behind::Mirror {
@@ -226,12 +230,12 @@ impl Builder<'_> {
         if self.resolved.media[k + 1] != Medium::vacuum() {
             return self.lens(k).map(Some);
         }
-        // into air: the light leaves what it was in
+        // into air: light leaves the lens in front
         let inside = k > 0 && self.resolved.media[k] != Medium::vacuum();
         if inside { self.lens(k - 1).map(Some) } else { Ok(None) }
     }
 
-    /// The number of a part that is there already, or of the new one.
+    /// Adds a part unless it exists already; returns its number.
     fn put(&mut self, part: Part) -> usize {
         let span = part.high - part.low;
         let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * span;
@@ -290,8 +294,8 @@ impl Builder<'_> {
             .map_err(wrong)?;
             solid = solid - with_prefix(&bore, "hole");
         }
-        // all of it reflects but what is named: where the face lies in one of a lens, as on the back of a meniscus, it may
-        // bear the name of that
+        // the default finish is a mirror and exceptions are named: where the reflecting face coincides with a
+        // face of a lens, as on the back of a meniscus, it may carry that face's name
         let name = format!("mirror {}", k + 1);
         let mut element = Element::mirror(&name, self.moved(k, solid.translate(Vec3::Z * placed.vertex)))
             .face(&format!("{name}.back.plane"), Finish::Absorber)
@@ -303,7 +307,7 @@ impl Builder<'_> {
         Ok(self.put(Part { k, low: placed.vertex + low, high: placed.vertex + high, element }))
     }
 
-    /// A solid on the axis where the surface is that it begins at.
+    /// Moves a solid on the axis by the pose of surface `k`.
     fn moved(&self, k: usize, solid: Solid) -> Solid {
         match self.resolved.poses.get(k) {
             Some(pose) => solid.apply(pose.to_world()),
@@ -311,7 +315,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The map from the vertex of a surface at the origin.
+    /// The placement of a surface with its vertex at the origin.
     fn place(&self, placed: &Placed) -> Affine {
         let on_axis = Affine::translate(Vec3::Z * placed.vertex);
         self.resolved.poses.get(placed.k).map_or(on_axis, |pose| on_axis.then(&pose.to_world()))
@@ -345,7 +349,7 @@ impl Builder<'_> {
     }
 }
 
-/// What lies between two surfaces, and whether it needs a flat rim.
+/// The solid between two surfaces, and whether it needs a flat rim.
 fn body(low: &Placed, high: &Placed) -> Result<(Solid, bool), ComponentError> {
     let reach = low.reach.max(high.reach);
     let whole = between(low, high, reach);
@@ -376,7 +380,7 @@ fn between(low: &Placed, high: &Placed, reach: f64) -> Result<Solid, ComponentEr
     Ok(solid.translate(Vec3::Z * (low.vertex + 0.5 * thickness)))
 }
 
-/// A problem of a component with the surface at which it begins, counted from 0.
+/// Converts an error of a component; `k` is its first surface, counted from 0.
 fn told(problem: ComponentError, k: usize) -> PrescriptionError {
     match problem {
         ComponentError::SurfacesCross { height, reach, .. } => {

@@ -1,4 +1,4 @@
-//! Images of real rays, against closed forms.
+//! Image analysis with real rays, compared with closed forms.
 
 use crate::lenses::{D_NM, cassegrain, doublet, index, near, triplet};
 use rayweave_lens::analysis::{
@@ -12,7 +12,7 @@ use rayweave_optics::component::{Aperture, Sheet};
 use rayweave_optics::{Action, Assembly, Beam, Element, Light, Settings, Tracer};
 use rayweave_trace::Packets;
 
-/// What a study of a prescription tells.
+/// Compiles a prescription and applies `ask` to its study.
 fn study<T>(lens: &Prescription, ask: impl Fn(&Study<'_, Packets>) -> T) -> T {
     let layout = lens.assembly().unwrap();
     let system = layout.assembly.compile().unwrap();
@@ -26,7 +26,7 @@ fn sphere(radius: f64, diameter: f64, angle: f64) -> Prescription {
         .field_angles(&[0.0, angle])
 }
 
-/// Rays at points of a disk of a given radius, all along z but for a slope towards a focus in front.
+/// Rays from points of a disk of radius `radius`, directed towards a focus at z = `focus`.
 fn disk(radius: f64, focus: f64) -> Vec<Arrival> {
     let ray = |(id, [x, y]): (usize, [f64; 2])| {
         let position = radius * Vec3::new(x, y, 0.0);
@@ -40,7 +40,7 @@ fn disk(radius: f64, focus: f64) -> Vec<Arrival> {
 fn spots_of_disks() {
     let rays = disk(2.0, 100.0);
     let spot = Spot::of(&rays).unwrap();
-    // of a uniform disk the mean square radius is half the square of the radius
+    // the mean square radius of a uniform disk is half the square of its radius
     near(spot.rms, 2.0 / 2f64.sqrt(), 3e-3);
     near(spot.rms_xy[0], 1.0, 3e-3);
     near(spot.geometric, 2.0, 1e-12);
@@ -83,7 +83,7 @@ fn weights_count() {
 
 #[test]
 fn wavefronts_of_defocus_and_tilt() {
-    // all rays of a perfect focus that lies a little behind the centre of the reference sphere
+    // a perfect focus slightly behind the centre of the reference sphere
     let (shift, radius) = (1e-3, 100.0);
     let rays: Vec<Arrival> = disk(20.0, radius)
         .iter()
@@ -131,7 +131,8 @@ fn telecentric_lenses_have_wavefronts() {
     let (far, near_by) = (waves(&telecentric), waves(&near_by));
     assert!(far[0].abs() > 0.5);
     for ((a, b), [_, error]) in far.iter().zip(&near_by).zip(errors) {
-        // spheres of other radii about one point differ by the square of the transverse aberration over twice the radius
+        // spheres of different radii about one point differ by the square of the transverse aberration over
+        // twice the radius
         let expected = error * error / (2.0 * radius) * 1e6 / D_NM;
         near(a - b, expected, 2e-2 * expected + 1e-9);
     }
@@ -197,7 +198,7 @@ fn fits_find_what_was_put_in() {
     near(found.coefficient(Zernike::noll(5)), 0.0, 1e-14);
     near(found.residual_rms, 0.0, 1e-14);
     near(found.at([0.2, 0.1]), truth([0.2, 0.1]), 1e-14);
-    // what is left is what no term can say: r^6 beyond r^4
+    // the residual is r^6, which no term up to r^4 represents
     let sixth: Vec<f64> = points.iter().map(|&point| Zernike::noll(22).at(point)).collect();
     assert!(fit(&points, &sixth, &terms).unwrap().residual_rms > 0.8);
     assert_eq!(
@@ -214,7 +215,7 @@ fn spherical_aberration_of_a_sphere() {
     near(expected.abs(), 25f64.powi(4) / (4.0 * 1000f64.powi(3)) * 1e6 / D_NM, 1e-12);
     let wavefront = study(&lens, |study| study.wavefront(0, D_NM, &hexapolar(12)).unwrap());
     let rim = wavefront.pupil.iter().position(|p| p[0] == 1.0).unwrap();
-    // the sign: the light of the rim comes early
+    // the sign: marginal light arrives early
     near(wavefront.waves[rim], expected, 2e-3 * expected.abs());
     let terms: Vec<Zernike> = (1..=22).map(Zernike::noll).collect();
     let found = fit(&wavefront.pupil, &wavefront.waves, &terms).unwrap();
@@ -223,7 +224,7 @@ fn spherical_aberration_of_a_sphere() {
     for height in [0.5, 1.0] {
         let cosine = (1.0 - (25.0 * height / 1000.0_f64).powi(2)).sqrt();
         let found = study(&lens, |study| study.axial_focus(D_NM, height).unwrap());
-        // light travels towards -z: nearer to the mirror is at greater z
+        // light travels towards -z: closer to the mirror is greater z
         near(found, 1000.0 * (0.5 / cosine - 0.5), 1e-9);
     }
 }
@@ -263,7 +264,8 @@ fn a_mirror_that_is_its_own_stop_has_no_distortion() {
     let found = study(&lens, |study| study.distortion(1, D_NM).unwrap());
     near(found.real, 200.0 * 5f64.to_radians().tan(), 1e-11);
     near(found.relative(), 0.0, 1e-13);
-    // a stop in front of a lens, and aspheres away from the stop: as the Seidel sum says, dh = S_V / (2 n' u') for small fields
+    // a stop in front of a lens, and aspheres away from the stop: dh = S_V / (2 n' u') for small fields, from
+    // the Seidel sum
     let mut focused = triplet().field_angles(&[0.0, 2.0]);
     focused.surfaces[6].thickness = focused.first_order(D_NM).unwrap().image_distance;
     for lens in [focused, cassegrain().field_angles(&[0.0, 0.1])] {
@@ -307,7 +309,7 @@ fn colour_follows_dispersion() {
 
 #[test]
 fn rays_are_aimed_at_the_stop() {
-    // a wide field, at which the paraxial pupil misses the stop's middle by far
+    // a wide field, whose principal ray through the paraxial pupil misses the centre of the stop by far
     let lens = triplet().field_angles(&[0.0, 20.0]);
     let radius = lens.first_order(D_NM).unwrap().stop_semi_diameter;
     let points = hexapolar(4);
@@ -318,7 +320,7 @@ fn rays_are_aimed_at_the_stop() {
         near(at_stop(&aimed, k).x, *x, 2e-11);
         near(at_stop(&aimed, k).y, *y, 2e-11);
     }
-    // the solids see the same: a stop of this size takes the rays inside and leaves those outside
+    // the solids agree: a stop of this size transmits the rays inside and blocks those outside
     let mut stopped = lens.clone();
     stopped.surfaces[4].semi_diameter = Some(radius);
     let count = |scale: f64| {
@@ -331,7 +333,7 @@ fn rays_are_aimed_at_the_stop() {
     assert_eq!((count(0.9999), count(1.0001)), (60, 36));
 }
 
-/// No prescription: a grating, an ideal lens and a detector.
+/// A system without a prescription: a grating, an ideal lens and a detector.
 #[test]
 fn a_spectrometer() {
     let sheet = |z: f64| {
@@ -354,7 +356,7 @@ fn a_spectrometer() {
         let rays = arrivals(&system, &trace.segments, "detector", Some(&[0, 1, 2])).unwrap();
         let spot = Spot::of(&rays).unwrap();
         assert_eq!(spot.rays, 91);
-        // sin(b) = m wavelength / d, and the lens takes an angle to f tan(b)
+        // sin(b) = m wavelength / d, and the lens maps an angle to f tan(b)
         let sine = lines_per_mm * wavelength_nm * 1e-6;
         near(spot.centroid[0], focal_length * sine / (1.0 - sine * sine).sqrt(), 1e-12);
         near(spot.rms, 0.0, 1e-12);
@@ -369,7 +371,7 @@ fn fans_and_stops() {
         let fan = study.fan(1, D_NM, &fan_y(21)).unwrap();
         assert_eq!((fan.pupil[10], fan.errors[10]), ([0.0; 2], [0.0; 2]));
         assert!(fan.errors.iter().all(|error| error[0].abs() < 1e-12));
-        // across the field both sides are alike
+        // the fan across the field is symmetric
         let fan = study.fan(1, D_NM, &fan_x(21)).unwrap();
         for k in 0..10 {
             near(fan.errors[k][0], -fan.errors[20 - k][0], 1e-12);
@@ -379,7 +381,7 @@ fn fans_and_stops() {
         assert_eq!(white.len(), 37);
         assert!(matches!(study.fan(7, D_NM, &fan_y(3)), Err(AnalysisError::Prescription(_))));
     });
-    // the secondary mirror is in the way of the middle, not of the reference
+    // the secondary mirror blocks the centre of the pupil, but not the reference ray
     study(&cassegrain(), |study| {
         let found = study.wavefront(0, D_NM, &hexapolar(8)).unwrap();
         assert!(found.waves.len() > 150 && found.waves.len() < 217);

@@ -1,4 +1,4 @@
-//! Even aspheres: closed forms, published lenses, and what a peer finds for them.
+//! Even aspheres: closed forms, published lenses, and comparison with Optiland.
 
 use crate::lenses::{D_NM, at_image, disk, index, near};
 use rayweave_lens::analysis::{Spot, Study, hexapolar};
@@ -13,8 +13,8 @@ fn even(first: &[f64]) -> [f64; 8] {
     std::array::from_fn(|k| first.get(k).copied().unwrap_or(0.0))
 }
 
-/// Thorlabs AL50100J: a plano-convex asphere of focal length 100 mm, 50 mm in diameter, with the maker's index of its
-/// N-BK7 at 1310 nm.
+/// Thorlabs AL50100J: a plano-convex asphere of focal length 100 mm and diameter 50 mm, with the maker's
+/// index of its N-BK7 at 1310 nm.
 fn collimator() -> Prescription {
     let terms = even(&[0.0, 2.10405e-7, 1.76468e-11, 1.02641e-15]);
     let front = Surface::new(50.3583, 10.2, index(1.5036)).conic(-0.789119).even(terms);
@@ -23,8 +23,8 @@ fn collimator() -> Prescription {
         .field_angles(&[0.0, 0.5])
 }
 
-/// US patent 8,427,765 (Ricoh), first example: a wide-angle lens with an asphere in its second element; glasses by their
-/// indices at the d line.
+/// US patent 8,427,765 (Ricoh), first example: a wide-angle lens with an asphere in its second element;
+/// glasses by their indices at the d line.
 fn wide_angle() -> Prescription {
     let asphere = Surface::new(8.946, 4.25, Behind::Air).conic(0.02).even(even(&[0.0, 1.10721e-5, 1.837e-7]));
     Prescription::new(vec![
@@ -45,15 +45,15 @@ fn wide_angle() -> Prescription {
     .field_angles(&[0.0, 10.0])
 }
 
-/// What Optiland 0.6.3 finds for the same surfaces and rays (hexapolar, six rings): focal length, then the spots of both
-/// fields about their centroids. It finds points of aspheres
-/// to a tolerance, here 1e-15: its own, 1e-10, leaves an error of 9e-9 in the third of these spots.
+/// Results of Optiland 0.6.3 for the same surfaces and rays (hexapolar, six rings): focal length, then the
+/// spots of both fields about their centroids. Optiland intersects aspheres to a tolerance, here 1e-15: its
+/// default, 1e-10, leaves an error of 9e-9 in the third of these spots.
 const OPTILAND: [[f64; 3]; 2] = [
     [99.99662430500396, 0.0005812390192897768, 0.007363524634033315],
     [30.805677986020342, 0.015111254653539498, 0.01101239020080723],
 ];
 
-/// The spot of a field by real solids: its root mean square about the centroid.
+/// The RMS spot radius of a field about the centroid, traced through the solids.
 fn spot(lens: &Prescription, field: usize, rings: usize) -> f64 {
     let layout = lens.assembly().unwrap();
     let system = layout.assembly.compile().unwrap();
@@ -64,7 +64,7 @@ fn spot(lens: &Prescription, field: usize, rings: usize) -> f64 {
     Spot::of(&rays).unwrap().rms
 }
 
-/// Prescriptions and solids share no code: through both, rays end at the same points.
+/// Sequential tracing and solids share no code, and must give the same end points.
 #[test]
 fn solids_and_the_sequence_of_surfaces_agree() {
     for lens in [collimator(), wide_angle()] {
@@ -84,7 +84,7 @@ fn solids_and_the_sequence_of_surfaces_agree() {
     }
 }
 
-/// f = R / (n - 1) with the plane behind; and a spot far below that of the conic or the sphere alone.
+/// f = R / (n - 1) with the plane behind, and a spot far smaller than that of the conic or the sphere alone.
 #[test]
 fn a_makers_asphere_has_its_focal_length_and_a_point_as_its_focus() {
     let lens = collimator();
@@ -114,7 +114,8 @@ fn a_peer_agrees() {
     }
 }
 
-/// A paraboloid written by its term in r^2 alone: light along the axis meets in the focus, by solids and by surfaces.
+/// A paraboloid given by its term in r^2 alone: light along the axis converges in the focus, by solids and by
+/// surfaces.
 #[test]
 fn a_parabola_of_terms_has_a_perfect_focus() {
     let f = 100.0;
@@ -130,8 +131,8 @@ fn a_parabola_of_terms_has_a_perfect_focus() {
     }
 }
 
-/// A Cartesian oval, the surface without spherical aberration for a distant point, is a conic: for light that goes into
-/// glass an ellipsoid with k = -1/n^2. Its series to r^16 does the same, to the first term left out.
+/// A Cartesian oval, the surface without spherical aberration for a distant point, is a conic: for light into
+/// glass an ellipsoid with k = -1/n^2. Its series to r^16 agrees up to the first omitted term.
 #[test]
 fn the_series_of_a_cartesian_oval_focuses_to_the_first_term_left_out() {
     let (n, radius) = (1.5, 50.0);
@@ -193,7 +194,8 @@ fn files_keep_the_terms() {
     assert_eq!(read.prescription.surfaces, lens.surfaces);
 }
 
-/// Of an extended asphere the coefficients are lengths: those of the powers of r over a radius.
+/// The coefficients of an extended asphere are lengths: they multiply powers of r over a normalisation
+/// radius.
 #[test]
 fn extended_aspheres_have_a_radius_of_their_own() {
     let file = |lines: &str| {
@@ -225,7 +227,7 @@ fn extended_aspheres_have_a_radius_of_their_own() {
     assert!(refused(" PARM 1 1\n").contains("the extended asphere has a parameter 1"));
 }
 
-/// A conic with terms that are zero is the conic; one with terms beside it is told from a crossing of the faces.
+/// A conic with zero terms is the conic; terms have to count in the check for intersecting faces.
 #[test]
 fn lenses_and_mirrors_with_aspheric_faces() {
     let aperture = Aperture::circle(20.0);

@@ -1,4 +1,4 @@
-//! The systems of `models/optics` that are no prescriptions: model files with `[optics]` tables.
+//! The systems of `models/optics` without a prescription: model files with `[optics]` tables.
 
 use crate::lenses::near;
 use rayweave_lens::analysis::{Arrival, Spot, arrivals};
@@ -7,7 +7,7 @@ use rayweave_optics::{Trace, Tracer};
 use rayweave_scene::parse_with;
 use rayweave_trace::Packets;
 
-/// The light that comes to the screen of a model, with other values of some parameters.
+/// The light at the screen of a model with some parameters redefined.
 fn screen(name: &str, definitions: &[(&str, &str)]) -> (Vec<Arrival>, Trace) {
     let path = format!("{}/../../models/optics/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
@@ -21,7 +21,7 @@ fn screen(name: &str, definitions: &[(&str, &str)]) -> (Vec<Arrival>, Trace) {
     (arrivals(&system, &trace.segments, "screen", None).unwrap(), trace)
 }
 
-/// The light of a line.
+/// The rays of one spectral line.
 fn line(all: &[Arrival], wavelength_nm: f64) -> Vec<Arrival> {
     all.iter().filter(|ray| (ray.wavelength_nm - wavelength_nm).abs() < 1e-6).copied().collect()
 }
@@ -40,7 +40,8 @@ fn a_spectrometer_shows_lines_where_its_grating_sends_them() {
         let expected = focal_length * (out(nm) - out(550.0)).tan();
         near(spot.centroid[0].abs(), expected.abs(), 0.02 * expected.abs() + 1e-3);
     }
-    // the yellow pair is 2.1 nm apart and the lines are narrower along the spectrum than 0.1 nm: 12 micrometres
+    // the yellow doublet is 2.1 nm wide, and the lines are narrower along the spectrum than 0.1 nm: 12
+    // micrometres
     let apart = (spots[2].centroid[0] - spots[1].centroid[0]).abs();
     near(apart, focal_length * (out(MERCURY[1]) - out(MERCURY[2])).abs(), 0.03 * apart);
     assert!(spots.iter().all(|spot| spot.rms_xy[0] < 0.012), "{spots:?}");
@@ -63,7 +64,7 @@ fn the_condition_of_shafer_takes_coma_away() {
     let (good, width) = one("6.944507463851923");
     let (small, wide) = one("5.5");
     let (large, wider) = one("8.5");
-    // it has opposite signs on both sides, and the line is narrowest between them
+    // it has opposite signs on both sides, and the line is narrowest in between
     assert!(small * large < 0.0 && good.abs() < 0.3 * small.abs().min(large.abs()), "{small} {good} {large}");
     assert!(width < 0.8 * wide.min(wider), "{wide} {width} {wider}");
 }
@@ -73,9 +74,9 @@ fn a_fibre_keeps_what_its_numerical_aperture_holds() {
     let (kept, trace) = screen("fibre-coupling", &[]);
     near(trace.balance.emitted, 1.0, 1e-12);
     assert_eq!(kept.len(), 2000);
-    // all within the core
+    // all rays within the core
     assert!(kept.iter().all(|ray| ray.position.x.hypot(ray.position.y) < 0.1 + 0.01));
-    // a wider beam: of the ball, a ray at a height h turns by 2 (asin(h / r) - asin(h / n r)), and the core holds what enters it
+    // a wider beam: the ball turns a ray at height h by 2 (asin(h / r) - asin(h / n r)), and the core guides
     // below the angle of its numerical aperture, of rays that cross the axis
     let n = 1.5168;
     let turn = |h: f64| 2.0 * ((h / 2.5).asin() - (h / (n * 2.5)).asin());

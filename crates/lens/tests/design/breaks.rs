@@ -1,4 +1,4 @@
-//! Folded and tilted axes: a plane mirror changes nothing, and files say what programs that read them trace.
+//! Folded and tilted axes: a plane mirror changes nothing; Zemax files trace as in Optiland.
 
 use crate::lenses::{D_NM, at_image, disk, doublet, near};
 use rayweave_lens::analysis::Study;
@@ -7,7 +7,8 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_optics::Tracer;
 use rayweave_trace::Packets;
 
-/// A lens with a plane mirror at 45 degrees 40 behind it, as Zemax has it: a break before the mirror, one behind it.
+/// A lens with a plane mirror at 45 degrees, 40 behind it, as a Zemax file: one break before the mirror, one
+/// behind it.
 fn folded(lens: &Prescription) -> String {
     let mut text =
         "ENPD 20\nFTYP 0 0 2 1\nXFLN 0 0\nYFLN 0 1\nWAVM 1 0.5875618 1\nSURF 0\n DISZ INFINITY\n".to_owned();
@@ -46,7 +47,7 @@ fn a_fold_changes_nothing() {
         assert_eq!(one.id, other.id);
         // the frame of the image turns with the light
         near((one.position - other.position).length(), 0.0, 1e-9);
-        // light of the longer axis starts farther in front
+        // light on the longer axis starts farther in front
         near((one.path - straight[0][0].path) - (other.path - around[0][0].path), 0.0, 1e-9);
     }
     assert!(straight[1].len() > 150 && straight[1].len() == around[1].len());
@@ -61,7 +62,7 @@ fn ways_there_and_back_cancel() {
     let back = CoordinateBreak::tilts_first(1, decentre.map(|x| -x), tilts.map(|x| -x)).map;
     let point = Vec3::new(3.0, 5.0, 7.0);
     near((back.then(&there).point(point) - point).length(), 0.0, 1e-14);
-    // decentred first, then turned about the new axes: x stays across the tilt about x, z is turned by it
+    // decentre first, then tilt about the new axes: x is unchanged by the tilt about x, z is rotated
     let turned = CoordinateBreak::new(1, [1.0, 2.0], [30.0, 0.0, 0.0]).map;
     near((turned.point(Vec3::Z) - Vec3::new(1.0, 2.0 - 0.5, 0.75_f64.sqrt())).length(), 0.0, 1e-15);
     let both = CoordinateBreak::new(1, [0.0; 2], [90.0, 90.0, 0.0]).map;
@@ -108,7 +109,8 @@ const CROOKED: &str = "ENPD 8\nFTYP 0 0 2 1\nXFLN 0 0.5\nYFLN 0 1\nWAVM 1 0.5875
 
 type End = (usize, [f64; 2], [f64; 3], [f64; 3]);
 
-/// Where rays end in the coordinates of the first surface: the field, the point of the pupil, Optiland 0.6.3's place and direction.
+/// End points in the coordinates of the first surface: field, pupil point, position and direction by Optiland
+/// 0.6.3.
 const OPTILAND: [End; 8] = [
     (
         0,
@@ -170,13 +172,14 @@ fn tilted_mirrors_send_light_where_a_peer_sends_it() {
         let last = passes.last().unwrap();
         near((last.point - Vec3::from(place)).length(), 0.0, 1e-10);
         near((last.direction - Vec3::from(direction)).length(), 0.0, 1e-12);
-        // and so do the solids
+        // the solids agree
         let rows = at_image(&layout, &beam);
         near((rows[0].end - last.point).length(), 0.0, 1e-10);
     }
 }
 
-/// Collimated light beside the axis of a paraboloid meets in its focus: an off-axis mirror as catalogues have it, with its vertex decentred.
+/// Collimated light parallel to the axis of a paraboloid converges in its focus: an off-axis mirror as in
+/// catalogues, with its vertex decentred.
 #[test]
 fn an_off_axis_paraboloid_has_its_focus_on_its_axis() {
     let file = "ENPD 50\nWAVM 1 0.5875618 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n DISZ 200\n\
@@ -191,7 +194,7 @@ fn an_off_axis_paraboloid_has_its_focus_on_its_axis() {
     assert_eq!(rays.len(), 100);
     for ray in &rays {
         near((ray.position).length(), 0.0, 1e-9);
-        // all paths to the focus of a paraboloid are as long
+        // all paths to the focus of a paraboloid have the same length
         near(ray.path, rays[0].path, 1e-9);
     }
 }

@@ -1,4 +1,5 @@
-//! The classic designs of `models/optics`: read, made into solids, and compared with what was published and with peers.
+//! The classic designs of `models/optics`: read, converted to solids, and compared with published data and
+//! other programs.
 
 use crate::lenses::near;
 use rayweave_lens::analysis::{Arrival, Spot, Study, hexapolar};
@@ -57,7 +58,7 @@ fn files_are_as_they_are_written() {
     }
 }
 
-/// What the notes in the files say was published, with the digits of that.
+/// First-order data published in the notes of the files, to the published digits.
 #[test]
 fn published_first_order_data() {
     let of = |name: &str| {
@@ -91,26 +92,26 @@ fn published_first_order_data() {
     // Schroeder: f = m f1
     near(focal_length("cassegrain"), 1500.0, 1e-9);
     near(of("cassegrain").0.back_focal_distance, 300.0, 1e-9);
-    // two plane-curved lenses: the ratio of their radii
+    // two plano-curved lenses: the ratio of their radii
     near(of("beam-expander").0.angular_magnification.recip(), 77.26 / 25.73, 1e-5);
-    // 20 x by its name, at the object distance that the published thickness of the cover glass asks for
+    // 20 x by its name, at the object distance that follows from the published thickness of the cover glass
     let (objective, _, lens) = of("microscope-objective");
     near(objective.image_distance, lens.surfaces.last().unwrap().thickness, 1e-9);
     near(objective.magnification.recip().abs(), 21.0, 0.05);
 }
 
-/// Rays of a design, traced through its solids: six rings, without the middle where a mirror is in the way.
+/// Pupil points of a design: six rings, without the centre where a mirror obstructs it.
 fn pupil(name: &str) -> Vec<[f64; 2]> {
     let inner = if ["cassegrain", "hubble", "maksutov"].contains(&name) { 0.4 } else { 0.0 };
     hexapolar(6).into_iter().filter(|[x, y]| x.hypot(*y) >= inner).collect()
 }
 
-/// Unpolarised light loses nothing, but glass absorbs: peers count rays.
+/// Sets all powers to 1: glass absorbs, but the other programs count rays.
 fn even(rays: Vec<Arrival>) -> Vec<Arrival> {
     rays.into_iter().map(|ray| Arrival { power: 1.0, ..ray }).collect()
 }
 
-/// What a study of a design finds for a quantity of the table, in mm or waves.
+/// The value of a quantity of the table for a design, in mm or waves.
 fn found(name: &str, lens: &Prescription, field: Option<usize>, quantity: &str) -> f64 {
     let nm = lens.primary_nm();
     let first_order = lens.first_order(nm).unwrap();
@@ -135,17 +136,17 @@ fn found(name: &str, lens: &Prescription, field: Option<usize>, quantity: &str) 
     }
 }
 
-/// How far apart two programs may be: the rounding of paths of a metre, but for the mirrors of Hubble, of 60 metres, whose
-/// nearly parabolic faces are quadrics with their centres 10 km away.
+/// The tolerance between two programs: the rounding of paths of a metre, more for the mirrors of Hubble, with
+/// paths of 60 metres and nearly parabolic faces that are quadrics centred 10 km away.
 fn tolerance(peer: &str, name: &str, quantity: &str, value: f64) -> f64 {
     match (quantity, name) {
-        // objects of Ray-Optics are not infinitely far
+        // in Ray-Optics, distant objects are at a finite distance
         ("rms spot", _) if peer.starts_with("Ray-Optics") => 1e-4 * value,
         ("rms spot", "hubble") => 1e-9,
         ("rms spot", _) => 1e-11 * value + 1e-13,
         ("rms wavefront", "hubble") => 2e-6,
         ("rms wavefront", _) => 2e-9,
-        // its data of a glass differ in the sixth digit
+        // the glass data differ in the sixth digit
         (_, "erfle-eyepiece") if peer.starts_with("Ray-Optics") => 1e-6 * value,
         _ => 1e-12 * value.abs(),
     }
@@ -172,8 +173,9 @@ fn peers_agree() {
     }
 }
 
-/// Optiland 0.6.3, aberrations.seidels(): the sums S_I to S_V in mm, which it gives the other sign. Where a mirror is aspheric and away
-/// from the stop its S_V is another; there `a_mirror_that_is_its_own_stop_has_no_distortion` compares with real rays.
+/// Optiland 0.6.3, aberrations.seidels(): the sums S_I to S_V in mm, with the opposite sign. For an aspheric
+/// mirror away from the stop its S_V differs; `a_mirror_that_is_its_own_stop_has_no_distortion` compares that
+/// case with real rays.
 const SEIDEL: [(&str, [f64; 5]); 9] = [
     (
         "cooke-triplet",

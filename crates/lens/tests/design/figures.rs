@@ -1,4 +1,4 @@
-//! Surfaces that are not of revolution, in prescriptions: closed forms, the same surface said in two ways, Zemax files.
+//! Surfaces that are not of revolution: closed forms, equivalent definitions of one surface, Zemax files.
 
 use crate::lenses::{D_NM, at_image, disk, index, near};
 use rayweave_lens::paraxial::Meridian;
@@ -9,7 +9,8 @@ use rayweave_shape::Ray;
 
 const PLANE: f64 = f64::INFINITY;
 
-/// A spectacle lens of +2.5 dioptres in one meridian and +4.5 in the other, with its image plane 300 behind.
+/// A spectacle lens of +2.5 dioptres in one meridian and +4.5 in the other, with its image plane 300 behind
+/// it.
 fn spectacle_lens() -> Prescription {
     let toric = Surface::new(-120.0, 300.0, Behind::Air).figure(Figure::Toroidal { turn: -260.0 });
     Prescription::new(vec![Surface::new(88.0, 4.0, index(1.5)), toric]).entrance_pupil_diameter(0.5)
@@ -23,7 +24,7 @@ fn zernike(order: Zernike, norm_radius: f64, coefficients: &[f64]) -> Figure {
     Figure::Zernike { order, norm_radius, coefficients: coefficients.to_vec() }
 }
 
-/// One lens of each kind, all with power along x and y.
+/// One lens of each figure, all with power along x and y.
 fn one_of_each() -> Vec<Prescription> {
     let cylinder = Figure::Toroidal { turn: PLANE };
     let wavy = polynomial(12.0, &[0.0, 0.01, 0.2, 0.03, -0.1, 0.02, 0.0, 0.01, -0.03, 0.05]);
@@ -73,15 +74,15 @@ fn first_order_data_of_both_meridians_are_those_of_two_lenses() {
     assert!(lens.seidel().unwrap_err().to_string().contains("not of revolution"));
 }
 
-/// Real light through the solids of the spectacle lens narrows to a line along y where rays of the meridian x meet, and to
-/// one along x where those of y do; between them, in the dioptric middle, it is a circle.
+/// Real light through the solids of the spectacle lens converges to a line along y at the focus of the
+/// meridian x, and to one along x at that of y; between them, in the dioptric middle, the beam is circular.
 #[test]
 fn a_toric_lens_has_two_focal_lines() {
     let lens = spectacle_lens();
     let [fx, fy] =
         [Meridian::X, Meridian::Y].map(|m| lens.first_order_along(m, D_NM).unwrap().back_focal_distance);
     let heights = [Meridian::X, Meridian::Y].map(|m| {
-        // the width of the beam at the back principal plane is that of the pupil
+        // the beam width at the back principal plane is that of the pupil
         lens.first_order_along(m, D_NM).unwrap().focal_length
     });
     let widths = |z: f64| {
@@ -104,7 +105,7 @@ fn a_toric_lens_has_two_focal_lines() {
     near(x, y, 5e-4);
 }
 
-/// Prescriptions and solids share no code for the crossing of a ray: through both, rays end at the same points.
+/// Sequential tracing and solids share no intersection code, and must give the same end points.
 #[test]
 fn solids_and_the_sequence_of_surfaces_agree() {
     for (number, lens) in one_of_each().iter().enumerate() {
@@ -124,9 +125,9 @@ fn solids_and_the_sequence_of_surfaces_agree() {
     }
 }
 
-/// An elliptic cylinder with e = 1/n takes collimated light to a line in the glass, at n R / (n - 1), whatever its height
-/// (Descartes; R. K. Luneburg, *Mathematical Theory of Optics*, section 24): without spherical aberration along y, straight
-/// along x.
+/// An elliptic cylinder with e = 1/n focuses collimated light of any height to a line in the glass, at n R /
+/// (n - 1) (Descartes; R. K. Luneburg, *Mathematical Theory of Optics*, section 24): no spherical aberration
+/// along y, straight along x.
 #[test]
 fn an_acylinder_of_descartes_has_a_perfect_line() {
     let (n, radius) = (1.5, 20.0);
@@ -142,7 +143,7 @@ fn an_acylinder_of_descartes_has_a_perfect_line() {
     }
 }
 
-/// The same surfaces in other words.
+/// Equivalent definitions of the same surfaces.
 #[test]
 fn figures_agree_where_they_are_the_same_surface() {
     let (r, k) = (30.0, -0.7);
@@ -157,7 +158,7 @@ fn figures_agree_where_they_are_the_same_surface() {
             near(form.sag(point).unwrap(), conic.sag(point).unwrap(), 2e-15 * r);
         }
     }
-    // a circle turned about its own centre is a sphere; turned far away it is a cylinder but for x^2 / (2 R)
+    // a circle rotated about its own centre is a sphere; about a distant centre, a cylinder up to x^2 / (2 R)
     let sphere = Form::from(Asphere::conic(r, 0.0));
     let turned = Form::new(Asphere::conic(r, 0.0), Figure::Toroidal { turn: r });
     // Noll's Z4 is sqrt(3) (2 r^2 - 1), his Z6 sqrt(6) (x^2 - y^2), his Z7 sqrt(8) (3 r^2 - 2) y over the unit disc
@@ -175,7 +176,8 @@ fn figures_agree_where_they_are_the_same_surface() {
     }
 }
 
-/// A paraboloid as a polynomial in x and y, and one whose foci along x and y differ: rays of each meridian meet in its own.
+/// A paraboloid as a polynomial in x and y, and one with different foci along x and y: the rays of each
+/// meridian converge in its focus.
 #[test]
 fn mirrors_of_terms_in_x_and_y() {
     let mirror = |fx: f64, fy: f64| {
@@ -192,7 +194,7 @@ fn mirrors_of_terms_in_x_and_y() {
     for (meridian, f) in [(Meridian::X, 100.0), (Meridian::Y, 120.0)] {
         near(lens.first_order_along(meridian, D_NM).unwrap().focal_length, f, 1e-12);
     }
-    // y = 0 is a plane of symmetry with a parabola in it
+    // y = 0 is a symmetry plane whose section is a parabola
     let passes = lens.follow(&Ray::new(Vec3::new(25.0, 0.0, -50.0), Vec3::Z), D_NM).unwrap();
     near(passes[1].point.x, 0.0, 1e-13);
 }
@@ -207,7 +209,7 @@ fn zemax_files_hold_them_all() {
                 XDAT 2 4.0 0 0 1 0 0\n XDAT 5 0.25 0 0 1 0 0\n XDAT 7 -0.5 0 0 1 0 0\n XDAT 9 7.0\n DISZ 4\n GLAS N-BK7\nSURF 2\n \
                 TYPE SZERNSAG\n PARM 2 1e-5\n PARM 13 3\n PARM 14 8.5\n PARM 17 0.25\n PARM 18 1.0\n DISZ 9\nSURF 3\n";
     let lens = read_zmx(file.as_bytes()).unwrap().prescription;
-    // terms beyond the number that counts do not
+    // terms beyond the stated number are ignored
     assert_eq!(lens.surfaces[0].figure, polynomial(4.0, &[0.0, 0.0, 0.25, 0.0, -0.5]));
     assert_eq!(lens.surfaces[1].figure, zernike(Zernike::Noll, 8.5, &[0.0, 0.0, 0.25]));
     assert_eq!(lens.surfaces[1].even[1], 1e-5);
@@ -240,7 +242,7 @@ fn refusals() {
     );
     assert!(told(surface(20.0, biconic(9.0)).even(even)).contains("even terms in r: a biconic has none"));
     assert!(told(surface(20.0, Figure::Toroidal { turn: f64::NAN })).contains("turn"));
-    // a circle that is turned about an axis nearer than its centre
+    // a circle rotated about an axis closer than its centre
     assert!(told(surface(20.0, Figure::Toroidal { turn: 15.0 })).contains("axis farther than its centre"));
     assert!(told(surface(20.0, polynomial(0.0, &[1.0]))).contains("norm_radius"));
     assert!(told(surface(20.0, polynomial(1.0, &[f64::INFINITY]))).contains("coefficient"));
@@ -263,9 +265,9 @@ fn refusals() {
     assert!(write_zmx(&odd).unwrap_err().to_string().contains("y^16"));
 }
 
-/// What Optiland 0.6.3 finds at the image for three rays through some of these lenses with a sphere for their back (its biconic is
-/// the sum of two curves, another surface), its search for the surface carried on to
-/// 1e-15: x and y of each.
+/// Image points (x, y) by Optiland 0.6.3 of three rays through some of these lenses with a sphere for their
+/// back (its biconic is the sum of two curves, another surface), with its intersection search continued to
+/// 1e-15.
 const OPTILAND: [(usize, [[f64; 2]; 3]); 4] = [
     (
         1,
@@ -305,7 +307,7 @@ const OPTILAND: [(usize, [[f64; 2]; 3]); 4] = [
 fn a_peer_agrees() {
     let mut all = one_of_each();
     for (number, expected) in OPTILAND {
-        // it has none of these beside Zernike polynomials
+        // Optiland cannot combine these with Zernike polynomials
         all[number].surfaces[0].even = [0.0; 8];
         all[number].surfaces[1] = Surface::new(-60.0, 50.0, Behind::Air);
         let starts = [[3.0, 4.0], [-5.0, -1.0], [0.0, -6.0]];

@@ -1,4 +1,4 @@
-//! Lenses that several tests use.
+//! Lenses shared by several tests.
 
 use rayweave_lens::prescription::{Behind, IMAGE, Layout, Prescription, Surface};
 use rayweave_optics::{Beam, Event, Segment, Settings, Trace, Tracer};
@@ -45,9 +45,10 @@ pub fn triplet() -> Prescription {
     .stop_at(5)
 }
 
-/// A Cassegrain telescope: a paraboloid with a hole and a hyperboloid, whose foci are those of the mirrors.
+/// A Cassegrain telescope: a paraboloid with a hole, and a hyperboloid that shares its focus.
 pub fn cassegrain() -> Prescription {
-    // the primary's focus is 300 behind its vertex, the secondary 240 from it: foci 60 behind it and 300 in front
+    // the primary's focus is 300 behind its vertex and the secondary 240 from it: conjugates 60 behind and
+    // 300 in front of the secondary
     let (near, far) = (60.0_f64, 300.0_f64);
     let radius = -2.0 * near * far / (far - near);
     let e = (far + near) / (far - near);
@@ -63,14 +64,14 @@ pub fn trace(layout: &Layout, beam: &Beam) -> Trace {
     Tracer::new(&system, Packets::new).trace(beam, &Settings::default()).unwrap()
 }
 
-/// The last segment of every ray up to the image.
+/// The last segment of each ray up to the image.
 pub fn at_image(layout: &Layout, beam: &Beam) -> Vec<Segment> {
     let system = layout.assembly.compile().unwrap();
     let image = system.element_names().iter().position(|name| name == IMAGE).unwrap() as i32;
     let found = trace(layout, beam);
     let mut rows: Vec<Segment> = vec![];
     for row in found.segments.iter().filter(|row| row.element == image && row.event == Event::Passed) {
-        // the last one counts: before a mirror light may go through the image
+        // the last one counts: on the way to a mirror, light may pass through the image
         match rows.iter_mut().find(|other| other.id == row.id) {
             Some(other) => *other = row,
             None => rows.push(row),
@@ -80,7 +81,7 @@ pub fn at_image(layout: &Layout, beam: &Beam) -> Vec<Segment> {
     rows
 }
 
-/// Points all over the pupil (Vogel's spiral).
+/// Points evenly distributed over the pupil (Vogel's spiral).
 pub fn disk(count: usize, radius: f64) -> Vec<[f64; 2]> {
     let point = |k: usize| {
         let (r, angle) =

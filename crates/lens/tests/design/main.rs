@@ -1,4 +1,5 @@
-//! Prescriptions, their paraxial data, and what is made of the rays traced through them, against closed forms and peers.
+//! Lens design: prescriptions, paraxial data, image analysis, optimisation and tolerancing, compared with
+//! closed forms and other programs.
 
 mod analysis;
 mod aspheres;

@@ -1,4 +1,4 @@
-//! Searches whose ends are closed forms.
+//! Optimisations with closed-form solutions.
 
 use crate::lenses::near;
 use rayweave_lens::design::{Goal, Operand, Optimiser, Optimum, Parameter, SeidelTerm};
@@ -8,7 +8,7 @@ fn parameter(name: &str) -> Parameter {
     name.parse().unwrap()
 }
 
-/// A thin singlet of an index, equiconvex to begin with.
+/// A thin equiconvex singlet of index n, the start of the search.
 fn singlet(n: f64) -> Prescription {
     let surfaces =
         vec![Surface::new(110.0, 0.01, Behind::Index(n)), Surface::new(-110.0, 100.0, Behind::Air)];
@@ -20,7 +20,7 @@ fn shape(lens: &Prescription) -> f64 {
     (r2 + r1) / (r2 - r1)
 }
 
-/// The wavefront of a thin singlet with the best focus, by its two curvatures and the place of the image.
+/// The singlet of the best form: its two curvatures and the image distance minimise the wavefront error.
 fn best_form(n: f64) -> Optimum {
     let start = singlet(n);
     Optimiser::new(&start)
@@ -96,7 +96,7 @@ fn an_achromat_has_the_powers_that_cancel() {
 
 #[test]
 fn bounds_hold() {
-    // a biconvex lens of a given power that is to be as thin as its edge allows
+    // a biconvex lens of a given power, as thin as its edge allows
     let surfaces = vec![Surface::new(50.0, 12.0, Behind::Index(1.5)), Surface::new(-50.0, 45.0, Behind::Air)];
     let start = Prescription::new(surfaces).entrance_pupil_diameter(20.0);
     let edge = Operand::EdgeThickness { surface: 1, height: 12.0 };
@@ -108,7 +108,7 @@ fn bounds_hold() {
         .unwrap();
     let sag = 50.0 - (50.0_f64 * 50.0 - 144.0).sqrt();
     near(found.lens.surfaces[0].thickness, 2.0 + 2.0 * sag, 1e-4);
-    // one that holds already does not pull
+    // a satisfied bound has no effect
     let centre = Operand::Value(parameter("thickness 1"));
     let idle = Optimiser::new(&start)
         .vary(parameter("thickness 1"))

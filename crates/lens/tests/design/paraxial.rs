@@ -30,7 +30,7 @@ fn what_has_no_power_has_an_infinite_focal_length() {
     ]);
     let data = plate.first_order(D_NM).unwrap();
     assert_eq!([data.focal_length, data.back_focal_distance], [f64::INFINITY; 2]);
-    // the way of light in the plate, reduced by its index
+    // the path in the plate, reduced by its index
     near(data.matrix.b, 5.0 / 1.5, 1e-15);
 }
 
@@ -65,7 +65,7 @@ fn objects_are_imaged_where_the_lens_equation_says() {
     near(found.image_distance, 150.0, 1e-12);
     near(found.magnification, -2.0, 1e-14);
     near(found.entrance_pupil.diameter, 150.0 * 0.1 / 0.99_f64.sqrt(), 1e-12);
-    // the three ways to say the field
+    // the three field kinds
     let rays = [(FieldKind::ObjectHeight, 3.0), (FieldKind::ImageHeight, -6.0)].map(|(kind, y)| {
         let lens = Prescription { field_kind: kind, fields: vec![[0.0, y]], ..lens.clone() };
         lens.beam(0, D_NM, &[[0.0, 0.5]]).unwrap().get(0).ray
@@ -81,8 +81,8 @@ fn a_two_mirror_telescope() {
     near(found.focal_length, 300.0 * 300.0 / 60.0, 1e-10);
     near(found.back_focal_distance, 300.0, 1e-10);
     near(found.f_number, 15.0, 1e-12);
-    // the secondary images the primary, which is the stop
-    // (focal length -75): 1/s' = -1/75 - 1/240, a virtual pupil behind it
+    // the secondary (focal length -75) images the primary, which is the stop: 1/s' = -1/75 - 1/240, a virtual
+    // pupil behind it
     near(found.exit_pupil.position, -240.0 - 1.0 / (1.0 / 75.0 + 1.0 / 240.0), 1e-10);
     near(found.exit_pupil.diameter, 100.0 / 240.0 / (1.0 / 75.0 + 1.0 / 240.0), 1e-10);
 }

@@ -1,10 +1,10 @@
-//! Prescriptions as solids.
+//! Conversion of prescriptions to solids.
 
 use crate::lenses::{D_NM, at_image, cassegrain, disk, doublet, index, near, trace, triplet};
 use rayweave_lens::prescription::{Behind, Prescription, Surface, SystemAperture};
 use rayweave_optics::Event;
 
-/// The same rays, surface by surface and through the solids.
+/// The same rays by sequential tracing and through the solids.
 #[test]
 fn solids_and_the_sequence_of_surfaces_agree() {
     for lens in [doublet(), triplet(), cassegrain()] {
@@ -52,7 +52,7 @@ fn a_perfect_telescope_has_a_perfect_focus() {
     }
 }
 
-/// A concave surface that is no wider than its ball, beside a much wider front.
+/// A concave surface that is no wider than its ball, with a much wider front.
 #[test]
 fn lenses_have_flat_rims_where_one_surface_is_narrow() {
     let lens = Prescription::new(vec![
@@ -68,7 +68,7 @@ fn lenses_have_flat_rims_where_one_surface_is_narrow() {
         let passes = lens.follow(&beam.get(k).ray, D_NM).unwrap();
         near((row.end - passes[2].point).length(), 0.0, 1e-11);
     }
-    // beside the narrow surface light meets the rim, which is black
+    // beside the narrow surface light hits the rim, which absorbs
     let wide = Prescription { aperture: SystemAperture::EntrancePupilDiameter(22.0), ..lens };
     let outer: Vec<_> = disk(300, 0.99).into_iter().filter(|p| p[0].hypot(p[1]) > 0.7).collect();
     let found = trace(&layout, &wide.beam(0, D_NM, &outer).unwrap());
@@ -131,7 +131,7 @@ fn what_is_wrong_is_named() {
         message(biconvex(5.0, 60.0)),
         "surface 1: its semi-diameter is 60: the surface ends 50 from the axis."
     );
-    // in the air between two lenses
+    // surfaces that intersect in the air between two lenses
     let close = Prescription::new(vec![
         Surface::new(f64::INFINITY, 2.0, index(1.5)).semi_diameter(10.0),
         Surface::new(-30.0, 0.9, Behind::Air).semi_diameter(10.0),
@@ -154,7 +154,7 @@ fn what_is_wrong_is_named() {
         message(far)
             .starts_with("the wavelength is 200 nm: the index of `N-BK7` is known from 300 nm to 2500 nm.")
     );
-    // light that no lens of these radii can take in
+    // a beam too wide for lenses of these radii
     let wide = Prescription { fields: vec![[0.0; 2]], ..biconvex(5.0, 5.0) }.entrance_pupil_diameter(500.0);
     let unsized_surfaces =
         wide.surfaces.iter().map(|s| Surface { semi_diameter: None, ..s.clone() }).collect();

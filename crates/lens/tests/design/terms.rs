@@ -1,4 +1,4 @@
-//! Aspheric terms in prescriptions: odd powers, in files, in tolerances and in searches.
+//! Aspheric terms in prescriptions: odd powers, files, tolerancing and optimisation.
 
 use crate::lenses::{D_NM, at_image, near};
 use rayweave_lens::design::{Goal, Merit, Operand, Optimiser, Spread, Tolerancing};
@@ -12,7 +12,8 @@ fn odd(terms: &[f64]) -> [f64; 8] {
     std::array::from_fn(|k| terms.get(k).copied().unwrap_or(0.0))
 }
 
-/// Light that leaves glass by a hyperboloid, k = -n^2: collimated within, it meets in a point (R. Descartes, 1637).
+/// Light that leaves glass through a hyperboloid, k = -n^2: collimated inside, it converges in a point (R.
+/// Descartes, 1637).
 fn plano_convex(radius: f64, conic: f64, even: [f64; 8]) -> Prescription {
     let focus = radius / (N - 1.0);
     Prescription::new(vec![
@@ -26,7 +27,7 @@ fn spot_goal() -> Goal {
     Goal::equal(Operand::Spot { field: 0, wavelength_nm: D_NM }, 0.0)
 }
 
-/// An axicon by its term in r: light along the axis is bent by Snell's law at a slope that is the same everywhere.
+/// An axicon given by its term in r: light along the axis is refracted everywhere at the same slope.
 #[test]
 fn a_term_in_r_is_an_axicon() {
     let slope = 0.1;
@@ -44,7 +45,7 @@ fn a_term_in_r_is_an_axicon() {
         let outward = (end.direction.x * x + end.direction.y * y) / r;
         near(outward, -bent.sin(), 1e-14);
     }
-    // the solids say the same
+    // the solids agree
     let layout = lens.assembly().unwrap();
     let beam = lens.beam(0, D_NM, &[[0.0, 0.5], [0.3, -0.4], [-0.9, 0.1]]).unwrap();
     let rows = at_image(&layout, &beam);
@@ -87,7 +88,8 @@ fn odd_aspheres_are_read_and_written() {
     }
 }
 
-/// From a sphere a search for the conic constant comes to the hyperboloid k = -n^2, whose spot is a point.
+/// Started from a sphere, the search for the conic constant converges to the hyperboloid k = -n^2, whose spot
+/// is a point.
 #[test]
 fn a_search_finds_the_conic_without_spherical_aberration() {
     let start = plano_convex(30.0, 0.0, odd(&[]));
@@ -97,8 +99,8 @@ fn a_search_finds_the_conic_without_spherical_aberration() {
     assert!(found.after < 1e-8 && found.before > 0.1, "{} {}", found.before, found.after);
 }
 
-/// With the sphere kept, terms take its place: that in r^4 comes to the coefficient of the hyperboloid's series,
-/// `k c^3 / 8` more than the sphere's, as far as the pupil is small.
+/// With the sphere fixed, terms replace the conic constant: that in r^4 converges to the coefficient of the
+/// hyperboloid's series, `k c^3 / 8` more than the sphere's, for a small pupil.
 #[test]
 fn a_search_finds_the_terms_of_the_same_surface() {
     let start = plano_convex(30.0, 0.0, odd(&[])).entrance_pupil_diameter(6.0);
@@ -108,14 +110,15 @@ fn a_search_finds_the_terms_of_the_same_surface() {
     let c = -1.0 / 30.0_f64;
     let exact = -N * N * c.powi(3) / 8.0;
     near(found.values[0].1, exact, 1e-3 * exact);
-    // (1 + k)^2 c^5 / 16 of the conic less that of the sphere
+    // (1 + k)^2 c^5 / 16 of the conic minus that of the sphere
     let exact = ((1.0 - N * N).powi(2) - 1.0) * c.powi(5) / 16.0;
     near(found.values[1].1, exact, 0.05 * exact.abs());
     assert!(found.after < 1e-6 * found.before, "{} {}", found.before, found.after);
 }
 
-/// The term in r^2 is half a curvature: 1 / f = (n - 1) (1 / R - 2 a) where the surface faces back, so df/da = 2 f^2 (n - 1).
-/// The wavefront of the hyperboloid with an error of its term in r^4 is (n - 1) a r^4 and what refocusing adds to it.
+/// The term in r^2 is half a curvature: 1 / f = (n - 1) (1 / R - 2 a) where the surface faces back, so df/da
+/// = 2 f^2 (n - 1). An error of the hyperboloid's term in r^4 gives the wavefront (n - 1) a r^4 plus the
+/// refocusing term.
 #[test]
 fn sensitivities_of_terms_are_their_derivatives() {
     let lens = plano_convex(30.0, -N * N, odd(&[]));
@@ -129,7 +132,8 @@ fn sensitivities_of_terms_are_their_derivatives() {
     let trial = Tolerancing::new(&narrow, Merit::WavefrontRms).refocused().rings(40);
     let found = trial.add("r^4 2".parse().unwrap(), Spread::Uniform(a)).sensitivities().unwrap()[0];
     let w040 = (N - 1.0) * a * r.powi(4) / (D_NM * 1e-6);
-    // W (rho^4 - q rho^2) has the smallest spot where the mean of (4 rho^3 - 2 q rho)^2 is least; means over the rings of rays
+    // W (rho^4 - q rho^2) has the smallest spot at the least mean of (4 rho^3 - 2 q rho)^2; means over the
+    // rings of rays
     let mean = |power: i32| {
         let rings = (1..=40).map(|k| f64::from(6 * k) * (f64::from(k) / 40.0).powi(power));
         rings.sum::<f64>() / f64::from(1 + 3 * 40 * 41)
@@ -141,7 +145,7 @@ fn sensitivities_of_terms_are_their_derivatives() {
     near(found.minus, expected, 0.01 * expected);
 }
 
-/// Rays that a stated semi-diameter does not let pass are counted: a lens shifted by a part of its semi-diameter.
+/// Rays vignetted by a stated semi-diameter are counted: a lens shifted by a part of its semi-diameter.
 #[test]
 fn lost_rays_are_counted() {
     let mut lens = plano_convex(30.0, -N * N, odd(&[])).entrance_pupil_diameter(10.0);
@@ -155,7 +159,7 @@ fn lost_rays_are_counted() {
     assert_eq!(open.lost, [0; 3]);
     let count = 1 + 3 * 60 * 61;
     for (lost, shift) in clipped.lost.iter().zip(&clipped.deviations[0]) {
-        // the lune of two discs of the radius 5: E. W. Weisstein, MathWorld, "Circle-Circle Intersection"
+        // the lune of two discs of radius 5: E. W. Weisstein, MathWorld, "Circle-Circle Intersection"
         let (d, r): (f64, f64) = (shift.abs(), 5.0);
         let common = 2.0 * r * r * (d / (2.0 * r)).acos() - 0.5 * d * (4.0 * r * r - d * d).sqrt();
         let expected = f64::from(count) * (1.0 - common / (std::f64::consts::PI * r * r));

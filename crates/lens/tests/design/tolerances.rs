@@ -1,4 +1,4 @@
-//! Tolerancing against closed forms.
+//! Tolerancing, compared with closed forms.
 
 use crate::lenses::near;
 use rayweave_lens::design::{Merit, Spread, Tolerancing, Trials};
@@ -93,7 +93,7 @@ fn a_tilted_mirror_turns_the_light_by_twice_its_angle() {
 
 #[test]
 fn a_sphere_turns_about_its_centre_unseen() {
-    // a turn about the vertex is a shift of the centre, by R sin a across the axis
+    // a tilt about the vertex shifts the centre, by R sin a across the axis
     let mirror =
         Prescription::new(vec![Surface::new(-200.0, -100.0, Behind::Mirror)]).entrance_pupil_diameter(10.0);
     let shift = |name: &str, by: f64| {
@@ -103,24 +103,25 @@ fn a_sphere_turns_about_its_centre_unseen() {
     };
     let angle = 0.01_f64;
     let across = 200.0 * angle.to_radians().sin();
-    // what is left is the shift of the centre along the axis, of the second order: 1e-8 of the radius
+    // the remainder is the shift of the centre along the axis, of second order: 1e-8 of the radius
     near(shift("tilt x 1", angle), shift("decentre y 1", across), 1e-6 * across);
     near(shift("tilt y 1", angle), shift("decentre x 1", across), 1e-6 * across);
 }
 
 #[test]
 fn a_decentred_system_moves_its_image_with_it() {
-    // so narrow that there is no spherical aberration
+    // narrow enough for no spherical aberration
     let lens = singlet().entrance_pupil_diameter(0.05);
     let of = |name: &str, merit: Merit| {
         let tolerancing = Tolerancing::new(&lens, merit).add(name.parse().unwrap(), Spread::Uniform(0.05));
         tolerancing.sensitivities().unwrap()[0]
     };
-    // both surfaces as one body, light from afar: the focus goes with the lens, and on a plane in front of it the light does in part
+    // both surfaces as one body, distant object: the focus moves with the lens, and a plane in front of it
+    // sees a part of the shift
     let first_order = lens.first_order(587.5618).unwrap();
     let part = 1.0 - (first_order.back_focal_distance - 58.0) / first_order.focal_length;
     near(of("decentre x 1-2", Merit::ImageShift).plus, 0.05 * part, 1e-5 * 0.05);
-    // a plane is the same wherever it is
+    // moving a plane along itself changes nothing
     let window =
         Prescription::new(vec![Surface::new(f64::INFINITY, 5.0, Behind::Index(1.5)), Surface::dummy(50.0)])
             .entrance_pupil_diameter(5.0);
@@ -187,7 +188,7 @@ fn trials_do_not_depend_on_their_number_nor_on_threads() {
     let all = tolerancing(1).trials(70).unwrap();
     assert_eq!(tolerancing(3).trials(70).unwrap(), all);
     assert_eq!(tolerancing(2).trials(20).unwrap().merits, all.merits[..20]);
-    // the errors of a parameter are its own
+    // the errors of a parameter do not depend on other parameters
     let alone = Tolerancing::new(&lens, Merit::FocalLength)
         .seed(7)
         .add("radius 1".parse().unwrap(), Spread::Normal(0.1));

@@ -1,4 +1,4 @@
-//! Zemax files, read and written.
+//! Reading and writing of Zemax files.
 
 use crate::lenses::{cassegrain, doublet, near, triplet};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -6,7 +6,7 @@ use rayweave_lens::prescription::{
     Behind, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture, read_zmx, write_zmx,
 };
 
-/// As programs write them: indented, with much that does not matter here.
+/// A file as programs write it: indented, with many irrelevant keywords.
 const SINGLET: &str = "VERS 160720 18 100027\r\nMODE SEQ\r\nNAME a singlet\r\nNOTE 0 from 0.5 to 2\r\n\
 UNIT IN X W X CM MR CPMM\r\nENPD 1.0E-1\r\nGCAT SCHOTT \r\nFTYP 0 0 2 3 0 0 0\r\nXFLN 0 0 0 0\r\nYFLN 0 7.0E+0 0 0\r\n\
 FWGN 1 1\r\nWAVM 1 4.861327E-1 1\r\nWAVM 2 5.875618E-1 2\r\nWAVM 3 6.562725E-1 1\r\nWAVM 4 5.5E-1 1\r\nPWAV 2\r\n\
@@ -97,10 +97,10 @@ fn unknown_glasses_are_taken_from_their_indices() {
     assert_eq!(notes[0], "line 8: real image heights of fields are taken for paraxial ones");
     assert!(notes[2].starts_with("line 31: no glass is named \"BK7\""), "{notes:?}");
     assert!(notes[2].ends_with("; a model glass of its index 1.5168 and Abbe number 64.17 is taken"));
-    // what programs write for want of data is none
+    // index and Abbe number that programs write as placeholders do not count
     let dummy = |name: &str| SINGLET.replace("N-BK7 0 0 1.5168 64.17", &format!("{name} 0 0 1.5 40"));
     assert!(read_zmx(dummy("BK8").as_bytes()).unwrap_err().to_string().starts_with("line 31: no glass"));
-    // a glass of the time before Schott's without lead and arsenic
+    // an older Schott glass, replaced by its lead- and arsenic-free successor
     let read = read_zmx(dummy("BK7").as_bytes()).unwrap();
     assert_eq!(read.prescription.surfaces[0].behind, Behind::Glass("N-BK7".to_owned()));
     let told =
@@ -147,7 +147,8 @@ fn all_problems_are_reported_with_their_lines() {
     }
 }
 
-/// Words put out of place, doubled, dropped and replaced: an answer or problems, never a panic, and what is read can be looked at.
+/// Files with words moved, doubled, dropped and replaced: the reader returns a prescription or problems and
+/// never panics, and what it returns can be analysed.
 #[test]
 fn damaged_files_do_no_harm() {
     let mut random = ChaCha8Rng::seed_from_u64(7);

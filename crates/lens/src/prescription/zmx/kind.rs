@@ -1,26 +1,26 @@
-//! The types of surfaces and what their parameters are.
+//! Surface types of Zemax files and their parameters.
 //!
-//! Numbers as in the chapters on surface types of the OpticStudio user guide (Ansys, 2024 R2): "Even Asphere", "Odd Asphere",
-//! "Extended Asphere", "Biconic", "Toroidal", "Extended Polynomial", "Zernike Standard Sag". What older files have as extra data, `XDAT 1` on, newer
-//! ones have as parameters 13 on.
+//! Parameter numbers follow the chapters on surface types of the OpticStudio user guide (Ansys, 2024 R2):
+//! "Even Asphere", "Odd Asphere", "Extended Asphere", "Biconic", "Toroidal", "Extended Polynomial", "Zernike
+//! Standard Sag". Extra data of older files, `XDAT 1` on, are parameters 13 on in newer ones.
 
 use crate::prescription::{CoordinateBreak, Surface};
 use rayweave_math::Affine;
 use rayweave_optics::component::{Figure, Zernike};
 use std::collections::BTreeMap;
 
-/// Extra data are the parameters behind these.
+/// The offset of extra data in the parameter numbers.
 const EXTRA: usize = 12;
 
-/// More than any type has; numbers beyond are not believed.
+/// Upper limit of parameter numbers; no type has so many.
 const MOST: usize = 500;
 
-/// The parameters of a surface by their numbers.
+/// The parameters of a surface, by number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Parameters(BTreeMap<usize, f64>);
 
 impl Parameters {
-    /// `PARM`.
+    /// Stores a `PARM` value.
     pub fn set(&mut self, number: usize, value: f64) -> Result<(), String> {
         if number > MOST {
             return Err(format!("the surface has a parameter {number}: {MOST} at most."));
@@ -29,7 +29,7 @@ impl Parameters {
         Ok(())
     }
 
-    /// `XDAT`.
+    /// Stores an `XDAT` value.
     pub fn set_extra(&mut self, number: usize, value: f64) -> Result<(), String> {
         self.set(number.saturating_add(EXTRA), value)
     }
@@ -42,14 +42,14 @@ impl Parameters {
         std::array::from_fn(|k| self.get(first + k))
     }
 
-    /// As many values of the list in the extra data as are said to count, and its normalisation radius.
+    /// The normalisation radius and the list of the extra data, truncated to the stated number of terms.
     fn list(&self) -> (f64, Vec<f64>) {
         let given = self.0.last_key_value().map_or(0, |(&last, _)| last.saturating_sub(EXTRA + 2));
         let count = (self.get(EXTRA + 1).max(0.0) as usize).min(given);
         (self.get(EXTRA + 2), (1..=count).map(|k| self.get(EXTRA + 2 + k)).collect())
     }
 
-    /// Every parameter but these, and the flag 0 about what is beyond the norm radius, has to be 0.
+    /// Checks that all other parameters are 0, except flag 0 (extension beyond the norm radius).
     fn only(&self, kind: &str, known: impl Fn(usize) -> bool, read: &str) -> Result<(), String> {
         let odd = self.0.iter().find(|&(&number, &value)| number > 0 && value != 0.0 && !known(number));
         match odd {
@@ -59,7 +59,7 @@ impl Parameters {
     }
 }
 
-/// What the parameters of a coordinate break make of a frame: coordinates in front of it from those behind.
+/// The frame of a coordinate break: the map from coordinates behind it to those in front.
 pub(super) fn broken(parameters: &Parameters) -> Result<Affine, String> {
     parameters.only(
         "coordinate break",
@@ -72,7 +72,7 @@ pub(super) fn broken(parameters: &Parameters) -> Result<Affine, String> {
     Ok(made(0, decentre, tilts).map)
 }
 
-/// What a type and its parameters make of a surface.
+/// Applies a type and its parameters to a surface.
 pub(super) fn shaped(kind: &str, parameters: &Parameters, surface: Surface) -> Result<Surface, String> {
     let get = |number| parameters.get(number);
     let radius = |number| if get(number) == 0.0 { f64::INFINITY } else { get(number) };
@@ -121,7 +121,8 @@ pub(super) fn shaped(kind: &str, parameters: &Parameters, surface: Surface) -> R
     })
 }
 
-/// The coefficients of r^2 to r^16 from those of an extended asphere, of powers of r over the normalisation radius.
+/// The coefficients of r^2 to r^16 from those of an extended asphere, whose powers are of r over the
+/// normalisation radius.
 fn extended(parameters: &Parameters) -> Result<[f64; 8], String> {
     let (norm_radius, coefficients) = parameters.list();
     if coefficients.iter().skip(8).any(|&c| c != 0.0) {
@@ -139,7 +140,7 @@ fn extended(parameters: &Parameters) -> Result<[f64; 8], String> {
     Ok(std::array::from_fn(scaled))
 }
 
-/// Why a type is not read.
+/// The reason why a type is not read.
 fn unknown(kind: &str) -> String {
     let why = match kind {
         "BICONICZ" => {
@@ -153,7 +154,7 @@ fn unknown(kind: &str) -> String {
     format!("the surface is of type {kind}: {why}.")
 }
 
-/// The type that a surface is written as, with its parameters and extra data; why there is none.
+/// The Zemax type of a surface, with its parameters and extra data, or the reason why there is none.
 pub(super) fn written(surface: &Surface) -> Result<(&'static str, Vec<String>), &'static str> {
     let parameters = |values: &[f64]| {
         let lines = values.iter().zip(1..).map(|(value, k)| format!("  PARM {k} {value:e}"));

@@ -1,6 +1,7 @@
-//! Zemax files: sequential prescriptions as text.
+//! Zemax files (`.zmx`): sequential lens prescriptions as text.
 //!
-//! A line is a keyword and its arguments; lines about a surface follow its `SURF` line. What is read, and written again:
+//! A line is a keyword and its arguments; lines about a surface follow its `SURF` line. These keywords are
+//! read and written:
 //!
 //! | keyword | holds |
 //! | --- | --- |
@@ -19,8 +20,9 @@
 //! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is computed again) |
 //! | `STOP` | the stop |
 //!
-//! `MODE` has to be `SEQ`. Everything else is passed over, with a note. The format is described by its use only: Zemax
-//! OpticStudio user guide, "Lens data editor", and files that makers of lenses publish.
+//! `MODE` has to be `SEQ`. All other keywords are ignored, with a note. The format has no public
+//! specification; the reader follows the Zemax OpticStudio user guide, "Lens data editor", and files
+//! published by lens makers.
 
 mod kind;
 mod read;
@@ -31,10 +33,10 @@ use rayweave_math::round_to_digits;
 pub use read::{Read, ZmxError, read_zmx};
 pub use write::write_zmx;
 
-/// Significant digits to which a number in a file is taken for a decimal one.
+/// Significant digits within which a number counts as decimal.
 const DIGITS: usize = 12;
 
-/// The decimal number with few digits that is this one but for rounding, or this one.
+/// The number rounded to 12 digits, if that changes it by no more than rounding error; otherwise the number.
 fn decimal(value: f64) -> f64 {
     let short = round_to_digits(value, DIGITS);
     if ((short - value) / value).abs() <= 1e-15 { short } else { value }

@@ -13,13 +13,12 @@ use std::collections::HashSet;
 /// The units of lengths with their names, in nanometres.
 pub(super) const UNITS: [(&str, f64); 4] = [("MM", 1e6), ("CM", 1e7), ("IN", 2.54e7), ("METER", 1e9)];
 
-/// What a file says.
+/// A prescription read from a file, with notes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Read {
     /// The prescription.
     pub prescription: Prescription,
-    /// The keywords that were passed over, each once, with the line where it came first, and what was taken for something
-    /// else.
+    /// The ignored keywords, each once with the line of its first occurrence, and the substitutions.
     pub notes: Vec<Problem>,
 }
 
@@ -27,7 +26,7 @@ pub struct Read {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct ZmxError {
-    /// What is wrong, line by line; at least one problem.
+    /// The problems, line by line; at least one.
     pub problems: Vec<Problem>,
 }
 
@@ -40,7 +39,8 @@ impl Classified for ZmxError {
 /// Reads a Zemax file in UTF-16, UTF-8 or Latin-1.
 ///
 /// # Errors
-/// All problems at once, each with its line: numbers that are none, unknown glasses, types of surfaces that are not read.
+/// All problems at once, each with its line: malformed numbers, unknown glasses, surface types that are not
+/// read.
 ///
 /// ```
 /// use rayweave_lens::prescription::read_zmx;
@@ -63,13 +63,13 @@ pub fn read_zmx(bytes: &[u8]) -> Result<Read, ZmxError> {
     reader.finish()
 }
 
-/// Keywords that say nothing about the light, or what is said elsewhere.
+/// Keywords ignored without a note: irrelevant to the light, or redundant.
 const SILENT: [&str; 22] = [
     "VERS", "PFIL", "LANG", "GCAT", "ENVD", "GFAC", "RAIM", "PUSH", "SDMA", "OMMA", "ROPD", "PICB", "POLS",
     "GLRS", "GSTD", "NSCD", "COFN", "HIDE", "MIRR", "SLAB", "POPS", "FIMP",
 ];
 
-/// What is said of a surface so far.
+/// The data of a surface read so far.
 #[derive(Default)]
 struct Record {
     line: usize,
@@ -80,13 +80,13 @@ struct Record {
     thickness: f64,
     behind: Option<Behind>,
     semi_diameter: Option<f64>,
-    /// As the file has it, fixed or computed.
+    /// The `DIAM` value, fixed or computed.
     diam: f64,
     hole: f64,
-    /// Its aperture is not about the vertex.
+    /// True if the aperture is decentred.
     is_decentred: bool,
     is_stop: bool,
-    /// The parameters of a type that has them; its extra data among them.
+    /// The parameters of the type, extra data included.
     parameters: Parameters,
 }
 
@@ -129,7 +129,7 @@ impl Reader {
         }
     }
 
-    /// True if the keyword is one about the system that is read.
+    /// Reads a system keyword; false if it is not one.
     fn of_system(&mut self, keyword: &str, rest: &str, words: &[&str]) -> Result<bool, String> {
         match keyword {
             "MODE" if words != ["SEQ"] => {
@@ -173,7 +173,7 @@ impl Reader {
         Ok(true)
     }
 
-    /// True if the keyword is one about the last surface that is read.
+    /// Reads a keyword of the last surface; false if it is not one.
     fn of_surface(&mut self, keyword: &str, words: &[&str]) -> Result<bool, String> {
         let Some(surface) = self.surfaces.last_mut() else { return Ok(false) };
         let is_standard = matches!(surface.kind.as_str(), "" | "STANDARD");
@@ -290,8 +290,8 @@ impl Reader {
         }
     }
 
-    /// Takes coordinate breaks out of the list of surfaces. Their thicknesses are added to that of the surface before, as first-order
-    /// data want it, and undone in the frame of the one behind.
+    /// Removes coordinate breaks from the list of surfaces. Their thicknesses are added to that of the
+    /// surface before, for first-order data, and undone in the frame of the surface behind.
     fn take_breaks(&mut self) -> Vec<CoordinateBreak> {
         let along = |z: f64| Affine::translate(Vec3::Z * z);
         let mut breaks = Vec::new();
@@ -342,7 +342,7 @@ impl Reader {
         (0..count).map(|k| [at(0, k), at(1, k)]).collect()
     }
 
-    /// All surfaces, object and image among them; what is wrong with their types and parameters is a problem.
+    /// All surfaces, object and image included; invalid types and parameters are reported as problems.
     fn surfaces(&mut self) -> Vec<Surface> {
         let found: Vec<_> = self.surfaces.iter().map(|record| (record.type_line, record.surface())).collect();
         let told = |(line, surface): (usize, Result<Surface, String>)| {
@@ -351,7 +351,7 @@ impl Reader {
         found.into_iter().filter_map(told).collect()
     }
 
-    /// Object and image have no terms here.
+    /// Notes that terms of object and image are ignored.
     fn note_ends(&mut self, surfaces: &[Surface]) {
         let last = surfaces.len().saturating_sub(1);
         for (k, name) in [(0, "object"), (last, "image")] {
@@ -435,10 +435,10 @@ fn field_kind(words: &[&str]) -> Result<FieldKind, String> {
     }
 }
 
-/// What programs write where they do not know index and Abbe number.
+/// Index and Abbe number that programs write as placeholders.
 const DUMMY: [f64; 2] = [1.5, 40.0];
 
-/// What lies behind the surface, and a note if it is only nearly that.
+/// The medium behind a surface, with a note if it is a substitute.
 fn behind(words: &[&str]) -> Result<(Behind, Option<String>), String> {
     let data = number(words, 3).and_then(|n_d| Ok([n_d, number(words, 4)?]));
     let name = match words.first().copied() {
@@ -465,7 +465,7 @@ fn behind(words: &[&str]) -> Result<(Behind, Option<String>), String> {
     }
 }
 
-/// The glass without lead and arsenic of the same place in Schott's catalogue, for one of the time before.
+/// The lead- and arsenic-free successor (`N-`) of an older Schott glass.
 fn successor(name: &str) -> Option<Behind> {
     let glass = Behind::Glass(format!("N-{name}"));
     glass.medium().is_ok().then_some(glass)

@@ -5,13 +5,13 @@ use super::kind::written;
 use crate::prescription::{Behind, FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
 use rayweave_optics::Medium;
 
-/// A prescription as a Zemax file, in UTF-8 with line feeds. Reading it gives the same prescription, with three exceptions: a
-/// [`Behind::Medium`] becomes a model glass, radii are rounded to 16 digits, and a stop that sets the aperture gets a
-/// semi-diameter of its own.
+/// Writes a prescription as a Zemax file, in UTF-8 with line feeds. Reading it back gives the same
+/// prescription, with three exceptions: a [`Behind::Medium`] becomes a model glass, radii are rounded to 16
+/// digits, and a stop that sets the aperture gets a semi-diameter.
 ///
 /// # Errors
-/// [`PrescriptionError::Glass`] for media that do not exist, [`PrescriptionError::Undefined`] for a surface that no type holds,
-/// as one with odd powers of r and any beyond r^8, and for coordinate breaks.
+/// [`PrescriptionError::Glass`] for unknown media; [`PrescriptionError::Undefined`] for a surface that no
+/// type represents, such as one with odd powers of r and any beyond r^8, and for coordinate breaks.
 pub fn write_zmx(lens: &Prescription) -> Result<String, PrescriptionError> {
     if !lens.breaks.is_empty() {
         let why = "coordinate breaks are read, but not written";
@@ -42,7 +42,7 @@ pub fn write_zmx(lens: &Prescription) -> Result<String, PrescriptionError> {
     Ok(file.join("\n") + "\n")
 }
 
-/// What is said before the surfaces.
+/// The lines before the surfaces.
 fn head(lens: &Prescription) -> Vec<String> {
     let mut file = vec!["MODE SEQ".to_owned(), format!("NAME {}", lens.name)];
     file.extend(lens.notes.iter().map(|note| format!("NOTE 0 {note}")));
@@ -71,7 +71,7 @@ fn head(lens: &Prescription) -> Vec<String> {
     file
 }
 
-/// The name of the unit, millimetres for all that has none.
+/// The name of the unit; millimetres if it has none.
 fn unit(unit_nm: f64) -> &'static str {
     super::read::UNITS.iter().find(|(_, nm)| *nm == unit_nm).map_or("MM", |(name, _)| name)
 }
