@@ -1,4 +1,4 @@
-//! How fast pictures are drawn: a die and the biconvex lens at 1280 x 720, in pixels per second.
+//! Rendering throughput in pixels per second: a die and the biconvex lens at 1280 x 720.
 //!
 //! `cargo run --release -p rayweave-render --example render_throughput [THREADS]`
 
@@ -20,14 +20,14 @@ fn shape(name: &str, arguments: &[(&str, f64)]) -> Result<Solid, Box<dyn Error>>
     Ok(Solid::from(build(name, &arguments)?))
 }
 
-/// Two spheres give the faces, a cylinder the rim.
+/// A biconvex lens: two spheres for the faces, a cylinder for the rim.
 fn lens() -> Result<Solid, Box<dyn Error>> {
     let ball = shape("sphere", &[("radius", 50.0)])?;
     let rim = shape("cylinder", &[("radius", 12.5)])?;
     Ok(ball.translate([0.0, 0.0, 47.0]) & ball.translate([0.0, 0.0, -47.0]) & rim)
 }
 
-/// The shortest of some runs, in seconds.
+/// The shortest of several runs, in seconds.
 fn shortest<T>(mut run: impl FnMut() -> T) -> f64 {
     let once = |_| {
         let start = Instant::now();

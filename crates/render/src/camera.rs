@@ -1,18 +1,19 @@
-//! Where a picture is taken from.
+//! Cameras: position, orientation and projection.
 
 use crate::{CameraError, Size};
 use rayweave_math::{Vec3, any_perpendicular};
 use rayweave_shape::Ray;
 
-/// How space becomes a picture.
+/// A projection of space onto the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// As the eye sees it: all rays leave the position of the camera.
+    /// All rays leave the position of the camera.
     Perspective {
-        /// The angle between the rays through the middles of the upper and lower edge, in degrees, in (0, 180).
+        /// The vertical field of view in degrees, in (0, 180): the angle between the rays through the middles
+        /// of the upper and lower edge.
         field_of_view: f64,
     },
-    /// Without foreshortening: all rays are parallel.
+    /// All rays are parallel: no foreshortening.
     Orthographic {
         /// The height of the picture in lengths of the model, > 0.
         height: f64,
@@ -21,15 +22,16 @@ pub enum Projection {
 
 /// A camera: a position, three perpendicular unit vectors, and a projection.
 ///
-/// For a picture of w x h pixels, let `u = (2 x - w) / h` and `v = (h - 2 y) / h`, where (x, y) is measured in pixels from
-/// the upper left corner; the centre of pixel (i, j) is (i + 1/2, j + 1/2). So v runs from 1 at the top to -1 at the bottom,
-/// and pixels are square. The ray of a place is
+/// For a picture of w x h pixels, let `u = (2 x - w) / h` and `v = (h - 2 y) / h`, where (x, y) is measured
+/// in pixels from the upper left corner; the centre of pixel (i, j) is (i + 1/2, j + 1/2). So v runs from 1
+/// at the top to -1 at the bottom, and pixels are square. The ray through (x, y) is
 ///
-/// - perspective: from `position` along `forward + s (u right + v up)`, made unit, with s = tan(field of view / 2);
+/// - perspective: from `position` along `forward + s (u right + v up)`, normalised, with s = tan(field of
+///   view / 2);
 /// - orthographic: from `position + height / 2 (u right + v up)` along `forward`.
 ///
-/// `right = forward x up`: seen from the camera, the axes are right-handed. Directions have unit length, so the time along
-/// a ray is a length. Only what lies at t > 0 is seen.
+/// `right = forward x up`: seen from the camera, the axes are right-handed. Directions have unit length, so
+/// `t` along a ray is a length. Only t > 0 is visible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     position: Vec3,
@@ -42,13 +44,14 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera that sees `target` in the middle of the picture.
+    /// A camera with `target` at the centre of the picture.
     ///
-    /// `up` is the direction that points upwards in the picture, of any length; one that is zero or parallel to the line of
-    /// sight is replaced by some perpendicular vector.
+    /// `up` is the upward direction in the picture, of any length; if it is zero or parallel to the line of
+    /// sight, an arbitrary perpendicular vector replaces it.
     ///
     /// # Errors
-    /// Arguments that are not finite, `position` equal to `target`, a field of view or height out of range.
+    /// [`CameraError`] for arguments that are not finite, `position` equal to `target`, and a field of view
+    /// or height out of range.
     pub fn new(
         position: Vec3,
         target: Vec3,
@@ -78,7 +81,7 @@ impl Camera {
         Camera::new(position.into(), target.into(), up.into(), projection)
     }
 
-    /// An orthographic camera; `height` is that of the picture in lengths of the model.
+    /// An orthographic camera; `height` is that of the picture in model units.
     ///
     /// # Errors
     /// As [`Camera::new`].
@@ -92,7 +95,7 @@ impl Camera {
         Camera::new(position.into(), target.into(), up.into(), projection)
     }
 
-    /// A camera at a finite position that looks along a unit vector.
+    /// A camera at a finite position with a unit line of sight.
     pub(crate) fn along(
         position: Vec3,
         forward: Vec3,
@@ -103,14 +106,14 @@ impl Camera {
         // up is scaled first: the cross product of huge vectors would overflow
         let right = unit(up)
             .map(|up| forward.cross(up))
-            // below this the direction of the product is mostly rounding
+            // below this, the direction of the product is mostly rounding error
             .filter(|right| right.length() > 1e-9)
             .and_then(unit)
             .unwrap_or_else(|| any_perpendicular(forward));
         Ok(Camera { position, forward, right, up: right.cross(forward), projection, half_height })
     }
 
-    /// Where the camera is.
+    /// The position.
     pub fn position(&self) -> Vec3 {
         self.position
     }
@@ -120,22 +123,22 @@ impl Camera {
         self.forward
     }
 
-    /// What points to the right in the picture, of unit length.
+    /// The unit vector to the right in the picture.
     pub fn right(&self) -> Vec3 {
         self.right
     }
 
-    /// What points upwards in the picture, of unit length.
+    /// The unit vector upwards in the picture.
     pub fn up(&self) -> Vec3 {
         self.up
     }
 
-    /// How space becomes a picture.
+    /// The projection.
     pub fn projection(&self) -> Projection {
         self.projection
     }
 
-    /// The ray of the place (x, y), in pixels from the upper left corner.
+    /// The ray through the point (x, y), in pixels from the upper left corner.
     #[inline(always)] // into loops that are compiled for wider instructions
     pub fn ray(&self, size: Size, x: f64, y: f64) -> Ray {
         let (w, h) = (size.width() as f64, size.height() as f64);
@@ -150,8 +153,8 @@ impl Camera {
         }
     }
 
-    /// The place of a point in the picture, in pixels from the upper left corner, inside the picture or not; `None` for a
-    /// point that no ray of a perspective camera can reach, at or behind its position.
+    /// Projects a point: its pixel coordinates from the upper left corner, inside the picture or not. `None`
+    /// at or behind the position of a perspective camera.
     pub fn place_of(&self, size: Size, point: Vec3) -> Option<(f64, f64)> {
         let (w, h) = (size.width() as f64, size.height() as f64);
         let offset = point - self.position;
@@ -164,7 +167,7 @@ impl Camera {
         (scale > 0.0).then_some((0.5 * (w + u * h), 0.5 * (h - v * h)))
     }
 
-    /// The side of a pixel at distance `t`, in lengths of the model.
+    /// The side of a pixel at distance `t`, in model units.
     pub(crate) fn footprint(&self, size: Size, t: f64) -> f64 {
         let pixel = 2.0 * self.half_height / size.height() as f64;
         match self.projection {
@@ -193,7 +196,7 @@ fn half_height(projection: Projection) -> Result<f64, CameraError> {
     }
 }
 
-/// The unit vector along a finite one, without overflow on the way; `None` for zero.
+/// The unit vector along a finite one, without intermediate overflow; `None` for zero.
 fn unit(vector: Vec3) -> Option<Vec3> {
     let largest = vector.abs().max_element();
     (vector / largest).try_normalize()

@@ -1,4 +1,4 @@
-//! The second look: a grid of samples for each pixel that is drawn anew.
+//! Adaptive supersampling: a grid of samples in each pixel with contrast.
 
 use crate::Size;
 use crate::colour::{Premultiplied, over};
@@ -9,12 +9,12 @@ use crate::sample::Sample;
 use crate::shade::Shader;
 use crate::survey::Survey;
 
-/// Samples of the pixels that are drawn anew, beside those of the others.
+/// Samples of the supersampled pixels, with those of the first pass for the others.
 pub(crate) struct Closer<'a> {
     survey: &'a Survey,
-    /// The numbers of the pixels that are drawn anew, increasing.
+    /// The numbers of the supersampled pixels, increasing.
     pub places: &'a [usize],
-    /// For each pixel of the picture where its samples begin, or [`NOWHERE`].
+    /// For each pixel, its position in `places` counted from 1, or [`NOWHERE`].
     first_of: Vec<u32>,
     grid: Grid,
     samples: Vec<Sample>,
@@ -23,7 +23,7 @@ pub(crate) struct Closer<'a> {
 
 const NOWHERE: u32 = 0;
 
-/// The places of samples in pixels: n x n each, row by row.
+/// Sample positions in pixel coordinates: n x n per pixel, row by row.
 #[derive(Clone, Copy)]
 pub(crate) struct Grid {
     size: Size,
@@ -31,7 +31,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The places of the samples of a pixel.
+    /// The positions of the samples of a pixel.
     pub fn places(self, pixel: usize) -> impl Iterator<Item = [f64; 2]> {
         (0..self.n * self.n).map(move |k| self.place(pixel, k))
     }
@@ -43,22 +43,22 @@ impl Grid {
     }
 }
 
-/// What lines are drawn with.
+/// Everything needed to draw lines.
 pub(crate) struct Ink<'a> {
     pub pen: &'a Pen,
     pub contrast: &'a Contrast,
     pub shader: &'a Shader,
 }
 
-/// Pixels, and where what is seen there goes.
+/// Pixels, with the buffers for their samples and colours.
 type Piece<'p> = (&'p [usize], &'p mut [Sample], &'p mut [Premultiplied]);
 
 impl<'a> Closer<'a> {
-    /// Room for n x n samples for each of the places.
+    /// Allocates n x n samples for each pixel of `places`.
     pub fn new(survey: &'a Survey, places: &'a [usize], n: usize) -> Closer<'a> {
         let mut first_of = vec![NOWHERE; survey.size.count()];
         for (k, &place) in places.iter().enumerate() {
-            // from 1, so that the array is made of zeros, which costs nothing until it is touched
+            // counted from 1: a zeroed array costs nothing until it is touched
             first_of[place] = k as u32 + 1;
         }
         let count = places.len() * n * n;
@@ -72,7 +72,7 @@ impl<'a> Closer<'a> {
         }
     }
 
-    /// The room, in pieces of so many pixels.
+    /// The buffers in pieces of `pixels` pixels.
     pub fn pieces(&mut self, pixels: usize) -> (Grid, impl ExactSizeIterator<Item = Piece<'_>> + Send) {
         let length = pixels * self.grid.n * self.grid.n;
         let samples = self.samples.chunks_mut(length * self.survey.levels);
@@ -81,7 +81,7 @@ impl<'a> Closer<'a> {
         (self.grid, pieces.map(|(places, (samples, colours))| (places, samples, colours)))
     }
 
-    /// The mean colour of a pixel that is drawn anew, over a background and under lines.
+    /// The mean colour of a supersampled pixel, over a background and under lines.
     pub fn mean(&self, place: usize, behind: Premultiplied, ink: Option<&Ink<'_>>) -> Premultiplied {
         let per_place = self.grid.n * self.grid.n;
         let first = self.first(place).unwrap_or(0);
@@ -95,7 +95,8 @@ impl<'a> Closer<'a> {
         sum.map(|channel| channel / per_place as f32)
     }
 
-    /// The line that covers a sample: that of the first level that has one, as far as the levels before let it through.
+    /// The colour of the line over a sample: the line of the first level that has one, attenuated by the
+    /// levels in front.
     fn line(&self, place: usize, k: usize, ink: &Ink<'_>) -> Premultiplied {
         let first = (self.first(place).unwrap_or(0) + k) * self.survey.levels;
         let mut transparency = 1.0;
@@ -124,16 +125,16 @@ impl<'a> Closer<'a> {
         })
     }
 
-    /// Where the samples of a pixel begin, if it is drawn anew.
+    /// The index of the first sample of a pixel, if it is supersampled.
     fn first(&self, pixel: usize) -> Option<usize> {
         let number = self.first_of[pixel].checked_sub(1)?;
         Some(number as usize * self.grid.n * self.grid.n)
     }
 
-    /// A sample of the fine grid; in a pixel that is not drawn anew, the one of its centre. None beside the picture.
+    /// A sample of the fine grid; in other pixels, that of the first pass. `None` outside the picture.
     fn sample(&self, [x, y]: [usize; 2], level: usize) -> Option<(&Sample, [f64; 2])> {
         let (n, size) = (self.grid.n, self.survey.size);
-        // beside the picture, left of it or above, numbers wrap around; short divisions are several times as fast
+        // indices left of the picture or above it wrap around; 32-bit divisions are several times as fast
         let limit = size.width().max(size.height()) * n;
         if x >= limit || y >= limit {
             return None;

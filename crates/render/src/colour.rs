@@ -1,9 +1,9 @@
-//! Colours: as screens take them, and as light adds up.
+//! Colours: sRGB pixels, linear light, palette.
 
 use rayweave_model::RegionId;
 use std::sync::LazyLock;
 
-/// A colour as screens take it: sRGB, 8 bits a channel, with opacity (255 is opaque).
+/// An sRGB colour with 8 bits per channel and opacity (255 is opaque).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Rgba {
     /// Red.
@@ -25,12 +25,12 @@ impl Rgba {
         Rgba { red, green, blue, alpha: 255 }
     }
 
-    /// The amounts of light that the screen makes of the colour, not multiplied by the opacity.
+    /// The linear light of the colour, not multiplied by the opacity.
     pub fn linear(self) -> Linear {
         [self.red, self.green, self.blue].map(|level| SRGB.decoded[usize::from(level)])
     }
 
-    /// The opacity as a part of 1.
+    /// The opacity, from 0 to 1.
     pub fn opacity(self) -> f32 {
         f32::from(self.alpha) / 255.0
     }
@@ -48,11 +48,11 @@ impl From<[u8; 4]> for Rgba {
     }
 }
 
-/// Amounts of red, green and blue light; 1 is the most that a screen makes.
+/// Linear light, red, green and blue; 1 is the maximum of the screen.
 pub type Linear = [f32; 3];
 
-/// The colours that regions get in turn where none are given: those of Okabe and Ito, which people with any kind of colour
-/// vision can tell apart ("Color Universal Design", 2008), without black.
+/// The default colours of regions, in order: those of Okabe and Ito without black, distinguishable with any
+/// kind of colour vision ("Color Universal Design", 2008).
 pub const PALETTE: [Rgba; 7] = [
     Rgba::opaque(86, 180, 233),
     Rgba::opaque(230, 159, 0),
@@ -63,7 +63,7 @@ pub const PALETTE: [Rgba; 7] = [
     Rgba::opaque(213, 94, 0),
 ];
 
-/// The colour of a region: number k of the list for region k + 1, else one of [`PALETTE`].
+/// The colour of a region: entry k of the list for region k + 1, otherwise one of [`PALETTE`] in turn.
 pub fn region_colour(colours: &[Rgba], region: RegionId) -> Rgba {
     let index = region.index().saturating_sub(1);
     let of_palette = PALETTE[index % PALETTE.len()];
@@ -72,9 +72,10 @@ pub fn region_colour(colours: &[Rgba], region: RegionId) -> Rgba {
 
 /// The transfer function of sRGB (IEC 61966-2-1:1999), tabulated.
 struct Srgb {
-    /// The light of each level.
+    /// The linear light of each level.
     decoded: [f32; 256],
-    /// The least light that is rounded to each level; the first is unused, and so is the last, which no light reaches.
+    /// The least light that rounds to each level; the first entry is unused, and so is the last, which no
+    /// light reaches.
     threshold: [f32; 257],
     /// The level of the lower end of each of [`STEPS`] equal steps of light.
     guess: [u8; STEPS],
@@ -95,19 +96,20 @@ static SRGB: LazyLock<Srgb> = LazyLock::new(|| {
     Srgb { decoded, threshold, guess }
 });
 
-/// Light from a level in [0, 1].
+/// Linear light of an sRGB level in [0, 1].
 fn decode(level: f64) -> f64 {
     if level <= 0.04045 { level / 12.92 } else { libm::pow((level + 0.055) / 1.055, 2.4) }
 }
 
-/// The level whose light is nearest, as screens count; light beyond [0, 1] is cut off.
+/// The nearest sRGB level of a linear value; values outside [0, 1] are clamped.
 #[inline]
 pub(crate) fn encode(light: f32) -> u8 {
     SRGB.encode(light)
 }
 
 impl Srgb {
-    /// The curve is steepest at 0, where a step has 12.92 * 255 / 4096 = 0.8 levels: at most one threshold lies in a step.
+    /// Table lookup: the curve is steepest at 0, where a step has 12.92 * 255 / 4096 = 0.8 levels, so a step
+    /// contains at most one threshold.
     #[inline]
     fn encode(&self, light: f32) -> u8 {
         let step = (light.clamp(0.0, 1.0) * STEPS as f32) as usize;
@@ -116,7 +118,7 @@ impl Srgb {
     }
 }
 
-/// Light multiplied by its opacity, with the opacity: the form in which colours are averaged and laid over one another.
+/// Premultiplied colour with its opacity: the form in which colours are averaged and composited.
 pub(crate) type Premultiplied = [f32; 4];
 
 pub(crate) fn premultiply(light: Linear, opacity: f32) -> Premultiplied {
@@ -124,12 +126,12 @@ pub(crate) fn premultiply(light: Linear, opacity: f32) -> Premultiplied {
     [r, g, b, opacity]
 }
 
-/// `front` laid over `back`.
+/// Composites `front` over `back`.
 pub(crate) fn over(front: Premultiplied, back: Premultiplied) -> Premultiplied {
     std::array::from_fn(|k| front[k] + (1.0 - front[3]) * back[k])
 }
 
-/// The pixel of a colour.
+/// Converts a premultiplied colour to a pixel.
 pub(crate) fn pixel(colour: Premultiplied) -> [u8; 4] {
     let [r, g, b, opacity] = colour;
     if opacity <= 0.0 {
@@ -145,7 +147,7 @@ pub(crate) fn pixel(colour: Premultiplied) -> [u8; 4] {
 mod tests {
     use super::*;
 
-    /// The inverse transfer function of IEC 61966-2-1, written out on its own.
+    /// The inverse transfer function of IEC 61966-2-1, as an independent formula.
     fn srgb(light: f64) -> f64 {
         if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
     }
@@ -165,7 +167,7 @@ mod tests {
             let light = k as f32 / 100_000.0;
             let exact = 255.0 * srgb(f64::from(light));
             let error = (f64::from(encode(light)) - exact).abs();
-            // the two branches of the standard meet only to four digits, and light has 24 bits
+            // the two branches of the standard agree only to four digits, and light has 24 bits
             assert!(error <= 0.501, "{light}: {} for {exact}", encode(light));
         }
         assert_eq!([encode(-1.0), encode(7.0), encode(f32::NAN)], [0, 255, 0]);

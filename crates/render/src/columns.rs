@@ -1,10 +1,10 @@
-//! Rays and what they meet first, column by column.
+//! Rays and their first hits in columns (structure of arrays).
 
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, FirstHits, Rays, RegionId, Window};
 use rayweave_shape::Ray;
 
-/// A batch of rays and what each of them meets first; the memory is kept from batch to batch.
+/// A batch of rays with their first hits. The buffers are reused from batch to batch.
 #[derive(Default)]
 pub(crate) struct Columns {
     pub origins: [Vec<f64>; 3],
@@ -22,7 +22,7 @@ impl Columns {
         self.origins.iter_mut().chain(&mut self.directions).for_each(Vec::clear);
     }
 
-    /// Makes room for so many rays, that are then to be written.
+    /// Resizes the batch to `count` rays, to be written by the caller.
     pub fn resize(&mut self, count: usize) {
         self.origins.iter_mut().chain(&mut self.directions).for_each(|column| column.resize(count, 0.0));
     }
@@ -44,25 +44,25 @@ impl Columns {
         Ray::new(vector(&self.origins, i), vector(&self.directions, i))
     }
 
-    /// The normal where a ray meets something; not always of the last question: see [`Columns::ask`].
+    /// The normal at the hit; stale if the last call of [`Columns::ask`] computed none.
     #[inline]
     pub fn normal(&self, i: usize) -> Vec3 {
         vector(&self.normal, i)
     }
 
-    /// True if the ray meets something.
+    /// True if the ray hits something.
     #[inline]
     pub fn is_hit(&self, i: usize) -> bool {
         self.face[i] >= 0
     }
 
-    /// The region whose surface is seen: see [`crate::sample::seen`].
+    /// The visible region: see [`crate::sample::seen`].
     #[inline]
     pub fn seen(&self, i: usize) -> RegionId {
         RegionId(if self.after[i] != 0 { self.after[i] } else { self.before[i] })
     }
 
-    /// Asks what each ray meets first; the normals only if they are wanted.
+    /// Computes the first hit of each ray, and its normal if `with_normals` is set.
     pub fn ask<E: Evaluator>(
         &mut self,
         evaluator: &E,

@@ -1,10 +1,10 @@
-//! Where neighbouring places of a picture show different things.
+//! Contrast between neighbouring samples: outlines, creases, shadow edges.
 
 use crate::sample::Sample;
 use crate::{Camera, Lines, Size};
 use rayweave_math::Vec3;
 
-/// What separates two samples; see [`Lines`].
+/// The kind of edge between two samples; see [`Lines`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Step {
     None,
@@ -12,16 +12,16 @@ pub(crate) enum Step {
     Outline,
 }
 
-/// The sine of 20 degrees: a point that lies farther from a tangent plane, as seen from its point, is on another surface.
-/// On a sphere that fills r pixels neighbours differ most at the limb, by about half of 0.32 / sqrt(r / 10) radians: the
-/// limit of 0.35 is not reached by anything larger than a few pixels.
+/// The sine of 20 degrees: a point seen farther than this angle from a tangent plane is on another surface.
+/// On a sphere of radius r pixels, neighbours differ most at the limb, by about half of 0.32 / sqrt(r / 10)
+/// radians: nothing larger than a few pixels reaches the limit of 0.35.
 const STEEP: f64 = 0.342;
 
-/// A step in depth of at most this many sides of a pixel is not tested: what is so nearly frontal is one surface.
+/// A step in depth of at most this many pixel sides is not tested: so nearly frontal a step is one surface.
 const SHALLOW: f64 = 2.0;
 
-/// Between different faces, a step of more than this many sides of a pixel is an outline even where planes through both
-/// points would meet between them: the limb of a curved face in front of another.
+/// Between different faces, a step of more than this many pixel sides is an outline even if the planes
+/// through both points intersect between them: the limb of a curved face in front of another.
 const DEEP: f64 = 6.0;
 
 /// Compares samples of one picture.
@@ -29,7 +29,7 @@ const DEEP: f64 = 6.0;
 pub(crate) struct Contrast {
     camera: Camera,
     size: Size,
-    /// The side of a pixel where two samples are, as a multiple of the distance, and what is added to it.
+    /// The side of a pixel at two samples: a multiple of the distance, plus a constant.
     pixel: (f64, f64),
     crease_cosine: f32,
 }
@@ -42,7 +42,7 @@ impl Contrast {
         Contrast { camera: *camera, size, pixel, crease_cosine: libm::cos(degrees.to_radians()) as f32 }
     }
 
-    /// What separates two samples at places given in pixels.
+    /// The kind of edge between two samples at pixel positions.
     pub fn step(&self, a: &Sample, a_at: [f64; 2], b: &Sample, b_at: [f64; 2]) -> Step {
         if a.region != b.region {
             return Step::Outline;
@@ -65,7 +65,7 @@ impl Contrast {
         }
     }
 
-    /// True if shading differs although the surface is the same: at the edge of a shadow.
+    /// True if an edge separates two samples or different lights shine on them.
     pub fn differs(&self, a: &Sample, a_at: [f64; 2], b: &Sample, b_at: [f64; 2]) -> bool {
         a.lit != b.lit || self.step(a, a_at, b, b_at) > Step::None
     }
@@ -78,8 +78,9 @@ impl Contrast {
         cosine < self.crease_cosine
     }
 
-    /// True if no surface leads from one point to the other. `hinged` allows for two planes that meet between them: then
-    /// each point is before the other's plane (a valley), or each is behind it (a ridge).
+    /// True if the step is too steep for one surface. `hinged` allows for two planes that intersect between
+    /// the points: then each point is in front of the other's plane (a valley), or each is behind it (a
+    /// ridge).
     fn is_steep(&self, a: &Sample, a_at: [f64; 2], b: &Sample, b_at: [f64; 2], hinged: bool) -> bool {
         let between = self.point(b, b_at) - self.point(a, a_at);
         let before_a = between.dot(normal(a));

@@ -1,19 +1,19 @@
-//! What can be wrong with a request for a picture.
+//! Errors of cameras and rendering.
 
 use crate::limits::{LARGEST_SIDE, MOST_SAMPLES};
 use rayweave_error::{Classified, ErrorKind};
 
-/// Why a camera cannot be made.
+/// Error of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
     /// A coordinate is NaN or infinite.
     #[error("the camera's {what} is not finite: a camera stands somewhere.")]
     NotFinite {
-        /// Which argument.
+        /// The argument.
         what: &'static str,
     },
-    /// Nothing says where the camera looks.
+    /// The camera has no line of sight: position and target coincide.
     #[error(
         "the camera's position and target are the same point: nothing says where it looks. Move one of them."
     )]
@@ -21,13 +21,13 @@ pub enum CameraError {
     /// The field of view is out of range.
     #[error("the field of view is {degrees} degrees: it must be between 0 and 180, both excluded.")]
     FieldOfView {
-        /// What was given.
+        /// The given value.
         degrees: f64,
     },
     /// The height of an orthographic picture is out of range.
     #[error("the height of the picture is {height}: it must be greater than 0.")]
     Height {
-        /// What was given.
+        /// The given value.
         height: f64,
     },
 }
@@ -38,11 +38,11 @@ impl Classified for CameraError {
     }
 }
 
-/// Why there is no picture.
+/// Error of rendering.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// The token of the run was used.
+    /// The run was cancelled.
     #[error("cancelled")]
     Cancelled,
     /// The picture has no pixels, or too many.
@@ -51,35 +51,35 @@ pub enum RenderError {
         LARGEST_SIDE
     )]
     Size {
-        /// The width that was asked for.
+        /// The requested width.
         width: u32,
-        /// The height that was asked for.
+        /// The requested height.
         height: u32,
     },
     /// The number of samples is out of range.
     #[error("{samples} samples along each side of a pixel: the number must be from 1 to {}.", MOST_SAMPLES)]
     Samples {
-        /// What was asked for.
+        /// The requested number.
         samples: u32,
     },
     /// A number of the settings is out of range.
     #[error("the {what} is {value}: it must be from {lo} to {hi}.")]
     Range {
-        /// Which setting.
+        /// The setting.
         what: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
-        /// The least legal value.
+        /// The least admissible value.
         lo: f64,
-        /// The greatest legal value.
+        /// The greatest admissible value.
         hi: f64,
     },
-    /// A light cannot shine.
+    /// A light with an invalid property.
     #[error("light {index} has {problem}")]
     Light {
         /// The number of the light, from 0.
         index: usize,
-        /// What is wrong with it.
+        /// The problem.
         problem: &'static str,
     },
 }

@@ -1,21 +1,22 @@
-//! Where in a picture a model can be seen at all.
+//! Screen-space extent of a model: the pixels in which it can be visible.
 
 use crate::{Camera, Size};
 use rayweave_math::Bounds;
 use std::ops::Range;
 
-/// For each row of pixels the columns in which something may be seen.
+/// For each row of pixels, the columns in which the model can be visible.
 ///
-/// The picture of a box is the convex hull of the pictures of its corners (a projection keeps lines straight, and all corners
-/// lie before the camera). Its columns in a row are those of the segments between corners, cut by the row: no part of a hull
-/// reaches farther. Rows and columns are grown by a pixel.
+/// The projection of a box is the convex hull of the projections of its corners (projections keep lines
+/// straight, and all corners are in front of the camera). Its columns in a row are those of the segments
+/// between corners, clipped to the row. Rows and columns are extended by a pixel.
 pub(crate) struct Extent {
     rows: Vec<Range<usize>>,
 }
 
-/// A piece of a picture whose rays are asked together: they are near each other, and their answers fit into a near cache.
+/// A tile of the picture, whose rays are traced as one batch: they are coherent, and their hits fit into the
+/// L1 cache.
 pub(crate) struct Tile {
-    /// Parts of its rows, as far as something may be seen in them, block by block.
+    /// The parts of its rows inside the extent, block by block.
     pub parts: Vec<Part>,
 }
 
@@ -23,15 +24,15 @@ pub(crate) struct Tile {
 pub(crate) struct Part {
     pub row: usize,
     pub columns: Range<usize>,
-    /// How many columns in which something may be seen are before it.
+    /// The number of columns of the extent before this part.
     pub offset: usize,
 }
 
 impl Tile {
     pub const WIDTH: usize = 32;
     pub const HEIGHT: usize = 8;
-    /// Its pixels are asked in blocks of so many columns and rows: evaluators take eight rays or so at a time, and what
-    /// a square touches is less than what a row of as many pixels does.
+    /// Block of pixels, columns and rows, whose rays are consecutive: evaluators process about eight rays at
+    /// a time, and a compact block touches fewer leaves than a row of as many pixels.
     const BLOCK: [usize; 2] = [4, 2];
 
     /// The centres of its pixels.
@@ -48,7 +49,8 @@ pub(crate) fn centre(x: usize, y: usize) -> [f64; 2] {
     [x as f64 + 0.5, y as f64 + 0.5]
 }
 
-/// A pixel must be at least this part of all coordinates, else rounding might move the corners by a part of a pixel.
+/// The least side of a pixel relative to all coordinates: below it, rounding could move the corners by a part
+/// of a pixel.
 const FINE: f64 = 1e-9;
 
 impl Extent {
@@ -61,7 +63,7 @@ impl Extent {
         Extent { rows }
     }
 
-    /// The tiles of a band of rows in which something may be seen, from left to right.
+    /// The non-empty tiles of a band of rows, from left to right.
     pub fn tiles(&self, rows: Range<usize>) -> impl Iterator<Item = Tile> + '_ {
         let busy = rows.clone().map(|row| self.columns(row)).filter(|columns| !columns.is_empty());
         let all = busy.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0);
@@ -78,20 +80,20 @@ impl Extent {
         })
     }
 
-    /// What of some columns of a row may show something.
+    /// The columns of a row that are inside the extent.
     fn part(&self, row: usize, columns: Range<usize>) -> Option<Part> {
         let own = &self.rows[row];
         let columns = columns.start.max(own.start)..columns.end.min(own.end);
         (!columns.is_empty()).then(|| Part { row, offset: columns.start - own.start, columns })
     }
 
-    /// The columns of a row in which something may be seen.
+    /// The columns of the extent in a row.
     pub fn columns(&self, row: usize) -> Range<usize> {
         self.rows[row].clone()
     }
 }
 
-/// The pictures of the corners of a box; `None` if they do not bound the picture of the box.
+/// The projected corners of a box; `None` if they do not bound its projection.
 fn corners(camera: &Camera, size: Size, bounds: &Bounds) -> Option<Vec<(f64, f64)>> {
     if bounds.is_empty() {
         return Some(Vec::new());
@@ -130,7 +132,7 @@ fn columns(corners: &[(f64, f64)], row: usize, size: Size) -> Range<usize> {
             }
         }
     }
-    // casts of numbers beyond the picture stop at 0 and are cut at the width
+    // casts saturate at 0; the width limits the rest
     let start = ((left - 1.0) as usize).min(size.width());
     let end = ((right + 2.0).max(0.0) as usize).min(size.width());
     start..end.max(start)

@@ -1,4 +1,4 @@
-//! Threads that look along rays, and the colours and samples of what they see.
+//! Per-thread tracing of camera rays: colours and samples.
 
 use crate::colour::{Premultiplied, over, premultiply};
 use crate::gaze::Gaze;
@@ -8,7 +8,7 @@ use crate::shadow::Shadows;
 use crate::{Camera, Size};
 use rayweave_model::{Evaluator, Limit, Query, RayBatch, attributes};
 
-/// A thread that looks along rays: by columns where nothing is translucent, else layer by layer.
+/// Camera-ray tracer of one thread: in columns for opaque scenes, layer by layer otherwise.
 pub(crate) enum Eye<'a, E: Evaluator> {
     Columns(Box<Gaze<'a, E>>),
     Layers(Box<Layers<'a, E>>),
@@ -22,8 +22,8 @@ impl<'a, E: Evaluator> Eye<'a, E> {
         }
     }
 
-    /// Looks along the rays of places, given in pixels, and fills in what is seen: a colour per ray, and the samples of as
-    /// many levels per ray as the shader tells apart, unless there is no room for any.
+    /// Traces the rays through pixel positions and writes a colour per ray, and as many samples per ray as
+    /// the shader has levels, unless `samples` is empty.
     pub fn look(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
         match self {
             Eye::Columns(gaze) => gaze.look(places, samples, colours),
@@ -32,7 +32,7 @@ impl<'a, E: Evaluator> Eye<'a, E> {
     }
 }
 
-/// The buffers of a thread that looks along rays, layer by layer.
+/// The buffers of a thread that traces camera rays layer by layer.
 pub(crate) struct Layers<'a, E: Evaluator> {
     evaluator: &'a E,
     shader: &'a Shader,
@@ -111,7 +111,7 @@ impl<'a, E: Evaluator> Layers<'a, E> {
         self.evaluator.crossings(rays, &query, &mut self.scratch, &mut take);
     }
 
-    /// Lays a surface over what is behind it.
+    /// Composites a surface over the colours behind it.
     fn lay(&self, layer: &Layer, colour: &mut Premultiplied) {
         let ray = self.rays.rays().get(layer.ray);
         let look = Look {

@@ -1,4 +1,4 @@
-//! What rays see where nothing is translucent: the first surface of each, column by column.
+//! Primary rays of opaque scenes: the first hit of each ray, in columns.
 
 use crate::colour::{Linear, Premultiplied, premultiply};
 use crate::columns::{Columns, vector};
@@ -10,7 +10,7 @@ use crate::{Camera, Size, Style};
 use fearless_simd::Level;
 use rayweave_model::{Evaluator, Query};
 
-/// The buffers of a thread that looks along rays of opaque scenes.
+/// The buffers of a thread that traces the primary rays of opaque scenes.
 pub(crate) struct Gaze<'a, E: Evaluator> {
     evaluator: &'a E,
     shader: &'a Shader,
@@ -19,18 +19,18 @@ pub(crate) struct Gaze<'a, E: Evaluator> {
     scratch: E::Scratch,
     sight: Columns,
     occlusion: Occlusion,
-    /// The points that are seen.
+    /// The visible points.
     points: [Vec<f64>; 3],
-    /// The lights that shine on what each ray sees, a bit each.
+    /// The lights that shine on each visible point, one bit each.
     lit: Vec<u32>,
     cosines: Vec<f32>,
-    /// The light that arrives at each point.
+    /// The light arriving at each point.
     arriving: Vec<Linear>,
     level: Level,
 }
 
 impl<'a, E: Evaluator> Gaze<'a, E> {
-    /// None where something is translucent, or where a shadow comes from a light without a place and the model has no end.
+    /// `None` for translucent scenes, and for shadows of a directional light on an unbounded model.
     pub fn new(evaluator: &'a E, shader: &'a Shader, camera: &'a Camera, size: Size) -> Option<Self> {
         let can_cast =
             !shader.casts_shadows() || occlusion::is_possible(shader.lights(), evaluator.program());
@@ -68,7 +68,7 @@ impl<'a, E: Evaluator> Gaze<'a, E> {
         samples.iter_mut().enumerate().for_each(|(i, sample)| *sample = self.sample(i));
     }
 
-    /// Colours by Lambert's law, lamp by lamp.
+    /// Shades by Lambert's law, light by light.
     fn lambert(&mut self, colours: &mut [Premultiplied]) {
         self.arriving.clear();
         self.arriving.resize(self.sight.len(), [AMBIENT; 3]);
@@ -87,7 +87,7 @@ impl<'a, E: Evaluator> Gaze<'a, E> {
         }
     }
 
-    /// Colours of any style, surface by surface.
+    /// Shades in any style, surface by surface.
     fn shade(&self, colours: &mut [Premultiplied]) {
         for (i, colour) in colours.iter_mut().enumerate() {
             *colour = [0.0; 4];
@@ -104,7 +104,7 @@ impl<'a, E: Evaluator> Gaze<'a, E> {
         }
     }
 
-    /// What is seen along a ray.
+    /// The sample of a ray.
     fn sample(&self, i: usize) -> Sample {
         if !self.sight.is_hit(i) {
             return Sample::MISS;

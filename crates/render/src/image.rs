@@ -1,4 +1,4 @@
-//! Rectangles of pixels.
+//! Images: rectangles of pixels.
 
 use crate::RenderError;
 use crate::limits::LARGEST_SIDE;
@@ -11,7 +11,7 @@ pub struct Size {
 }
 
 impl Size {
-    /// The most pixels on a side.
+    /// The greatest number of pixels on a side.
     pub const LARGEST: u32 = LARGEST_SIDE;
 
     /// A size.
@@ -43,14 +43,14 @@ impl Size {
     }
 }
 
-/// A value per pixel, row by row from the top.
+/// A two-dimensional array with a value per pixel, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane<T> {
     size: Size,
     values: Vec<T>,
 }
 
-/// A picture: red, green, blue, opacity; sRGB, 8 bits each, colours not multiplied by the opacity.
+/// A picture: red, green, blue, opacity; sRGB, 8 bits each, not premultiplied.
 pub type Image = Plane<[u8; 4]>;
 
 impl<T: Clone> Plane<T> {
@@ -61,7 +61,7 @@ impl<T: Clone> Plane<T> {
 }
 
 impl<T> Plane<T> {
-    /// A plane of given values, row by row from the top; `None` if their number is not that of the pixels.
+    /// A plane of given values, row by row from the top; `None` if their number differs from `size.count()`.
     pub fn from_values(size: Size, values: Vec<T>) -> Option<Plane<T>> {
         (values.len() == size.count()).then_some(Plane { size, values })
     }
@@ -86,17 +86,17 @@ impl<T> Plane<T> {
         &self.values
     }
 
-    /// The values, to be changed.
+    /// The values, mutable.
     pub fn values_mut(&mut self) -> &mut [T] {
         &mut self.values
     }
 
-    /// The values, moved out.
+    /// Returns the values by value.
     pub fn into_values(self) -> Vec<T> {
         self.values
     }
 
-    /// The value in column `x` and row `y`; `None` beside the picture.
+    /// The value in column `x` and row `y`; `None` outside the picture.
     pub fn get(&self, x: usize, y: usize) -> Option<&T> {
         (x < self.width() && y < self.height()).then(|| &self.values[y * self.width() + x])
     }

@@ -1,4 +1,4 @@
-//! Pictures of compiled models, as pixels.
+//! Rendering of compiled models: shaded pictures and images of depth, normals and ids.
 //!
 //! [`render`] draws a shaded ([`Style`]) and anti-aliased picture of a model, with outlines and creases ([`Lines`]), lights and
 //! shadows. [`depth`], [`normals`] and [`ids`] compute images of plain numbers, [`geometry`] all three at once. [`png`] encodes
@@ -7,7 +7,8 @@
 //! Pixels are counted from the upper left corner; z is up in every [`View`]. The same model, camera and settings give the
 //! same bits for any number of threads.
 //!
-//! Invariants of absence: this crate reads no model files and names no evaluator; functions are generic over [`Evaluator`].
+//! This crate reads no model files and depends on no particular evaluator; functions are generic over
+//! [`Evaluator`].
 //!
 //! [`Evaluator`]: rayweave_model::Evaluator
 

@@ -1,41 +1,42 @@
-//! Lights of a scene.
+//! Light sources of a scene.
 
 use crate::colour::Linear;
 use crate::{RenderError, Rgba};
 use rayweave_math::Vec3;
 
-/// Where light comes from.
+/// The kind of a light source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// Parallel light that travels along this vector; of any length but zero.
+    /// A directional light along this vector, of any length but zero.
     Direction(Vec3),
-    /// Light from this point, equally strong at every distance.
+    /// A point light, equally strong at every distance.
     Position(Vec3),
 }
 
-/// A light.
+/// A light source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Where it comes from.
+    /// The kind, with its direction or position.
     pub kind: LightKind,
-    /// How strong it is: 1 makes a surface that faces it as bright as its colour. At least 0.
+    /// The intensity, at least 0: 1 makes a surface that faces the light as bright as its colour.
     pub intensity: f64,
-    /// Its colour; the opacity counts for nothing.
+    /// The colour; its opacity is ignored.
     pub colour: Rgba,
 }
 
 impl Light {
-    /// White light of intensity 1 that travels along a vector.
+    /// A white directional light of intensity 1.
     pub fn along(direction: impl Into<Vec3>) -> Light {
         Light { kind: LightKind::Direction(direction.into()), intensity: 1.0, colour: Rgba::WHITE }
     }
 
-    /// White light of intensity 1 from a point.
+    /// A white point light of intensity 1.
     pub fn at(position: impl Into<Vec3>) -> Light {
         Light { kind: LightKind::Position(position.into()), ..Light::along(Vec3::Z) }
     }
 
-    /// The vector from a point to the light: all the way to a position, of unit length towards a direction.
+    /// The vector from a point to the light: to the position of a point light, of unit length for a
+    /// directional one.
     pub(crate) fn towards(&self, point: Vec3) -> Vec3 {
         match self.kind {
             LightKind::Direction(direction) => -(direction / direction.abs().max_element()).normalize(),
@@ -43,7 +44,7 @@ impl Light {
         }
     }
 
-    /// The time at which a ray along [`Light::towards`] reaches the light.
+    /// The `t` at which a ray along [`Light::towards`] reaches the light.
     pub(crate) fn distance(&self) -> f64 {
         match self.kind {
             LightKind::Direction(_) => f64::INFINITY,
@@ -51,7 +52,7 @@ impl Light {
         }
     }
 
-    /// What arrives, per channel.
+    /// The arriving light, per channel.
     pub(crate) fn strength(&self) -> Linear {
         self.colour.linear().map(|channel| channel * self.intensity as f32)
     }

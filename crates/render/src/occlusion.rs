@@ -1,4 +1,4 @@
-//! Which lights shine on what is seen, where nothing is translucent.
+//! Shadows of opaque scenes: shadow rays from the lights to the visible points.
 
 use crate::columns::{Columns, vector};
 use crate::shade::Shader;
@@ -8,23 +8,23 @@ use rayweave_model::{Evaluator, PlacementId, Program, Window};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{coincides_along, delta};
 
-/// Casts rays from lights to surfaces.
+/// Casts shadow rays from lights to surfaces.
 ///
-/// A ray runs from the light, t = 0, to the surface, t = 1, and asks what it meets first. That is the surface itself, or
-/// nothing where rounding puts it beyond t = 1, unless something is between. No start lists are needed, and the rays of a
-/// light have one origin, so that neighbours meet the same things. What a ray meets is the surface itself if it is within
-/// [`delta`] of the end, or if it belongs to the same surface and the ray keeps to that from there to the end ([`coincides_along`]): a ray
-/// that grazes a surface meets it a little early, by more than `delta`.
+/// A ray runs from the light, t = 0, to the surface, t = 1. Its first hit is the surface itself, or nothing
+/// where rounding puts it beyond t = 1, unless something is between. Start lists are not needed, and the rays
+/// of a light have one origin, so neighbouring rays hit the same leaves. A hit counts as the surface itself
+/// within [`delta`] of the end, or on the same surface if the ray coincides with it from there to the end
+/// ([`coincides_along`]): a grazing ray hits its surface earlier by more than `delta`.
 #[derive(Default)]
 pub(crate) struct Occlusion {
     rays: Columns,
-    /// The ray of sight that each belongs to.
+    /// The camera ray of each shadow ray.
     of: Vec<u32>,
 }
 
 impl Occlusion {
-    /// Separated the bits of the lights that something hides, or that are behind the surface; the normals of what is seen, at
-    /// these points, are on the side of the eye.
+    /// Clears the bits of `lit` for lights that are hidden or behind the surface. The normals of the visible
+    /// surfaces at `points` have to face the eye.
     pub fn cast<E: Evaluator>(
         &mut self,
         evaluator: &E,
@@ -47,7 +47,7 @@ impl Occlusion {
         }
     }
 
-    /// The rays from a light to the surfaces that face it; from the others its bit is taken.
+    /// Collects the rays from a light to the surfaces that face it, and clears its bit for all others.
     fn gather(
         &mut self,
         light: &Light,
@@ -74,7 +74,7 @@ impl Occlusion {
         }
     }
 
-    /// True if a ray from a light meets something before the surface that it is cast to.
+    /// True if a shadow ray hits something before its target surface.
     fn is_hidden(&self, program: &Program, sight: &Columns, k: usize, i: usize) -> bool {
         let t = self.rays.t[k];
         if t >= 1.0 {
@@ -96,7 +96,8 @@ impl Occlusion {
     }
 }
 
-/// How far away the light is, in lengths of [`Light::towards`]: for a direction far enough to be outside of the model.
+/// The distance of the light in lengths of [`Light::towards`]; for a directional light, far enough to be
+/// outside the model.
 fn distance(light: &Light, program: &Program) -> f64 {
     match light.kind {
         LightKind::Position(_) => 1.0,
@@ -104,7 +105,7 @@ fn distance(light: &Light, program: &Program) -> f64 {
     }
 }
 
-/// True if the light of every lamp can be followed from where it comes: from directions only if the model has an end.
+/// True if shadow rays from all lights are possible: directional lights need a bounded model.
 pub(crate) fn is_possible<'l>(mut lights: impl Iterator<Item = &'l Light>, program: &Program) -> bool {
     let is_finite = program.bounds().is_finite();
     lights.all(|light| is_finite || matches!(light.kind, LightKind::Position(_)))

@@ -1,24 +1,25 @@
-//! What draws lines.
+//! Line drawing: the neighbourhood in which an edge draws a line.
 
 use crate::Lines;
 use crate::colour::{Premultiplied, premultiply};
 use crate::contrast::Step;
 
-/// A pen: which neighbours of a sample it looks at for a difference.
+/// A pen: the neighbours that a sample is compared with.
 pub(crate) struct Pen {
-    /// Offsets on the grid of samples, nearest first, and whether creases count there.
+    /// Offsets on the grid of samples, nearest first, each with a flag whether creases count there.
     offsets: Vec<([isize; 2], bool)>,
     pub colour: Premultiplied,
-    /// How many pixels the offsets reach, at least 1.
+    /// The greatest offset in pixels, at least 1.
     pub reach: usize,
 }
 
-/// The width of creases, where that of outlines is 1.
+/// The width of creases relative to that of outlines.
 const CREASE_WIDTH: f64 = 0.6;
 
 impl Pen {
-    /// A line of width w covers the samples within w / 2 of the difference, which is half-way between two samples. With one
-    /// sample per pixel it would always be two pixels wide, so then only the neighbours on two sides are looked at.
+    /// A line of width w covers the samples within w / 2 of the edge, which is half-way between two samples.
+    /// At one sample per pixel every line would be two pixels wide, so only the neighbours on two sides are
+    /// compared.
     pub fn new(lines: &Lines, samples: u32) -> Pen {
         let within = |width: f64| 0.5 * width * f64::from(samples) + 0.5;
         let (far, near) = (within(lines.width), within(CREASE_WIDTH * lines.width).max(1.0));
@@ -38,7 +39,7 @@ impl Pen {
         }
     }
 
-    /// True if a line covers the sample, given what separates it from the one at an offset.
+    /// True if a line covers the sample; `step` returns the kind of edge between it and the one at an offset.
     pub fn touches(&self, step: impl Fn([isize; 2]) -> Step) -> bool {
         self.offsets.iter().any(|&(offset, creases_count)| {
             let least = if creases_count { Step::Crease } else { Step::Outline };
@@ -51,7 +52,7 @@ impl Pen {
 mod tests {
     use super::*;
 
-    /// The samples of a row that a line covers, where the difference is between 0 and -1.
+    /// The number of samples of a row that a line covers, with the edge between 0 and -1.
     fn covered(width: f64, samples: u32, step: Step) -> usize {
         let lines = Lines { width, ..Lines::default() };
         let pen = Pen::new(&lines, samples);

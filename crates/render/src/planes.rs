@@ -1,4 +1,4 @@
-//! Depth, normals and ids: what pictures are made from, as plain numbers.
+//! Images of plain numbers: depth, normals and ids.
 
 use crate::columns::Columns;
 use crate::extent::{Extent, Tile};
@@ -6,10 +6,10 @@ use crate::{Camera, Plane, RenderError, Run, Size, sweep};
 use fearless_simd::Level;
 use rayweave_model::{Evaluator, LeafKind, Program, Query};
 
-/// Which numbers [`ids`] gives.
+/// The kind of id that [`ids`] returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IdKind {
-    /// The number of the region, from 1; 0 for a miss: the world's number.
+    /// The number of the region, from 1; 0, the world's number, for a miss.
     #[default]
     Region,
     /// The number of the leaf ([`rayweave_model::LeafId`]), from 0; -1 for a miss.
@@ -37,8 +37,9 @@ pub fn depth<E: Evaluator>(
     Ok(depth)
 }
 
-/// The unit normal of the first surface at the centre of each pixel, outward of what is entered or left: towards the camera
-/// where it sees a region from outside, away from it where it looks out of a region into the world. NaN for a miss.
+/// The unit normal of the first surface at the centre of each pixel, outward of the solid that is entered or
+/// left: towards the camera where it sees a region from outside, away from it where it looks out of a region
+/// into the world. NaN for a miss.
 ///
 /// # Errors
 /// The run was cancelled.
@@ -56,7 +57,7 @@ pub fn normals<E: Evaluator>(
     Ok(normals)
 }
 
-/// What the first surface at the centre of each pixel belongs to; see [`IdKind`].
+/// The id of the first surface at the centre of each pixel; see [`IdKind`].
 ///
 /// # Errors
 /// The run was cancelled.
@@ -74,7 +75,7 @@ pub fn ids<E: Evaluator>(
     Ok(ids)
 }
 
-/// What the first surface at the centre of each pixel is, in three planes.
+/// Depth, normal and id of the first surface at the centre of each pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     /// As of [`depth`].
@@ -85,7 +86,7 @@ pub struct Geometry {
     pub ids: Plane<i32>,
 }
 
-/// [`depth`], [`normals`] and [`ids`] from one look.
+/// [`depth`], [`normals`] and [`ids`] in one pass.
 ///
 /// # Errors
 /// The run was cancelled.
@@ -112,10 +113,10 @@ pub fn geometry<E: Evaluator>(
     Ok(all)
 }
 
-/// The numbers of one kind.
+/// The ids of one kind.
 struct Numbers {
     kind: IdKind,
-    /// The leaf of each face, if leaves are asked for.
+    /// The leaf of each face, for [`IdKind::Leaf`].
     leaves: Vec<i32>,
 }
 
@@ -140,7 +141,8 @@ impl Numbers {
         }
     }
 
-    /// The number for a ray that meets something. (Compiling refuses models with more than 2^31 of anything.)
+    /// The id of a ray that hits something. (Compiling rejects models with more than 2^31 objects of any
+    /// kind.)
     #[inline]
     fn of(&self, hits: &Columns, i: usize) -> i32 {
         match self.kind {
@@ -152,7 +154,7 @@ impl Numbers {
     }
 }
 
-/// Looks once per pixel, in bands of rows.
+/// One ray per pixel, in bands of rows.
 struct Bands<'a, E> {
     evaluator: &'a E,
     camera: &'a Camera,
@@ -161,13 +163,13 @@ struct Bands<'a, E> {
 }
 
 impl<E: Evaluator> Bands<'_, E> {
-    /// A plane in bands.
+    /// Splits a plane into bands.
     fn of<'p, T>(&self, plane: &'p mut Plane<T>) -> std::slice::ChunksMut<'p, T> {
         plane.values_mut().chunks_mut(Tile::HEIGHT * self.size.width())
     }
 
-    /// Calls `put` for each pixel whose ray meets something: its band, its number in the band, what the rays meet, and the
-    /// number of its ray there.
+    /// Calls `put` for each pixel whose ray hits something, with its band, its index in the band, the hits,
+    /// and the index of its ray there.
     fn look<B: Send>(
         &self,
         run: &mut Run<'_>,

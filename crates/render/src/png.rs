@@ -1,16 +1,16 @@
-//! PNG files in memory; whoever calls writes them where they belong.
+//! PNG encoding and decoding in memory; the caller writes files.
 
 use crate::{IdKind, Image, PALETTE, Plane, Rgba, Size};
 use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
-/// Why something is not a picture that can be read.
+/// Error of decoding a picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
-    /// The file is damaged or no PNG file.
+    /// The file is damaged or not a PNG file.
     #[error("this is no PNG file that can be read ({0})")]
     Decoding(#[from] png::DecodingError),
-    /// The picture is of a kind that is never written here.
+    /// The picture has a pixel format that is never written here.
     #[error("the picture has {0}: only 8-bit RGBA pictures are read. Convert it.")]
     Kind(String),
     /// The picture is too large.
@@ -18,15 +18,16 @@ pub enum ReadError {
     Size(#[from] crate::RenderError),
 }
 
-/// A picture as 8-bit RGBA, marked as sRGB.
+/// Encodes a picture as 8-bit RGBA, marked as sRGB.
 pub fn encode(image: &Image) -> Vec<u8> {
     let bytes = image.values().as_flattened();
     file(image.size(), ColorType::Rgba, BitDepth::Eight, bytes, &[])
 }
 
-/// A depth image as 16-bit grey: the least finite depth is 65535 (white), the greatest is 1, linear in between, and a miss
-/// is 0. Where all finite depths are equal they are white. The two depths stand in the file as texts `near` and `far`, in the
-/// shortest form that gives the same f64, so that `t = near + (far - near) (65535 - grey) / 65534`.
+/// Encodes depth as 16-bit grey: the least finite depth is 65535 (white), the greatest is 1, linear in
+/// between, and a miss is 0. If all finite depths are equal they are white. The two depths are stored as text
+/// chunks `near` and `far`, in the shortest form that gives the same f64, so that `t = near + (far - near)
+/// (65535 - grey) / 65534`.
 pub fn encode_depth(depth: &Plane<f64>) -> Vec<u8> {
     let finite = || depth.values().iter().copied().filter(|t| t.is_finite());
     let near = finite().fold(f64::INFINITY, f64::min);
@@ -34,7 +35,7 @@ pub fn encode_depth(depth: &Plane<f64>) -> Vec<u8> {
     let grey = |&t: &f64| match () {
         () if !t.is_finite() => 0,
         () if near == far => u16::MAX,
-        // scaled before the difference is taken: it cannot overflow
+        // scaled before the subtraction, which therefore cannot overflow
         () => (65_535.5 - (t / 2.0 - near / 2.0) / (far / 2.0 - near / 2.0) * 65_534.0) as u16,
     };
     let bytes: Vec<u8> = depth.values().iter().map(grey).flat_map(u16::to_be_bytes).collect();
@@ -43,17 +44,17 @@ pub fn encode_depth(depth: &Plane<f64>) -> Vec<u8> {
     file(depth.size(), ColorType::Grayscale, BitDepth::Sixteen, &bytes, texts)
 }
 
-/// Numbers as 16-bit grey: 0 or less is black, `white` or more is 65535, linear in between. `white` stands in the file as a
-/// text.
+/// Encodes numbers as 16-bit grey: 0 or less is black, `white` or more is 65535, linear in between. `white`
+/// is stored as a text chunk.
 pub fn encode_grey(plane: &Plane<f64>, white: f64) -> Vec<u8> {
-    // a number that is none is black
+    // NaN is black
     let grey = |&value: &f64| (value / white * 65_535.0 + 0.5) as u16;
     let bytes: Vec<u8> = plane.values().iter().map(grey).flat_map(u16::to_be_bytes).collect();
     let texts = [("white", white.to_string())];
     file(plane.size(), ColorType::Grayscale, BitDepth::Sixteen, &bytes, &texts)
 }
 
-/// Normals as 16-bit RGB: each component n becomes (n + 1) / 2 of 65535; a miss is black.
+/// Encodes normals as 16-bit RGB: each component n becomes (n + 1) / 2 of 65535; a miss is black.
 pub fn encode_normals(normals: &Plane<[f64; 3]>) -> Vec<u8> {
     let level = |n: f64| if n.is_nan() { 0 } else { ((n + 1.0) * 32_767.5 + 0.5) as u16 };
     let values = normals.values().as_flattened();
@@ -61,7 +62,7 @@ pub fn encode_normals(normals: &Plane<[f64; 3]>) -> Vec<u8> {
     file(normals.size(), ColorType::Rgb, BitDepth::Sixteen, &bytes, &[])
 }
 
-/// Ids as colours: [`id_colour`] of each.
+/// Encodes ids as colours, each by [`id_colour`].
 pub fn encode_ids(ids: &Plane<i32>, kind: IdKind) -> Vec<u8> {
     let colour = |&id: &i32| {
         let Rgba { red, green, blue, alpha } = id_colour(id, kind);
@@ -71,8 +72,8 @@ pub fn encode_ids(ids: &Plane<i32>, kind: IdKind) -> Vec<u8> {
     file(ids.size(), ColorType::Rgba, BitDepth::Eight, &bytes, &[])
 }
 
-/// The colour of an id: those of [`PALETTE`] in turn, from the first id that is no miss; after each round darker, until they
-/// begin anew. A miss is transparent.
+/// The colour of an id: those of [`PALETTE`] in turn, darker after each round, repeating after four rounds. A
+/// miss is transparent.
 pub fn id_colour(id: i32, kind: IdKind) -> Rgba {
     let first = i32::from(kind == IdKind::Region);
     let Ok(number) = usize::try_from(id.saturating_sub(first)) else {
@@ -83,10 +84,10 @@ pub fn id_colour(id: i32, kind: IdKind) -> Rgba {
     Rgba::opaque(darker(colour.red), darker(colour.green), darker(colour.blue))
 }
 
-/// Reads a picture that [`encode`] has written.
+/// Decodes a picture written by [`encode`].
 ///
 /// # Errors
-/// Anything that is not an 8-bit RGBA PNG file.
+/// [`ReadError`] for anything other than an 8-bit RGBA PNG file.
 pub fn decode(bytes: &[u8]) -> Result<Image, ReadError> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
     let info = reader.info();
@@ -100,7 +101,7 @@ pub fn decode(bytes: &[u8]) -> Result<Image, ReadError> {
     Ok(image)
 }
 
-/// A whole file; writing to memory cannot fail, and sizes are checked when a [`Size`] is made.
+/// Encodes a file; writing to memory cannot fail, and a [`Size`] is checked when it is made.
 fn file(size: Size, colour: ColorType, depth: BitDepth, bytes: &[u8], texts: &[(&str, String)]) -> Vec<u8> {
     let mut out = Vec::new();
     let written = (|| {

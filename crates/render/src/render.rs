@@ -1,5 +1,4 @@
-//! The drawing of a picture, in four stages: look once per pixel, find where neighbours differ, look there again and closer,
-//! draw lines and average.
+//! The renderer: first pass with one ray per pixel, contrast, adaptive supersampling, lines and averaging.
 
 use crate::closer::{Closer, Ink};
 use crate::colour::{Premultiplied, over, pixel, premultiply};
@@ -14,16 +13,17 @@ use crate::survey::Survey;
 use crate::{Background, Camera, Plane, RenderError, Rgba, Run, Settings, Size};
 use rayweave_model::Evaluator;
 
-/// Draws a picture.
+/// Renders a picture.
 ///
-/// Every pixel is looked at once, at its centre. Where what is seen differs from a neighbour (another region, a step in
-/// depth, another face at an angle, another shadow: see [`crate::Lines`]), the pixel and those that a line there could reach
-/// are drawn anew from a regular grid of samples, whose mean, in linear light, is the pixel. So details smaller than a pixel
-/// that no centre meets are not seen. Memory: about 50 bytes per pixel, and 60 n^2 for each that is drawn
-/// anew with n x n samples; where regions are translucent, four times as much.
+/// The first pass traces one ray through the centre of each pixel. Pixels that differ from a neighbour
+/// (another region, a step in depth, another face at an angle, another shadow: see [`crate::Lines`]), and
+/// those within the reach of a line there, are supersampled on a regular grid; the pixel is the mean in
+/// linear light. Details smaller than a pixel that no centre ray hits are therefore missed. Memory: about 50
+/// bytes per pixel, and 60 n^2 for each supersampled pixel with n x n samples; four times as much with
+/// translucent regions.
 ///
 /// # Errors
-/// Settings out of range; the run was cancelled.
+/// [`RenderError`] for settings out of range and cancelled runs.
 pub fn render<E: Evaluator>(
     evaluator: &E,
     camera: &Camera,
@@ -50,7 +50,7 @@ pub fn render<E: Evaluator>(
     Ok(image)
 }
 
-/// A picture in the making.
+/// A picture being rendered.
 struct Drawing<'a, E> {
     evaluator: &'a E,
     camera: &'a Camera,
@@ -61,7 +61,7 @@ struct Drawing<'a, E> {
     pen: Option<Pen>,
 }
 
-/// What is seen in a tile.
+/// The buffers for one tile: positions, colours and samples.
 #[derive(Default)]
 struct Glimpse {
     places: Vec<[f64; 2]>,
@@ -69,10 +69,10 @@ struct Glimpse {
     samples: Vec<Sample>,
 }
 
-/// The pixels that one thread draws anew at a time.
+/// Pixels per piece of supersampling work.
 const PIECE: usize = 64;
 
-/// The parts of the work that are over after each stage, roughly.
+/// The estimated fraction of the work done after each stage.
 const DONE: [f64; 4] = [0.5, 0.55, 0.9, 1.0];
 
 impl<E: Evaluator> Drawing<'_, E> {
@@ -80,7 +80,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         self.settings.samples > 1 || self.pen.is_some()
     }
 
-    /// Looks once per pixel.
+    /// First pass: one ray per pixel.
     fn survey(&self, image: &mut Image, run: &mut Run<'_>) -> Result<Survey, RenderError> {
         let bounds = self.evaluator.program().bounds();
         let levels = self.shader.levels();
@@ -109,7 +109,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         Eye::new(self.evaluator, &self.shader, self.camera, self.size)
     }
 
-    /// Looks at the pixels of a tile; `pixels` and `samples` are those of the rows that it is in.
+    /// Traces the pixels of a tile; `pixels` and `samples` are those of its rows.
     fn look_once(
         &self,
         tile: &Tile,
@@ -143,7 +143,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         }
     }
 
-    /// The colour of the background in a row of pixels.
+    /// The background colour in a row of pixels.
     fn behind(&self, row: usize) -> Premultiplied {
         let full = |colour: Rgba| premultiply(colour.linear(), colour.opacity());
         match self.settings.background {
@@ -157,7 +157,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         }
     }
 
-    /// The pixels within reach of a difference between neighbours, in order.
+    /// The pixels within reach of an edge between neighbours, in order.
     fn places_to_refine(&self, survey: &Survey, run: &mut Run<'_>) -> Result<Vec<usize>, RenderError> {
         let width = self.size.width();
         let mut differs = vec![false; self.size.count()];
@@ -177,7 +177,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         Ok(within_reach(self.size, &differs, reach))
     }
 
-    /// True if two pixels are to be drawn anew; nothing is beside the picture that could differ.
+    /// True if an edge between two pixels requires supersampling; false outside the picture.
     fn differs(&self, survey: &Survey, a: [usize; 2], b: [usize; 2]) -> bool {
         if b[0] >= self.size.width() || b[1] >= self.size.height() {
             return false;
@@ -190,7 +190,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         (0..survey.levels).any(differ)
     }
 
-    /// Looks at some pixels along a grid of rays each.
+    /// Supersamples pixels with a grid of rays each.
     fn look_closer<'s>(
         &self,
         survey: &'s Survey,
@@ -208,7 +208,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         Ok(closer)
     }
 
-    /// Draws the lines over the samples and puts their means into the picture.
+    /// Draws lines over the samples and writes their means into the picture.
     fn resolve(&self, closer: &Closer<'_>, image: &mut Image, run: &mut Run<'_>) -> Result<(), RenderError> {
         let mut pixels = vec![[0; 4]; closer.places.len()];
         let pieces = closer.places.chunks(PIECE).zip(pixels.chunks_mut(PIECE));
@@ -232,7 +232,7 @@ impl<E: Evaluator> Drawing<'_, E> {
     }
 }
 
-/// The pixels from which a marked pixel, or its right or lower neighbour, is at most `reach` columns and rows away.
+/// The pixels within `reach` columns and rows of a marked pixel or of its right or lower neighbour.
 fn within_reach(size: Size, marked: &[bool], reach: usize) -> Vec<usize> {
     let (width, height) = (size.width(), size.height());
     let mut near = vec![false; marked.len()];

@@ -1,24 +1,24 @@
-//! How a picture is computed: threads, progress, the way to stop.
+//! Execution of a rendering: threads, progress, cancellation.
 
 use crate::RenderError;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
 
-/// Threads, a token to stop with, and somebody who wants to know how far the work is.
+/// Threads, cancellation token and progress callback of a rendering.
 #[derive(Default)]
 pub struct Run<'a> {
-    /// The number of threads; see [`thread_count`] if it is not given.
+    /// The number of threads; by default that of [`thread_count`].
     pub threads: Option<NonZeroUsize>,
-    /// Stops the work soon after it is used.
+    /// Cancels the rendering soon after it is triggered.
     pub cancel: Cancel,
-    /// Told the part of the work that is done, from 0 to 1, on the calling thread.
+    /// Called on the calling thread with the fraction of the work done, from 0 to 1.
     pub progress: Option<&'a mut dyn FnMut(f64)>,
 }
 
 impl Run<'_> {
-    /// Runs `work` on every piece; pieces are slices that the work writes to, so that nothing is left to merge.
-    /// `done` is the part of all work that is over at the beginning and at the end of this stage.
+    /// Runs `work` on every piece; pieces contain the slices that the work writes to, so no merge is needed.
+    /// `done` is the fraction of all work done at the beginning and at the end of this stage.
     pub(crate) fn each<I: Send, S>(
         &mut self,
         done: std::ops::Range<f64>,

@@ -1,27 +1,27 @@
-//! What rays see: surfaces, and what is kept of them for a place of the picture.
+//! Visible surfaces, and the samples kept of them.
 
 use rayweave_math::Vec3;
 use rayweave_model::{Crossing, Face, RegionId};
 use rayweave_shape::Ray;
 
-/// A surface on the way of a ray.
+/// A surface along a camera ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layer {
     /// The number of the ray in its batch.
     pub ray: usize,
-    /// How many layers are before it on its ray.
+    /// The number of layers in front of it on its ray.
     pub level: usize,
     pub t: f64,
-    /// The unit normal on the side of the eye.
+    /// The unit normal on the side of the camera.
     pub normal: Vec3,
     pub face: Face,
-    /// The region whose surface is seen.
+    /// The visible region.
     pub region: RegionId,
-    /// The lights that shine on it, a bit each.
+    /// The lights that shine on it, one bit each.
     pub lit: u32,
 }
 
-/// What is seen at a place of the picture: a layer, as far as neighbours are compared by it.
+/// The data of a layer that neighbouring samples are compared by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sample {
     pub t: f64,
@@ -33,17 +33,17 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// Nothing is seen.
+    /// The sample of a ray without a hit.
     pub const MISS: Sample =
         Sample { t: f64::INFINITY, normal: [0.0; 3], face: u32::MAX, placement: 0, region: 0, lit: 0 };
 }
 
-/// The region whose surface a crossing shows: the one behind it, or, where that is the world, the one that is left.
+/// The visible region at a crossing: the region behind it or, if that is the world, the region in front.
 pub(crate) fn seen(crossing: &Crossing) -> RegionId {
     if crossing.enters() { crossing.after } else { crossing.before }
 }
 
-/// The side of a surface's normal that faces the eye.
+/// The normal on the side of the camera.
 pub(crate) fn towards_eye(normal: Vec3, ray: &Ray) -> Vec3 {
     if normal.dot(ray.direction) > 0.0 { -normal } else { normal }
 }

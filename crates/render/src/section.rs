@@ -1,16 +1,16 @@
-//! Models cut open.
+//! Section views: models cut by a plane.
 
 use rayweave_math::Vec3;
 use rayweave_model::{Region, Solid};
 use rayweave_shape::primitive::{HalfSpace, Primitive, ShapeError};
 
-/// The name of the cut, by which its face is called in answers (`section.plane`).
+/// The name of the cutting half-space; its face appears in answers as `section.plane`.
 pub const SECTION: &str = "section";
 
-/// The regions cut by a plane: what lies where `normal . p < offset` stays, and the cut shows the inside as a face.
+/// Cuts the regions by a plane: the side `normal . p < offset` stays, and the cut is a face of each region.
 ///
-/// Each region keeps its name, its medium and its number, also one that is cut away whole, so that colours stay with their
-/// regions. Regions that overlap show at the cut as they win over one another.
+/// Each region keeps its name, medium and number, even if it is cut away entirely, so colours stay with their
+/// regions. Overlapping regions keep their priority at the cut.
 ///
 /// # Errors
 /// A normal that is zero or not finite, an offset that is not finite.

@@ -1,30 +1,31 @@
-//! How a picture is drawn.
+//! Settings of a rendering.
 
 use crate::limits::MOST_SAMPLES;
 use crate::{Light, RenderError, Rgba, Size};
 
-/// How surfaces are shaded.
+/// The shading style.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Style {
-    /// From cool, away from the light, to warm, towards it, so that shape shows everywhere and nothing is black (Gooch,
-    /// Gooch, Shirley, Cohen: "A Non-Photorealistic Lighting Model For Automatic Technical Illustration", SIGGRAPH 1998).
+    /// Gooch shading: from cool, away from the light, to warm, towards it, so that shape is visible
+    /// everywhere and nothing is black (Gooch, Gooch, Shirley, Cohen: "A Non-Photorealistic Lighting Model
+    /// For Automatic Technical Illustration", SIGGRAPH 1998).
     #[default]
     Gooch,
-    /// As bright as the cosine of the angle to the line of sight (Lambert): a lamp on the camera. Lights of the scene, if
-    /// there are any, take its place.
+    /// Lambert shading with a light at the camera: as bright as the cosine of the angle to the line of sight.
+    /// Lights of the scene, if there are any, replace that light.
     Headlight,
-    /// The colour of the region alone.
+    /// The colour of the region, unshaded.
     Flat,
 }
 
-/// What is behind the model.
+/// The background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
-    /// Nothing: the picture is transparent there.
+    /// A transparent background.
     Transparent,
     /// One colour.
     Colour(Rgba),
-    /// From one colour at the top to another at the bottom.
+    /// A vertical gradient.
     Gradient {
         /// The colour of the upper edge.
         top: Rgba,
@@ -33,19 +34,20 @@ pub enum Background {
     },
 }
 
-/// The drawing of lines where something begins or ends on the screen.
+/// Lines along outlines and creases.
 ///
-/// Two neighbouring samples are separated by an *outline* if one of them shows another region than the other, or nothing;
-/// or if the step in depth between them is too steep for one surface: the line from point to point makes more than 20 degrees
-/// with a tangent plane. They are separated by a *crease* if they are on different faces whose normals differ by more than
-/// `crease_degrees`. So faces that go on smoothly, and coplanar faces of different parts of one region, show no line.
+/// Two neighbouring samples are separated by an *outline* if they show different regions, or only one of them
+/// shows a region; or if the step in depth between them is too steep for one surface: the line from point to
+/// point makes more than 20 degrees with a tangent plane. They are separated by a *crease* if they are on
+/// different faces whose normals differ by more than `crease_degrees`. Faces that join smoothly, and coplanar
+/// faces of different parts of one region, have no line between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lines {
     /// The width of outlines in pixels, from 0 to 8; creases have 6/10 of it.
     pub width: f64,
     /// The least angle between normals that is drawn, in degrees, from 0 to 180.
     pub crease_degrees: f64,
-    /// The colour; its opacity tells how much of what is beneath shows through.
+    /// The colour; its opacity determines how much of the picture below shows through.
     pub colour: Rgba,
 }
 
@@ -55,33 +57,34 @@ impl Default for Lines {
     }
 }
 
-/// All that is chosen about a picture besides model and camera.
+/// The settings of a rendering besides model and camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Width and height.
     pub size: Size,
-    /// Samples along each side of a pixel, from 1 to [`Settings::MOST_SAMPLES`]: every pixel has one at its centre, and
-    /// where pixels differ from their neighbours they are drawn anew with a regular grid of n x n.
+    /// Samples along each side of a pixel, from 1 to [`Settings::MOST_SAMPLES`]: every pixel has one at its
+    /// centre, and pixels that differ from their neighbours are supersampled on a regular grid of n x n.
     pub samples: u32,
-    /// How surfaces are shaded.
+    /// The shading style.
     pub style: Style,
-    /// The lines, if there are to be any.
+    /// The lines; `None` for no lines.
     pub lines: Option<Lines>,
-    /// What is behind the model.
+    /// The background.
     pub background: Background,
-    /// The colours of the regions, see [`crate::region_colour`]. A region that is not opaque shows what is behind it.
+    /// The colours of the regions, see [`crate::region_colour`]. Regions with opacity below 255 are
+    /// translucent.
     pub colours: Vec<Rgba>,
     /// The lights of the scene.
     pub lights: Vec<Light>,
-    /// Whether lights cast shadows. Without lights there are none.
+    /// True if lights cast shadows. Without lights there are none.
     pub shadows: bool,
 }
 
 impl Settings {
-    /// The most samples along each side of a pixel.
+    /// The greatest number of samples along each side of a pixel.
     pub const MOST_SAMPLES: u32 = MOST_SAMPLES;
 
-    /// The most lights.
+    /// The greatest number of lights.
     pub const MOST_LIGHTS: usize = 32;
 
     /// Gooch shading with lines, on white, 3 x 3 samples, no lights.

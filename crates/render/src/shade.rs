@@ -1,62 +1,62 @@
-//! The colour of a surface in the light.
+//! Shading: the colour of a surface under the lights.
 
 use crate::colour::Linear;
 use crate::{Camera, Light, LightKind, Settings, Style, region_colour};
 use rayweave_math::Vec3;
 use rayweave_model::{Program, RegionId};
 
-/// What shading needs to know, computed once per picture.
+/// Shading data, computed once per picture.
 pub(crate) struct Shader {
     style: Style,
-    /// Colour and opacity of each region; the first stands for the world and is never seen.
+    /// Colour and opacity of each region; the first entry is the world, which is never visible.
     regions: Vec<(Linear, f32)>,
     translucent: bool,
     lamps: Vec<Lamp>,
     shadows: bool,
 }
 
-/// A light, or what stands in where the scene has none.
+/// A light of the scene, or the default light of the style.
 pub(crate) struct Lamp {
-    /// The light of the scene, for shadows.
+    /// The light of the scene, for shadows; `None` for a default light.
     light: Option<Light>,
     pub source: Source,
     pub strength: Linear,
 }
 
-/// Where light comes from, ready for shading.
+/// The kind of a light source, prepared for shading.
 pub(crate) enum Source {
-    /// Along the unit vector from anywhere to the light.
+    /// A directional light: the unit vector from the surface to the light.
     Sun(Vec3),
-    /// From a point.
+    /// A point light.
     Point(Vec3),
-    /// From the eye.
+    /// A light at the camera.
     Eye,
 }
 
-/// A surface that is to be shaded.
+/// A surface to be shaded.
 pub(crate) struct Look {
-    /// The point that is seen.
+    /// The visible point.
     pub point: Vec3,
     /// The unit vector along the line of sight.
     pub sight: Vec3,
-    /// The unit normal on the side of the eye.
+    /// The unit normal on the side of the camera.
     pub normal: Vec3,
-    /// The region whose surface is seen.
+    /// The visible region.
     pub region: RegionId,
-    /// The lights that shine on it, a bit each.
+    /// The lights that shine on it, one bit each.
     pub lit: u32,
 }
 
-/// How many surfaces behind one another have lines where some are translucent.
+/// The number of layers with lines where regions are translucent.
 const LEVELS: usize = 4;
 
-/// The part of a surface's colour that it has in no light at all.
+/// The ambient fraction of a surface's colour.
 pub(crate) const AMBIENT: f32 = 0.18;
 
-/// A tint that is added, and the part of the region's colour in it: the cool and the warm end of tones.
+/// A tint, and the fraction of the region's colour added to it: the cool and the warm end of the tones.
 ///
-/// Those are k_blue with alpha and k_yellow with beta of Gooch et al. 1998, here for linear light, and chosen by eye so that
-/// the region's own colour stays easy to recognise.
+/// They are k_blue with alpha and k_yellow with beta of Gooch et al. 1998, here for linear light and chosen
+/// by eye so that the region's colour stays recognisable.
 struct Tone {
     tint: Linear,
     part: f32,
@@ -65,11 +65,11 @@ struct Tone {
 const COOL: Tone = Tone { tint: [0.002, 0.008, 0.04], part: 0.15 };
 const WARM: Tone = Tone { tint: [0.06, 0.045, 0.005], part: 1.0 };
 
-/// What is left of the tone of a light in its shadow.
+/// The fraction of a light's tone that remains in its shadow.
 const SHADOWED: f32 = 0.3;
 
-/// The strength of the brightest point of a highlight, and the power of the cosine by which it falls off (Phong:
-/// "Illumination for Computer Generated Pictures", 1975).
+/// The strength of a highlight at its brightest point, and the number of squarings that give the exponent of
+/// its cosine (Phong: "Illumination for Computer Generated Pictures", 1975).
 const HIGHLIGHT: f32 = 0.35;
 const HIGHLIGHT_SQUARINGS: u32 = 5;
 
@@ -89,27 +89,27 @@ impl Shader {
         }
     }
 
-    /// True if some region shows what is behind it.
+    /// True if some region is translucent.
     pub fn is_translucent(&self) -> bool {
         self.translucent
     }
 
-    /// How many surfaces on a ray, from the first, are compared with those of neighbours.
+    /// The number of layers per ray that are compared with those of neighbours.
     pub fn levels(&self) -> usize {
         if self.translucent { LEVELS } else { 1 }
     }
 
-    /// How much of what is behind it a region shows.
+    /// The transparency of a region, 1 - opacity.
     pub fn transparency(&self, region: u32) -> f32 {
         1.0 - self.regions[region as usize].1
     }
 
-    /// True if a region hides what is behind it.
+    /// True if a region is opaque.
     pub fn is_opaque(&self, region: RegionId) -> bool {
         self.regions[region.index()].1 >= 1.0
     }
 
-    /// True if it must be known which lights shine on a surface.
+    /// True if shadow rays are needed.
     pub fn casts_shadows(&self) -> bool {
         self.shadows
     }
@@ -119,12 +119,12 @@ impl Shader {
         self.lamps.iter().filter_map(|lamp| lamp.light.as_ref())
     }
 
-    /// How surfaces are shaded.
+    /// The shading style.
     pub fn style(&self) -> Style {
         self.style
     }
 
-    /// All that shines.
+    /// The lights used for shading.
     pub fn lamps(&self) -> &[Lamp] {
         &self.lamps
     }
@@ -135,7 +135,7 @@ impl Shader {
         self.regions[region.index()].0
     }
 
-    /// Light and opacity of a surface.
+    /// The reflected light and the opacity of a surface.
     #[inline]
     pub fn shade(&self, look: &Look) -> (Linear, f32) {
         let (colour, opacity) = self.regions[look.region.index()];
@@ -159,7 +159,8 @@ impl Shader {
         std::array::from_fn(|c| colour[c] * arriving[c])
     }
 
-    /// The tone is the mean of the lights' tones, weighted by their strengths, so that several lights do not wash it out.
+    /// The tone is the mean of the lights' tones weighted by their strengths, so several lights do not wash
+    /// it out.
     fn gooch(&self, colour: Linear, look: &Look) -> Linear {
         let (mut tone, mut total, mut shine) = (0.0, 0.0, 0.0_f32);
         for (k, lamp) in self.lamps.iter().enumerate() {
@@ -185,7 +186,7 @@ impl Shader {
 }
 
 impl Lamp {
-    /// A light of the scene, or one like it.
+    /// A light of the scene, or a default light of the same kind.
     fn new(light: &Light, is_of_scene: bool) -> Lamp {
         let source = match light.kind {
             LightKind::Direction(_) => Source::Sun(light.towards(Vec3::ZERO)),
@@ -194,7 +195,7 @@ impl Lamp {
         Lamp { light: is_of_scene.then_some(*light), source, strength: light.strength() }
     }
 
-    /// The unit vector from a surface to the light; zero at the light itself.
+    /// The unit vector from a surface to the light; zero at the position of the light.
     fn direction(&self, look: &Look) -> Vec3 {
         match self.source {
             Source::Sun(towards) => towards,
@@ -204,13 +205,13 @@ impl Lamp {
     }
 }
 
-/// The lights of the scene; where it has none, what the style calls for.
+/// The lights of the scene, or the default light of the style if there are none.
 fn lamps(camera: &Camera, settings: &Settings) -> Vec<Lamp> {
     if !settings.lights.is_empty() {
         return settings.lights.iter().map(|light| Lamp::new(light, true)).collect();
     }
     vec![match settings.style {
-        // over the left shoulder of who looks, as in technical illustrations
+        // over the left shoulder of the viewer, as in technical illustrations
         Style::Gooch => {
             let along = camera.forward() + 0.6 * camera.right() - 0.9 * camera.up();
             Lamp::new(&Light::along(along), false)
@@ -219,8 +220,8 @@ fn lamps(camera: &Camera, settings: &Settings) -> Vec<Lamp> {
     }]
 }
 
-/// The cosine between the mirrored line of sight and the light, to the power 2^[`HIGHLIGHT_SQUARINGS`]: by squaring, which has
-/// the same bits everywhere.
+/// The cosine between the mirrored line of sight and the light, to the power 2^[`HIGHLIGHT_SQUARINGS`];
+/// repeated squaring gives the same bits on every platform.
 fn highlight(normal: Vec3, towards: Vec3, sight: Vec3) -> f32 {
     let mirrored = sight - 2.0 * sight.dot(normal) * normal;
     let cosine = mirrored.dot(towards).max(0.0) as f32;

@@ -1,4 +1,4 @@
-//! Which lights shine on a surface.
+//! Shadows of translucent scenes: shadow rays from the visible points to the lights.
 
 use crate::sample::{Layer, seen};
 use crate::shade::Shader;
@@ -7,21 +7,22 @@ use rayweave_model::attributes;
 use rayweave_model::{Evaluator, Limit, Query, RayAnswer, RayBatch, Rays, Start, StartLists, Window};
 use rayweave_shape::Ray;
 
-/// Casts rays from surfaces to lights.
+/// Casts shadow rays from surfaces to lights.
 ///
-/// A shadow ray starts *on* the surface that is seen, on the side of the eye: the root at its start is divided out
-/// ([`Start`]), so that no surface shades itself and no offset is needed, whatever the size of the model.
+/// A shadow ray starts *on* the visible surface, on the side of the camera: the root at its start is divided
+/// out ([`Start`]), so no surface shades itself and no offset (ray bias) is needed, whatever the size of the
+/// model.
 #[derive(Default)]
 pub(crate) struct Shadows {
     rays: RayBatch,
     starts: Vec<Start>,
     first: Vec<u32>,
-    /// The layer that each ray belongs to.
+    /// The layer of each ray.
     layers: Vec<usize>,
 }
 
 impl Shadows {
-    /// Separated the bits of the lights that something opaque hides, or that are behind the surface.
+    /// Clears the bits of `lit` for lights that are hidden by something opaque or behind the surface.
     pub fn cast<E: Evaluator>(
         &mut self,
         evaluator: &E,
@@ -59,7 +60,7 @@ impl Shadows {
         self.starts.push(Start {
             surface: layer.face.surface,
             placement: layer.face.placement,
-            // f grows along the normal or against it; the eye, and the light, are on the side of the normal
+            // f grows along the normal or against it; the camera and the light are on the side of the normal
             inside: gradient.dot(layer.normal) < 0.0,
         });
         self.first.push(self.starts.len() as u32);

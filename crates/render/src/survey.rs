@@ -1,11 +1,11 @@
-//! The first look: one sample per pixel.
+//! First pass: one sample per pixel.
 
 use crate::Size;
 use crate::extent::Extent;
 use crate::sample::Sample;
 use std::ops::Range;
 
-/// What is seen at the centre of each pixel. Samples are kept only where something may be seen, so many levels per pixel.
+/// The first surfaces at the centre of each pixel; `levels` samples per pixel, stored only inside the extent.
 pub(crate) struct Survey {
     pub size: Size,
     pub extent: Extent,
@@ -14,13 +14,13 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    /// A survey with all samples still to be taken.
+    /// A first pass whose samples are still to be computed.
     pub fn new(size: Size, extent: Extent, levels: usize) -> Survey {
         let rows = vec![Vec::new(); size.height()];
         Survey { size, extent, levels, rows }
     }
 
-    /// The sample of a pixel of the picture at a level.
+    /// The sample of a pixel at a level.
     pub fn at(&self, x: usize, y: usize, level: usize) -> &Sample {
         let columns = self.extent.columns(y);
         if columns.contains(&x) {
@@ -30,7 +30,7 @@ impl Survey {
         }
     }
 
-    /// The columns of a row that may differ from their right or lower neighbours.
+    /// The columns of a row that can differ from their right or lower neighbours.
     pub fn busy_columns(&self, y: usize) -> Range<usize> {
         let here = self.extent.columns(y);
         let below = self.extent.columns((y + 1).min(self.size.height() - 1));

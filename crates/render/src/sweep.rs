@@ -1,7 +1,7 @@
-//! Loops over columns, compiled for each set of instructions: rays, points, normals, and light by Lambert's law.
+//! Loops over columns, compiled for each instruction set: rays, points, normals and Lambert's law.
 //!
-//! They are written as for one ray; the lanes are the compiler's. Nothing is fused or reordered, so all sets of instructions
-//! give the same bits.
+//! They are written for one ray; the compiler vectorises them. Nothing is fused or reordered, so all
+//! instruction sets give the same bits.
 
 use crate::columns::Columns;
 use crate::shade::Source;
@@ -9,7 +9,7 @@ use crate::{Camera, Size};
 use fearless_simd::{Level, dispatch};
 use rayweave_math::Vec3;
 
-/// The rays of places, given in pixels.
+/// Computes the rays through pixel positions.
 pub(crate) fn rays(level: Level, camera: &Camera, size: Size, places: &[[f64; 2]], columns: &mut Columns) {
     columns.resize(places.len());
     dispatch!(level, _simd => rays_in_lanes(camera, size, places, columns));
@@ -27,7 +27,7 @@ fn rays_in_lanes(camera: &Camera, size: Size, places: &[[f64; 2]], columns: &mut
     }
 }
 
-/// Turns the normals towards the eye and gives the points that are seen.
+/// Orients the normals towards the camera and computes the visible points.
 pub(crate) fn surfaces(level: Level, columns: &mut Columns, points: &mut [Vec<f64>; 3]) {
     points.iter_mut().for_each(|column| column.resize(columns.len(), 0.0));
     dispatch!(level, _simd => surfaces_in_lanes(columns, points));
@@ -57,11 +57,12 @@ fn surfaces_in_lanes(columns: &mut Columns, points: &mut [Vec<f64>; 3]) {
 pub(crate) struct Surfaces<'a> {
     pub points: &'a [Vec<f64>; 3],
     pub columns: &'a Columns,
-    /// The lights that shine on each, a bit each.
+    /// The lights that shine on each surface, one bit each.
     pub lit: &'a [u32],
 }
 
-/// The cosine of the angle between each normal and the light, 0 where it is behind the surface or hidden: `bit` is its bit.
+/// The cosine of the angle between each normal and the light; 0 if the light is behind the surface or hidden.
+/// `bit` is the bit of the light.
 pub(crate) fn cosines(
     level: Level,
     source: &Source,

@@ -1,4 +1,4 @@
-//! The usual places to look from, and cameras that see all of a model.
+//! Standard views, and cameras that fit a model.
 
 use crate::{Camera, CameraError, Projection, Size};
 use rayweave_math::{Bounds, Vec3};
@@ -27,14 +27,14 @@ pub enum View {
 }
 
 impl View {
-    /// The part of the picture that a camera made by [`View::fit`] leaves free on every side.
+    /// The margin that [`View::fit`] leaves on every side, as a fraction of the picture.
     pub const MARGIN: f64 = 0.04;
 
-    /// All of them.
+    /// All views.
     pub const ALL: [View; 7] =
         [View::Front, View::Back, View::Left, View::Right, View::Top, View::Bottom, View::Iso];
 
-    /// The name at every door.
+    /// The name in files, bindings and commands.
     pub fn name(self) -> &'static str {
         match self {
             View::Front => "front",
@@ -47,7 +47,7 @@ impl View {
         }
     }
 
-    /// The line of sight, of unit length, and what is up in the picture.
+    /// The unit line of sight and the upward direction in the picture.
     pub fn forward_and_up(self) -> (Vec3, Vec3) {
         match self {
             View::Front => (Vec3::Y, Vec3::Z),
@@ -60,25 +60,26 @@ impl View {
         }
     }
 
-    /// An orthographic camera that sees all of a box, see [`View::fit`] about boxes of no or infinite size.
+    /// An orthographic camera that shows all of a box; see [`View::fit`] for empty and infinite boxes.
     pub fn of_bounds(self, bounds: &Bounds, size: Size) -> Camera {
         let (forward, up) = self.forward_and_up();
         frame_orthographic(forward, up, bounds, size)
     }
 
-    /// An orthographic camera that sees all of a model, with a margin of [`View::MARGIN`] of the picture on every side.
+    /// An orthographic camera that shows all of a model, with a margin of [`View::MARGIN`] on every side.
     ///
-    /// A model without finite bounds is shown as far as its finite parts reach: where a side of its bounds is infinite, the
-    /// side of the box around the ball of the model ([`rayweave_model::Prototype::ball`], which holds the finite leaves and
-    /// the anchor points of surfaces, doubled) stands in. An empty model is seen from outside that box.
+    /// For a model without finite bounds, each infinite side of its bounds is replaced by that of the box
+    /// around the ball of the model ([`rayweave_model::Prototype::ball`], which contains the finite leaves
+    /// and the anchor points of surfaces, doubled). An empty model is seen from outside that box.
     pub fn fit(self, program: &Program, size: Size) -> Camera {
         self.of_bounds(&subject(program), size)
     }
 
-    /// A perspective camera that sees all of a model, as [`View::fit`], with a vertical field of view in degrees.
+    /// A perspective camera that shows all of a model, like [`View::fit`], with a vertical field of view in
+    /// degrees.
     ///
     /// # Errors
-    /// A field of view out of range.
+    /// [`CameraError`] for a field of view out of range.
     pub fn fit_perspective(
         self,
         program: &Program,
@@ -96,7 +97,7 @@ impl fmt::Display for View {
     }
 }
 
-/// No view has this name.
+/// Error for an unknown name of a view.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no view is called '{0}': the views are front, back, left, right, top, bottom, iso.")]
 pub struct UnknownView(String);
@@ -110,10 +111,10 @@ impl FromStr for View {
     }
 }
 
-/// A finite box of some size that holds what is to be seen of a model.
+/// A finite box of non-zero size that contains the visible part of a model.
 fn subject(program: &Program) -> Bounds {
     let ball = &program.prototypes()[0].ball;
-    // the ball is twice as large as what it holds
+    // the ball is twice as large as its content
     let finite = Bounds::centred(ball.centre, Vec3::splat(0.5 * ball.radius));
     let bounds = program.bounds();
     if bounds.is_empty() {
@@ -124,7 +125,7 @@ fn subject(program: &Program) -> Bounds {
     if seen.is_empty() { finite } else { seen }
 }
 
-/// The extents of a box along the axes of a picture: half sizes to the right and upwards, half the depth.
+/// The half extents of a box along the axes of a picture: right, up, forward.
 fn half_extents(camera: &Camera, bounds: &Bounds) -> Vec3 {
     let half = 0.5 * bounds.size();
     let along = |axis: Vec3| axis.abs().dot(half);
@@ -132,7 +133,7 @@ fn half_extents(camera: &Camera, bounds: &Bounds) -> Vec3 {
     if extents.max_element() > 0.0 { extents } else { Vec3::ONE }
 }
 
-/// A camera at the middle of a box, to be moved back: any height will do.
+/// A camera at the centre of a box, to be moved back; its height does not matter.
 fn at_centre(forward: Vec3, up: Vec3, bounds: &Bounds, projection: Projection) -> Camera {
     let upright = Camera::along(bounds.centre(), forward, up, projection);
     upright.unwrap_or_else(|_| unreachable!("the callers checked the projection"))
@@ -143,7 +144,7 @@ fn frame_orthographic(forward: Vec3, up: Vec3, bounds: &Bounds, size: Size) -> C
     let camera = at_centre(forward, up, bounds, unit);
     let half = half_extents(&camera, bounds);
     let aspect = size.width() as f64 / size.height() as f64;
-    // a box seen as a point or a line still needs a picture of some height
+    // a box that projects to a point or a line still needs a picture of some height
     let half_height = half.y.max(half.x / aspect).max(1e-3 * half.max_element());
     let projection = Projection::Orthographic { height: 2.0 * half_height / (1.0 - 2.0 * View::MARGIN) };
     let back = 2.0 * half.length();
@@ -162,7 +163,7 @@ fn frame_perspective(
     let camera = Camera::along(bounds.centre(), forward, up, projection)?;
     let aspect = size.width() as f64 / size.height() as f64;
     let slope = libm::tan(0.5 * field_of_view.to_radians()) * (1.0 - 2.0 * View::MARGIN);
-    // the nearest position from which each corner is seen, and one from which all of them are
+    // the closest position that sees each corner, then one that sees all of them
     let nearest = bounds.corners().map(|corner| {
         let offset = corner - bounds.centre();
         let perturbation = offset.dot(camera.up()).abs();

@@ -1,13 +1,13 @@
-//! The colours of light.
+//! Colours of spectral light.
 
 use crate::Rgba;
 
-/// The colour in which light of a wavelength in nanometres is drawn: hue and saturation as eyes see it, as bright as a
-/// screen can show them; grey where nothing is visible.
+/// The display colour of a wavelength in nanometres: hue and saturation as perceived, as bright as a screen
+/// can show them; grey outside the visible range.
 ///
-/// The colour matching functions of CIE 1931 are those of C. Wyman, P.-P. Sloan and P. Shirley, *Simple Analytic
-/// Approximations to the CIE XYZ Color Matching Functions*, JCGT 2, 2 (2013); the primaries are those of sRGB
-/// (IEC 61966-2-1).
+/// Uses the CIE 1931 colour matching functions in the approximation of C. Wyman, P.-P. Sloan and P. Shirley,
+/// *Simple Analytic Approximations to the CIE XYZ Color Matching Functions*, JCGT 2, 2 (2013), and the
+/// primaries of sRGB (IEC 61966-2-1).
 pub fn wavelength_colour(wavelength_nm: f64) -> Rgba {
     let lobe = |mean: f64, left: f64, right: f64| {
         let width = if wavelength_nm < mean { left } else { right };
@@ -30,10 +30,10 @@ pub fn wavelength_colour(wavelength_nm: f64) -> Rgba {
     Rgba::from(light.map(|channel| encoded(channel / brightest)))
 }
 
-/// Below this nothing is seen.
+/// Below this value light is treated as invisible.
 const FAINT: f64 = 1e-3;
 
-/// A part of the light of a channel as sRGB has it.
+/// The sRGB level of a linear channel value in [0, 1].
 fn encoded(part: f64) -> u8 {
     let level = match part <= 0.003_130_8 {
         true => 12.92 * part,
@@ -46,7 +46,7 @@ fn encoded(part: f64) -> u8 {
 mod tests {
     use super::*;
 
-    /// Which channel is the strongest, and which the weakest.
+    /// Compares the strongest and the weakest channel.
     #[test]
     fn colours_of_the_rainbow() {
         let colour = |nm: f64| wavelength_colour(nm);

@@ -1,4 +1,4 @@
-//! Where the rays of pixels go, in closed form, and that fitted cameras see everything.
+//! Camera rays in closed form, and cameras fitted to models.
 
 mod common;
 
@@ -89,7 +89,7 @@ fn views_look_as_their_names_say() {
     assert!("isometric".parse::<View>().unwrap_err().to_string().contains("front, back"));
 }
 
-/// How near to the edges of the picture the corners of a box are: the least distance, as a part of the picture.
+/// The least distance of the projected corners of a box from the edges, as a fraction of the picture.
 fn least_margin(camera: &Camera, bounds: &Bounds, size: Size) -> f64 {
     let (w, h) = (size.width() as f64, size.height() as f64);
     let margin = |corner| {
@@ -147,7 +147,7 @@ fn models_without_bounds_are_seen_as_far_as_they_are_finite() {
             }
         }
     }
-    // the finite extent is seen in full: the pillar is 4 wide, and as high as its ball
+    // the finite extent is fully visible: the pillar is 4 wide, and as high as its ball
     let pillar = weave(&shape_of("cylinder", &[("radius", 2.0)]));
     let camera = View::Front.fit(pillar.program(), size(40, 40));
     let seen = Bounds::centred(Vec3::ZERO, Vec3::new(2.0, 2.0, 0.0));
@@ -168,7 +168,7 @@ fn bad_cameras_are_refused() {
         let error = Camera::orthographic(origin, y, z, height).unwrap_err();
         assert!(matches!(error, CameraError::Height { .. }));
     }
-    // what is up need not be right, only helpful
+    // `up` need not be perpendicular
     for up in [y, [0.0; 3], [0.0, -1e300, 0.0], [1e-300, 0.0, 0.0]] {
         let camera = Camera::perspective(origin, y, up, 40.0).unwrap();
         assert!(camera.right().dot(camera.forward()).abs() < 1e-15);

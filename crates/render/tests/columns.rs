@@ -1,5 +1,5 @@
-//! Opaque scenes are drawn by columns and with rays from the lights, others layer by layer and with rays to the lights: a speck
-//! that is clear and that no ray meets must not change a picture.
+//! Opaque scenes are rendered in columns with shadow rays from the lights, others layer by layer with rays to
+//! the lights. A transparent speck that no ray hits switches the method and must not change a picture.
 
 mod common;
 
@@ -13,9 +13,9 @@ use rayweave_render::{
 use rayweave_trace::{Packets, Weave};
 use std::sync::Arc;
 
-/// The pictures of a solid that differ in nothing but the way in which they are drawn.
+/// The pictures of a solid by both methods.
 fn both_ways(solid: &Solid, camera: &Camera, settings: &Settings) -> [Image; 2] {
-    // behind the camera, and far enough away to be in nobody's light
+    // behind the camera, and too far away to cast a shadow on the model
     let speck = sphere(1e-3).translate(camera.position() - 9.0 * camera.forward());
     let regions = [("speck", speck), ("model", solid.clone())];
     let regions = regions.map(|(name, solid)| Region { name: name.to_owned(), solid, medium: 1 });
@@ -46,7 +46,7 @@ fn camera() -> Camera {
     Camera::perspective([5.0, -7.0, 5.0], [0.0; 3], Vec3::Z, 32.0).unwrap()
 }
 
-/// Faces that are grazed, hollow and met twice by the light; copies; a light inside.
+/// Grazed faces, hollows and faces hit twice by the light; copies; a light inside.
 fn shapes() -> Vec<Solid> {
     let torus = shape("torus", &[("major", 1.2), ("minor", 0.5)]).rotate_x(50.0);
     let cone = shape("cone", &[("radius1", 1.2), ("radius2", 0.1), ("height", 2.0)]);
@@ -73,8 +73,8 @@ fn columns_and_layers_give_the_same_pictures() {
     }
 }
 
-/// Random trees whose faces touch and cross. Where a ray of light passes a line that two faces share, within rounding, either
-/// answer is right, and a seen point may lie there.
+/// Random trees with touching and intersecting faces. Where a shadow ray passes an edge of two faces within
+/// rounding error, either answer is right, and a visible point may lie there.
 #[test]
 fn so_they_do_for_tricky_models() {
     let mut rng = Random::new(11);
@@ -100,7 +100,7 @@ fn models_without_end_cast_shadows_too() {
         let settings = Settings { lights: vec![light], ..lit(Style::Headlight) };
         let pictures = both_ways(&solid, &camera(), &settings);
         assert_eq!(differing(&pictures), 0);
-        // a shadow, besides what the lamp lights up
+        // there is a shadow, besides the lit surfaces
         let dark = Settings { shadows: false, ..settings };
         assert_ne!(pictures[0], both_ways(&solid, &camera(), &dark)[0]);
     }

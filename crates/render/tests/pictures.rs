@@ -1,4 +1,4 @@
-//! Rendered pictures against closed forms: coverage, light, shadows, lines, opacity; and that runs are reproducible.
+//! Rendered pictures compared with closed forms: coverage, light, shadows, lines, opacity; reproducibility.
 
 mod common;
 
@@ -13,7 +13,7 @@ use rayweave_trace::Weave;
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 const BLACK: Rgba = Rgba::opaque(0, 0, 0);
 
-/// No lines, one sample, flat: every pixel is the colour of what is at its centre.
+/// No lines, one sample, flat: every pixel has the colour of the region at its centre.
 fn plain(size: Size) -> Settings {
     Settings { samples: 1, style: Style::Flat, lines: None, ..Settings::new(size) }
 }
@@ -30,13 +30,13 @@ fn letter(pixel: &[u8; 4]) -> char {
     }
 }
 
-/// Light of a level, by the formula of IEC 61966-2-1.
+/// Linear light of a level, by the formula of IEC 61966-2-1.
 fn light(level: u8) -> f64 {
     let level = f64::from(level) / 255.0;
     if level <= 0.04045 { level / 12.92 } else { ((level + 0.055) / 1.055).powf(2.4) }
 }
 
-/// The part of the square [x, x+1] x [y, y+1] within a disc about the origin: strips cut by the circle.
+/// The area of the square [x, x+1] x [y, y+1] inside a disc about the origin, by strips.
 fn covered(x: f64, y: f64, radius: f64) -> f64 {
     let strips = 2000;
     let strip = |k: i32| {
@@ -61,7 +61,7 @@ fn anti_aliasing_converges_to_the_covered_part() {
             worst = worst.max(error.abs());
             sum += error;
         }
-        // of n^2 samples at most those next to the circle, about n, are decided otherwise
+        // of n^2 samples, only those next to the circle, about n, can differ
         let n = f64::from(samples);
         assert!(worst <= 0.75 / n + 0.006, "{samples}: {worst}");
         assert!(sum.abs() / 400.0 < 0.02 / n + 0.001, "{samples}: {sum}");
@@ -81,16 +81,17 @@ fn a_headlight_shines_by_the_cosine() {
             assert_eq!(*pixel, [0, 0, 0, 255]);
             continue;
         }
-        // 18 parts of 100 are there without any light
+        // the ambient fraction is 0.18
         let expected = 0.18 + 0.82 * (1.0 - r2).sqrt();
         assert!((light(pixel[0]) - expected).abs() < 0.005, "{pixel:?} {expected}");
     }
 }
 
-/// Whether something is between a point and a light, both given, as a closed form; and how far from being otherwise.
+/// Closed form of occlusion between a point and a light: whether it is hidden, and the distance from the
+/// shadow boundary.
 type Hides<'a> = &'a dyn Fn(Vec3) -> (bool, f64);
 
-/// Compares the shadows on the plate z = 0 with a closed form, where it is certain.
+/// Compares the shadows on the plate z = 0 with a closed form, away from the shadow boundary.
 fn check_shadows(weave: &Weave, light: Light, hides: Hides<'_>) {
     let camera = Camera::perspective([0.0, -3.0, 30.0], [0.0; 3], UP, 35.0).unwrap();
     let size = size(80, 80);
@@ -107,7 +108,7 @@ fn check_shadows(weave: &Weave, light: Light, hides: Hides<'_>) {
         if !sees_plate || margin < 1e-6 {
             continue;
         }
-        // 0.18 of the light is everywhere
+        // the ambient fraction is 0.18
         let is_dark = (self::light(pixel[0]) - 0.18).abs() < 0.005;
         assert_eq!(is_dark, hidden, "{point} {pixel:?}");
         dark += usize::from(is_dark);
@@ -116,7 +117,7 @@ fn check_shadows(weave: &Weave, light: Light, hides: Hides<'_>) {
     assert!(dark > 50 && bright > 1000, "{dark} {bright}");
 }
 
-/// The distance of a point from the segment or ray from `from` along `way`.
+/// The distance of a point from the segment or ray that starts at `from` along `way`.
 fn distance(point: Vec3, from: Vec3, way: Vec3, longest: f64) -> f64 {
     let t = ((point - from).dot(way) / way.length_squared()).clamp(0.0, longest);
     (from + t * way - point).length()
@@ -137,7 +138,7 @@ fn a_sphere_casts_its_shadow() {
         let gap = distance(centre, point, lamp - point, 1.0) - 1.5;
         (gap < 0.0, gap.abs())
     });
-    // a lamp between plate and sphere is not hidden by what is beyond it
+    // a sphere beyond a light between plate and sphere casts no shadow
     let below = Vec3::new(1.0, 0.5, 1.2);
     let image = |lights| {
         let camera = Camera::perspective([0.0, -3.0, 30.0], [0.0; 3], UP, 35.0).unwrap();
@@ -151,7 +152,8 @@ fn a_sphere_casts_its_shadow() {
 
 #[test]
 fn nothing_shades_itself() {
-    // all that faces the light is lit, exactly as if there were no shadows: at any size, far from the origin, under any map
+    // every surface that faces the light is lit, exactly as without shadows: at any size, far from the
+    // origin, under any map
     let torus = shape("torus", &[("major", 1.0), ("minor", 0.45)]);
     for scale in [1e-8, 1.0, 1e8] {
         let convex = [
@@ -159,7 +161,7 @@ fn nothing_shades_itself() {
             sphere(1.0).scale(Vec3::new(1.0, 0.3, 2.0) * scale).rotate_x(33.0),
             block([-1.0; 3], [1.0; 3]).scale(Vec3::splat(scale)).translate(Vec3::splat(900.0 * scale)),
             shape("cone", &[("radius1", 1.0), ("radius2", 0.2), ("height", 2.0)]).scale(Vec3::splat(scale)),
-            // the outer half of the ring cannot be in its own shadow from the side
+            // the outer half of the ring casts no shadow on itself from the side
             (&torus - shape("cylinder", &[("radius", 1.0)])).scale(Vec3::splat(scale)),
         ];
         for (k, solid) in convex.into_iter().enumerate() {
@@ -182,7 +184,7 @@ fn lines_surround_what_is_seen() {
     let lines = Some(Lines { width: 1.0, colour: BLACK, ..Lines::default() });
     let settings = Settings { lines, colours: vec![Rgba::opaque(9, 200, 9)], ..plain(size(12, 8)) };
     let image = draw(&weave, &front(8.0), &settings);
-    // one sample per pixel: a line of one pixel, on the side that is up or left of the difference
+    // one sample per pixel: a line of one pixel, on the upper or left side of the edge
     let expected = [
         "............",
         "............",
@@ -196,7 +198,7 @@ fn lines_surround_what_is_seen() {
     assert_eq!(art(&image, letter), expected);
 }
 
-/// How many pixels of a picture are dark lines, apart from the outline of the whole.
+/// The number of dark line pixels, without the outline of the whole.
 fn inner_lines(weave: &Weave, camera: &Camera, colours: &[Rgba]) -> usize {
     let size = size(60, 60);
     let lines = Some(Lines { width: 1.0, colour: BLACK, ..Lines::default() });
@@ -219,7 +221,7 @@ fn lines_are_where_something_begins() {
     let green = [Rgba::opaque(0, 220, 0); 2];
     let (left, right) = (block([-2.0, 0.0, -2.0], [0.0, 1.0, 2.0]), block([0.0, 0.0, -2.0], [2.0, 1.0, 2.0]));
     let camera = front(5.0);
-    // one region of two boxes that touch: the face is one
+    // one region of two touching boxes: one face
     assert_eq!(inner_lines(&weave(&(&left | &right)), &camera, &green), 0);
     // two regions: a line between them
     let parts = inner_lines(&weave_of(&[left.clone(), right.clone()]), &camera, &green);
@@ -233,7 +235,7 @@ fn lines_are_where_something_begins() {
         &half | half.mirror(Vec3::X)
     };
     assert!(inner_lines(&weave(&wing(10.0)), &camera, &green) > 35);
-    // less than the angle of a crease: no line
+    // below the crease angle: no line
     assert_eq!(inner_lines(&weave(&wing(3.0)), &camera, &green), 0);
     // smooth surfaces have no lines, neither within nor where they touch tangentially
     assert_eq!(inner_lines(&weave(&sphere(2.2)), &camera, &green), 0);
@@ -241,7 +243,7 @@ fn lines_are_where_something_begins() {
     let end = |z: f64| sphere(1.6).translate([0.0, 0.0, z]);
     let pill = rod | end(1.0) | end(-1.0);
     assert_eq!(inner_lines(&weave(&pill), &front(6.0), &green), 0);
-    // a ring hides a part of itself: the same face twice, seen from a little above
+    // a ring that hides a part of itself: the same face twice, seen from slightly above
     let ring = weave(&shape("torus", &[("major", 1.5), ("minor", 0.6)]));
     let above = Camera::orthographic([0.0, -20.0, 8.0], [0.0; 3], UP, 4.5).unwrap();
     let hiding = inner_lines(&ring, &above, &green);
@@ -281,11 +283,12 @@ fn lines_show_through_translucent_regions() {
         let colours = vec![white(alpha), Rgba::WHITE];
         let settings = Settings { lines, samples: 4, colours, ..plain(size(50, 50)) };
         let image = draw(&weave, &front(5.0), &settings);
-        // all is white but lines; those of the wall are at least 5 pixels within those of the glass
+        // all is white except lines; those of the wall are at least 5 pixels inside those of the glass
         let within = (0..2500).filter(|k| (10..40).contains(&(k % 50)) && (10..40).contains(&(k / 50)));
         within.map(|k| image.values()[k][0]).min().map_or(1.0, light)
     };
-    // a line of one pixel covers half of two, and three quarters of those in corners; two faces of the glass are before it
+    // a line of one pixel covers half of two pixels, and three quarters of those in corners; two faces of the
+    // glass are in front
     for (alpha, transparency) in [(0, 1.0), (102, 0.36), (204, 0.04), (255, 0.0)] {
         let expected = 1.0 - 0.75 * transparency;
         assert!((darkest(alpha) - expected).abs() < 0.01, "{alpha}: {}", darkest(alpha));
@@ -306,7 +309,7 @@ fn backgrounds() {
     assert!(draw(&weave, &front(1.0), &settings).values().iter().all(|pixel| *pixel == [0; 4]));
 }
 
-/// A scene with everything: instances, a translucent region, shadows, lines.
+/// A scene with all features: instances, a translucent region, shadows, lines.
 fn busy() -> (Weave, Settings) {
     let ball = sphere(1.3);
     let rod = shape("cylinder", &[("radius", 0.6), ("height", 4.0)]);

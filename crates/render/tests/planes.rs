@@ -1,4 +1,4 @@
-//! Depth, normals and ids against closed forms and drawings in letters.
+//! Depth, normals and ids, compared with closed forms and with expected pictures in letters.
 
 mod common;
 
@@ -9,7 +9,7 @@ use rayweave_render::{Camera, IdKind, View, depth, ids, normals, section};
 
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// The nearest time > 0 at which a unit ray meets a sphere, by the textbook formula.
+/// The least t > 0 at which a unit ray intersects a sphere, by the textbook formula.
 fn sphere_time(origin: Vec3, direction: Vec3, centre: Vec3, radius: f64) -> Option<f64> {
     let offset = origin - centre;
     let half = offset.dot(direction);
@@ -40,7 +40,7 @@ fn depth_and_normals_of_a_sphere() {
                 match sphere_time(ray.origin, ray.direction, centre, radius) {
                     Some(expected) => {
                         assert!((t - expected).abs() < 1e-12, "{t} {expected}");
-                        // outward also from inside
+                        // the normal is outward also when seen from inside
                         let outward = (ray.at(t) - centre) / radius;
                         assert!((n - outward).length() < 1e-12, "{n} {outward}");
                         hits += 1;
@@ -93,7 +93,7 @@ fn regions_leaves_and_faces_of_boxes() {
 
 #[test]
 fn views_show_their_sides() {
-    // an L that looks different from all sides; what is nearest is #, what is farther away +
+    // an L that looks different from all sides; # is the nearest part, + is farther away
     let weave = weave(&(block([0.0; 3], [3.0, 2.0, 1.0]) | block([0.0; 3], [1.0, 1.0, 3.0])));
     let look = |view: View| {
         let camera = view.fit(weave.program(), size(8, 8));

@@ -1,14 +1,15 @@
-//! The same pictures by POV-Ray and by this project, side by side: rays per second and how alike the pictures are.
+//! Comparison with POV-Ray: rays per second and similarity of the pictures.
 //!
 //! `cargo run --release -p rayweave-render --example povray -- [WIDTHxHEIGHT] [RUNS] [FOLDER] [SCENE ...]`
 //!
-//! Without arguments the pictures are small and drawn once, to see that all works; figures take `1280x720 5`.
+//! Without arguments the pictures are small and drawn once, as a check; published figures use `1280x720 5`.
 //!
-//! Both trace one ray through the centre of each pixel and, from each surface that faces the light, one ray to the light; both
-//! use one thread. Every pixel counts as a ray, background too. Time is that of tracing and shading alone, without starting,
-//! reading, compiling and writing, in processor seconds: POV-Ray's own figure, and here what the system counts for the thread
-//! during the call that makes the picture (the wall clock, where the system does not tell). The two take turns, and the shortest of the runs counts. POV-Ray is asked with its hierarchy of slabs and
-//! with its binary space partition, and the faster one counts.
+//! Both trace one ray through the centre of each pixel and, from each surface that faces the light, one ray
+//! to the light; both use one thread. Every pixel counts as a ray, background included. The time is that of
+//! tracing and shading alone, without starting, reading, compiling and writing, in processor seconds:
+//! POV-Ray's own figure, and here the CPU time of the thread during the rendering call (wall-clock time where
+//! the system does not report it). The two run alternately, and the shortest run counts. POV-Ray runs with
+//! its hierarchy of slabs and with its binary space partition, and the faster one counts.
 
 mod peer;
 mod scenes;
@@ -24,7 +25,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// What is asked for on the command line.
+/// The command-line arguments.
 struct Wish {
     size: Size,
     runs: usize,
@@ -48,7 +49,7 @@ impl Wish {
     }
 }
 
-/// One line of the table.
+/// A row of the table.
 struct Line {
     name: String,
     /// Rays per second.
@@ -85,7 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Draws one scene by turns.
+/// Renders one scene alternately with both programs.
 fn compare(comparison: &Comparison, wish: &Wish) -> Result<Line, Box<dyn Error>> {
     let mut scene = comparison.scene.clone();
     let compiled = Compiled::new(&scene)?;
@@ -122,7 +123,7 @@ fn compare(comparison: &Comparison, wish: &Wish) -> Result<Line, Box<dyn Error>>
     })
 }
 
-/// The processor time of this thread.
+/// A clock for the processor time of this thread.
 struct Clock {
     wall: Instant,
     thread: Option<u64>,
@@ -141,13 +142,13 @@ impl Clock {
     }
 }
 
-/// The nanoseconds for which this thread has run, as Linux tells them.
+/// The CPU time of this thread in nanoseconds, reported by Linux.
 fn thread_nanoseconds() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     text.split_whitespace().next()?.parse().ok()
 }
 
-/// The shortest of a few drawings in a row, in seconds, and the picture.
+/// The shortest of several renderings, in seconds, and the picture.
 fn draw(
     evaluator: &impl rayweave::Evaluator,
     camera: &rayweave::render::Camera,

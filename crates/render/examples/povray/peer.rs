@@ -1,18 +1,18 @@
-//! POV-Ray as a program that is run.
+//! POV-Ray as an external program.
 
 use rayweave::render::{Image, Size};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A scene on disk that POV-Ray draws.
+/// A scene on disk for POV-Ray.
 pub struct Peer {
     scene: PathBuf,
     out: PathBuf,
     size: Size,
 }
 
-/// The ways in which POV-Ray finds objects: slabs, and binary space partition.
+/// POV-Ray's acceleration structures: slabs, and binary space partition.
 const METHODS: [&str; 2] = ["+BM1", "+BM2"];
 
 impl Peer {
@@ -23,7 +23,8 @@ impl Peer {
         Ok(Peer { scene, out: folder.join(format!("{name}-povray.png")), size })
     }
 
-    /// Draws the picture on one thread, without anti-aliasing; the processor seconds of tracing as POV-Ray tells them.
+    /// Renders on one thread without anti-aliasing; returns the processor seconds of tracing that POV-Ray
+    /// reports.
     pub fn draw(&self) -> Result<f64, Box<dyn Error>> {
         let times = METHODS.map(|method| self.draw_by(method));
         times.into_iter().try_fold(f64::INFINITY, |least, time| Ok(least.min(time?)))
@@ -43,7 +44,7 @@ impl Peer {
         Ok(time.ok_or("no time is told")?.parse()?)
     }
 
-    /// The picture that was drawn.
+    /// The rendered picture.
     pub fn picture(&self) -> Result<Image, Box<dyn Error>> {
         let file = std::io::BufReader::new(std::fs::File::open(&self.out)?);
         let mut decoder = ::png::Decoder::new(file);

@@ -1,4 +1,4 @@
-//! The scenes that are compared.
+//! The compared scenes.
 
 use rayweave::render::Camera;
 use rayweave::scene::{Colour, Light, LightKind, Medium, RenderSettings, Scene, SceneRegion, Shading};
@@ -28,7 +28,7 @@ impl Comparison {
         Comparison { name: name.into(), scene: Scene { regions: vec![region], media, render, ..empty } }
     }
 
-    /// A lamp above the left shoulder of who looks, at the same distance.
+    /// A light above the left shoulder of the viewer, at the same distance.
     pub fn light(&self, camera: &Camera) -> Light {
         let perturbation = 0.5 * camera.up() - 0.45 * camera.right();
         let at = camera.position() + camera.position().length() * perturbation;
@@ -127,7 +127,8 @@ fn lattice(rows: usize) -> Solid {
     joint.place((0..rows * rows * rows).map(place).collect::<Vec<_>>())
 }
 
-/// Small solids of a few shapes each, anywhere in a cube, that fill the same part of it whatever their number.
+/// `count` small solids of a few shapes each at random places in a cube; their total volume is independent of
+/// the count.
 fn objects(count: usize) -> Solid {
     let mut random = Random(7);
     let size = 0.9 / (count as f64).cbrt();
@@ -146,7 +147,8 @@ fn objects(count: usize) -> Solid {
     }))
 }
 
-/// Numbers in [0, 1): xorshift64* (Vigna: "An experimental exploration of Marsaglia's xorshift generators, scrambled", 2016).
+/// Random numbers in [0, 1): xorshift64* (Vigna: "An experimental exploration of Marsaglia's xorshift
+/// generators, scrambled", 2016).
 struct Random(u64);
 
 impl Random {

@@ -1,14 +1,14 @@
-//! How alike two pictures are.
+//! Structural similarity (SSIM) of two pictures.
 
 use rayweave::render::Image;
 
-/// The half width of the window, and its standard deviation, in pixels.
+/// The half width of the window and its standard deviation, in pixels.
 const REACH: usize = 5;
 const DEVIATION: f64 = 1.5;
 
-/// The mean structural similarity of two pictures of one size by their luma; 1 for equal ones. (Wang, Bovik, Sheikh,
-/// Simoncelli: "Image quality assessment: from error visibility to structural similarity", IEEE TIP 13(4), 2004: Gaussian
-/// window of 11 x 11 pixels, K1 = 0.01, K2 = 0.03.)
+/// The mean structural similarity of the luma of two pictures of one size; 1 for equal ones. (Wang, Bovik,
+/// Sheikh, Simoncelli: "Image quality assessment: from error visibility to structural similarity", IEEE TIP
+/// 13(4), 2004: Gaussian window of 11 x 11 pixels, K1 = 0.01, K2 = 0.03.)
 pub fn structural(a: &Image, b: &Image) -> f64 {
     let (width, height) = (a.width(), a.height());
     let (x, y) = (luma(a), luma(b));
@@ -34,7 +34,7 @@ fn luma(image: &Image) -> Vec<f64> {
     image.values().iter().map(of).collect()
 }
 
-/// The weighted means over all windows that lie in the picture.
+/// The weighted means over all windows inside the picture.
 fn blurred(values: &[f64], width: usize, height: usize) -> Vec<f64> {
     let side = 2 * REACH + 1;
     let weight = |k: usize| {

@@ -1,4 +1,4 @@
-//! What the tests share: shapes by name, evaluators, pictures as text.
+//! Shared helpers of the tests: shapes by name, evaluators, pictures as text.
 
 #![allow(dead_code, reason = "each test file uses its part")]
 
@@ -29,7 +29,7 @@ pub fn weave(solid: &Solid) -> Weave {
     Weave::new(Arc::new(Program::compile(solid).unwrap()))
 }
 
-/// An evaluator of regions, each of a medium of its own.
+/// An evaluator of regions with distinct media.
 pub fn weave_of(solids: &[Solid]) -> Weave {
     let regions: Vec<Region> = (solids.iter().zip(1..))
         .map(|(solid, k)| Region { name: format!("region {k}"), solid: solid.clone(), medium: k })
