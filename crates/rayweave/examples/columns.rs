@@ -1,6 +1,6 @@
-//! Hits and first hits of many rays, written into columns by several threads: rays per second.
+//! Throughput of hits and first hits in rays per second, written into columns by several threads.
 //!
-//! `columns [RAYS] [THREADS] [REPEATS]`; the columns are made once, and the least of the times counts.
+//! `columns [RAYS] [THREADS] [REPEATS]`; the columns are allocated once, and the shortest time counts.
 
 use rayweave::model::drive::{Cancel, drive};
 use rayweave::model::{Evaluator, FirstHits, HitRows, RayBatch, Rays, Window};
@@ -10,7 +10,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Rays that a thread takes at a time.
+/// Rays per chunk of a thread.
 const CHUNK: usize = 8192;
 
 fn die() -> Result<Solid, rayweave::Error> {
@@ -39,13 +39,13 @@ fn rays(count: usize, radius: f64, half: f64) -> RayBatch {
     .collect()
 }
 
-/// Some of the rays.
+/// A slice of the rays.
 fn part<'a>(rays: &Rays<'a>, start: usize, len: usize) -> Rays<'a> {
     let cut = |columns: [&'a [f64]; 3]| columns.map(|column| &column[start..start + len]);
     Rays { origins: cut(rays.origins), directions: cut(rays.directions) }
 }
 
-/// Runs work on chunks on several threads.
+/// Runs `work` on chunks on several threads.
 fn share<C: Send>(
     evaluator: &AnyEvaluator,
     threads: NonZeroUsize,
@@ -56,7 +56,7 @@ fn share<C: Send>(
     run.expect("nothing fails");
 }
 
-/// All hits into rows.
+/// Writes all hits into rows.
 fn hits(evaluator: &AnyEvaluator, rays: &Rays<'_>, threads: NonZeroUsize, rows: &mut [Vec<f64>]) {
     let mut rest: Vec<_> = rows.iter_mut().map(Vec::as_mut_slice).collect();
     let chunks = (0..rays.len()).step_by(CHUNK).map(|start| {
@@ -70,7 +70,7 @@ fn hits(evaluator: &AnyEvaluator, rays: &Rays<'_>, threads: NonZeroUsize, rows: 
     });
 }
 
-/// The first hits with their normals.
+/// Columns of first hits with their normals.
 #[derive(Default)]
 struct First {
     t: Vec<f64>,
@@ -104,7 +104,7 @@ impl First {
     }
 }
 
-/// Millions of things a second, done so often.
+/// Millions of items per second, from the shortest of several runs.
 fn rate(count: usize, repeats: usize, mut work: impl FnMut()) -> f64 {
     let seconds = (0..repeats).map(|_| {
         let started = Instant::now();

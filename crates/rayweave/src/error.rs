@@ -1,4 +1,4 @@
-//! The one error of the library.
+//! The error type of the library.
 
 use rayweave_error::{Classified, ErrorKind};
 #[cfg(feature = "scene")]
@@ -7,8 +7,8 @@ use std::{fmt, io, iter};
 
 /// Any error of the library, printed as `problem: reason. Suggestion.`
 ///
-/// Opaque: what it holds may grow. [`Error::kind`] and the predicates report the kind; [`Error::diagnostics`] gives the places
-/// in a model file.
+/// Opaque: its content may grow. [`Error::kind`] and the predicates classify it; [`Error::diagnostics`] lists
+/// the positions in a model file.
 pub struct Error(Box<dyn Classified + Send + Sync>);
 
 impl Error {
@@ -17,7 +17,7 @@ impl Error {
         self.0.kind()
     }
 
-    /// True if a shape's parameters are wrong.
+    /// True if parameters of a shape are invalid.
     pub fn is_shape(&self) -> bool {
         self.kind() == ErrorKind::Shape
     }
@@ -27,12 +27,12 @@ impl Error {
         self.kind() == ErrorKind::Compile
     }
 
-    /// True if a model file cannot be read or is wrong.
+    /// True if a model file cannot be read or is invalid.
     pub fn is_model_file(&self) -> bool {
         self.kind() == ErrorKind::ModelFile
     }
 
-    /// True if a file of rays, or another input file, cannot be read or is wrong.
+    /// True if a file of rays or another input file cannot be read or is invalid.
     pub fn is_input(&self) -> bool {
         self.kind() == ErrorKind::Input
     }
@@ -42,7 +42,7 @@ impl Error {
         self.kind() == ErrorKind::Output
     }
 
-    /// True if the name of a file tells no format that is known.
+    /// True if the format of a file cannot be inferred from its name.
     pub fn is_format(&self) -> bool {
         self.kind() == ErrorKind::Format
     }
@@ -52,12 +52,12 @@ impl Error {
         self.kind() == ErrorKind::Value
     }
 
-    /// True if a solid cannot be asked this, because it is empty or unbounded.
+    /// True if a query needs a non-empty, bounded solid and this one is empty or unbounded.
     pub fn is_solid(&self) -> bool {
         self.kind() == ErrorKind::Solid
     }
 
-    /// True if an optical system does not fit together, or light cannot be traced through it.
+    /// True if an optical system is inconsistent, or light cannot be traced through it.
     pub fn is_optics(&self) -> bool {
         self.kind() == ErrorKind::Optics
     }
@@ -67,12 +67,12 @@ impl Error {
         self.kind() == ErrorKind::Name
     }
 
-    /// True if somebody asked the run to stop.
+    /// True if the run was cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.kind() == ErrorKind::Cancelled
     }
 
-    /// True if the reader of the output has closed it, as `head` does after enough lines.
+    /// True if the reader of the output closed it, as `head` does after enough lines.
     pub fn is_broken_pipe(&self) -> bool {
         let first: &dyn std::error::Error = &*self.0;
         let mut causes = iter::successors(Some(first), |error| error.source());
@@ -81,7 +81,7 @@ impl Error {
     }
 
     #[cfg(feature = "scene")]
-    /// The problems of a model file, each with its place.
+    /// The problems of a model file, each with its position.
     pub fn diagnostics(&self) -> Option<&Diagnostics> {
         let error: &dyn std::error::Error = &*self.0;
         error.downcast_ref::<Diagnostics>()
@@ -94,7 +94,8 @@ impl<E: Classified + Send + Sync + 'static> From<E> for Error {
     }
 }
 
-/// As [`fmt::Display`] prints it, so that `unwrap` and a `main` that returns it can be read.
+/// Same text as [`fmt::Display`] after the kind, so that the output of `unwrap` and of a failing `main` is
+/// readable.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:?}: {self}", self.kind())
@@ -107,7 +108,7 @@ impl fmt::Display for Error {
     }
 }
 
-/// The text is that of the cause, so that only what is below the cause is a source.
+/// The text is that of the cause, so the source is the source of the cause.
 impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         self.0.source()

@@ -1,13 +1,14 @@
 //! Exact ray tracing through constructive solid geometry.
 //!
-//! Say a solid in many ways, compile it once, ask it in many ways. Solids are boolean expressions over shapes; a compiled
-//! model answers along rays, with `f64` roots that are exact to rounding and an algebra that is exact: touching faces need
-//! no nudging, and the same question gives the same bits whatever the evaluator and the number of threads.
+//! Define a solid, compile it once, query it along many rays. Solids are boolean expressions over shapes.
+//! Crossings are `f64` roots accurate to rounding error, combined by an exact algebra: touching faces need no
+//! offsets, and a query returns the same bits for every evaluator and any number of threads.
 //!
 //! # Solids
 //!
-//! [`shapes`] holds a constructor for each shape. Solids are cheap to clone; the operators are `|` union, `&` intersection,
-//! `-` difference, `^` symmetric difference and `!` complement. Transforms are about the origin and give new solids.
+//! [`shapes`] contains a constructor for each shape. Solids are cheap to clone; the operators are `|` union,
+//! `&` intersection, `-` difference, `^` symmetric difference and `!` complement. Transforms are about the
+//! origin and return new solids.
 //!
 //! ```
 //! use rayweave::shapes::{cylinder, sphere};
@@ -21,12 +22,12 @@
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
-//! # Questions along rays
+//! # Ray queries
 //!
-//! A [`Program`] is a solid compiled into flat tables, in which coincident faces have become one surface. [`Packets`] is the
-//! evaluator for daily use, eight rays at a time where the model is small; [`Weave`] the one for models of any size,
-//! [`Reference`] the obvious one, [`SingleHit`] the one that can explain itself (see [`explain()`]), [`Spans`] the one that
-//! works on whole arrays; all answer through the trait [`Evaluator`].
+//! A [`Program`] is a solid compiled into flat tables, in which coincident faces are merged into one surface.
+//! [`Packets`] is the default evaluator, with eight rays at a time in small models; [`Weave`] is for models
+//! of any size; [`Reference`] is the simplest implementation; [`SingleHit`] can explain its decisions (see
+//! [`explain()`]); [`Spans`] works on whole arrays. All implement the trait [`Evaluator`].
 //!
 //! ```
 //! use rayweave::{Evaluator, Program, Query, Ray, Vec3, Weave, shapes::sphere};
@@ -53,13 +54,14 @@
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
-//! For many rays, fill a [`RayBatch`](model::RayBatch) and ask [`Evaluator::collect`]; for all cores,
+//! For many rays, fill a [`RayBatch`](model::RayBatch) and call [`Evaluator::collect`]; for all cores, use
 //! [`model::drive::drive`].
 //!
 //! # Regions and media
 //!
-//! A model is an ordered list of [`Region`]s, each a solid made of a medium; where they overlap, the later one wins, and
-//! everything else is medium 0, the world. Where two parts touch, a ray passes from one to the other in one crossing.
+//! A model is an ordered list of [`Region`]s, each a solid with a medium; where regions overlap, the later
+//! one has priority, and everything else is medium 0, the world. Where two parts touch, a ray passes from one
+//! to the other in one crossing.
 //!
 //! ```
 //! use rayweave::{Evaluator, Program, Query, Ray, Region, Vec3, Weave, shapes::box_from_corners};
@@ -81,8 +83,8 @@
 //!
 //! # Model files
 //!
-//! [`scene::load`] reads a model from a TOML file, [`scene::parse`] from text; all problems are reported at once, each
-//! with its place. [`Compiled`] is a scene's program with the names of its media.
+//! [`scene::load`] reads a model from a TOML file, [`scene::parse`] from text; all problems are reported at
+//! once, each with its position. [`Compiled`] is the program of a scene with the names of its media.
 //!
 //! ```
 //! use rayweave::{AnyEvaluator, Compiled, Evaluator, Query, Ray, Vec3, scene};
@@ -116,11 +118,12 @@
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
-//! Models of other programs are read by [`formats::load`], which reports what was lost; [`formats::save`] writes them.
+//! [`formats::load`] reads models of other programs and reports what was lost; [`formats::save`] writes them.
 //!
-//! # Pictures
+//! # Rendering
 //!
-//! [`render`](mod@render) draws what an evaluator sees; [`picture`] arranges camera, colours and lights from a scene.
+//! [`render`](mod@render) renders a model through an evaluator; [`picture`] sets up camera, colours and
+//! lights from a scene.
 //!
 //! ```
 //! use rayweave::picture::{Picture, PictureKind, PictureOptions, arrange};
@@ -138,30 +141,32 @@
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
-//! [`draw::ray_timeline`] draws the time line of one ray.
+//! [`draw::ray_timeline`] draws the timeline of one ray.
 //!
 //! # Files of rays
 //!
 //! [`hits::trace_rays`] streams rays from CSV or NPY into a table of hits, on all cores and in constant memory.
 //!
-//! # Traces of a tool
+//! # Infill
 //!
-//! [`infill`] fills a region of the plane ([`polygon`]), or the layers of a solid, with parallel traces.
+//! [`infill`] fills a region of the plane ([`polygon`]), or the layers of a solid, with parallel tool traces.
 //!
-//! # Questions about models
+//! # Analysis of models
 //!
-//! [`measure`](mod@measure) computes volume, mass, centre, inertia and surface area of regions, with confidence intervals;
-//! [`thickness`] path lengths through media, and radiographs; [`section`](mod@section) cross-sections by planes.
-//! [`diff`](mod@diff) compares two models; [`check`](mod@check) searches a model for mistakes.
+//! [`measure`](mod@measure) computes volume, mass, centre, inertia and surface area of regions, with
+//! confidence intervals; [`thickness`] computes path lengths through media, and radiographs;
+//! [`section`](mod@section) computes cross-sections by planes. [`diff`](mod@diff) compares two models;
+//! [`check`](mod@check) reports modelling errors.
 //!
 //! # Drawings of optical systems
 //!
-//! [`layout`] draws a section of a system with light in it; [`detector`] bins and draws the light that arrives at sheets.
+//! [`layout`] draws a section of a system with light rays; [`detector`] bins and draws the light that arrives
+//! at sheets.
 //!
-//! # The algebra alone
+//! # Boolean algebra without geometry
 //!
-//! [`rootray`] knows no geometry: it combines the times at which a trajectory changes sides, for one ray or for arrays of
-//! them. Whoever computes the times in his own way needs nothing else.
+//! [`rootray`] is independent of geometry: it combines the times at which a trajectory changes sides, for one
+//! ray or for arrays of rays. Programs that compute these times themselves need no other module.
 //!
 //! ```
 //! use rayweave::rootray::{RootRay, Side};
@@ -174,13 +179,14 @@
 //!
 //! # Features
 //!
-//! The default features are all that the command needs. With `default-features = false` the crate holds solids, programs,
-//! evaluators and root-rays, with at most twelve external crates; `analysis`, `draw`, `formats`, `lens`, `optics`, `render`,
-//! `scene`, `space`, `table` and `parquet` add the rest.
+//! The default features are those of the command-line program. With `default-features = false` the crate
+//! contains solids, programs, evaluators and root-rays, with at most twelve external crates; `analysis`,
+//! `draw`, `formats`, `lens`, `optics`, `render`, `scene`, `space`, `table` and `parquet` add the rest.
 //!
 //! # Errors
 //!
-//! All errors convert into [`Error`], whose text names problem, reason and suggestion; [`Error::kind`] classifies them.
+//! All errors convert into [`Error`], whose text states problem, reason and suggestion; [`Error::kind`]
+//! classifies them.
 
 mod error;
 
@@ -194,7 +200,7 @@ pub mod math {
     };
 }
 
-/// Solids, programs, and the queries that evaluators answer. What evaluators are made of is in [`rayweave_model`].
+/// Solids, programs and queries. The building blocks of evaluators are in [`rayweave_model`].
 pub mod model {
     pub use rayweave_model::{
         ApproximateColumns, ApproximateEvaluator, BadRay, Collected, CompileError, CompileProblem, Crossing,
@@ -205,7 +211,7 @@ pub mod model {
     };
 }
 
-/// Rays, and shapes with their manual pages. The kernels of surfaces are in [`rayweave_shape`].
+/// Rays, and shapes with their manual pages. The intersection kernels of surfaces are in [`rayweave_shape`].
 pub mod shape {
     pub use rayweave_shape::{Ray, RayError, primitive};
 }
@@ -222,7 +228,8 @@ pub mod section {
 }
 
 #[cfg(feature = "analysis")]
-/// The traces that fill a region of the plane, or the layers of a solid, with tables and drawings.
+/// Infill: parallel traces that fill a region of the plane or the layers of a solid, with tables and
+/// drawings.
 pub mod infill {
     pub use rayweave_analysis::infill::{
         ContourProblems, Fillable, Filling, InfillError, InfillTable, LayerTraces, Layers, Raster, Run,
@@ -278,12 +285,12 @@ pub use rayweave_shape::Ray;
 pub use rayweave_trace::single_hit::explain;
 pub use rayweave_trace::{AnyEvaluator, AnyScratch, Packets, Reference, SingleHit, Spans, Weave};
 
-/// The Rust in the README, compiled and run with the documentation tests.
+/// The Rust code of the README, compiled and run with the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
 
-/// The Rust of the page about the algebra, likewise.
+/// The Rust code of the page on the algebra, compiled and run with the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/concepts/algebra.md")]
 struct Algebra;

@@ -1,8 +1,8 @@
-//! Constructors of solids, one free function for each shape, with the names and parameters of the model file and of Python.
+//! Constructors of solids: one function per shape, with the names and parameters of model files and Python.
 //!
-//! Lengths are in whatever unit the caller thinks in, angles in degrees, axes right-handed. Parameters out of range are
-//! errors that name the parameter, its range and, where one is likely, what was meant. The manual page of each shape, with
-//! its equation, faces and degenerate cases, is in [`crate::shape::primitive::MANUALS`].
+//! Lengths are in an arbitrary unit, angles in degrees, axes right-handed. Parameters out of range are errors
+//! that name the parameter, its range and, where possible, the likely intention. The manual page of each
+//! shape, with its equation, faces and degenerate cases, is in [`crate::shape::primitive::MANUALS`].
 //!
 //! ```
 //! use rayweave::shapes::{box_, sphere};
@@ -92,8 +92,8 @@ pub fn tube(outer_radius: f64, inner_radius: f64, height: f64) -> Result<Solid, 
     make("tube", &sizes)
 }
 
-/// The points whose azimuth lies between `start` and `start + sweep`, from +x towards +y, in degrees; 0 < `sweep` < 360.
-/// Unbounded along z and away from it.
+/// The points with azimuth between `start` and `start + sweep`, from +x towards +y, in degrees; 0 < `sweep` <
+/// 360. Unbounded along z and radially.
 pub fn wedge(start_degrees: f64, sweep_degrees: f64) -> Result<Solid, Error> {
     let angles = [("start_degrees", start_degrees.into()), ("sweep_degrees", sweep_degrees.into())];
     make("wedge", &angles)
@@ -110,14 +110,14 @@ pub fn convex(planes: &[[f64; 4]]) -> Result<Solid, Error> {
     make("convex", &[("planes", planes.into())])
 }
 
-/// The solid within a closed mesh of triangles, each of which names three of the points, from 0.
+/// The solid inside a closed triangle mesh; `faces` holds three indices into `vertices` per triangle, from 0.
 pub fn mesh(vertices: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Solid, Error> {
     let numbers: Vec<[f64; 3]> = faces.iter().map(|face| face.map(f64::from)).collect();
     make("mesh", &[("vertices", vertices.into()), ("faces", numbers.as_slice().into())])
 }
 
-/// What lies above an asphere with its vertex at the origin, r < `aperture`, up to z = `height`, which may be infinite:
-/// curvature and conic constant, coefficients of r^2, r^4, ... and of r, r^3, ...
+/// The solid above an aspheric surface with its vertex at the origin, r < `aperture`, up to z = `height`,
+/// which may be infinite: curvature and conic constant, coefficients of r^2, r^4, ... and of r, r^3, ...
 pub fn asphere(
     aperture: f64,
     [curvature, conic]: [f64; 2],
@@ -129,8 +129,8 @@ pub fn asphere(
     make("asphere", &[base, terms].concat())
 }
 
-/// What lies above a biconic with its vertex at the origin, r < `aperture`, up to z = `height`, which may be infinite:
-/// curvatures and conic constants along x and y.
+/// The solid above a biconic surface with its vertex at the origin, r < `aperture`, up to z = `height`, which
+/// may be infinite: curvatures and conic constants along x and y.
 pub fn biconic(aperture: f64, curvatures: [f64; 2], conics: [f64; 2], height: f64) -> Result<Solid, Error> {
     let base = [("aperture", aperture.into()), ("height", height.into())];
     let x = [("curvature_x", curvatures[0].into()), ("conic_x", conics[0].into())];
@@ -138,9 +138,9 @@ pub fn biconic(aperture: f64, curvatures: [f64; 2], conics: [f64; 2], height: f6
     make("biconic", &[base, x, y].concat())
 }
 
-/// What lies above a freeform about the origin, r < `aperture`, up to z = `height`, which may be infinite: curvature and
-/// conic constant of the base, coefficients of x, y, x^2, x y, ... and of Noll's Zernike polynomials, both of coordinates
-/// divided by `norm_radius` (0 for the aperture's).
+/// The solid above a freeform surface about the origin, r < `aperture`, up to z = `height`, which may be
+/// infinite: curvature and conic constant of the base, coefficients of x, y, x^2, x y, ... and of Noll's
+/// Zernike polynomials, both in coordinates divided by `norm_radius` (0 stands for the aperture).
 pub fn freeform(
     aperture: f64,
     [curvature, conic]: [f64; 2],
@@ -153,27 +153,28 @@ pub fn freeform(
     make("freeform", &[&base[..], &terms, &[("height", height.into())]].concat())
 }
 
-/// Nothing: the neutral element of union.
+/// The empty solid: the neutral element of union.
 pub fn empty() -> Solid {
     Solid::empty()
 }
 
-/// All of space: the neutral element of intersection.
+/// The universe, all of space: the neutral element of intersection.
 pub fn universe() -> Solid {
     Solid::universe()
 }
 
-/// Inside any of the solids; the union of none is [`empty`].
+/// The union of solids; the union of none is [`empty`].
 pub fn union(solids: impl IntoIterator<Item = Solid>) -> Solid {
     Solid::union(solids)
 }
 
-/// Inside all of the solids; the intersection of none is [`universe`].
+/// The intersection of solids; the intersection of none is [`universe`].
 pub fn intersection(solids: impl IntoIterator<Item = Solid>) -> Solid {
     Solid::intersection(solids)
 }
 
-/// The union of the images of a solid under many maps, `world_from_local`. It is compiled once, however many they are.
+/// The union of copies of a solid under the maps `world_from_local`. The solid is compiled once for all
+/// copies.
 pub fn place(solid: &Solid, transforms: impl Into<Arc<[Affine]>>) -> Solid {
     solid.place(transforms)
 }

@@ -1,4 +1,4 @@
-//! What the facade adds to the crates that it joins.
+//! Features of the facade crate beyond its re-exports.
 
 use rayweave::model::RayBatch;
 use rayweave::scene::{Scene, parse};
@@ -59,7 +59,7 @@ fn evaluators_by_name_agree() {
     assert_eq!(error.kind(), rayweave::ErrorKind::Name);
 }
 
-/// Rays come in by files and by arrays: both doors are equally wide.
+/// Rays from files and from arrays are subject to the same range checks.
 #[test]
 fn rays_out_of_range_are_refused_everywhere() {
     let (most, least) = (Ray::MOST, Ray::LEAST);

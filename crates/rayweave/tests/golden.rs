@@ -1,8 +1,8 @@
-//! Golden pictures: what models look like, compared with pictures that somebody has looked at.
+//! Golden pictures: rendered models compared with reviewed pictures.
 //!
-//! `models/NAME.png` is the picture of `models/NAME.toml`, as `rayweave render` draws it; `tests/golden/` holds small pictures
-//! of other views, styles and kinds. `cargo xtask golden --accept` writes all of them anew: look at the differences
-//! before they are committed.
+//! `models/NAME.png` is the picture of `models/NAME.toml` by `rayweave render`; `tests/golden/` contains
+//! small pictures of other views, styles and kinds. `cargo xtask golden --accept` rewrites all of them:
+//! review the differences before committing.
 
 use rayweave::picture::{Picture, PictureKind, PictureOptions, arrange};
 use rayweave::render::{Image, Run, Size, Style, View, png};
@@ -11,15 +11,15 @@ use rayweave::{Compiled, Weave};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Channels that differ by at most this count as equal: a root that moves by its last bit moves shading by less than a
-/// level, and rounding to levels adds one.
+/// Channels that differ by at most this count as equal: a change in the last bit of a root changes shading by
+/// less than a level, and rounding to levels adds one.
 const LEVELS: u8 = 2;
 
-/// The part of the pixels that may differ by more: where a change of the last bit of a root moves a sample to the other
-/// side of an edge, a pixel changes by a ninth of its contrast.
+/// The fraction of pixels that may differ by more: where a change in the last bit of a root moves a sample
+/// across an edge, a pixel changes by a ninth of its contrast.
 const PART: f64 = 0.0005;
 
-/// The variable that makes the test write pictures instead of comparing them.
+/// The environment variable that makes the test write pictures instead of comparing them.
 const ACCEPT: &str = "RAYWEAVE_ACCEPT_GOLDEN";
 
 fn root() -> PathBuf {
@@ -49,10 +49,11 @@ fn draw(model: &str, kind: PictureKind, options: &PictureOptions) -> Vec<u8> {
     Picture::draw(kind, &weave, &camera, &settings, &mut Run::default()).unwrap().to_png()
 }
 
-/// What is wrong with a picture, compared with the golden one; accepts it if that is asked for.
+/// Compares a picture with the golden one and returns the problem, if any; writes the golden file instead if
+/// [`ACCEPT`] is set.
 fn compare(golden: &Path, drawn: &[u8]) -> Option<String> {
     if std::env::var_os(ACCEPT).is_some_and(|value| value == "1") {
-        // equal pixels may be packed in other bytes: files that show the same stay as they are
+        // equal pixels can be encoded as different bytes: files with equal pixels are not rewritten
         if difference(&fs::read(golden).unwrap_or_default(), drawn).is_some() {
             fs::create_dir_all(golden.parent()?).unwrap();
             fs::write(golden, drawn).unwrap();
@@ -70,7 +71,7 @@ fn compare(golden: &Path, drawn: &[u8]) -> Option<String> {
     Some(format!("{}: {problem}; see {}", golden.display(), seen.display()))
 }
 
-/// How two pictures differ, if by more than may be.
+/// The difference between two pictures, if it exceeds the tolerance.
 fn difference(accepted: &[u8], drawn: &[u8]) -> Option<String> {
     let decoded = [accepted, drawn].map(png::decode);
     let [Ok(accepted), Ok(drawn)] = decoded else {

@@ -1,4 +1,4 @@
-//! What every reader makes of the files in `models/` and `../shared/data`.
+//! Hashes of the models imported from `models/` and `../shared/data`, by every reader.
 
 use crate::hash::Hash;
 use crate::{Answers, rays, root};
@@ -7,13 +7,13 @@ use rayweave::formats::{self, Options};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Rays through each model.
+/// Rays per model.
 const RAYS: usize = 64;
 
-/// Files that take long to compile in the profile of tests, or that have other tests of their own.
+/// Files that take too long to compile in the test profile, or have tests of their own.
 const LEFT_OUT: [&str; 2] = ["cmse.gdml", "tilecal-plug.gdml"];
 
-/// The folder of files that are shared between projects, if it is there.
+/// The folder of files shared between projects, if it exists.
 pub fn shared() -> Option<PathBuf> {
     let folder = root().join("../shared/data");
     folder.is_dir().then_some(folder)
@@ -37,7 +37,7 @@ pub fn record(answers: &mut Answers, shared: Option<&Path>) {
     }
 }
 
-/// The files of a folder with an ending, sorted, but for those that are left out.
+/// The files of a folder with an extension, sorted, without those of [`LEFT_OUT`].
 pub fn listed(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let files = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
     let is_wanted = |path: &PathBuf| {
@@ -49,7 +49,7 @@ pub fn listed(folder: &Path, ending: &str) -> Vec<PathBuf> {
     files
 }
 
-/// The name of a file without its folder and ending.
+/// The name of a file without folder and extension.
 pub fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
@@ -58,7 +58,7 @@ fn one(answers: &mut Answers, group: &str, path: &Path, options: &Options) {
     let name = format!("{group}/{}", stem(path));
     let mut hash = Hash::new();
     match formats::load(path, None, &[], options) {
-        // files that are refused stay so; the message is text and may change
+        // rejected files are recorded as such; the message may change
         Err(_) => hash.bytes(b"refused"),
         Ok(imported) => {
             let scene = &imported.scene;

@@ -1,11 +1,11 @@
-//! FNV-1a hash of numbers (Fowler, Noll, Vo, 64 bits), the same on every platform and for every release of Rust.
+//! FNV-1a hash of numbers (Fowler, Noll, Vo, 64 bits), the same on every platform and for every Rust release.
 
 /// A running hash.
 #[derive(Clone, Copy, Debug)]
 pub struct Hash(u64);
 
 impl Hash {
-    /// The hash of nothing.
+    /// The hash of an empty input.
     pub fn new() -> Hash {
         Hash(0xcbf2_9ce4_8422_2325)
     }
@@ -22,13 +22,13 @@ impl Hash {
         self.bytes(&value.to_le_bytes());
     }
 
-    /// Adds the bits of a number; every NaN counts as the same.
+    /// Adds the bits of a number; all NaNs are equal.
     pub fn number(&mut self, value: f64) {
         let value = if value.is_nan() { f64::NAN } else { value };
         self.bytes(&value.to_bits().to_le_bytes());
     }
 
-    /// Adds the bits of numbers, and how many they are.
+    /// Adds the bits of numbers, and their count.
     pub fn numbers<'a>(&mut self, values: impl IntoIterator<Item = &'a f64>) {
         let mut count = 0;
         for value in values {

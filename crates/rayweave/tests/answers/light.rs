@@ -1,4 +1,4 @@
-//! Light: segments of optical models, and what is computed of lens prescriptions.
+//! Hashes of light: segments of optical models, and data of lens prescriptions.
 
 use crate::files::{listed, stem};
 use crate::hash::Hash;

@@ -1,10 +1,12 @@
 //! Regression hashes of answers: crossings, nearest hits, partitions, sections, volumes, pixels, light and imported files.
 //!
-//! `tests/answers.txt` holds one line for each case: its name and the hash of the bits of its numbers. The hashes prove nothing about
-//! correctness, which other tests show; they prove that a refactoring changed no answer. After an intended change,
-//! `cargo xtask answers --accept` writes the file anew and prints the cases that changed.
+//! `tests/answers.txt` holds one line for each case: its name and the hash of the bits of its numbers. The
+//! hashes prove nothing about correctness, which other tests cover; they prove that a refactoring changed no
+//! answer. After an intended change, `cargo xtask answers --accept` rewrites the file and prints the cases
+//! that changed.
 //!
-//! Names, messages and other text are not hashed. Files outside the repository (`../shared/data`) are skipped where they are missing.
+//! Names, messages and other text are not hashed. Files outside the repository (`../shared/data`) are skipped
+//! if missing.
 
 mod curves;
 mod files;
@@ -29,7 +31,7 @@ const ACCEPT: &str = "RAYWEAVE_ACCEPT_ANSWERS";
 pub struct Answers(BTreeMap<String, String>);
 
 impl Answers {
-    /// Adds a case, of which the name must be new and free of white space.
+    /// Adds a case; its name must be new, and white space in it is replaced.
     pub fn add(&mut self, name: &str, hash: Hash) {
         let name = name.replace(char::is_whitespace, "_");
         let before = self.0.insert(name.clone(), hash.text());
@@ -72,7 +74,7 @@ fn differences(
     lines
 }
 
-/// Writes the hashes of a group in place of those recorded; the lines of other groups stay.
+/// Replaces the recorded hashes of a group; the lines of other groups stay.
 fn write(group: &str, answers: &Answers, is_present: impl Fn(&str) -> bool) {
     let mut all = recorded();
     all.retain(|name, _| name.split('/').next() != Some(group) || !is_present(name));
@@ -90,7 +92,7 @@ fn examine(group: &str, answers: &Answers) {
     examine_present(group, answers, |_| true);
 }
 
-/// The same for cases of which some cannot run here.
+/// Like [`examine`], for cases of which some cannot run here.
 fn examine_present(group: &str, answers: &Answers, is_present: impl Fn(&str) -> bool) {
     assert!(!answers.0.is_empty(), "{group}: no case ran");
     let lines = differences(group, &recorded(), answers, &is_present);

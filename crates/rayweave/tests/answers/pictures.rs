@@ -1,4 +1,4 @@
-//! Pixels of rendered models: colours, distances, normals, numbers of regions.
+//! Hashes of rendered pixels: colours, depths, normals, region ids.
 
 use crate::files::{listed, stem};
 use crate::hash::Hash;

@@ -1,4 +1,4 @@
-//! Questions about models: volume, section, thickness, check, diff, infill.
+//! Hashes of model analyses: volume, section, thickness, check, diff, infill.
 
 use crate::files::{listed, stem};
 use crate::hash::Hash;
@@ -31,7 +31,7 @@ fn estimate(hash: &mut Hash, estimate: &Estimate) {
     hash.numbers([&estimate.value, &estimate.half_width]);
 }
 
-/// A model that is refused is so before and after; the reason is text.
+/// The value of a result; an error is recorded as rejection, without its text.
 fn or_refused<T, X>(hash: &mut Hash, result: Result<T, X>) -> Option<T> {
     if result.is_err() {
         hash.bytes(b"refused");
@@ -118,7 +118,7 @@ fn checked(scene: &Scene) -> Hash {
     hash
 }
 
-/// The difference between a model and itself, moved a little.
+/// The difference between a model and a slightly moved copy.
 fn different(scene: &Scene) -> Hash {
     let mut hash = Hash::new();
     let mut other = scene.clone();

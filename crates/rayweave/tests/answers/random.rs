@@ -1,14 +1,14 @@
-//! Random models of the conformance suite, generic ones and ones whose faces coincide.
+//! Hashes of random models of the conformance suite, generic and with coincident faces.
 
 use crate::hash::Hash;
 use crate::{Answers, rays};
 use rayweave_conformance::rays::{batch, rays as random_rays};
 use rayweave_conformance::{Model, Random, Style};
 
-/// Models of each style.
+/// Models per style.
 const MODELS: u64 = 120;
 
-/// Rays through each model.
+/// Rays per model.
 const RAYS: usize = 48;
 
 pub fn record(answers: &mut Answers) {

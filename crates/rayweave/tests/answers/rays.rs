@@ -1,4 +1,4 @@
-//! Hashes of the answers to rays.
+//! Hashes of ray queries.
 
 use crate::hash::Hash;
 use rayweave::math::{Bounds, Vec3};
@@ -6,7 +6,8 @@ use rayweave::model::{FirstHits, RayBatch, Rays};
 use rayweave::{Crossing, Evaluator, Packets, Program, Query, Ray, Window};
 use std::sync::Arc;
 
-/// Hashes crossings, nearest hits with normals, and the partition of rays through a program, with its box.
+/// Hashes the bounds of a program, and crossings, nearest hits with normals and partitions of rays through
+/// it.
 pub fn answers(hash: &mut Hash, program: &Arc<Program>, rays: Rays<'_>) {
     let evaluator = Packets::new(program.clone());
     let bounds = program.bounds();
@@ -19,7 +20,7 @@ pub fn answers(hash: &mut Hash, program: &Arc<Program>, rays: Rays<'_>) {
     nearest(hash, &evaluator, rays);
 }
 
-/// Adds all that a crossing says.
+/// Adds all fields of a crossing.
 pub fn add_crossing(hash: &mut Hash, program: &Program, crossing: &Crossing) {
     hash.number(crossing.t);
     for face in [crossing.face, crossing.left, crossing.entered] {
@@ -58,8 +59,7 @@ fn nearest<E: Evaluator>(hash: &mut Hash, evaluator: &E, rays: Rays<'_>) {
     face.into_iter().for_each(|value| hash.count(value as u64));
 }
 
-/// Rays between points in and about a box: a lattice of whole-number steps (Weyl sequences of square roots), so that they need no
-/// random numbers.
+/// Rays between points in and around a box: a Weyl sequence of square roots, so no random numbers are needed.
 pub fn through(bounds: &Bounds, count: usize) -> RayBatch {
     let side =
         |lo: f64, hi: f64| if lo.is_finite() && hi.is_finite() && lo < hi { (lo, hi) } else { (-10.0, 10.0) };

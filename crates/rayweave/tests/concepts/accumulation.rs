@@ -1,4 +1,4 @@
-//! From two hit arrays to the result: concatenate, sort, +-1, cumulative sum, mask.
+//! Picture of the accumulation of two hit arrays: concatenate, sort, +-1, cumulative sum, mask.
 
 use crate::kit::{Sheet, number, operands};
 use rayweave::draw::svg::Pixels;
@@ -9,7 +9,7 @@ const LEFT: f64 = 150.0;
 const COLUMN: f64 = 56.0;
 const ROW: f64 = 26.0;
 
-/// Entries on their way: which of the concatenated ones stands where.
+/// The concatenated entries and their sorted order.
 struct Merged {
     first: usize,
     times: Vec<f64>,
@@ -20,7 +20,7 @@ impl Merged {
     fn new([a, b]: [&[f64]; 2]) -> Merged {
         let times = [a, b].concat();
         let mut order: Vec<usize> = (0..times.len()).collect();
-        // stable: the first array's entries stay first at equal times
+        // the sort is stable: entries of the first array precede equal times of the second
         order.sort_by(|&i, &j| times[i].total_cmp(&times[j]));
         Merged { first: a.len(), times, order }
     }
@@ -29,14 +29,14 @@ impl Merged {
         if k < self.first { "a" } else { "b" }
     }
 
-    /// +1 where a solid is entered, -1 where it is left; the other way round for the second one if it is inverted.
+    /// +1 where a solid is entered, -1 where it is left; the opposite for the second array if it is inverted.
     fn step(&self, k: usize, inverts: bool) -> i32 {
         let leaves = (k % 2 == 1) != (inverts && k >= self.first);
         if leaves { -1 } else { 1 }
     }
 }
 
-/// A row of the picture at a height.
+/// A row of the picture and its height.
 struct Rows {
     sheet: Sheet,
     y: f64,
@@ -58,7 +58,7 @@ impl Rows {
         self.y += 8.0;
     }
 
-    /// Where each entry goes when they are sorted.
+    /// Lines from the concatenated entries to their sorted places.
     fn threads(&mut self, merged: &Merged) {
         let middle = |k: usize| LEFT + COLUMN * (k as f64 + 0.5);
         let height = 52.0;
@@ -107,7 +107,7 @@ pub fn picture() -> String {
     rows.sheet.finish([WIDTH, height], "From two hit arrays to the results", description)
 }
 
-/// The running sum, which is what the engine counts.
+/// The cumulative sum, which is the count of the engine.
 fn counts(rows: &mut Rows, [a, b]: [&[f64]; 2], merged: &Merged, operation: Operation) {
     let inverts = operation == Operation::Difference;
     let counted = count_array(HitArray::single(a), HitArray::single(b), operation).unwrap();
@@ -121,7 +121,7 @@ fn counts(rows: &mut Rows, [a, b]: [&[f64]; 2], merged: &Merged, operation: Oper
     rows.row("count", cells);
 }
 
-/// The hits that an operation keeps, in their places.
+/// The hits kept by an operation, in their places.
 fn kept(rows: &mut Rows, name: &str, [a, b]: [&[f64]; 2], operation: Operation) {
     let options = CsgOptions { sort_output: false, ..CsgOptions::default() };
     let masked = array_csg_1d(a, b, operation, options).unwrap();

@@ -1,11 +1,12 @@
-//! One question to the chain of eight balls, decision by decision.
+//! Picture of one query to the chain of eight balls, decision by decision.
 
 use crate::kit::{Sheet, model};
 use rayweave::trace::single_hit::{Entry, Next, Question, Verdict, What};
 use rayweave::{Compiled, Program, Query, Ray, SingleHit, Vec3};
 
 const WIDTH: f64 = 960.0;
-/// Where x = 0 is drawn and how long a millimetre is; the same for the balls and for the steps below.
+/// The x of the picture at which x = 0 is drawn, and the length of a millimetre; the same for the balls and
+/// for the steps below.
 const MIDDLE: f64 = 440.0;
 const UNIT: f64 = 5.0;
 const BALLS: f64 = 134.0;
@@ -18,7 +19,7 @@ fn place(t: f64) -> f64 {
     MIDDLE + UNIT * t.clamp(-62.0, 62.0)
 }
 
-/// The ray along x, on which t is x.
+/// The ray along x; t equals x.
 pub fn ray() -> Ray {
     Ray::new(Vec3::new(0.0, 0.0, HEIGHT), Vec3::X)
 }
@@ -34,7 +35,7 @@ pub fn picture() -> String {
     let mut sheet = Sheet::default();
     sheet.left("title", 20.0, 28.0, "What is next on the chain of eight balls, after it was entered?");
     balls(&mut sheet, &program);
-    // the first question finds where the chain is entered, the second one how it goes on from there
+    // the first query finds the entry into the chain, the second one the next crossing
     let question = &story.questions[1];
     line(&mut sheet, question);
     let mut y = 268.0;
@@ -55,7 +56,7 @@ pub fn picture() -> String {
     sheet.finish([WIDTH, y + 34.0], "Single hits on a chain of eight balls", description)
 }
 
-/// The circles in which the plane of the ray cuts the chain, as the program knows them.
+/// The intersections of the chain with the plane of the ray, as circles from the program.
 fn balls(sheet: &mut Sheet, program: &Program) {
     for (k, leaf) in program.leaves().enumerate() {
         let bounds = program.leaf_bounds(leaf.id());
@@ -69,7 +70,7 @@ fn balls(sheet: &mut Sheet, program: &Program) {
     }
 }
 
-/// The ray through the balls, and the piece that the question is about.
+/// The ray through the balls, and the interval of the query.
 fn line(sheet: &mut Sheet, question: &Question) {
     sheet.line("line of-n", [place(-61.0), BALLS], [place(61.0), BALLS]);
     sheet.arrow("n", [place(61.5), BALLS]);
@@ -80,16 +81,16 @@ fn line(sheet: &mut Sheet, question: &Question) {
     }
 }
 
-/// The question's beginning and its answer, through all steps.
+/// Guide lines at the start of the query and at its answer, through all steps.
 fn guides(sheet: &mut Sheet, question: &Question, bottom: f64) {
     for t in [question.t_min, question.answer.t] {
         sheet.line("thread of-r", [place(t), BALLS + 5.0], [place(t), bottom - 4.0]);
     }
 }
 
-/// The balls below a node, as "3" or "1 | 2" or "1 | ... | 4".
+/// The balls below a node, for example "3", "1 | 2" or "1 | ... | 4".
 fn name(program: &Program, entry: &Entry) -> String {
-    // in the post-order of a binary tree a sub-tree of n leaves takes 2n - 1 places
+    // in the post-order of a binary tree a subtree of n leaves takes 2n - 1 places
     let first = leaf_number(entry.begin);
     let leaves = (entry.node - entry.begin + 2) / 2;
     assert!(first + leaves - 1 <= program.leaves().len());
@@ -100,7 +101,7 @@ fn name(program: &Program, entry: &Entry) -> String {
     }
 }
 
-/// The number of the leaf at a place of the post-order of a perfect binary tree, from 1.
+/// The number, from 1, of the leaf at a place in the post-order of a perfect binary tree.
 fn leaf_number(place: usize) -> usize {
     let mut leaves = 0;
     let mut rest = place;
@@ -118,7 +119,7 @@ fn depth(entry: &Entry) -> f64 {
     f64::from(leaves.ilog2())
 }
 
-/// A leaf's answer as an arrow from the time it was asked from; a decision as a mark at its time.
+/// The answer of a leaf as an arrow from the start time of its query; a decision as a mark at its time.
 fn step(sheet: &mut Sheet, program: &Program, entry: &Entry, y: f64) {
     let middle = y + 0.5 * ROW;
     let title = name(program, entry);
@@ -169,7 +170,7 @@ fn decided(sheet: &mut Sheet, verdict: Verdict, program: &Program, entry: &Entry
     }
 }
 
-/// Where the sub-tree of an operand begins.
+/// The first post-order place of the subtree of an operand.
 fn begin(entry: &Entry, operands: &[rayweave::trace::single_hit::Operand; 2], asked: usize) -> usize {
     if asked == operands[0].node { entry.begin } else { operands[0].node + 1 }
 }

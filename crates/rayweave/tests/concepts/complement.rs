@@ -1,4 +1,5 @@
-//! A shape, its complement, and a difference as an intersection, in the plane z = 0; filled by rays.
+//! Picture of a shape, its complement, and a difference as an intersection, in the plane z = 0, filled by
+//! rays.
 
 use crate::kit::{Sheet, evaluator, root_ray, seen};
 use rayweave::draw::svg::Pixels;
@@ -13,23 +14,23 @@ const HIGH: [f64; 2] = [0.7, 1.25];
 const CENTRE: [f64; 2] = [0.9, 0.0];
 const RADIUS: f64 = 1.5;
 
-/// Half the size of the window that is shown, in units of the model.
+/// Half the size of the visible window, in model units.
 const HALF: [f64; 2] = [3.1, 2.05];
 const UNIT: f64 = 46.0;
 const PANEL: [f64; 2] = [2.0 * HALF[0] * UNIT, 2.0 * HALF[1] * UNIT];
 const GAP: f64 = 18.0;
 const TOP: f64 = 62.0;
 
-/// The heights of the rays that are drawn.
+/// The heights of the drawn rays.
 const RAYS: [f64; 3] = [1.62, 0.62, -0.62];
 
-/// One of the pictures side by side.
+/// One of the panels side by side.
 struct Panel {
     name: &'static str,
     note: &'static str,
     ground: &'static str,
     solid: Solid,
-    /// What is counted along the rays.
+    /// The solids counted along the rays.
     operands: Vec<Solid>,
 }
 
@@ -83,7 +84,7 @@ fn along(y: f64) -> Ray {
     Ray::new(Vec3::new(0.0, y, 0.0), Vec3::X)
 }
 
-/// The pieces of a ray inside, within the window.
+/// The spans of a ray, clipped to the window.
 fn spans(ray: &RootRay) -> impl Iterator<Item = (f64, f64)> + '_ {
     let cut = |t: f64| t.clamp(-HALF[0], HALF[0]);
     ray.spans().map(move |(start, end)| (cut(start), cut(end))).filter(|(start, end)| start < end)
@@ -114,7 +115,7 @@ fn outlines(sheet: &mut Sheet, with_box: bool, place: &impl Fn(f64, f64) -> [f64
     }
 }
 
-/// A ray: thick inside the solid, with the count written above each of its pieces.
+/// A ray: thick inside the solid, with the count above each span.
 fn ray(sheet: &mut Sheet, panel: &Panel, y: f64, place: &impl Fn(f64, f64) -> [f64; 2]) {
     sheet.line("line of-n", place(-HALF[0], y), place(HALF[0], y));
     for (start, end) in spans(&seen(&panel.solid, along(y))) {

@@ -1,4 +1,4 @@
-//! What the pictures share: words for elements, colours, and questions to the engine.
+//! Shared helpers of the concept pictures: elements, colours, and queries.
 
 use rayweave::draw::svg::{Anchor, Pixels, Svg};
 use rayweave::rootray::{RootRay, Side};
@@ -6,8 +6,9 @@ use rayweave::{Compiled, Evaluator, Program, Query, Ray, Solid, Weave, scene};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Beyond the common classes: cells of tables, the first operand (a), the second (b), the result (r), what is neither (n).
-/// The colours (M. Okabe and K. Ito's palette for all eyes) stand on light and on dark paper.
+/// Classes beyond the common ones: table cells, the first operand (a), the second (b), the result (r),
+/// neutral (n). The colours (M. Okabe and K. Ito's colour-blind safe palette) work on light and dark
+/// backgrounds.
 pub const STYLE: &str = "\
 .cell { font-size: 12px }
 .small { font-size: 10.5px }
@@ -36,7 +37,7 @@ pub const STYLE: &str = "\
 }
 ";
 
-/// A drawing with the words that these pictures use.
+/// A drawing with the elements of these pictures.
 #[derive(Default)]
 pub struct Sheet {
     pub svg: Svg,
@@ -55,13 +56,13 @@ impl Sheet {
         self.svg.text(class, [x, y], Anchor::End, text, text);
     }
 
-    /// A line from place to place.
+    /// A line between two points.
     pub fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
         let [x1, y1, x2, y2] = [from[0], from[1], to[0], to[1]].map(Pixels);
         self.svg.path(class, format_args!("M{x1} {y1}L{x2} {y2}"), "");
     }
 
-    /// A cell of a table: its ground, unless the class is empty, and its text.
+    /// A cell of a table: its background, unless the class is empty, and its text.
     pub fn cell(&mut self, ground: &str, place: [f64; 4], class: &str, text: &str) {
         let [x, y, width, height] = place;
         if !ground.is_empty() {
@@ -88,12 +89,12 @@ pub fn model(name: &str) -> scene::Scene {
     scene::load(models.join(name).with_extension("toml"), &[]).unwrap().1
 }
 
-/// A solid of a model as a ray sees it.
+/// The root-ray of a solid of a model.
 pub fn of_model(scene: &scene::Scene, name: &str, ray: Ray) -> RootRay {
     root_ray(&Weave::new(Compiled::solid(scene, name).unwrap().program), ray)
 }
 
-/// A solid as a ray sees it.
+/// The root-ray of a solid.
 pub fn seen(solid: &Solid, ray: Ray) -> RootRay {
     root_ray(&evaluator(solid), ray)
 }

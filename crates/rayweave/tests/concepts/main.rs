@@ -1,7 +1,9 @@
-//! The pictures of `docs/concepts/algebra.md`: drawn from answers of the engine, compared with the files of the page.
+//! The pictures of `docs/concepts/algebra.md`: drawn from results of the engine, and compared with the files
+//! of the page.
 //!
-//! Nothing in them is placed by hand: times, counts, masks and tables are asked of the algebra, the evaluators and the
-//! rule while the pictures are drawn. `cargo xtask golden --accept` writes them anew: look at them before they are committed.
+//! Nothing is placed by hand: times, counts, masks and tables are computed by the algebra, the evaluators and
+//! the decision rule while the pictures are drawn. `cargo xtask golden --accept` rewrites them: review them
+//! before committing.
 
 mod accumulation;
 mod chain;
@@ -16,10 +18,10 @@ mod weld;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The variable that makes the test write pictures instead of comparing them.
+/// The environment variable that makes the test write pictures instead of comparing them.
 const ACCEPT: &str = "RAYWEAVE_ACCEPT_GOLDEN";
 
-/// A picture: the name of its file and its text.
+/// A picture: file name and text.
 type Picture = (&'static str, String);
 
 /// All pictures, in the order of the page.
@@ -43,7 +45,7 @@ fn docs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/concepts")
 }
 
-/// Texts as they are on any system, whatever it makes of the ends of lines.
+/// The text of a file, with normalised line ends.
 fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_default().replace("\r\n", "\n")
 }

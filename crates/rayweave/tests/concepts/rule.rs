@@ -1,4 +1,4 @@
-//! What the one rule of single hits answers, for every pair of answers and each order of their times.
+//! Table of the single-hit decision rule: every pair of operand answers in each order of their times.
 
 use crate::kit::Sheet;
 use rayweave::trace::single_hit::seed_view::{Operator, State, Tables};
@@ -10,12 +10,13 @@ const HEAD: f64 = 74.0;
 const CELL: f64 = 94.0;
 const LINE: f64 = 19.0;
 
-/// An operation of two solids: its name, the function of two values, whether the second is complemented.
+/// An operation of two solids: its name, the boolean function, and whether the second operand is
+/// complemented.
 struct Operation {
     name: &'static str,
     op: Op,
     complements: bool,
-    /// Under which name the seeds' tables know it.
+    /// The operator of the published tables, if they have it.
     known: Option<Operator>,
 }
 
@@ -30,14 +31,14 @@ fn operations() -> [Operation; 4] {
     ]
 }
 
-/// The four answers, at a time where they have one.
+/// The four possible answers, at time `t` where they have one.
 fn answers(t: f64) -> [Next; 4] {
     [Next::Enter(t), Next::Exit(t), Next::Outside, Next::Inside]
 }
 
 const NAMES: [&str; 4] = ["Enter", "Exit", "Outside", "Exit(\u{221e})"];
 
-/// Which of two times is the earlier one.
+/// The orders of two times.
 const ORDERS: [(&str, f64, f64); 3] = [("A first", 1.0, 2.0), ("tie", 1.0, 1.0), ("B first", 2.0, 1.0)];
 
 impl Operation {
@@ -46,7 +47,7 @@ impl Operation {
         decide(self.op, a.into(), taken.into())
     }
 
-    /// True if the tables of nine entries as they are handed down say something else.
+    /// True if one of the published nine-entry tables disagrees.
     fn is_disputed(&self, a: Next, b: Next) -> bool {
         let first = a.time() < b.time();
         let (a, b) = (State::of(a), State::of(b));
@@ -55,7 +56,7 @@ impl Operation {
     }
 }
 
-/// The words for a verdict and what lies under them.
+/// The label of a verdict and the class of its background.
 fn words(verdict: Verdict) -> (&'static str, &'static str) {
     match verdict {
         Verdict::Fixed(0) => ("outside for good", ""),
@@ -103,7 +104,7 @@ fn table(sheet: &mut Sheet, operation: &Operation, [x, y]: [f64; 2]) {
     }
 }
 
-/// A cell: one line, or one for each order of the times.
+/// A cell: one line, or one per order of the times.
 fn entry(
     sheet: &mut Sheet,
     operation: &Operation,

@@ -1,4 +1,5 @@
-//! The farther exit: what the tables of nine entries make of a chain whose odd and even balls are united first.
+//! Picture of the "farther exit" error: the published nine-entry tables on a chain whose odd and even balls
+//! are united first.
 
 use crate::chain;
 use crate::kit::{Sheet, model, of_model, root_ray};
@@ -36,7 +37,7 @@ fn tree() -> CompleteTree {
     join(&half(0), &half(1))
 }
 
-/// What the machine of the seeds answers, hit by hit, with stacks as deep as the tree needs.
+/// The answers of the published state machine, hit by hit, with stacks as deep as the tree needs.
 fn steps(balls: &Balls, tables: &Tables) -> Vec<Next> {
     let tree = tree();
     let limits = Limits::for_height(tree.height());
@@ -98,13 +99,13 @@ fn spans(sheet: &mut Sheet, row: usize, names: [&str; 2], class: &str, ray: &Roo
     }
 }
 
-/// True if the solid has no crossing of this kind then.
+/// True if the solid has no crossing of this kind at this time.
 fn is_wrong(step: &Next, truth: &RootRay) -> bool {
     let enters = matches!(step, Next::Enter(_));
     !truth.crossings().any(|(root, side)| root.t == step.time() && side.is_inside() == enters)
 }
 
-/// Hits as marks: full where the solid is entered, open where it is left.
+/// Hits as marks: filled on entry, open on exit.
 fn hits(sheet: &mut Sheet, row: usize, names: [&str; 2], steps: &[Next], truth: &RootRay) {
     let top = name(sheet, row, names);
     let y = top + 18.0;

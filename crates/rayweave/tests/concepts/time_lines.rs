@@ -1,11 +1,11 @@
-//! The pictures that are time lines: operations, inverted counts, a ray in a face, regions.
+//! Timeline pictures: operations, inverted counts, a ray in a face, regions.
 
 use crate::kit::{model, operands, seen};
 use rayweave::draw::{Timeline, ray_timeline};
 use rayweave::shapes::box_from_corners;
 use rayweave::{Compiled, Ray, Vec3, Weave};
 
-/// A, B, how many of them the ray is inside of, and what comes of them.
+/// A, B, their count along the ray, and the results of the operations.
 pub fn operations() -> String {
     let [a, b] = operands();
     let mut picture = Timeline::new();
@@ -30,7 +30,7 @@ pub fn inverted() -> String {
     picture.to_svg()
 }
 
-/// Two boxes on either side of a plane that a ray lies in.
+/// Two boxes on both sides of a plane that contains the ray.
 pub fn ray_in_a_face() -> String {
     let a = box_from_corners([0.0, -1.0, -1.0], [4.0, 0.0, 1.0]).unwrap();
     let b = box_from_corners([1.0, 0.0, -1.0], [6.0, 1.0, 1.0]).unwrap();
@@ -48,7 +48,7 @@ pub fn ray_in_a_face() -> String {
     picture.to_svg()
 }
 
-/// A ray through two cemented lenses: surfaces, regions, media.
+/// A ray through a cemented doublet: surfaces, regions, media.
 pub fn partition() -> String {
     let scene = model("doublet");
     let compiled = Compiled::new(&scene).unwrap();

@@ -1,4 +1,4 @@
-//! The truth table of the operations, and the counts that stand behind it.
+//! Truth table of the boolean operations, with the counts behind it.
 
 use crate::kit::Sheet;
 use rayweave::rootray::{RootRay, surface_count};
@@ -7,7 +7,7 @@ const LEFT: f64 = 24.0;
 const TOP: f64 = 64.0;
 const ROW: f64 = 34.0;
 
-/// A column: its two lines of heading, its width, what stands in it.
+/// A column: its two lines of heading, its width, and its values.
 struct Column {
     head: [&'static str; 2],
     width: f64,
@@ -68,7 +68,7 @@ pub fn picture() -> String {
     sheet.finish([x + LEFT, bottom + 20.0], "Truth table of the boolean operations", description)
 }
 
-/// What lies under a value: colour where it is inside.
+/// The background of a value: coloured where it is inside.
 fn ground(head: [&str; 2], is_result: bool, value: usize) -> &'static str {
     match head[0] {
         _ if value == 0 => "",

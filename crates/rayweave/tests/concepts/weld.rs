@@ -1,6 +1,7 @@
-//! Two boxes that touch, turned: what rounding leaves between them, and what the weld makes of it.
+//! Picture of the weld: two touching boxes, rotated; the rounding gap between them, and its removal.
 //!
-//! They are placed solids, which share no surfaces: else the two faces would be one, and nothing left to weld.
+//! The boxes are placed solids, which share no surfaces: otherwise the two faces would be one, with nothing
+//! to weld.
 
 use crate::kit::{Sheet, evaluator, number, root_ray, seen};
 use rayweave::draw::svg::Pixels;
@@ -12,11 +13,11 @@ use rayweave_shape::surface::{coincides_along, delta};
 use std::fmt::Write;
 
 const WIDTH: f64 = 960.0;
-/// The angle of the pair, in degrees, about z.
+/// The rotation of the pair about z, in degrees.
 const ANGLE: f64 = 20.0;
 const CORNERS: [[[f64; 2]; 2]; 2] = [[[0.0, 0.0], [0.3, 0.2]], [[0.1 + 0.2, 0.0], [0.5, 0.2]]];
 
-/// The left half: where the scene, seen from above, has its origin.
+/// The left half: the origin of the scene, seen from above.
 const SCENE: [f64; 2] = [70.0, 300.0];
 const UNIT: f64 = 590.0;
 /// The right half: the neighbourhood of the touching faces along the ray.
@@ -36,7 +37,7 @@ fn ray(height: f64, slope: f64) -> Ray {
     Ray::new(Vec3::new(-0.1, height, 0.25), Vec3::new(1.0, slope, 0.0))
 }
 
-/// The first of a row of rays that sees a gap between the boxes.
+/// The first of a series of rays with a gap between the boxes.
 fn one_with_a_gap(boxes: &[Solid; 2]) -> (Ray, [RootRay; 2]) {
     let [a, b] = boxes.each_ref().map(evaluator);
     let rays = (0..400u32).map(|k| ray(0.16 + 1e-4 * f64::from(k), 0.11));
@@ -44,7 +45,8 @@ fn one_with_a_gap(boxes: &[Solid; 2]) -> (Ray, [RootRay; 2]) {
     seen.find(|(_, [a, b])| a.roots()[1].t < b.roots()[0].t).unwrap()
 }
 
-/// How many of 10,000 rays see a gap and an overlap, exactly, and how many crossings the weld leaves between the boxes.
+/// Of 10,000 rays, the exact numbers with a gap and with an overlap, and the number of crossings that the
+/// weld leaves between the boxes.
 fn survey(boxes: &[Solid; 2]) -> [usize; 3] {
     let [a, b] = boxes.each_ref().map(evaluator);
     let both = evaluator(&(&boxes[0] | &boxes[1]));
@@ -78,7 +80,7 @@ pub fn picture() -> String {
     sheet.finish([WIDTH, 362.0], "Touching boxes before and after the weld", description)
 }
 
-/// The boxes from above, the ray, and the place that is magnified.
+/// The boxes from above, the ray, and the magnified place.
 fn scene(sheet: &mut Sheet, ray: Ray, a: &RootRay, b: &RootRay) {
     let [x0, bottom] = SCENE;
     let place = |x: f64, y: f64| [x0 + UNIT * x, bottom - UNIT * y];
@@ -118,7 +120,7 @@ fn scene(sheet: &mut Sheet, ray: Ray, a: &RootRay, b: &RootRay) {
     sheet.centre("head", bx, by + 24.0, "B");
 }
 
-/// Along the ray, magnified until single numbers can be told apart.
+/// The neighbourhood along the ray, magnified until single floating-point numbers are distinguishable.
 fn close_up(sheet: &mut Sheet, boxes: &[Solid; 2], ray: Ray, a: &RootRay, b: &RootRay) {
     let (leaves, enters) = (a.roots()[1].t, b.roots()[0].t);
     let ulp = leaves.next_up() - leaves;
@@ -153,7 +155,7 @@ fn close_up(sheet: &mut Sheet, boxes: &[Solid; 2], ray: Ray, a: &RootRay, b: &Ro
     tolerance(sheet, boxes, ray, [leaves, enters]);
 }
 
-/// The numbers that a double can be, around a time.
+/// The floating-point numbers around a time.
 fn steps(sheet: &mut Sheet, middle: f64, ulp: f64, place: &impl Fn(f64) -> f64) {
     let y = 262.0;
     sheet.line("axis", [LEFT, y], [RIGHT, y]);
@@ -167,7 +169,7 @@ fn steps(sheet: &mut Sheet, middle: f64, ulp: f64, place: &impl Fn(f64) -> f64) 
     }
 }
 
-/// How much wider than the gap the tolerance is.
+/// The ratio of the tolerance to the gap.
 fn tolerance(sheet: &mut Sheet, boxes: &[Solid; 2], ray: Ray, [leaves, enters]: [f64; 2]) {
     let weave = evaluator(&boxes[0]);
     let program = weave.program();
@@ -187,7 +189,7 @@ fn tolerance(sheet: &mut Sheet, boxes: &[Solid; 2], ray: Ray, [leaves, enters]: 
     sheet.left("tick", LEFT - 124.0, 306.0, &note);
 }
 
-/// A power of two as people write it.
+/// A power of two in mathematical notation.
 fn power_of_two(value: f64) -> String {
     let exponent = (value.to_bits() >> 52) as i64 - 1023;
     format!("2^{exponent}").replace('-', "\u{2212}")

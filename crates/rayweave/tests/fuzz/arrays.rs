@@ -1,4 +1,4 @@
-//! Bytes as files of rays and as hit arrays.
+//! Fuzz target: bytes as files of rays and as hit arrays.
 
 use crate::bytes::Bytes;
 use rayweave::rootray::hit_array::{CsgOptions, HitArray, HitArrayError, Operation, Regularize, array_csg};
@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 const TIMES: [f64; 9] = [0.0, 1.0, 2.0, 3.0, -1.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -0.0];
 
-/// The property: a file of rays is refused with reasons or gives rays that can be traced; hit arrays are refused for what is
-/// wrong with them or combined as the rule says, entry by entry.
+/// The property: a file of rays is rejected with reasons or returns rays that can be traced; hit arrays are
+/// rejected for their problem or combined according to the rule, entry by entry.
 pub fn run(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     match bytes.below(4) {
@@ -44,7 +44,7 @@ fn read(reader: Result<RayReader, TableError>) {
     };
     let mut chunk = RayChunk::default();
     let mut expected = 0;
-    // small chunks, so that their seams are seen
+    // small chunks, to test the boundaries between them
     loop {
         match reader.read(&mut chunk, 3) {
             Ok(0) => return,
@@ -82,7 +82,7 @@ fn csg(bytes: &mut Bytes<'_>) {
     assert_eq!(kind(&combined.unwrap_err()), problem);
 }
 
-/// An array of so many columns, sorted or as it comes.
+/// An array with `columns` columns, sorted or not.
 fn array(bytes: &mut Bytes<'_>, columns: usize, sorted: bool) -> Vec<f64> {
     let rows = bytes.below(8);
     let mut list = vec![0.0; rows * columns];
@@ -97,7 +97,7 @@ fn array(bytes: &mut Bytes<'_>, columns: usize, sorted: bool) -> Vec<f64> {
     list
 }
 
-/// What is wrong with an array, by the words of the documentation: the lowest column first, then the lowest row.
+/// The problem of an array according to the documentation: the lowest column first, then the lowest row.
 fn problem(list: &[f64], columns: usize) -> Option<&'static str> {
     if list.len().checked_div(columns)? % 2 == 1 {
         return Some("odd");
@@ -122,7 +122,8 @@ fn kind(error: &HitArrayError) -> &'static str {
     }
 }
 
-/// Every entry flips its operand, those of the first one first at equal times; kept are those that change the result.
+/// The rule: every entry toggles its operand, those of the first operand first at equal times; entries that
+/// change the result are kept.
 fn by_the_rule(a: &[f64], b: &[f64], operation: Operation) -> Vec<f64> {
     let mut merged: Vec<(f64, usize)> = a.iter().map(|&t| (t, 0)).chain(b.iter().map(|&t| (t, 1))).collect();
     merged.sort_by(|x, y| x.0.partial_cmp(&y.0).unwrap());
@@ -156,7 +157,7 @@ fn algebra(a: &[f64], b: &[f64], operation: Operation) -> RootRay {
     }
 }
 
-/// The root-ray of a column: flips at -inf give the start, equal ones cancel in pairs, +inf is padding.
+/// The root-ray of a column: entries at -inf give the start, equal ones cancel in pairs, +inf is padding.
 fn root_ray(column: &[f64]) -> RootRay {
     let start = column.iter().filter(|&&t| t == f64::NEG_INFINITY).count() % 2 == 1;
     let mut times: Vec<f64> = Vec::new();

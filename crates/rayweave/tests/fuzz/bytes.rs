@@ -1,6 +1,6 @@
-//! Choices from bytes: whatever a fuzzer invents means something.
+//! Decoder of fuzz input into choices: every input is valid.
 
-/// Reads choices off a list of bytes; when it has ended, every choice is the first one.
+/// Reads choices from bytes; at the end of the input every choice is the first one.
 pub struct Bytes<'a> {
     left: &'a [u8],
 }
@@ -10,7 +10,7 @@ impl<'a> Bytes<'a> {
         Bytes { left: data }
     }
 
-    /// What has not been read.
+    /// The unread bytes.
     pub fn rest(&self) -> &'a [u8] {
         self.left
     }
@@ -25,7 +25,7 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// A whole number below `count`, which is from 1 to 256.
+    /// An integer below `count`, which is from 1 to 256.
     pub fn below(&mut self, count: usize) -> usize {
         usize::from(self.byte()) % count
     }
@@ -34,7 +34,8 @@ impl<'a> Bytes<'a> {
         list[self.below(list.len())]
     }
 
-    /// Most often one of a few numbers, so that coincidences are common; else any of the 2^64 patterns.
+    /// Usually one of the common numbers, so that coincidences are frequent; otherwise any of the 2^64 bit
+    /// patterns.
     pub fn number(&mut self, common: &[f64]) -> f64 {
         let choice = usize::from(self.byte());
         match common.get(choice % (common.len() + 1)) {

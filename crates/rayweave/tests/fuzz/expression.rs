@@ -1,12 +1,12 @@
-//! Bytes as arithmetic and as boolean text, compared with a reader of our own that is as plain as can be.
+//! Fuzz target: bytes as arithmetic and as boolean text, compared with a minimal independent parser.
 
 use rayweave::scene::parse;
 use rayweave::{Compiled, Evaluator, Vec3, Weave};
 
-/// Deeper texts are read, but not compared: the plain reader calls itself.
+/// Deeper texts are parsed, but not compared: the minimal parser is recursive.
 const DEEPEST: usize = 200;
 
-/// The property: a text is refused with reasons, or means what the plain reader says.
+/// The property: a text is rejected with reasons, or has the value that the minimal parser computes.
 pub fn run(data: &[u8]) {
     let Some((&first, rest)) = data.split_first() else { return };
     let Ok(text) = std::str::from_utf8(rest) else { return };
@@ -16,7 +16,7 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// A text in a TOML file, whatever it holds.
+/// A text as an escaped TOML string.
 fn quoted(text: &str) -> String {
     let escaped: String = text.chars().map(|c| format!("\\U{:08X}", u32::from(c))).collect();
     format!("\"{escaped}\"")
@@ -71,7 +71,7 @@ fn boolean(text: &str) {
     }
 }
 
-/// A reader by recursive descent, of what it knows of the two languages. `None` where it knows no more.
+/// A recursive-descent parser for a subset of the two languages. `None` outside the subset.
 struct Reader<'a> {
     rest: &'a str,
     depth: usize,
@@ -147,7 +147,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A number, a parameter or something in brackets; what has powers is beyond this reader.
+    /// A number, a parameter or an expression in brackets; powers are outside the subset.
     fn number(&mut self) -> Option<f64> {
         let value = match () {
             () if self.takes("(") => {
@@ -170,7 +170,8 @@ impl<'a> Reader<'a> {
 
     // ---- boolean text ----
 
-    /// `|`, `^`, `&`, `-` from weak to strong; the strongest is left to right, as the others might be.
+    /// `|`, `^`, `&`, `-` from weak to strong; all are parsed from left to right, which matters only for the
+    /// strongest.
     fn chain(&mut self, sides: [bool; 3], level: usize) -> Option<bool> {
         const SYMBOLS: [&str; 4] = ["|", "^", "&", "-"];
         let Some(symbol) = SYMBOLS.get(level) else { return self.operand(sides) };

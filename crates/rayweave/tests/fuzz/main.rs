@@ -1,4 +1,4 @@
-//! The functions that are fuzzed (see `fuzz/README.md`), here on the inputs that were found, and on random ones.
+//! Fuzz targets (see `fuzz/README.md`), run on the corpus and on random inputs.
 
 mod arrays;
 mod bytes;
@@ -22,7 +22,7 @@ fn replay(folder: &str, run: fn(&[u8])) {
     }
 }
 
-/// The keys of a schema's objects, wherever they are in it.
+/// Collects the keys of all objects of a schema.
 fn keys(schema: &serde_json::Value, found: &mut Vec<String>) {
     if let Some(properties) = schema.get("properties").and_then(|value| value.as_object()) {
         found.extend(properties.keys().cloned());

@@ -1,18 +1,18 @@
-//! Bytes as a model file: read, written, read again, compiled, asked.
+//! Fuzz target: bytes as a model file, parsed, written, parsed again, compiled and queried.
 
 use rayweave::model::{Collected, LeafId, LeafKind, PrototypeId, RayBatch};
 use rayweave::scene::{Document, Scene, parse};
 use rayweave::{AnyEvaluator, Compiled, Evaluator, Program, Query, Ray, Vec3};
 
-/// Models with more shapes, every placement counted, are read and compiled, but not asked: the time would grow without a
-/// bound.
+/// Models with more shapes, counting every placement, are parsed and compiled, but not queried: the time
+/// would be unbounded.
 const MOST_SHAPES: usize = 300;
 
-/// The property: a file is refused with reasons at places in it, or means the same when it is written and read again, and all
-/// evaluators answer alike about it, with finite numbers.
+/// The property: a file is rejected with reasons at positions in it, or has the same meaning when it is
+/// written and parsed again, and all evaluators return the same finite results for it.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
-    // the files of other people's folders are no input
+    // no input that refers to other files
     if text.contains("file") {
         return;
     }
@@ -58,7 +58,7 @@ fn ask(scene: &Scene) {
     assert!(answers[0].crossings.iter().all(|crossing| crossing.t.is_finite()));
 }
 
-/// The shapes of a group, as often as they occur; just more than are asked if there are too many.
+/// The number of shapes of a group with their copies; more than the limit if there are too many.
 fn shapes(program: &Program, group: PrototypeId) -> usize {
     let leaves = &program.prototype(group).leaves;
     let mut count = 0;
@@ -74,7 +74,7 @@ fn shapes(program: &Program, group: PrototypeId) -> usize {
     count
 }
 
-/// Along an axis, in general position, from far away, short.
+/// Rays along an axis, in general position, from far away, and with a short direction.
 fn rays() -> RayBatch {
     let ray = |o: [f64; 3], d: [f64; 3]| Ray::new(Vec3::from(o), Vec3::from(d));
     RayBatch::from_iter([

@@ -1,4 +1,4 @@
-//! Bytes as trees of solids: all evaluators say the same, and what they say can be.
+//! Fuzz target: bytes as trees of solids; all evaluators agree, and their answers are consistent.
 
 use crate::bytes::Bytes;
 use rayweave::model::{Collected, Limit, RayBatch, Rays, RegionId};
@@ -9,18 +9,18 @@ use rayweave::{
 };
 use std::sync::Arc;
 
-/// The most shapes in a model, occurrences in placed solids not counted.
+/// The limit of shapes in a model, without occurrences in placed solids.
 const MOST_SHAPES: usize = 24;
 
-/// The most occurrences of a shape: placements in placements, and doublings of doublings, are as many as their product.
+/// The limit of copies of a shape: nested placements and doublings multiply.
 const MOST_COPIES: usize = 64;
 
 const SIZES: [f64; 8] = [1.0, 2.0, 0.5, 3.0, 1e-8, 1e8, 0.0, -1.0];
 const PLACES: [f64; 8] = [0.0, 1.0, -1.0, 0.5, 2.0, -0.5, 1e6, 1e-9];
 const ANGLES: [f64; 6] = [90.0, 45.0, 30.0, 180.0, 1e-7, 17.0];
 
-/// The property: a model is refused with a reason, or all evaluators give the same crossings along all rays, with times that
-/// are finite, increase and lie in the window, and regions that follow from each other.
+/// The property: a model is rejected with a reason, or all evaluators return the same crossings along all
+/// rays, with times that are finite, increase and lie in the window, and with consistent regions.
 pub fn run(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let count = 1 + bytes.below(3);
@@ -48,7 +48,7 @@ pub fn run(data: &[u8]) {
 }
 
 fn ask(program: &Arc<Program>, rays: Rays<'_>, query: &Query<'_>) {
-    // some refuse models with much sharing
+    // some evaluators reject models with much sharing
     let evaluators =
         AnyEvaluator::NAMES.iter().flat_map(|name| AnyEvaluator::new(Some(name), program.clone()));
     let answers: Vec<_> =
@@ -69,7 +69,7 @@ fn check(program: &Program, answer: &Collected, ray: usize, query: &Query<'_>) {
     for crossing in crossings {
         assert!(crossing.t.is_finite() && crossing.t > t && crossing.t < query.window.t_max());
         assert_ne!(program.medium_of(crossing.before), program.medium_of(crossing.after));
-        // of one medium, the region may change unseen
+        // between regions of one medium, the region can change without a crossing
         assert_eq!(program.medium_of(crossing.before), program.medium_of(region));
         (t, region) = (crossing.t, crossing.after);
     }
@@ -77,7 +77,7 @@ fn check(program: &Program, answer: &Collected, ray: usize, query: &Query<'_>) {
     assert!(query.limit == Limit::All || crossings.len() <= 1);
 }
 
-/// A solid of which there will be so many copies.
+/// A solid that will occur `copies` times.
 fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, copies: usize, depth: usize) -> Solid {
     if *shapes == 0 || depth > 40 || bytes.rest().is_empty() {
         return Solid::empty();
@@ -97,7 +97,7 @@ fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, copies: usize, depth: usize)
             let maps: Vec<Affine> = (0..bytes.below(most + 1)).map(|_| map(bytes)).collect();
             solid(bytes, shapes, copies * maps.len().max(1), depth + 1).place(maps)
         }
-        // the single-hit evaluator writes shared parts out
+        // the single-hit evaluator expands shared parts
         9 if 2 * copies <= MOST_COPIES => {
             let one = solid(bytes, shapes, 2 * copies, depth + 1);
             let same = one.clone();
@@ -111,7 +111,7 @@ fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, copies: usize, depth: usize)
     }
 }
 
-/// A shape, or nothing if it is refused.
+/// A shape, or `None` if it is rejected.
 fn shape(bytes: &mut Bytes<'_>) -> Option<Solid> {
     let manual = &MANUALS[bytes.below(MANUALS.len())];
     let arguments: Vec<(&str, Value)> =
@@ -148,7 +148,7 @@ fn size(bytes: &mut Bytes<'_>) -> f64 {
     bytes.number(&SIZES)
 }
 
-/// Up to seven points, or up to seven triangles among the first few of them.
+/// Up to seven points, or up to seven triangles with small indices.
 fn triples(bytes: &mut Bytes<'_>, is_whole: bool) -> Value {
     let number =
         |bytes: &mut Bytes<'_>| if is_whole { f64::from(bytes.byte() % 5) } else { bytes.number(&PLACES) };
@@ -159,7 +159,7 @@ fn triples(bytes: &mut Bytes<'_>, is_whole: bool) -> Value {
 fn rows(bytes: &mut Bytes<'_>, most: usize) -> Value {
     let count = if most == 4 { 4 } else { bytes.below(most + 1) };
     let rows: Vec<Vec<f64>> = (0..count).map(|_| (0..4).map(|_| bytes.number(&PLACES)).collect()).collect();
-    // a quadric's matrix is symmetric
+    // the matrix of a quadric is symmetric
     let symmetric = |i: usize, j: usize| if most == 4 { rows[i.min(j)][i.max(j)] } else { rows[i][j] };
     Value::Rows((0..count).map(|i| (0..4).map(|j| symmetric(i, j)).collect()).collect())
 }

@@ -1,4 +1,4 @@
-//! Solids asked in every way.
+//! Queries of solids by every evaluator.
 
 use rayweave::model::{Collected, attributes};
 use rayweave::{AnyEvaluator, Crossing, Evaluator, Program, Query, Ray, Region, Solid, Vec3};
@@ -11,17 +11,17 @@ pub fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
     Ray::new(origin.into(), direction.into())
 }
 
-/// The same with the direction brought to unit length.
+/// A ray with its direction normalised.
 pub fn unit_ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
     Ray::new(origin.into(), Vec3::from(direction).normalize())
 }
 
-/// A solid along z, centred, as one along y whose middle is at a height.
+/// A centred solid along z, rotated to lie along y with its middle at a height.
 pub fn upright(solid: &Solid, middle: f64) -> Solid {
     solid.rotate_x(-90.0).translate([0.0, middle, 0.0])
 }
 
-/// What all evaluators answer, which is the same.
+/// The crossings of a ray, which have to be equal for all evaluators.
 pub fn answer(program: &Arc<Program>, ray: Ray) -> Collected {
     let answers = AnyEvaluator::NAMES.map(|name| {
         let evaluator = AnyEvaluator::new(Some(name), program.clone()).unwrap();
@@ -35,7 +35,7 @@ pub fn compiled(solid: &Solid) -> Arc<Program> {
     Arc::new(Program::compile(solid).unwrap())
 }
 
-/// The times at which a ray crosses the boundary of a solid, and the names of the faces.
+/// The times at which a ray crosses the boundary of a solid, with the names of the faces.
 pub fn hits(solid: &Solid, ray: Ray) -> Vec<(f64, String)> {
     let program = compiled(solid);
     answer(&program, ray).crossings.iter().map(|crossing| (crossing.t, face(&program, crossing))).collect()
@@ -45,7 +45,7 @@ pub fn times(solid: &Solid, ray: Ray) -> Vec<f64> {
     hits(solid, ray).into_iter().map(|hit| hit.0).collect()
 }
 
-/// What a face is called.
+/// The name of the face at a crossing.
 pub fn face(program: &Program, crossing: &Crossing) -> String {
     let number = program.face_number(crossing.face.leaf, crossing.face.facet);
     program.face_name(number)
@@ -62,7 +62,7 @@ pub fn nearest(solid: &Solid, ray: Ray) -> Option<f64> {
     found[0]
 }
 
-/// The outward unit normal at a point of the boundary: of a ray that comes in there at an angle.
+/// The outward unit normal at a point of the boundary, from a ray that enters there obliquely.
 pub fn normal(solid: &Solid, point: [f64; 3], expected: [f64; 3]) -> Vec3 {
     let program = compiled(solid);
     let point = Vec3::from(point);

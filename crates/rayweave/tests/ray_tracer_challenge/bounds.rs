@@ -1,4 +1,4 @@
-//! Bounding boxes: the bonus chapter.
+//! Bounding boxes: bonus chapter.
 
 use crate::ask::*;
 use rayweave::shapes::{box_, box_from_corners, cone, cylinder, half_space, quadric, sphere};
@@ -29,7 +29,7 @@ fn boxes() {
     assert_eq!(first.union(&second), between([-5.0, -7.0, -2.0], [14.0, 4.0, 8.0]));
 }
 
-/// The box of the scenarios about what a box holds.
+/// The box of the containment scenarios.
 fn chest() -> Bounds {
     between([5.0, -2.0, 0.0], [11.0, 4.0, 7.0])
 }
@@ -76,7 +76,7 @@ fn turned_boxes() {
 #[test]
 fn bounds_of_shapes() {
     assert_bounds(&sphere(1.0).unwrap(), [-1.0; 3], [1.0; 3]);
-    // a plane of the book is [0, 0] in y
+    // in the book the bounds of a plane are [0, 0] in y
     assert_bounds(&half_space(Vec3::Y, 0.0).unwrap(), [-INF; 3], [INF, 0.0, INF]);
     assert_bounds(&box_(Vec3::splat(2.0)).unwrap(), [-1.0; 3], [1.0; 3]);
     let pole = cylinder(1.0, INF).unwrap();
@@ -86,7 +86,7 @@ fn bounds_of_shapes() {
     let diagonal = [1.0, -1.0, 1.0, 0.0];
     let row = |i: usize| std::array::from_fn(|j| if i == j { diagonal[i] } else { 0.0 });
     assert_bounds(&quadric(std::array::from_fn(row)).unwrap(), [-INF; 3], [INF; 3]);
-    // cut at -5 and 3
+    // truncated at -5 and 3
     let (lower, upper) = (cone(5.0, 0.0, 5.0).unwrap(), cone(0.0, 3.0, 3.0).unwrap());
     assert_bounds(&(upright(&lower, -2.5) | upright(&upper, 1.5)), [-5.0; 3], [5.0, 3.0, 5.0]);
 }

@@ -24,8 +24,8 @@ fn algebra(operation: Operation, a: &RootRay, b: &RootRay) -> RootRay {
     }
 }
 
-/// Whether an intersection counts, if it is with the left shape (else the right one), and the ray is inside the left and the
-/// right one just before: the book's table in its order, for each operation.
+/// Whether an intersection counts, by (left shape hit, inside left, inside right) just before: the book's
+/// table in its order, for each operation.
 const ALLOWED: [[bool; 8]; 3] = [
     [false, true, false, true, false, false, true, true],
     [true, false, true, false, true, true, false, false],
@@ -37,7 +37,7 @@ fn rows() -> impl Iterator<Item = [bool; 3]> {
     (0..8).map(|row: usize| [row < 4, row & 2 == 0, row & 1 == 0])
 }
 
-/// Root-rays of the two shapes of a row: the one that is hit flips at 0, the other one never.
+/// Root-rays of the two shapes of a row: the shape that is hit changes sides at 0, the other one never.
 fn wave(is_hit: bool, inside: bool) -> RootRay {
     let times: &[f64] = if is_hit { &[0.0] } else { &[] };
     RootRay::from_times(Side::from_inside(inside), times.iter().copied()).unwrap()
@@ -76,7 +76,7 @@ fn the_table_by_hit_arrays() {
     }
 }
 
-/// The table by geometry: slabs across x of which one has a face at x = 0, and the other is wide or far away.
+/// The table with geometry: slabs across x; one has a face at x = 0, and the other is wide or far away.
 #[test]
 fn the_table_by_solids() {
     for (operation, allowed) in OPERATIONS.into_iter().zip(ALLOWED) {
@@ -100,7 +100,7 @@ fn the_table_by_solids() {
     }
 }
 
-/// Which of the intersections 1, 2, 3, 4 of two shapes, in turn with the first and the second, are kept.
+/// The kept ones of the intersections 1, 2, 3, 4, which alternate between two shapes.
 const KEPT: [[usize; 2]; 3] = [[0, 3], [1, 2], [0, 1]];
 
 #[test]

@@ -24,7 +24,7 @@ fn double_cone() -> Solid {
 #[test]
 fn rays_that_miss_a_cylinder() {
     for (origin, direction) in [
-        // in the surface; along the axis; beside it
+        // in the surface; along the axis; outside
         ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
         ([0.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
         ([0.0, 0.0, -5.0], [1.0, 1.0, 1.0]),
@@ -54,7 +54,7 @@ fn normals_of_a_cylinder() {
     }
 }
 
-/// How often an open tube is crossed: the closed cylinder through its side.
+/// The number of intersections with an open tube: those with the side of the closed cylinder.
 fn through_the_side(ray: rayweave::Ray) -> usize {
     hits(&drum(), ray).iter().filter(|(_, face)| face.ends_with(".side")).count()
 }
@@ -122,7 +122,8 @@ fn a_ray_parallel_to_one_half_of_a_cone() {
     assert!(on_the_cone(found[0]) && !on_the_cone(0.35355));
 }
 
-/// Both halves from y = -0.5 to 0.5 with caps: as a cut quadric, and as two cones that touch at their apexes.
+/// Both halves from y = -0.5 to 0.5 with caps: as a truncated quadric, and as two cones that touch at their
+/// apexes.
 fn hourglasses() -> [Solid; 2] {
     let half = |radius1, radius2| cone(radius1, radius2, 0.5).unwrap();
     let two = upright(&half(0.0, 0.5), 0.25) | upright(&half(0.5, 0.0), -0.25);

@@ -28,7 +28,7 @@ fn groups() {
     assert_eq!(times(&scaled, along_z([10.0, 0.0, -10.0])).len(), 2);
 }
 
-/// The maps of a sphere in a group in a group, innermost first.
+/// The composed map of a sphere in nested groups, innermost first.
 fn composed(inner_scale: [f64; 3]) -> Affine {
     let moved = Affine::translate(Vec3::new(5.0, 0.0, 0.0));
     moved.then(&Affine::scale(inner_scale.into())).then(&turn())
@@ -46,7 +46,7 @@ fn a_point_of_the_world_as_a_nested_object_sees_it() {
     assert!(found.iter().any(|t| t.abs() < 1e-14), "{found:?}");
 }
 
-/// The point of the sphere that lies in the middle between its axes, and its normal in the world.
+/// The point of the sphere in the middle between its axes, and its normal in the world.
 const POINT: [f64; 3] = [1.7321, 1.1547, -5.5774];
 const NORMAL: [f64; 3] = [0.2857, 0.4286, -0.8571];
 
@@ -55,10 +55,10 @@ fn the_normal_of_a_nested_object() {
     let group = ball("s").translate([5.0, 0.0, 0.0]).scale([1.0, 2.0, 3.0]).apply(turn());
     // the book gives four digits of the point and of the normal
     assert_near(normal(&group, POINT, NORMAL), NORMAL, 1e-4);
-    // in its own frame the normal is (1, 1, 1) / sqrt 3, and so is the point
+    // in local coordinates the normal is (1, 1, 1) / sqrt 3, and so is the point
     let local = composed([1.0, 2.0, 3.0]).inverse().unwrap().point(POINT.into());
     assert_near(local, [3f64.sqrt() / 3.0; 3], 1e-4);
-    // exactly: normals go by the inverse transpose, here (1, 1/2, 1/3), then turned
+    // exact: normals transform by the inverse transpose, here (1, 1/2, 1/3), then rotated
     let point = composed([1.0, 2.0, 3.0]).point(Vec3::splat(3f64.sqrt() / 3.0)).to_array();
     let exact = Vec3::new(1.0 / 3.0, 0.5, -1.0).normalize();
     assert_near(normal(&group, point, exact.to_array()), exact.to_array(), 1e-14);

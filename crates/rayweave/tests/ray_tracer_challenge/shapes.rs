@@ -15,7 +15,7 @@ fn cube() -> Solid {
     box_(Vec3::splat(2.0)).unwrap()
 }
 
-/// What is below the plane y = 0.
+/// The half-space below the plane y = 0.
 fn below() -> Solid {
     half_space(Vec3::Y, 0.0).unwrap()
 }
@@ -38,14 +38,14 @@ fn scaled_and_moved_spheres() {
     let from_behind = ray([0.0, 0.0, -5.0], [0.0, 0.0, 1.0]);
     assert_eq!(times(&ball().scale(Vec3::splat(2.0)), from_behind), [3.0, 7.0]);
     assert_misses(&ball().translate([5.0, 0.0, 0.0]), from_behind);
-    // chapter 9, the same by the ray as the shape sees it: origin and direction in its own frame
+    // chapter 9: the ray in the local coordinates of the shape
     let seen = |map: Affine| from_behind.transformed(&map.inverse().unwrap());
     assert_eq!(seen(Affine::scale(Vec3::splat(2.0))), ray([0.0, 0.0, -2.5], [0.0, 0.0, 0.5]));
     let moved = seen(Affine::translate(Vec3::new(5.0, 0.0, 0.0)));
     assert_eq!(moved, ray([-5.0, 0.0, -5.0], [0.0, 0.0, 1.0]));
 }
 
-// chapter 5: which intersection is seen
+// chapter 5: the visible intersection
 #[test]
 fn the_first_that_is_not_behind() {
     let from = |z: f64| nearest(&ball(), ray([0.0, 0.0, z], [0.0, 0.0, 1.0]));
@@ -66,8 +66,8 @@ fn normals_of_spheres() {
     assert_near(normal(&moved, [0.0, 1.70711, -0.70711], expected), expected, EPSILON);
 }
 
-// chapter 6 and 9: the normal of a squeezed and turned sphere; the point that the book asks for is off its surface, so the
-// gradient of the sphere's equation is what is compared
+// chapters 6 and 9: the normal of a scaled and rotated sphere; the book's point is off the surface, so the
+// test compares the gradient of the sphere's equation
 #[test]
 fn the_gradient_of_a_transformed_sphere() {
     let solid = ball().rotate_z(36.0).scale([1.0, 0.5, 1.0]);
@@ -78,7 +78,7 @@ fn the_gradient_of_a_transformed_sphere() {
     assert_near(gradient.normalize(), [0.0, 0.97014, -0.24254], EPSILON);
 }
 
-// chapter 7: what is known of a hit
+// chapter 7: data of a hit
 #[test]
 fn hits_from_outside_and_from_inside() {
     let program = compiled(&ball());
@@ -159,8 +159,8 @@ fn normals_of_a_cube() {
     }
 }
 
-// chapter 11: the indices of refraction on both sides of each intersection with three spheres, the medium inside two of
-// them being that of the one entered last
+// chapter 11: the indices of refraction on both sides of each intersection with three spheres; inside two of
+// them the medium is that of the one entered last
 #[test]
 fn media_along_a_ray() {
     let index = [1.0, 1.5, 2.0, 2.5];
