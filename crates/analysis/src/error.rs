@@ -1,4 +1,4 @@
-//! The error of this crate.
+//! The error type of this crate.
 
 use crate::infill::{ContourProblems, InfillError};
 use crate::measure::MeasureError;
@@ -10,20 +10,20 @@ use rayweave_shape::primitive::ShapeError;
 use rayweave_table::TableError;
 use std::sync::Arc;
 
-/// A question that has no answer.
+/// Error of an analysis.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnalysisError {
     /// A solid cannot be compiled.
     #[error(transparent)]
     Compile(#[from] CompileError),
-    /// A scene cannot be compiled, or a name is not in it.
+    /// A scene cannot be compiled, or a name does not exist in it.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A box has no volume.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// The evaluator cannot be made.
+    /// The evaluator cannot be created.
     #[error("{0}")]
     Evaluator(Box<dyn Classified + Send + Sync>),
     /// A region cannot be filled.
@@ -32,16 +32,16 @@ pub enum AnalysisError {
     /// A region cannot be measured.
     #[error(transparent)]
     Measure(#[from] MeasureError),
-    /// A plane cannot be cut.
+    /// A cross-section cannot be computed.
     #[error(transparent)]
     Section(#[from] SectionError),
-    /// A file of contours is wrong.
+    /// A file of contours is invalid.
     #[error(transparent)]
     Contours(#[from] ContourProblems),
     /// A file of rays cannot be read, or a table cannot be written.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// The question does not apply to the model, because the model is empty or unbounded.
+    /// The analysis does not apply to an empty or unbounded model.
     #[error("{0}")]
     Solid(Message),
     /// A setting is out of range.
@@ -86,10 +86,10 @@ impl Classified for AnalysisError {
     }
 }
 
-/// Makes the evaluators of the programs that a question compiles.
+/// Function that creates the evaluator of a compiled program.
 pub(crate) type Make<'a, E> = dyn Fn(Arc<Program>) -> Result<E, AnalysisError> + 'a;
 
-/// The caller's way to make an evaluator, with the error of this crate.
+/// Wraps the caller's `make` to return the error of this crate.
 pub(crate) fn maker<E, X: Classified + Send + Sync + 'static>(
     make: impl Fn(Arc<Program>) -> Result<E, X>,
 ) -> impl Fn(Arc<Program>) -> Result<E, AnalysisError> {

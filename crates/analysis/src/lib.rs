@@ -1,15 +1,16 @@
-//! Questions about models, answered with any evaluator.
+//! Analysis of models with any evaluator.
 //!
 //! - [`measure`](mod@measure): volume, mass, centre, inertia, surface area, with confidence intervals;
 //! - [`section`](mod@section): cross-sections by planes;
 //! - [`thickness`]: path lengths of rays through media, and radiographs;
 //! - [`diff`](mod@diff): comparison of two models;
-//! - [`check`](mod@check): search for mistakes in a model;
+//! - [`check`](mod@check): detection of modelling errors;
 //! - [`infill`](mod@infill): parallel traces of a tool over a region of the plane, or the layers of a solid;
 //! - [`hits`]: streaming of ray files into tables of hits;
-//! - [`survey`](mod@survey): pieces of random rays in regions, and how thick they are, which others build on.
+//! - [`survey`](mod@survey): chords of random rays in regions and their thickness, the basis of other
+//!   analyses.
 //!
-//! Functions that compile programs of their own take a function `make` from a program to its evaluator.
+//! Functions that compile programs take a function `make` that creates the evaluator of a program.
 
 pub mod check;
 pub mod diff;

@@ -1,4 +1,4 @@
-//! The part of a scene that a question is about.
+//! Selection of the regions that an analysis covers.
 
 use crate::AnalysisError;
 use rayweave_math::Bounds;
@@ -23,7 +23,7 @@ pub(crate) fn subject<'a>(
     Ok((vec![region], vec![last.and_then(|region| medium(region.medium))]))
 }
 
-/// The part of regions in a box.
+/// Clips regions to a box.
 pub(crate) fn clipped(regions: Vec<Region>, within: Option<Bounds>) -> Result<Vec<Region>, AnalysisError> {
     let Some(within) = within else { return Ok(regions) };
     let frame: Solid = Primitive::from(BoxFromCorners::new(within.lo, within.hi)?).into();

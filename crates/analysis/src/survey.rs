@@ -1,17 +1,17 @@
-//! Pieces of random rays in the regions of a model: the neighbours of each, and the thickness of the model there.
+//! Random survey of a model: chords of random rays, with their neighbour regions and the local thickness.
 //!
-//! Rays are drawn parallel to x, y and z through a box, two at random places in each cell of its cross-section, as in
-//! [`measure`](mod@crate::measure). A piece is the part of a ray in one region between two crossings. Its length is a poor measure of
-//! the thickness of the region, because a ray that grazes a film has a long piece in it. With `n` the normals of the faces at its
-//! ends and `d` its direction,
+//! Random rays parallel to x, y and z pass through a box, two in each cell of its cross-section, as in
+//! [`measure`](mod@crate::measure). A piece is the part of a ray in one region between two crossings. Its
+//! length is a poor measure of the thickness of the region, because a ray that grazes a film has a long piece
+//! in it. With `n` the normals of the faces at its ends and `d` its direction,
 //!
 //! ```text
 //!   thickness = length * (|n1 . d| + |n2 . d|) / 2
 //! ```
 //!
-//! is the distance of parallel faces, and that of two concentric spheres up to its square over the radius. At the rim of a thin
-//! shell, where a ray may run within the shell from outside to outside, it is at most four times the thickness of the shell.
-//! [`shortest_at`] measures the same place along other directions.
+//! is the distance of parallel faces, and that of two concentric spheres up to its square over the radius. At
+//! the rim of a thin shell, where a ray may run within the shell from outside to outside, it is at most four
+//! times the thickness of the shell. [`shortest_at`] measures the same point along other directions.
 
 pub use crate::error::Cancelled;
 use crate::measure::Chord;
@@ -24,34 +24,34 @@ use std::convert::Infallible;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
-/// Cells that a thread takes at a time.
+/// Cells per task.
 const CELLS_PER_TASK: u64 = 512;
 
 /// The rays of a survey.
 #[derive(Clone, Debug)]
 pub struct Survey {
-    /// The box that they go through: finite.
+    /// The sampled box, which has to be finite.
     pub bounds: Bounds,
-    /// The number of cells along an edge of its cross-sections; there are six times its square of rays.
+    /// The number of cells along an edge of its cross-sections, n: there are 6 n^2 rays.
     pub across: u32,
-    /// Chooses the random numbers: equal seeds give equal rays.
+    /// The seed of the random numbers: equal seeds give equal rays.
     pub seed: u64,
-    /// The number of the random stream: different for all surveys with one seed.
+    /// The number of the random stream, unique among surveys with one seed.
     pub stream: u64,
-    /// The number of threads; [`thread_count`] if it is not given. Results do not depend on it.
+    /// The number of threads; by default that of [`thread_count`]. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
-    /// Stops the run.
+    /// Cancels the run.
     pub cancel: Cancel,
 }
 
-/// Where a ray is in one region between two crossings.
+/// The part of a ray in one region between two crossings.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<'a> {
     program: &'a Program,
     ray: Ray,
     entry: &'a Crossing,
     exit: &'a Crossing,
-    /// The part of the cross-section that the ray stands for: the area of a cell, halved since two rays share it.
+    /// The area that the ray represents in the cross-section: half a cell, since two rays share it.
     pub area: f64,
 }
 
@@ -66,17 +66,17 @@ impl Piece<'_> {
         [self.entry.before, self.exit.after]
     }
 
-    /// Its ends.
+    /// The end points.
     pub fn chord(&self) -> Chord {
         Chord { from: self.ray.at(self.entry.t), to: self.ray.at(self.exit.t) }
     }
 
-    /// Its length.
+    /// The length.
     pub fn length(&self) -> f64 {
         self.exit.t - self.entry.t
     }
 
-    /// The normals of the faces at its ends, out of the region.
+    /// The normals of the faces at both ends, outward of the region.
     pub fn normals(&self) -> [Vec3; 2] {
         let normal = |crossing: &Crossing, sign: f64| {
             let normal = attributes::normal(self.program, &self.ray, crossing);
@@ -85,22 +85,22 @@ impl Piece<'_> {
         [normal(self.entry, -1.0), normal(self.exit, 1.0)]
     }
 
-    /// The thickness of the region here: the length times the mean cosine of the faces.
+    /// The local thickness of the region: the length times the mean cosine of the faces.
     pub fn thickness(&self) -> f64 {
         let cosines = self.normals().map(|normal| normal.dot(self.ray.direction).abs());
         self.length() * 0.5 * (cosines[0] + cosines[1])
     }
 
-    /// The distance of two faces whose normals are opposite to within 25 degrees; `None` at the edges of a body, where two
-    /// faces meet and any length occurs, and at its rim.
+    /// The distance of two faces with opposite normals to within 25 degrees. `None` at the edges of a body,
+    /// where two faces intersect and any length occurs, and at its rim.
     pub fn wall(&self) -> Option<f64> {
         let [first, second] = self.normals();
         (first.dot(second) < -0.9).then(|| self.thickness())
     }
 }
 
-/// Traces the rays of a survey. `visit` receives every piece and collects into one value per task; `merge` receives these values
-/// in order. Returns the number of rays.
+/// Traces the rays of a survey. `visit` is called with every piece and accumulates into one value per task;
+/// `merge` receives these values in order. Returns the number of rays.
 ///
 /// # Errors
 ///
@@ -155,8 +155,9 @@ fn pieces<E: Evaluator>(
     evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
 }
 
-/// The shortest chord through a point along some directions, within the regions that `is_in` selects; neighbouring selected
-/// regions count as one. `None` if the point is in none of them, or all chords are infinite.
+/// The shortest chord through a point along given directions, within the regions selected by `is_in`;
+/// adjacent selected regions count as one. `None` if the point is in none of them, or all chords are
+/// infinite.
 pub fn shortest_at<E: Evaluator>(
     evaluator: &E,
     point: Vec3,
@@ -183,7 +184,7 @@ pub fn shortest_at<E: Evaluator>(
     least
 }
 
-/// The ends of the stretch around t = 0 that is taken in.
+/// The ends of the selected span around t = 0.
 fn stretch_around(answer: &RayAnswer<'_>, is_in: impl Fn(RegionId) -> bool) -> Option<[f64; 2]> {
     let (mut inside, mut since) = (is_in(answer.start), f64::NEG_INFINITY);
     for crossing in answer.crossings.iter().filter(|crossing| is_in(crossing.before) != is_in(crossing.after))
@@ -197,8 +198,8 @@ fn stretch_around(answer: &RayAnswer<'_>, is_in: impl Fn(RegionId) -> bool) -> O
     inside.then_some([since, f64::INFINITY])
 }
 
-/// The thickness of a piece, or the shortest chord through its middle along the axes and the normals at its ends, whichever is
-/// less; 0 where rounding alone made the piece.
+/// The lesser of the thickness of a piece and the shortest chord through its middle along the axes and the
+/// normals at its ends; 0 for a piece that exists only by rounding.
 pub(crate) fn remeasured<E: Evaluator>(
     evaluator: &E,
     (thickness, chord, normals): (f64, Chord, [Vec3; 2]),
@@ -237,7 +238,8 @@ mod tests {
         Survey { bounds, across: 60, seed: 1, stream: 0, threads: None, cancel: Cancel::new() }
     }
 
-    /// Rays that follow the rim of a thin shell are long in it, but it is nowhere thicker than it is; its faces are walls.
+    /// Rays along the rim of a thin shell have long pieces, but the measured thickness is that of the shell;
+    /// its faces are walls.
     #[test]
     fn shells_are_as_thin_as_they_are() {
         let thin = 1e-3;
@@ -262,7 +264,7 @@ mod tests {
         assert!((thinnest / thin - 1.0).abs() < 0.05, "{thinnest}");
     }
 
-    /// At the edges of a turned box pieces of any length occur, but no walls.
+    /// At the edges of a rotated box pieces of any length occur, but no walls.
     #[test]
     fn edges_are_no_walls() {
         let cube = Solid::from(Primitive::from(CentredBox::new(Vec3::splat(2.0)).unwrap()));
@@ -286,7 +288,7 @@ mod tests {
         };
         assert_eq!(at(1.5, &|region| region == RegionId(1)), Some(1.0));
         assert_eq!(at(0.0, &|region| region == RegionId(2)), Some(2.0));
-        // both together
+        // both regions together
         let together = at(1.5, &|region| region != RegionId(0)).unwrap();
         assert!((together - 2.0 * 1.75f64.sqrt()).abs() < 1e-12, "{together}");
         assert_eq!(at(3.0, &|region| region != RegionId(0)), None);

@@ -1,4 +1,4 @@
-//! Cross-sections against closed forms.
+//! Cross-sections compared with closed forms.
 
 use rayweave_analysis::section::{Cut, Look, Section, SectionError, section};
 use rayweave_math::{Bounds, Vec3};
@@ -58,7 +58,7 @@ fn a_shell_is_a_ring() {
     assert!((found.area(ONE) - PI * 33.0).abs() < 3e-2);
 }
 
-/// No point of an edge is farther from a turned square than the tolerance allows, and its corners are found.
+/// No point of an edge is farther from a rotated square than the tolerance, and its corners are found.
 #[test]
 fn corners_and_walls() {
     for degrees in [0.0, 1e-3, 30.0, 45.0, 89.99] {
@@ -81,7 +81,7 @@ fn corners_and_walls() {
     }
 }
 
-/// A plate that is thinner than the distance of columns is found by its bounds.
+/// A plate thinner than the column distance is found by its bounds.
 #[test]
 fn thin_plates() {
     let plate = cuboid([4.0, 8.0, 1e-2]).translate([0.0, 0.0, 1.2345]);
@@ -89,7 +89,7 @@ fn thin_plates() {
     assert!((found.area(ONE) - 8e-2).abs() < 1.6e-2, "{}", found.area(ONE));
 }
 
-/// Two cemented parts share one line, on the sphere between them, and no gap.
+/// Two cemented parts share one line, on the sphere between them, without a gap.
 #[test]
 fn cemented_parts_share_a_line() {
     let body = rod(5.0, 6.0);
@@ -102,14 +102,14 @@ fn cemented_parts_share_a_line() {
     let ends = [line[0], line[line.len() - 1]];
     assert!(ends.iter().all(|end| (end[1].abs() - 5.0).abs() < 3e-3), "{ends:?}");
     let segment = |half: f64, r: f64| r * r * (half / r).asin() - half * (r * r - half * half).sqrt();
-    // behind the chord at the rim there is a rectangle, before it a segment of the circle
+    // behind the chord at the rim there is a rectangle, in front of it a circular segment
     let sag = 8.0 - (64.0_f64 - 25.0).sqrt();
     let second = 10.0 * (3.0 - sag) + segment(5.0, 8.0);
     assert!((found.area(TWO) - second).abs() < 2e-2, "{} {second}", found.area(TWO));
     assert!((found.area(ONE) + found.area(TWO) - 60.0).abs() < 2e-2);
 }
 
-/// A lens between two spheres: twice a segment of a circle.
+/// A lens between two spheres: two circular segments.
 #[test]
 fn a_lens_by_its_segments() {
     let (r, half) = (50.0_f64, 2.0);

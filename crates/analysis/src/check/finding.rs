@@ -9,18 +9,18 @@ use rayweave_math::Vec3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Kind {
-    /// Two regions share space and neither is within the other; it belongs to the later one. In models with a hierarchy also
-    /// copies of one volume that share space.
+    /// Two regions overlap and neither is inside the other; the overlap belongs to the later one. In models
+    /// with a hierarchy, also overlapping copies of one volume.
     Overlap,
     /// A daughter extends beyond its mother.
     Outside,
-    /// Later regions cover all of a region.
+    /// A region is covered entirely by later regions.
     Hidden,
     /// A solid is empty.
     Empty,
-    /// An operand of a boolean operator changes nothing.
+    /// An operand of a boolean operator has no effect.
     Absorbed,
-    /// A mesh is closed, but may not be what was meant.
+    /// A mesh is closed, but suspicious.
     Mesh,
     /// A wall is thinner than a given length.
     Thin,
@@ -44,7 +44,7 @@ impl Kind {
         (Kind::Touch, "touch"),
     ];
 
-    /// Its name.
+    /// The name.
     pub fn name(self) -> &'static str {
         Kind::ALL[self as usize].1
     }
@@ -61,7 +61,7 @@ impl std::str::FromStr for Kind {
     }
 }
 
-/// A possible mistake.
+/// A possible modelling error.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Finding {
@@ -77,9 +77,9 @@ pub struct Finding {
     pub volume: Option<Estimate>,
     /// The area where regions touch.
     pub area: Option<f64>,
-    /// A place.
+    /// A point of the finding.
     pub at: Option<Vec3>,
-    /// A piece of a ray there, from one end to the other.
+    /// The chord of a ray there.
     pub ray: Option<Chord>,
     /// True if the finding is proved without rays.
     pub is_proved: bool,

@@ -3,15 +3,16 @@
 use rayweave_scene::{Datum, Document, Scene, Table};
 use std::collections::HashMap;
 
-/// Which regions were placed in which, as a GDML file states it for volumes.
+/// The placement of regions in other regions, as a GDML file defines it for volumes (mother and daughter
+/// volumes).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hierarchy {
-    /// For each region those that it was placed in.
+    /// The mothers of each region.
     mothers: Vec<Vec<usize>>,
 }
 
 impl Hierarchy {
-    /// From the mothers of each region, by their numbers from 0.
+    /// A hierarchy from the mothers of each region, by region numbers from 0.
     pub fn new(mothers: Vec<Vec<usize>>) -> Hierarchy {
         Hierarchy { mothers }
     }
@@ -43,12 +44,12 @@ impl Hierarchy {
         Some(Hierarchy { mothers })
     }
 
-    /// The regions that one was placed in.
+    /// The regions in which a region is placed.
     pub fn mothers(&self, region: usize) -> &[usize] {
         self.mothers.get(region).map_or(&[], Vec::as_slice)
     }
 
-    /// True if the first region was placed in the second one, or in something that was.
+    /// True if the first region is placed in the second one, directly or through others.
     pub fn is_within(&self, region: usize, other: usize) -> bool {
         let mut waiting = self.mothers(region).to_vec();
         let mut met = vec![false; self.mothers.len()];

@@ -1,9 +1,9 @@
-//! Search for mistakes in a model: overlaps, daughters outside their mothers, gaps, thin walls, parts without effect.
+//! Model checker: overlaps, daughters outside their mothers, gaps, thin walls, parts without effect.
 //!
-//! Bounding boxes prove what they can: regions whose boxes are apart have nothing in common. Rays search everything else, and
-//! what no ray crosses is not reported: a finding is certain, its absence as certain as the rays are dense.
-//! [`CheckReport::scope`] lists what was proved and what was sampled. Equal seeds give equal reports, whatever the number of
-//! threads.
+//! Disjoint bounding boxes prove that regions have nothing in common. Everything else is sampled by rays, and
+//! a fault that no ray crosses is not reported: findings are certain, their absence is as certain as the rays
+//! are dense. [`CheckReport::scope`] lists what was proved and what was sampled. Equal seeds give equal
+//! reports for any number of threads.
 //!
 //! ```
 //! use rayweave_analysis::check::{CheckSettings, Kind, check};
@@ -52,8 +52,9 @@ use rayweave_scene::Scene;
 use std::sync::Arc;
 use subject::Subject;
 
-/// Checks the regions of a scene. `hierarchy` holds mothers and daughters, where the model has any ([`Hierarchy::of`]). `make`
-/// makes the evaluators; `progress` receives the number of rays so far.
+/// Checks the regions of a scene. `hierarchy` contains mothers and daughters, if the model has any
+/// ([`Hierarchy::of`]). `make` creates the evaluator of a program; `progress` receives the number of rays so
+/// far.
 ///
 /// # Errors
 ///
@@ -97,7 +98,7 @@ fn compiled(regions: &[Region]) -> Result<Program, AnalysisError> {
     Ok(Program::compile_regions(&one_medium_each(regions))?)
 }
 
-/// The box that rays go through: that of the bounded regions, with a margin where others are unbounded.
+/// The sampled box: that of the bounded regions, with a margin if others are unbounded.
 fn frame(boxes: &[Bounds]) -> Result<Bounds, AnalysisError> {
     let finite = boxes.iter().filter(|own| own.is_finite() && !own.is_empty());
     let whole = finite.fold(Bounds::EMPTY, |all, own| all.union(own));
@@ -116,7 +117,7 @@ fn is_endless(own: &Bounds) -> bool {
     !own.is_empty() && !own.is_finite()
 }
 
-/// The regions, unbounded ones clipped to the box of the rays.
+/// The regions, with unbounded ones clipped to the sampled box.
 fn ended(regions: Vec<Region>, boxes: &[Bounds], frame: &Bounds) -> Result<Vec<Region>, AnalysisError> {
     let mut all = Vec::with_capacity(regions.len());
     for (region, own) in regions.into_iter().zip(boxes) {

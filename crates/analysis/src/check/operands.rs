@@ -1,4 +1,4 @@
-//! Operands without effect, and suspicious meshes.
+//! Checks for operands without effect and for suspicious meshes.
 
 use super::probe::{FEW, Probe};
 use super::{Finding, Kind};
@@ -8,10 +8,11 @@ use rayweave_model::{Evaluator, Node, Program, Region, Solid};
 use rayweave_shape::primitive::Primitive;
 use std::collections::HashSet;
 
-/// An intersection of more operands is left out: each is compared with all others, as boxes exclude none.
+/// The greatest number of operands of a searched intersection: each operand is compared with all others, as
+/// boxes exclude none.
 const MOST_INTERSECTED: usize = 1024;
 
-/// Searches all operators of all regions, each once.
+/// Checks all operators of all regions, each once.
 pub fn findings<E: Evaluator>(
     regions: &[Region],
     probe: &mut Probe<'_, E>,
@@ -70,7 +71,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         }
     }
 
-    /// Each operand against those whose boxes overlap its own: no others can contain any of it.
+    /// Compares each operand with those whose boxes overlap its own: no others can contain any of it.
     fn union(&mut self, all: &[Solid], map: &Affine) -> Result<(), AnalysisError> {
         match all.len() {
             0..2 => return Ok(()),
@@ -87,7 +88,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         Ok(())
     }
 
-    /// Each operand against all others.
+    /// Compares each operand with all others.
     fn intersection(&mut self, all: &[Solid], map: &Affine) -> Result<(), AnalysisError> {
         match all.len() {
             0..2 => return Ok(()),
@@ -110,7 +111,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         Ok(())
     }
 
-    /// `effect` is the part of space that the operand changes.
+    /// Checks one operand; `effect` is the part of space that it changes.
     fn operand(
         &mut self,
         own: &Solid,
@@ -145,7 +146,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
     }
 }
 
-/// The operands of a union, below names; anything else alone.
+/// The operands of a union, also below names; any other solid as the only element.
 fn united(solid: &Solid) -> Vec<Solid> {
     match solid.node() {
         Node::Union(all) => all.clone(),

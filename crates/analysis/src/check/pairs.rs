@@ -1,4 +1,4 @@
-//! Overlaps of regions, and daughters outside their mothers.
+//! Checks for overlaps of regions, and for daughters outside their mothers.
 
 use super::parts::{Part, meeting, parts};
 use super::probe::{FEW, Met, Probe};
@@ -9,19 +9,19 @@ use rayweave_math::Bounds;
 use rayweave_model::{Evaluator, Solid};
 use std::collections::BTreeMap;
 
-/// The common space of two regions.
+/// The intersection of two regions.
 struct Common {
     deepest: Met,
     /// Pairs of parts.
     count: usize,
-    /// The common space of each pair of parts.
+    /// The intersection of each pair of parts.
     solids: Vec<Solid>,
 }
 
-/// The most pairs of parts of two regions whose volumes are added up; more are only counted.
+/// The limit of pairs of parts of two regions whose volumes are added; further pairs are only counted.
 const MOST_SOLIDS: usize = 1024;
 
-/// Regions that share space though neither is in the other.
+/// Overlaps of regions of which neither is inside the other.
 pub fn overlaps<E: Evaluator>(
     subject: &Subject<'_>,
     probe: &mut Probe<'_, E>,
@@ -36,8 +36,8 @@ pub fn overlaps<E: Evaluator>(
     Ok(findings)
 }
 
-/// Pairs of regions that have something in common, by parts. Copies of one volume are among them where there is a hierarchy: in other
-/// models solids that are joined may well lie over each other.
+/// Pairs of regions that intersect, by parts. Copies of one volume are included if there is a hierarchy: in
+/// other models, solids of one union may overlap intentionally.
 fn common<E: Evaluator>(
     subject: &Subject<'_>,
     parts: &[Part],
@@ -83,7 +83,8 @@ fn count<E: Evaluator>(
     probe.scope.left_out = (met.count - met.pairs.len()) as u64;
 }
 
-/// True if the later region lies within the earlier one, as far as rays show, or the other way around, which is reported as hidden.
+/// True if the later region lies inside the earlier one, as far as rays show, or the other way round, which
+/// is reported as hidden.
 fn is_nested<E: Evaluator>(
     subject: &Subject<'_>,
     a: usize,
@@ -128,7 +129,7 @@ fn overlap<E: Evaluator>(
     Ok(Finding { volume, ..finding }.seen(common.deepest.thickness, common.deepest.chord))
 }
 
-/// Daughters that extend beyond all mothers that they were placed in.
+/// Daughters that extend beyond all their mothers.
 pub fn outside<E: Evaluator>(
     subject: &Subject<'_>,
     probe: &mut Probe<'_, E>,
@@ -157,7 +158,7 @@ pub fn outside<E: Evaluator>(
     Ok(findings)
 }
 
-/// The thickest place of the remainders of parts in their boxes.
+/// The thickest place outside, among the remainders of parts in their boxes.
 fn farthest<E: Evaluator>(
     rest: &Solid,
     boxes: &[Bounds],

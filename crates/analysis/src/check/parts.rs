@@ -1,4 +1,4 @@
-//! Division of regions into the copies and operands that they are unions of, each with its box.
+//! Decomposition of regions into the copies and operands of their unions, each with its box.
 
 use crate::AnalysisError;
 use rayweave_math::{Affine, Bounds};
@@ -10,11 +10,11 @@ pub struct Part {
     pub region: usize,
     pub solid: Solid,
     pub bounds: Bounds,
-    /// The number of its copy, where it is one of many.
+    /// The number of the copy, for placed solids.
     pub copy: Option<usize>,
 }
 
-/// The most parts of a region; one that has more stays whole.
+/// The limit of parts of a region; a region with more is not divided.
 const MOST_PARTS: usize = 1 << 16;
 
 /// All parts of all regions.
@@ -76,7 +76,7 @@ fn taken_apart(solid: &Solid) -> Result<Option<Vec<Part>>, AnalysisError> {
     Ok(Some(parts))
 }
 
-/// The box of a solid in its own frame; copies follow each other, so that the last few are cached.
+/// The box of a solid in local coordinates. Copies are consecutive, so the last few solids are cached.
 fn box_of(solid: &Solid, known: &mut Vec<(Solid, Bounds)>) -> Result<Bounds, AnalysisError> {
     if let Some((_, bounds)) = known.iter().rev().take(64).find(|(own, _)| own.is_same(solid)) {
         return Ok(*bounds);
@@ -86,8 +86,8 @@ fn box_of(solid: &Solid, known: &mut Vec<(Solid, Bounds)>) -> Result<Bounds, Ana
     Ok(bounds)
 }
 
-/// The pairs of boxes that have more in common than a face, by sweeping along x: in time near n log n where boxes are spread
-/// out. `wanted` selects pairs; those beyond `most` are only counted.
+/// The pairs of boxes that overlap in more than a face, by a sweep along x: O(n log n) for scattered boxes.
+/// `wanted` selects pairs; those beyond `most` are only counted.
 pub fn meeting(parts: &[Part], distance: f64, wanted: impl Fn(&Part, &Part) -> bool, most: usize) -> Meeting {
     let mut order: Vec<usize> = (0..parts.len()).collect();
     order.sort_by(|&a, &b| parts[a].bounds.lo.x.total_cmp(&parts[b].bounds.lo.x));
@@ -112,11 +112,11 @@ pub fn meeting(parts: &[Part], distance: f64, wanted: impl Fn(&Part, &Part) -> b
     found
 }
 
-/// Pairs of parts whose boxes meet.
+/// Pairs of parts with overlapping boxes.
 #[derive(Default)]
 pub struct Meeting {
     /// The parts by number, with the intersection of their boxes.
     pub pairs: Vec<(usize, usize, Bounds)>,
-    /// How many there are in all.
+    /// The total number of pairs.
     pub count: usize,
 }

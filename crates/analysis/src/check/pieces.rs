@@ -1,4 +1,4 @@
-//! Findings of rays through the whole model: thin walls, gaps, contacts, hidden regions.
+//! Checks by rays through the whole model: thin walls, gaps, contacts, hidden regions.
 
 use super::probe::{FEW, Probe};
 use super::subject::Subject;
@@ -18,7 +18,7 @@ struct Thinnest {
     count: u64,
 }
 
-/// Where two regions touch.
+/// The contact of two regions.
 #[derive(Clone, Copy, Debug)]
 struct Contact {
     area: f64,
@@ -28,7 +28,7 @@ struct Contact {
 /// A pair of regions, the lower number first.
 type Two = [RegionId; 2];
 
-/// The observations of some rays.
+/// The observations of a set of rays.
 #[derive(Default)]
 struct Seen {
     regions: BTreeSet<RegionId>,
@@ -38,7 +38,7 @@ struct Seen {
 }
 
 impl Seen {
-    /// Adds a piece; `is_mother` is true if the first region is around the second one.
+    /// Adds a piece of a ray; `is_mother(a, b)` is true if region a contains region b.
     fn piece(
         &mut self,
         piece: &Piece<'_>,
@@ -55,7 +55,7 @@ impl Seen {
         }
         self.regions.insert(region);
         match width(piece, thin.max(narrow)) {
-            // the space between daughters is a gap, whatever fills it
+            // the space between daughters is a gap, whatever its region
             Some(_) if is_mother(region, before) && is_mother(region, after) => {
                 self.narrow(piece, pair, narrow);
             }
@@ -70,7 +70,7 @@ impl Seen {
         }
     }
 
-    /// The end of a piece at another region.
+    /// Adds a contact: the end of a piece at another region.
     fn touch(&mut self, piece: &Piece<'_>, pair: Two) {
         let chord = piece.chord();
         let cosine = piece.normals()[1].dot((chord.to - chord.from).normalize_or_zero());
@@ -85,7 +85,7 @@ impl Seen {
         }
     }
 
-    /// Adds the observations of later rays; contacts are measured by rays through the whole model only.
+    /// Adds the observations of later rays; only rays through the whole model measure contacts.
     fn add(&mut self, other: Seen, has_contacts: bool) {
         self.regions.extend(other.regions);
         for (region, least) in other.thin {
@@ -107,14 +107,14 @@ impl Thinnest {
     }
 }
 
-/// The width of a wall or a gap, if it is less than a length.
+/// The width of a wall or gap, if it is below a limit.
 fn width(piece: &Piece<'_>, less_than: f64) -> Option<f64> {
     // much longer pieces run along a face, which other rays cross
     let is_near = piece.length() < 64.0 * less_than;
     is_near.then(|| piece.wall()).flatten().filter(|width| *width < less_than)
 }
 
-/// Rays through the whole model, and through the box of each region.
+/// Findings of rays through the whole model and through the box of each region.
 pub fn findings<E: Evaluator>(
     subject: &Subject<'_>,
     program: Program,
@@ -134,7 +134,7 @@ pub fn findings<E: Evaluator>(
     let mut seen = Seen::default();
     let (frame, across) = (probe.frame, probe.settings.across);
     probe.survey(&evaluator, &frame, across, visit, |some: Seen| seen.add(some, true))?;
-    // as many rays again, shared among the regions
+    // the same number of rays again, shared among the regions
     let share = (f64::from(across) / (subject.regions.len() as f64).sqrt()) as u32;
     for bounds in &subject.boxes {
         probe.survey(&evaluator, bounds, share.clamp(FEW, 64), visit, |some: Seen| seen.add(some, false))?;
@@ -171,7 +171,7 @@ fn walls_and_gaps(subject: &Subject<'_>, seen: &Seen) -> Vec<Finding> {
     thin.chain(gaps).collect()
 }
 
-/// Contacts of regions that are not mother and daughter, nor known to overlap, nor one around the other.
+/// Contacts of regions that are not mother and daughter, not known to overlap, and not nested.
 fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding]) -> Vec<Finding> {
     let mut found = Vec::new();
     for ([a, b], contact) in &seen.contacts {
@@ -194,7 +194,7 @@ fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding]) -> Vec<Findin
     found
 }
 
-/// A region that is empty within the box of the check.
+/// Reports a region that is empty within the sampled box.
 fn nothing<E: Evaluator>(
     subject: &Subject<'_>,
     region: usize,
@@ -215,14 +215,14 @@ fn nothing<E: Evaluator>(
     if bounds.is_empty() {
         return proved();
     }
-    // a region beyond the box of the check is not missing
+    // a region outside the sampled box is not missing
     if !bounds.is_finite() || probe.thickest(whole, &bounds, 3 * FEW)?.is_some() {
         return Ok(None);
     }
     Ok(Some(Finding::new(Kind::Empty, &[name], format!("no ray met anything in {name}"))))
 }
 
-/// A region that no ray has crossed.
+/// Reports a region that no ray crossed.
 fn unseen<E: Evaluator>(
     subject: &Subject<'_>,
     region: usize,
@@ -237,7 +237,7 @@ fn unseen<E: Evaluator>(
     let mut winner = [RegionId(0)];
     evaluator.regions_at([&[at.x], &[at.y], &[at.z]], &mut evaluator.scratch(), &mut winner);
     let Some(winner) = winner[0].index().checked_sub(1).filter(|&winner| winner != region) else {
-        // it is there, and was overlooked
+        // the region exists, and the rays missed it
         return Ok(None);
     };
     let by = subject.name(winner);

@@ -1,4 +1,4 @@
-//! Rays that search a box.
+//! Ray sampling of a box for the checks.
 
 use super::{CheckSettings, Scope};
 use crate::AnalysisError;
@@ -10,17 +10,17 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, Region, RegionId, Solid};
 use std::sync::Arc;
 
-/// The most pieces of one search that are measured again, the thickest first.
+/// The limit of pieces per search that are measured again, the thickest first.
 const MOST_DOUBTS: usize = 256;
 
-/// Cells along an edge of the box of a small part.
+/// Cells along an edge of the cross-section for the box of a small part.
 pub const FEW: u32 = 10;
 
-/// Sends rays, and counts them.
+/// Traces rays for the checks, and counts them.
 pub struct Probe<'a, E> {
     pub make: &'a Make<'a, E>,
     pub settings: &'a CheckSettings,
-    /// The box that rays stay in.
+    /// The sampled box.
     pub frame: Bounds,
     pub scope: Scope,
     progress: &'a mut dyn FnMut(u64),
@@ -52,7 +52,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         Probe { make, settings, frame, scope, progress, searches: 0 }
     }
 
-    /// Sends the rays of a survey through a box.
+    /// Traces the rays of a survey through a box.
     pub fn survey<T: Default + Send>(
         &mut self,
         evaluator: &E,
@@ -103,7 +103,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         Ok(thickest_of(&evaluator, &doubts))
     }
 
-    /// The thickest place, if it is thicker than rounding.
+    /// The thickest place, if its thickness exceeds rounding error.
     pub fn is_there(
         &mut self,
         solid: &Solid,
@@ -139,12 +139,12 @@ impl<'a, E: Evaluator> Probe<'a, E> {
     }
 }
 
-/// The thickest piece after measuring from other sides.
+/// The thickest piece, measured along several directions.
 fn thickest_of<E: Evaluator>(evaluator: &E, doubts: &[(f64, Chord, [Vec3; 2])]) -> Option<Met> {
     let mut scratch = evaluator.scratch();
     let mut best: Option<Met> = None;
     for (thickness, chord, normals) in doubts.iter().take(MOST_DOUBTS) {
-        // all later ones are thinner
+        // all further pieces are thinner
         if best.is_some_and(|best| best.thickness >= *thickness) {
             break;
         }

@@ -1,9 +1,9 @@
-//! Outcomes of checks.
+//! Results of checks.
 
 use super::{Finding, Kind};
 use rayweave_scene::Unit;
 
-/// The outcome of a check.
+/// The result of a check.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CheckReport {
@@ -25,19 +25,19 @@ pub struct Scope {
     pub wall: f64,
     /// Gaps narrower than this are reported.
     pub gap: f64,
-    /// Overlaps that are nowhere deeper than this count as rounding.
+    /// Overlaps no deeper than this count as rounding error.
     pub distance: f64,
-    /// The number of parts: regions divided into the copies and operands that they are unions of.
+    /// The number of parts: regions divided into the copies and operands of their unions.
     pub parts: u64,
-    /// Pairs of parts of different regions whose boxes are apart: proved to have nothing in common.
+    /// Pairs of parts of different regions with disjoint boxes: proved to have nothing in common.
     pub apart: u64,
-    /// Pairs of parts that rays searched.
+    /// Pairs of parts sampled by rays.
     pub pairs: u64,
-    /// Pairs of parts beyond the limit, left out.
+    /// Pairs of parts beyond the limit, not checked.
     pub left_out: u64,
-    /// Operands that rays searched.
+    /// Operands sampled by rays.
     pub operands: u64,
-    /// Operands beyond the limit, left out.
+    /// Operands beyond the limit, not checked.
     pub operands_left_out: u64,
     /// True if the model has a hierarchy of mothers and daughters.
     pub has_hierarchy: bool,

@@ -1,4 +1,4 @@
-//! Sections of findings.
+//! Cross-sections at findings.
 
 use super::{CheckSettings, Finding, Kind};
 use crate::AnalysisError;
@@ -11,8 +11,8 @@ use rayweave_model::{Evaluator, Program, Region, Solid};
 use rayweave_scene::{Colour, Compiled, Scene};
 use std::sync::Arc;
 
-/// A section of the model around a finding, in a plane that holds its ray; the common space of an overlap is a part of its own.
-/// `None` for a finding without a place.
+/// The cross-section of the model around a finding, in a plane that contains its ray; the intersection of an
+/// overlap is a separate part. `None` for a finding without a point.
 ///
 /// # Errors
 ///
@@ -33,7 +33,7 @@ pub fn finding_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
     };
     let reach = around.max(1e-3 * diagonal).max(1e-9 * at.abs().max_element());
     let within = Some(Bounds::new(at, at).grown(if reach > 0.0 { reach } else { 1.0 }));
-    // a plane that holds the ray, the one seen from the front if it may be
+    // a plane that contains the ray; if possible, the one seen from the front
     let axis = if ray.y > ray.x.max(ray.z) { 0 } else { 1 };
     let plane = SectionPlane::across(axis, at[axis])?;
     let sweep = Sweep { threads: settings.threads, cancel: settings.cancel.clone() };
@@ -68,7 +68,7 @@ fn overlap<E: Evaluator>(
         |(k, (name, solid)): (u32, (&String, Solid))| Region { name: name.clone(), solid, medium: k };
     let regions = (1..).zip(names.iter().zip(solids)).map(region).collect();
     let program = Arc::new(Program::compile_regions(&clipped(regions, settings.within)?)?);
-    // red for the common space, as in the pictures of differences
+    // red for the intersection, as in the pictures of differences
     let colours = [Colour::PALETTE[0], Colour::PALETTE[2], Colour::new(213, 94, 0)];
     let kinds = Kinds { of: vec![1, 2, 3], names: names.into_iter().zip(colours).collect() };
     Cutter { evaluator: make(program)?, kinds, settings }.cut(plane)

@@ -11,14 +11,14 @@ pub struct CheckSettings {
     pub wall: Option<f64>,
     /// Gaps narrower than this are reported; by default 1e-5 of the diagonal.
     pub gap: Option<f64>,
-    /// Overlaps that are nowhere deeper than this count as rounding; by default 1e-9 of the diagonal.
+    /// Overlaps no deeper than this count as rounding error; by default 1e-9 of the diagonal.
     pub distance: Option<f64>,
-    /// Cells along an edge of the cross-sections of the model: six times its square of rays go through the whole model, and about
-    /// as many again through single regions and pairs.
+    /// Cells along an edge of the cross-sections of the model. 6 n^2 rays go through the whole model, and
+    /// about as many again through single regions and pairs.
     pub across: u32,
     /// The level of confidence of volumes.
     pub confidence: f64,
-    /// The most pairs of parts, and the most operands, that are searched.
+    /// The limit of pairs of parts, and of operands.
     pub most_pairs: usize,
     /// Restricts the check to this box.
     pub within: Option<Bounds>,
@@ -26,7 +26,7 @@ pub struct CheckSettings {
     pub seed: u64,
     /// The number of threads; results do not depend on it.
     pub threads: Option<NonZeroUsize>,
-    /// Stops the run.
+    /// Cancels the run.
     pub cancel: Cancel,
 }
 

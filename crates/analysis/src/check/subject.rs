@@ -7,9 +7,9 @@ use rayweave_model::{Region, Solid};
 /// The model under check.
 pub(super) struct Subject<'a> {
     pub regions: &'a [Region],
-    /// The regions without restriction to the box, if there is one.
+    /// The regions before the restriction to a box, if there is one.
     pub whole: Option<&'a [Region]>,
-    /// The boxes of the regions, later regions not subtracted.
+    /// The boxes of the regions, without subtraction of later regions.
     pub boxes: Vec<Bounds>,
     pub hierarchy: Option<&'a Hierarchy>,
 }
@@ -25,7 +25,7 @@ impl Subject<'_> {
         self.whole.map(|whole| &whole[region].solid)
     }
 
-    /// True if one of the regions is around the other, as mothers are around daughters.
+    /// True if one of the regions is an ancestor of the other in the hierarchy.
     pub fn are_kin(&self, a: usize, b: usize) -> bool {
         self.hierarchy.is_some_and(|known| known.is_within(a, b) || known.is_within(b, a))
     }

@@ -1,4 +1,4 @@
-//! Models with planted faults, whose sizes are known.
+//! Models with planted faults of known size.
 
 use super::*;
 use crate::measure::Estimate;
@@ -30,7 +30,7 @@ fn boxes(all: &[(&str, [f64; 3], [f64; 3])]) -> String {
     all.iter().map(solid).chain(regions).collect()
 }
 
-/// Whether an interval holds a number, but for rounding.
+/// True if an interval contains a number, up to rounding.
 fn is_about(volume: Option<Estimate>, expected: f64) -> bool {
     volume.is_some_and(|volume| (volume.value - expected).abs() <= volume.half_width + 1e-9 * expected)
 }
@@ -46,9 +46,9 @@ fn overlaps_and_what_is_none() {
             ("a", [0.0; 3], [2.0; 3]),
             // 0.25 deep into a
             ("b", [1.75, 0.5, 0.5], [3.0, 1.5, 1.5]),
-            // within a, which is how parts are put into others
+            // inside a, the usual way to place a part in another
             ("c", [0.5; 3], [1.0; 3]),
-            // touches a
+            // touching a
             ("d", [0.0, 0.0, 2.0], [2.0, 2.0, 3.0]),
             ("e", [9.0; 3], [10.0; 3]),
         ]),
@@ -75,7 +75,7 @@ fn curved_overlaps_by_formula() {
     let overlap = report.of(Kind::Overlap).next().unwrap();
     assert!(is_about(overlap.volume, lens), "{overlap:?} {lens}");
     assert!(overlap.size.unwrap() > 0.08 && overlap.size.unwrap() <= 0.1 + 1e-12, "{overlap:?}");
-    // touching at a point only
+    // touching in a point only
     assert!(checked(&two.replace("1.9", "2"), &quick()).findings.is_empty());
     // faces that agree to rounding do not overlap
     let third = 1.0 / 3.0;
@@ -92,12 +92,12 @@ fn hidden_and_empty() {
     let report = checked(&format!("{covered}{empty}"), &quick());
     assert_eq!(report.of(Kind::Hidden).next().unwrap().regions, ["small", "large"]);
     let empty: Vec<_> = report.of(Kind::Empty).map(|f| (f.regions[0].as_str(), f.is_proved)).collect();
-    // boxes prove the one; only rays can tell of the other
+    // boxes prove the first; only rays can detect the second
     assert_eq!(empty, [("x", true), ("y", false)]);
     assert!(report.of(Kind::Overlap).next().is_none(), "{report:?}");
 }
 
-/// What lies outside of the box of a check is neither empty nor proved to be so; what has nothing anywhere is.
+/// A region outside the box of a check is neither empty nor proved so; a region that is empty everywhere is.
 #[test]
 fn what_is_beyond_the_box_is_not_empty() {
     let four = boxes(&[
@@ -129,7 +129,7 @@ fn walls_and_gaps() {
     let sizes: Vec<f64> = report.findings.iter().map(|finding| finding.size.unwrap()).collect();
     assert!((sizes[0] - 0.02).abs() < 1e-12 && (sizes[1] - 0.01).abs() < 1e-12, "{sizes:?}");
     assert!(checked(&plates, &quick()).findings.is_empty());
-    // slanted rays see more of a wall than there is; a slot in one region
+    // slanted rays have longer pieces in a wall than its thickness; a slot in one region
     let slot = "[solid.block]\nbox = { size = 10 }\n[solid.slot]\nbox = { size = [0.01, 20, 20] }\n\
         [solid.body]\nexpr = \"block - slot\"\ntransform = [{ rotate_y = 40 }]\n[[region]]\nsolid = \"body\"";
     let report = checked(slot, &CheckSettings { wall: Some(0.05), gap: Some(0.05), ..quick() });
@@ -154,7 +154,8 @@ fn operands_without_effect() {
     assert!(has("inner adds nothing", false), "{found:?}");
 }
 
-/// A hundred boxes in a row and one within another: all are looked at, or it is said how many are not.
+/// A hundred boxes in a row and one inside another: all are checked, or the number of skipped ones is
+/// reported.
 #[test]
 fn unions_of_many() {
     let names: Vec<String> = (0..100).map(|k| format!("s{k}")).collect();
@@ -175,7 +176,7 @@ fn unions_of_many() {
     let absorbed: Vec<&str> = report.of(Kind::Absorbed).map(|finding| finding.text.as_str()).collect();
     assert_eq!(absorbed, ["inner adds nothing to what it is joined with in row"]);
     assert_eq!((report.scope.operands, report.scope.operands_left_out), (201, 0));
-    // each of the second row is half within one of the first
+    // each of the second row is half inside one of the first
     let overlap = report.of(Kind::Overlap).next().unwrap();
     assert!(is_about(overlap.volume, 400.0), "{overlap:?}");
     let few = checked(&text, &CheckSettings { most_pairs: 7, ..quick() }).scope;
@@ -204,7 +205,7 @@ const DETECTOR: &str = r#"<?xml version="1.0"?>
  <setup name="s" version="1"><world ref="Hall"/></setup>
 </gdml>"#;
 
-/// A crate that reaches 5 mm out of the hall; two of three cells in each other; cells in crates are as they should be.
+/// A crate that extends 5 mm out of the hall; two of three cells that overlap; cells in crates are correct.
 #[test]
 fn daughters_and_copies() {
     let imported = rayweave_formats::parse(DETECTOR, Format::Gdml, &[], &Options::default()).unwrap();
@@ -217,7 +218,7 @@ fn daughters_and_copies() {
     assert_eq!((outside.kind, outside.regions.join(" ")), (Kind::Outside, "Crate Hall".to_owned()));
     assert!(is_about(outside.volume, 4500.0) && (outside.size.unwrap() - 5.0).abs() < 1e-9, "{outside:?}");
     assert!(hierarchy.is_within(2, 0) && !hierarchy.is_within(0, 2));
-    // 2.5 mm of the hall between the crate and a cell of it that was moved there is a gap, and no thin wall
+    // 2.5 mm of the hall between the crate and a cell that was moved out of it is a gap, not a thin wall
     let apart = DETECTOR.replace(r#"x="-25""#, r#"x="17.5""#);
     let imported = rayweave_formats::parse(&apart, Format::Gdml, &[], &Options::default()).unwrap();
     let settings = CheckSettings { wall: Some(3.0), gap: Some(3.0), ..quick() };
@@ -227,7 +228,7 @@ fn daughters_and_copies() {
     assert!((gap.size.unwrap() - 2.5).abs() < 1e-9 && gap.regions.contains(&"Crate".to_owned()), "{gap:?}");
     assert!(report.of(Kind::Thin).next().is_none(), "{report:?}");
     let imported = rayweave_formats::parse(DETECTOR, Format::Gdml, &[], &Options::default()).unwrap();
-    // without the hierarchy a crate that reaches out of a hall is two boxes that overlap
+    // without the hierarchy, a crate that extends out of a hall is two overlapping boxes
     let report = check(&imported.scene, None, AnyEvaluator::maker(None), &quick(), &mut |_| ()).unwrap();
     assert!(report.of(Kind::Overlap).any(|f| f.regions == ["Hall", "Crate"]), "{report:?}");
 }
@@ -261,7 +262,7 @@ fn the_same_on_any_number_of_threads_and_refusals() {
     let cancel = Cancel::new();
     cancel.cancel();
     assert_eq!(fails(&text, CheckSettings { cancel, ..quick() }), "cancelled");
-    // a floor beside something that ends is looked at around it
+    // an unbounded floor next to a bounded region is checked around that region
     let report = checked(&format!("{floor}\n{}", boxes(&[("a", [0.0, 0.0, -0.5], [1.0; 3])])), &quick());
     assert!(report.of(Kind::Overlap).any(|finding| finding.regions == ["f", "a"]), "{report:?}");
     assert_eq!("thin".parse::<Kind>().unwrap(), Kind::Thin);

@@ -1,4 +1,4 @@
-//! Comparison of the two sides of a pair.
+//! Comparison of the two solids of a pair.
 
 use super::pairs::Pair;
 use super::{DiffSettings, Difference, Spot};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 const A_ONLY: RegionId = RegionId(2);
 const B_ONLY: RegionId = RegionId(3);
 
-/// The most pieces that are measured again, the thickest first.
+/// The limit of pieces that are measured again, the thickest first.
 const MOST_DOUBTS: usize = 4096;
 
 /// The box of both models.
@@ -42,7 +42,7 @@ pub struct Judge<'a, E> {
     pairs: u64,
 }
 
-/// A piece of a ray on one side alone.
+/// A piece of a ray inside only one of the solids.
 #[derive(Clone, Copy)]
 struct Doubt {
     chord: Chord,
@@ -91,7 +91,7 @@ impl<'a, E: Evaluator> Judge<'a, E> {
         Ok(found)
     }
 
-    /// Searches for differences with rays.
+    /// Searches for differences by rays.
     fn look(&mut self, evaluator: &E, bounds: &Bounds, found: &mut Difference) -> Result<(), AnalysisError> {
         let settings = Survey {
             bounds: *bounds,
@@ -120,12 +120,12 @@ impl<'a, E: Evaluator> Judge<'a, E> {
         Ok(())
     }
 
-    /// The thickest piece after measuring from other sides.
+    /// Measures the pieces along several directions and records the thickest.
     fn judge(&self, evaluator: &E, doubts: &[Doubt], found: &mut Difference) {
         let mut scratch = evaluator.scratch();
         let mut thickest: Option<Spot> = None;
         for doubt in doubts.iter().take(MOST_DOUBTS) {
-            // all later ones are thinner
+            // all further pieces are thinner
             if thickest.is_some_and(|spot| spot.thickness >= doubt.thickness) {
                 break;
             }
@@ -144,7 +144,7 @@ impl<'a, E: Evaluator> Judge<'a, E> {
     }
 
     fn measure(&mut self, evaluator: &E, found: &mut Difference) -> Result<(), AnalysisError> {
-        // the box was cut out of the models before
+        // the models are already clipped to the box
         let settings = Settings { within: None, ..self.settings.measure.clone() };
         let (before, progress) = (self.asked, &mut self.progress);
         let measured = measure(evaluator, &settings, &mut |rays| progress(before + rays))?;
@@ -154,7 +154,8 @@ impl<'a, E: Evaluator> Judge<'a, E> {
     }
 }
 
-/// A piece measured again along the axes and along the normals at its ends: the shortest of these is the thickness.
+/// Measures a piece again along the axes and along the normals at its ends: the shortest length is the
+/// thickness.
 fn seen_again<E: Evaluator>(evaluator: &E, doubt: &Doubt, scratch: &mut E::Scratch) -> Spot {
     let Doubt { chord, normals, is_a, .. } = *doubt;
     let own = if is_a { A_ONLY } else { B_ONLY };

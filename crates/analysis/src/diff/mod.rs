@@ -1,12 +1,14 @@
-//! Comparison of two models: whether they are the same solid, and where not, how much, how thick, along which ray.
+//! Comparison of two models: same solid or not, and the volume, thickness and place of the differences.
 //!
-//! Regions are compared in pairs: regions of one name, all regions of one medium together, or all regions together. A region is
-//! its solid without later regions. Lengths of the second model are converted to the unit of the first.
+//! Regions are compared in pairs: regions with the same name, the regions of each medium together, or all
+//! regions together. A region is its solid minus later regions. Lengths of the second model are converted to
+//! the unit of the first.
 //!
-//! Both models are compiled as one, in which faces that agree to rounding become one surface and slivers from rounding are
-//! welded away. Rays then search for space that belongs to one side only. Where a piece of a ray seems thicker than the accepted
-//! distance, rays in five directions through its middle measure it again, so that a ray along a thin film is not reported as a
-//! thick difference. Models are the same if no ray found a difference thicker than that.
+//! Both models are compiled as one, in which faces that agree to rounding error become one surface and
+//! rounding slivers are welded. Rays then search for space that belongs to one side only. Where a piece of a
+//! ray seems thicker than the accepted distance, rays in five directions through its middle measure it again,
+//! so that a ray along a thin film is not reported as a thick difference. Models are the same if no ray found
+//! a difference thicker than that distance.
 //!
 //! ```
 //! use rayweave_analysis::diff::{DiffSettings, diff};
@@ -44,7 +46,8 @@ use rayweave_model::{Evaluator, Program};
 use rayweave_scene::Scene;
 use std::sync::Arc;
 
-/// Compares two models. `make` makes the evaluators; `progress` receives the number of rays so far.
+/// Compares two models. `make` creates the evaluator of a program; `progress` receives the number of rays so
+/// far.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Matching of regions.
+//! Matching of regions into pairs.
 
 use super::{DiffSettings, Match};
 use crate::AnalysisError;
@@ -7,14 +7,14 @@ use rayweave_error::Message;
 use rayweave_model::{Program, Region, Solid};
 use rayweave_scene::Scene;
 
-/// A part of both models; `None` where one has no such part.
+/// Matched solids of both models; `None` where a model has no counterpart.
 #[derive(Clone, Debug)]
 pub struct Pair {
     pub name: String,
     pub sides: [Option<Solid>; 2],
 }
 
-/// The parts of two models, those of the first in its order, and how they were matched.
+/// The pairs of two models, in the order of the first, and the matching used.
 pub fn pairs(a: &Scene, b: &Scene, settings: &DiffSettings) -> Result<(Match, Vec<Pair>), AnalysisError> {
     let by = match settings.by {
         Match::Auto if a.regions.len() == 1 || b.regions.len() == 1 => Match::Whole,
@@ -32,7 +32,7 @@ pub fn pairs(a: &Scene, b: &Scene, settings: &DiffSettings) -> Result<(Match, Ve
     Ok((by, matched(first, second)))
 }
 
-/// The regions of a scene, brought to another unit, as far as they are in the box.
+/// The regions of a scene, scaled to another unit and clipped to the box.
 fn regions(scene: &Scene, factor: f64, settings: &DiffSettings) -> Result<Vec<Region>, AnalysisError> {
     let scaled = |region: Region| match factor == 1.0 {
         true => region,
@@ -65,7 +65,7 @@ fn parts(scene: &Scene, by: Match, regions: Vec<Region>) -> Result<Vec<(String, 
     Ok(found.into_iter().map(|(name, solids)| (name, Solid::union(solids))).collect())
 }
 
-/// Each region without later ones; only those whose boxes overlap its own are subtracted.
+/// Each region minus later ones; only those with overlapping boxes are subtracted.
 pub fn shares(regions: &[Region]) -> Result<Vec<Solid>, AnalysisError> {
     let boxes = Program::compile_regions(regions)?.region_bounds();
     let share = |(k, region): (usize, &Region)| {
@@ -95,7 +95,7 @@ fn matched(first: Vec<(String, Solid)>, second: Vec<(String, Solid)>) -> Vec<Pai
 }
 
 impl Pair {
-    /// Three regions: the common space, the space of the first alone, the space of the second alone.
+    /// Three regions: the intersection, the first solid alone, the second solid alone.
     pub fn regions(&self) -> Vec<Region> {
         let [a, b] = self.sides.clone().map(|side| side.unwrap_or_else(Solid::empty));
         let region =
@@ -104,12 +104,12 @@ impl Pair {
         [both, (2, "A only", &a - &b), (3, "B only", &b - &a)].map(region).into()
     }
 
-    /// The whole pair compiled.
+    /// The pair as a compiled program.
     pub fn program(&self) -> Result<Program, AnalysisError> {
         Ok(Program::compile_regions(&self.regions())?)
     }
 
-    /// True if both sides are made of the same shapes in the same way.
+    /// True if both sides are equal expressions of equal shapes.
     pub fn is_written_alike(&self) -> bool {
         let [a, b] = &self.sides;
         a == b

@@ -1,21 +1,21 @@
-//! Outcomes of comparisons.
+//! Results of comparisons.
 
 use super::Match;
 use crate::measure::{Chord, Estimate};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_scene::Unit;
 
-/// The outcome of a comparison.
+/// The result of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DiffReport {
     /// The unit of all lengths: that of the first model.
     pub unit: Unit,
-    /// How regions were matched: never [`Match::Auto`].
+    /// The matching of regions; never [`Match::Auto`].
     pub by: Match,
     /// The accepted thickness of differences.
     pub distance: f64,
-    /// The pairs, in the order of the first model; regions of the second model alone come last.
+    /// The pairs, in the order of the first model; regions that exist only in the second model come last.
     pub pairs: Vec<Difference>,
     /// The number of rays.
     pub rays: u64,
@@ -41,21 +41,22 @@ impl DiffReport {
 pub struct Difference {
     /// The name of the region or the medium; `model` for everything.
     pub name: String,
-    /// Whether each of the models has such a part.
+    /// True for each model that has such a part.
     pub is_in: [bool; 2],
     /// True if no difference thicker than the accepted one was found.
     pub is_same: bool,
-    /// True if the outcome is known without rays: the same shapes in the same places, or nothing on both sides.
+    /// True if the result is proved without rays: the same shapes in the same places, or nothing on both
+    /// sides.
     pub is_proved: bool,
-    /// The volume that both have in common.
+    /// The volume of the intersection.
     pub both: Estimate,
-    /// The volume that only the first has.
+    /// The volume in the first model only.
     pub a_only: Estimate,
-    /// The volume that only the second has.
+    /// The volume in the second model only.
     pub b_only: Estimate,
     /// The thickest difference found, accepted or not; `None` if there was none.
     pub spot: Option<Spot>,
-    /// A box around all differences that were found and are not accepted.
+    /// A box around all differences beyond the accepted thickness.
     pub place: Option<Bounds>,
 }
 
@@ -63,11 +64,11 @@ pub struct Difference {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Spot {
-    /// The middle of the piece of a ray there.
+    /// The middle of the chord.
     pub at: Vec3,
-    /// How thick the difference is there.
+    /// The thickness of the difference.
     pub thickness: f64,
-    /// The piece of a ray through it that shows the thickness.
+    /// The chord of a ray along which the thickness was measured.
     pub chord: Chord,
     /// True if the first model has material there and the second one does not.
     pub is_a: bool,

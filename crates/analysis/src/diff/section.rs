@@ -1,4 +1,4 @@
-//! Sections of a difference.
+//! Cross-section at a difference.
 
 use super::{DiffReport, DiffSettings, pairs};
 use crate::AnalysisError;
@@ -10,16 +10,17 @@ use rayweave_model::{Evaluator, Program};
 use rayweave_scene::{Colour, Scene};
 use std::sync::Arc;
 
-/// Grey for the common space; a red and a blue that people with any kind of colour vision distinguish (Okabe and Ito, 2008).
+/// Grey for the intersection; a red and a blue distinguishable with any kind of colour vision (Okabe and Ito,
+/// 2008).
 const COLOURS: [(&str, Colour); 3] = [
     ("both", Colour::new(200, 205, 211)),
     ("A only", Colour::new(213, 94, 0)),
     ("B only", Colour::new(0, 114, 178)),
 ];
 
-/// A section of the pair with the thickest difference, or of the first pair if all are the same. The parts are the common space
-/// and the space of each model alone. Without a plane it is, of the planes across x, y and z through the thickest difference,
-/// the one with the largest area of differences.
+/// The cross-section of the pair with the thickest difference, or of the first pair if all are the same. The
+/// parts are the intersection and the space of each model alone. Without a given plane, it is the plane
+/// across x, y or z through the thickest difference with the largest area of differences.
 ///
 /// # Errors
 ///
@@ -56,7 +57,7 @@ pub fn diff_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
 
 fn most_different<E: Evaluator>(cutter: &Cutter<'_, E>, at: Vec3) -> Result<CrossSection, AnalysisError> {
     let cut = |axis: usize| cutter.cut(&SectionPlane::across(axis, at[axis])?);
-    // the plane across y shows most models from the front, and is kept where none shows more
+    // the plane across y shows most models from the front; it is kept unless another shows more
     let mut best = cut(1)?;
     for axis in [2, 0] {
         let section = cut(axis)?;

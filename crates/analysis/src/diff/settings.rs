@@ -2,13 +2,13 @@
 
 use crate::measure;
 
-/// How regions are matched.
+/// The matching of regions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Match {
     /// [`Match::Whole`] if one of the models has a single region, else [`Match::Region`].
     #[default]
     Auto,
-    /// Regions of one name.
+    /// Regions with the same name.
     Region,
     /// All regions of one medium, by the name of the medium.
     Medium,
@@ -19,14 +19,14 @@ pub enum Match {
 /// The options of a comparison.
 #[derive(Clone, Debug)]
 pub struct DiffSettings {
-    /// How regions are matched.
+    /// The matching of regions.
     pub by: Match,
     /// The accepted thickness of differences, in the unit of the first model; by default 1e-9 of the diagonal of the models.
     pub distance: Option<f64>,
-    /// Cells along an edge of the cross-sections; each pair takes six times its square of rays.
+    /// Cells along an edge of the cross-sections; each pair takes 6 n^2 rays.
     pub across: u32,
-    /// The options of volumes. Its box (in the unit of the first model), seed, threads and cancellation token hold for the whole
-    /// comparison.
+    /// The options of volumes. Box (in the unit of the first model), seed, threads and cancellation token
+    /// apply to the whole comparison.
     pub measure: measure::Settings,
 }
 

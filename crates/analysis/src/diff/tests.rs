@@ -1,4 +1,4 @@
-//! Against closed forms, and against models that are the same by construction.
+//! Comparisons checked with closed forms, and with models that are the same by construction.
 
 use super::*;
 use crate::measure;
@@ -36,7 +36,7 @@ fn ball(radius: f64) -> String {
 fn the_same_in_other_words() {
     let proved = compared(BALL, BALL, &quick());
     assert!(proved.is_same() && proved.pairs[0].is_proved && proved.worst().is_none());
-    // the same place by other maps, and in another unit: equal to rounding only
+    // the same position by other maps, and in another unit: equal up to rounding
     let moved = "unit = \"in\"\n[solid.r]\ntorus = { major = 3, minor = 1 }\n\
         transform = [{ rotate_x = 33 }, { translate = [0.1, 0.2, 0.3] }]";
     let again = "unit = \"mm\"\n[solid.r]\ntorus = { major = 76.2, minor = 25.4 }\n\
@@ -45,14 +45,15 @@ fn the_same_in_other_words() {
     assert!(report.is_same() && !report.pairs[0].is_proved, "{report:?}");
     assert!(report.pairs[0].both.holds(2.0 * PI * PI * 3.0), "{report:?}");
     assert_eq!(report.unit, Unit::Inch);
-    // a box by planes, and by another kind of shape
+    // a box from planes, and from another primitive
     let cube = "[solid.a]\nbox = { size = 2 }";
     let planes = "[solid.x]\nslab = { normal = [1, 0, 0], lo = -1, hi = 1 }\n[solid.y]\nslab = { normal = [0, 1, 0], lo = -1, hi = 1 }\n\
         [solid.z]\nslab = { normal = [0, 0, 1], lo = -1, hi = 1 }\n[solid.all]\nexpr = \"x & y & z\"\n[[region]]\nsolid = \"all\"";
     assert!(compared(cube, planes, &quick()).is_same());
 }
 
-/// A shell that is thinner than what matters is no difference, although rays along its rim are long in it.
+/// A shell thinner than the accepted distance is no difference, although rays along its rim have long pieces
+/// in it.
 #[test]
 fn what_is_thinner_than_matters() {
     let shell = |radius: f64, distance: f64| {
@@ -65,11 +66,11 @@ fn what_is_thinner_than_matters() {
         let spot = other.pairs[0].spot.unwrap();
         assert!(!other.is_same() && !spot.is_a, "{gap}: {other:?}");
         assert!(spot.thickness > 0.99 * gap && spot.thickness < 4.1 * gap, "{gap}: {spot:?}");
-        // it is where it is: between the two spheres
+        // the reported point lies between the two spheres
         let r = spot.at.length();
         assert!(r > 1.0 - 1e-12 && r < 1.0 + gap + 1e-12, "{r}");
     }
-    // rounding does not count without being asked
+    // rounding is accepted by default
     assert!(compared(BALL, &ball(1.0 + 1e-13), &quick()).is_same());
     assert!(!compared(BALL, &ball(1.0 + 1e-7), &quick()).is_same());
 }
@@ -79,7 +80,7 @@ fn volumes_and_places_of_differences() {
     let moved = format!("{BALL}\ntransform = [{{ translate = [1, 0, 0] }}]");
     let report = compared(BALL, &moved, &quick());
     let pair = &report.pairs[0];
-    // two balls of radius 1 whose centres are 1 apart: 5 pi / 12 in common
+    // two balls of radius 1 with centres at distance 1: an intersection of 5 pi / 12
     let common = 5.0 / 12.0 * PI;
     let rest = 4.0 / 3.0 * PI - common;
     assert!(pair.both.holds(common) && pair.a_only.holds(rest) && pair.b_only.holds(rest), "{pair:?}");
@@ -105,7 +106,7 @@ fn region_by_region() {
     let [bath, ball] = &report.pairs[..] else { panic!("{report:?}") };
     let shell = 4.0 / 3.0 * PI * (1.331 - 1.0);
     assert!(report.by == Match::Region && !bath.is_same && !ball.is_same);
-    // what the ball gains the bath loses
+    // the shell that the ball gains is lost by the bath
     assert!(bath.a_only.holds(shell) && bath.b_only.value == 0.0 && ball.b_only.holds(shell), "{report:?}");
     let whole = compared(TWO, &other, &DiffSettings { by: Match::Whole, ..quick() });
     assert!(whole.is_same() && (whole.pairs[0].both.value - 64.0).abs() < 1e-9, "{whole:?}");

@@ -1,4 +1,4 @@
-//! Streaming of ray files into tables of hits, with memory that does not grow with the number of rays.
+//! Streaming of ray files into tables of hits, in constant memory.
 
 mod table;
 
@@ -13,11 +13,11 @@ use rayweave_table::{Chunk, Progress, RayChunk, RayReader, TableWriter};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-/// The most rays that a thread takes at a time. The results of a few tasks per thread wait in memory, so that this bounds
-/// it: the rows of 2,048 rays with ten crossings each are 3 MiB.
+/// The limit of rays per task. The results of a few tasks per thread wait in memory: the rows of 2,048 rays
+/// with ten crossings each take 3 MiB.
 const MOST_RAYS_PER_TASK: usize = 1 << 11;
 
-/// The most pairs of a ray and a leaf in a task: a ray can cross every leaf of a large model.
+/// The limit of ray-leaf pairs per task: a ray can cross every leaf of a large model.
 const MOST_PAIRS_PER_TASK: usize = 1 << 20;
 
 fn rays_per_task(program: &Program) -> usize {
@@ -31,9 +31,9 @@ fn rays_per_task(program: &Program) -> usize {
 pub struct TraceOptions {
     /// The query for every ray.
     pub query: Query<'static>,
-    /// The number of threads; [`thread_count`] if it is not given.
+    /// The number of threads; by default that of [`thread_count`].
     pub threads: Option<NonZeroUsize>,
-    /// Stops the run; the unfinished table is then removed.
+    /// Cancels the run; the unfinished table is removed.
     pub cancel: Cancel,
 }
 
@@ -49,14 +49,15 @@ pub struct TraceSummary {
 
 /// Traces all rays of a reader and writes the table of their crossings.
 ///
-/// The columns are those of [`HitTable`]; the extension of `hits` chooses the format, `.csv`, `.npy` or (with the feature
-/// `parquet`) `.parquet`, and `-` is CSV on standard output. The file appears when it is complete; after an error, or when
-/// the run is cancelled, there is none. Rows are in the order of the rays, whatever the number of threads, and every run
-/// gives the same bytes. `progress` receives the position of the reader after each chunk.
+/// The columns are those of [`HitTable`]. The extension of `hits` selects the format, `.csv`, `.npy` or (with
+/// the feature `parquet`) `.parquet`; `-` is CSV on standard output. The file appears when it is complete,
+/// and not at all after an error or a cancellation. Rows are in the order of the rays, and every run writes
+/// the same bytes for any number of threads. `progress` receives the position of the reader after each chunk.
 ///
 /// # Errors
 ///
-/// [`AnalysisError`]: a file of rays that is wrong or cannot be read, a table that cannot be written, a cancelled run.
+/// [`AnalysisError`]: a file of rays that is invalid or cannot be read, a table that cannot be written, a
+/// cancelled run.
 pub fn trace_rays<E: Evaluator>(
     compiled: &Compiled,
     evaluator: &E,
@@ -90,7 +91,7 @@ pub fn trace_rays<E: Evaluator>(
     Ok(TraceSummary { rays: traced, crossings })
 }
 
-/// Some rays to trace, and how far the reader was after them.
+/// Rays to trace, and the position of the reader after them.
 struct Task {
     rays: RayChunk,
     progress: Progress,
@@ -119,7 +120,7 @@ fn answer<E: Evaluator>(
     Ok(Answered { rows: rows.finish()?, rays: rays.len() as u64, progress: task.progress })
 }
 
-/// The rays of a file, task by task. After an error there are no more.
+/// The rays of a file, task by task; ends after an error.
 struct Tasks {
     reader: Option<RayReader>,
     size: usize,

@@ -13,7 +13,8 @@ use std::sync::Arc;
 /// - `t`, in units of the ray's direction; `x`, `y`, `z`: the point;
 /// - `nx`, `ny`, `nz`: the unit normal, outward of the region that is entered or left;
 /// - `enters`: true where a region is entered, false where the ray leaves for the world;
-/// - `surface`: the face that is crossed, as `rim.side`; `solid`: the region entered, or the one left for the world;
+/// - `surface`: the crossed face, for example `rim.side`; `solid`: the region entered, or the one left for
+///   the world;
 /// - `medium_before`, `medium_after`.
 #[derive(Clone, Debug)]
 pub struct HitTable {
@@ -21,7 +22,7 @@ pub struct HitTable {
 }
 
 impl HitTable {
-    /// The table for a model, whose names of faces, regions and media it holds.
+    /// The table for a model, with its names of faces, regions and media.
     ///
     /// # Errors
     ///
@@ -46,7 +47,7 @@ impl HitTable {
         &self.schema
     }
 
-    /// Empty rows for the crossings of a batch of rays, of which the first is number `first` of the file.
+    /// Empty rows for the crossings of a batch of rays; `first` is the number in the file of the first ray.
     pub fn rows<'a>(&self, program: &'a Program, rays: Rays<'a>, first: u64) -> HitRows<'a> {
         HitRows {
             program,

@@ -2,10 +2,10 @@
 
 use super::region::Piece;
 
-/// For each piece of a layer, sorted by line, then time, the first piece of the component that it belongs to.
+/// For each piece of a layer, sorted by line, then time, the first piece of its component.
 ///
-/// Two pieces on adjacent lines belong together if their open ranges overlap. Union-find in which the earliest piece
-/// of a set is its root; O(n log n) at worst, O(n) in practice.
+/// Two pieces on adjacent lines are connected if their open ranges overlap. Union-find with the earliest
+/// piece of a set as its root; O(n log n) in the worst case, O(n) in practice.
 pub fn components(pieces: &[Piece]) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..pieces.len() as u32).collect();
     let mut lines = pieces.chunk_by(|a, b| a.0 == b.0);
@@ -22,14 +22,14 @@ pub fn components(pieces: &[Piece]) -> Vec<u32> {
     (0..pieces.len() as u32).map(|k| root(&mut parent, k)).collect()
 }
 
-/// The pairs of pieces of two lines that overlap, by their numbers.
+/// The pairs of overlapping pieces of two lines, by their numbers.
 fn overlaps<'a>(below: &'a [Piece], own: &'a [Piece]) -> impl Iterator<Item = (usize, usize)> + 'a {
     let (mut a, mut b) = (0, 0);
     std::iter::from_fn(move || {
         while a < below.len() && b < own.len() {
             let ([a_from, a_to], [b_from, b_to]) = (below[a].1, own[b].1);
             let pair = (a, b);
-            // the piece that ends first overlaps no other
+            // the piece that ends first overlaps no further piece
             match a_to < b_to {
                 true => a += 1,
                 false => b += 1,
@@ -74,12 +74,12 @@ mod tests {
         assert_eq!(components(&pieces), [0; 6]);
         assert_eq!(components(&pieces[2..]), [0, 1, 0, 1]);
         assert_eq!(components(&[]), [0; 0]);
-        // a line left out separates those below from those above; a point in common does not join
+        // a missing line separates those below from those above; a common point does not connect
         assert_eq!(components(&[(0, [0.0, 1.0]), (2, [0.0, 1.0])]), [0, 1]);
         assert_eq!(components(&[(0, [0.0, 1.0]), (1, [1.0, 2.0])]), [0, 1]);
     }
 
-    /// Against flooding, pair by pair.
+    /// Compared with flood filling, pair by pair.
     #[test]
     fn random_pieces_agree_with_flooding() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);

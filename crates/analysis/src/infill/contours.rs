@@ -1,4 +1,4 @@
-//! Regions of the plane from CSV.
+//! Reader of regions of the plane from CSV contours.
 
 use super::ContourProblems;
 use crate::AnalysisError;
@@ -16,14 +16,14 @@ const MOST_PROBLEMS: usize = 20;
 
 /// Reads the region bounded by the contours of a CSV file.
 ///
-/// The first line names the columns `contour`, `x` and `y`, in any order; each further line is a vertex. The rows of a
-/// contour stand together and have the same text in the column `contour`; contours are numbered from 0 in the order
-/// of the file in messages. Islands go around counter-clockwise, holes clockwise
-/// ([`from_polygons`]).
+/// The first line names the columns `contour`, `x` and `y`, in any order; each further line is a vertex. The
+/// rows of a contour are consecutive and have the same text in the column `contour`; messages number contours
+/// from 0 in the order of the file. Islands are counter-clockwise, holes clockwise ([`from_polygons`]).
 ///
 /// # Errors
 ///
-/// A file that cannot be read, or is wrong (all problems with their lines), or whose contours bound no region.
+/// A file that cannot be read or is invalid (all problems with their lines), or whose contours bound no
+/// region.
 pub fn read_region(path: impl AsRef<Path>, outside: Side) -> Result<Polygons, AnalysisError> {
     let path = path.as_ref();
     let bytes = std::fs::read(path).map_err(|error| TableError::Io {
@@ -65,7 +65,7 @@ fn parse(bytes: &[u8]) -> Result<Contours, Problems> {
     if problems.is_empty() { Ok(contours) } else { Err(problems) }
 }
 
-/// The fields of a line without spaces and quotes around them.
+/// The fields of a line without surrounding spaces and quotes.
 fn fields(line: &str) -> Vec<&str> {
     line.split(',').map(|field| unquoted(field.trim())).collect()
 }
@@ -74,7 +74,7 @@ fn unquoted(field: &str) -> &str {
     field.strip_prefix('"').and_then(|inner| inner.strip_suffix('"')).unwrap_or(field)
 }
 
-/// The place of each column.
+/// The position of each column.
 fn header_places(header: &str) -> Result<[usize; 3], String> {
     let names = fields(header);
     let place = |column: &str| names.iter().position(|name| name.eq_ignore_ascii_case(column));
@@ -95,7 +95,7 @@ struct Contours {
 }
 
 impl Contours {
-    /// The line of the vertex that a problem is about.
+    /// The line of the vertex at fault.
     fn line_of(&self, error: &PolygonError) -> Option<usize> {
         let (contour, vertex) = match *error {
             PolygonError::NotFinite { contour, vertex, .. }

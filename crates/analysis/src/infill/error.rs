@@ -1,8 +1,8 @@
-//! Why a region cannot be filled.
+//! Errors of infill.
 
 use rayweave_error::{Classified, ErrorKind};
 
-/// Why a region cannot be filled, as "problem: reason. Suggestion.".
+/// Error of infill, printed as `problem: reason. Suggestion.`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InfillError {
@@ -14,7 +14,7 @@ pub enum InfillError {
     /// The direction of scan lines is not finite.
     #[error("the angle is {0}: the direction of scan lines is finite, in degrees.")]
     Angle(f64),
-    /// The angle by which layers are turned is not finite, or so large that the angle of the last one is not.
+    /// The angle between layers is not finite, or so large that the angle of the last layer is not.
     #[error("the turn is {0:?}: the angles of all layers are finite, in degrees.")]
     Turn(f64),
     /// The shift of scan lines is not a fraction of the spacing.

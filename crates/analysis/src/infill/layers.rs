@@ -3,17 +3,17 @@
 use super::InfillError;
 use rayweave_math::Bounds;
 
-/// The largest coordinate: scan lines may pass the origin four times as far away, and regions of the plane are traced up to
-/// 1e60.
+/// The largest coordinate: scan lines may pass the origin at four times this distance, and the tracer of
+/// plane regions accepts up to 1e60.
 pub(super) const MOST_REACH: f64 = 1e59;
 
 /// The heights of layers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layers {
-    /// These, in this order.
+    /// At these heights, in this order.
     At(Vec<f64>),
-    /// In the middle of layers of this thickness, which lie on each other from the lower bound of the solid upwards:
-    /// layer j is at `lo + (j + 1/2) height`, as long as that is below the upper bound.
+    /// In the middle of layers of this thickness, stacked from the lower bound of the solid upwards: layer j
+    /// is at `lo + (j + 1/2) height`, as long as that is below the upper bound.
     Every(f64),
 }
 
@@ -21,12 +21,12 @@ pub enum Layers {
 pub const MOST_LAYERS: u64 = 1_000_000;
 
 impl Layers {
-    /// The heights for a solid of these bounds and this name.
+    /// The heights of the layers; `bounds` and `name` are those of the solid.
     ///
     /// # Errors
     ///
-    /// `Height`, `LayerHeight` for a number out of its range, `TooManyLayers`, `Unbounded` in z if the layers are to
-    /// follow from the bounds.
+    /// `Height`, `LayerHeight` for a number out of its range, `TooManyLayers`, `Unbounded` in z if the layers
+    /// depend on the bounds.
     pub fn heights(&self, name: &str, bounds: &Bounds) -> Result<Vec<f64>, InfillError> {
         match self {
             Layers::At(heights) => match heights.iter().position(|z| !(-MOST_REACH..=MOST_REACH).contains(z))
@@ -69,7 +69,7 @@ mod tests {
     fn layers_lie_on_each_other_from_below() {
         let heights = |lo, hi, height| Layers::Every(height).heights("x", &between(lo, hi)).unwrap();
         assert_eq!(heights(-1.0, 1.0, 0.5), [-0.75, -0.25, 0.25, 0.75]);
-        // the middle of the last layer is still inside, or no longer
+        // the middle of the last layer is just inside, or just outside
         assert_eq!(heights(0.0, 1.6, 1.0), [0.5, 1.5]);
         assert_eq!(heights(0.0, 1.5, 1.0), [0.5]);
         assert_eq!(heights(0.0, 1.0, 5.0), [0.0; 0]);

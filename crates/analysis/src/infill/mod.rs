@@ -1,4 +1,4 @@
-//! The traces that fill a region of the plane, or the layers of a solid.
+//! Infill: parallel traces that fill a region of the plane or the layers of a solid.
 //!
 //! A tool of width *spacing* (a laser, a nozzle, a cutter) covers a region by running along parallel *scan lines*.
 //! A *trace* is a piece of a scan line within the region, from where the line enters it to where it leaves.
@@ -12,25 +12,27 @@
 //!                   --> direction: `angle` degrees from +x towards +y
 //! ```
 //!
-//! **Scan lines** are numbered on one grid for all of the plane: line k is the set of points p with
-//! `p . (-sin angle, cos angle) = (k + phase) spacing`, whatever the region, so that the lines of neighbouring layers
-//! and of parts filled one by one lie above and beside each other. With a turn, layer j has the angle
-//! `angle + j turn`, and its own grid.
+//! **Scan lines** are numbered on one grid for the whole plane: line k is the set of points p with `p . (-sin
+//! angle, cos angle) = (k + phase) spacing`, independent of the region, so that the lines of neighbouring
+//! layers and of separately filled parts are aligned. With a turn, layer j has the angle `angle + j turn`,
+//! and its own grid.
 //!
-//! **Components**: two traces on adjacent scan lines belong together if they overlap, that is if their ranges along
-//! the direction have more than a point in common; a component is a connected set of traces of one layer.
-//! Components are numbered from 0 in the order in which their first traces are listed. In the picture the trace of
-//! scan line 0 overlaps with the left one of scan line 1, so both are of component 0; the trace of scan line 4
-//! overlaps with none of scan line 3 and is a component of its own. A tool fills a component by steps from one
-//! line to the next, without a long way through the void. (A tip so sharp that its traces do not overlap, because it
-//! leans along the scan lines, is a component of its own.)
+//! **Components**: two traces on adjacent scan lines are connected if they overlap, that is if their ranges
+//! along the direction have more than a point in common; a component is a connected set of traces of one
+//! layer. Components are numbered from 0 in the order in which their first traces are listed. In the picture
+//! the trace of scan line 0 overlaps with the left one of scan line 1, so both are in component 0; the trace
+//! of scan line 4 overlaps with none of scan line 3 and is a separate component. A tool fills a component in
+//! steps from one line to the next, without long moves outside the region. (A tip so sharp that its traces do
+//! not overlap, because it leans along the scan lines, is a separate component.)
 //!
-//! **Order**: layer by layer, line by line, along each line in its direction. If directions alternate, lines with an
-//! odd number are run backwards: their traces are listed in the opposite order, with their ends swapped.
+//! **Order**: layer by layer, line by line, along each line in its direction. With alternating directions,
+//! lines with an odd number are run backwards: their traces are listed in the opposite order, with their ends
+//! swapped.
 //!
-//! A scan line in a face of the region is answered as every ray in a surface is: as if moved infinitesimally along
-//! the fixed vector w, which points towards +x and +y (and +z). So a square from 0 to 10 gets lines 0 to 9 with
-//! spacing 1, phase 0 and angle 0, and the lengths of all traces times the spacing are its area.
+//! A scan line in a face of the region follows the rule of symbolic perturbation for rays in a surface: it
+//! counts as moved infinitesimally along the fixed vector w, which points towards +x and +y (and +z). A
+//! square from 0 to 10 therefore gets lines 0 to 9 with spacing 1, phase 0 and angle 0, and the lengths of
+//! all traces times the spacing are its area.
 //!
 //! ```
 //! use rayweave_analysis::infill::{Filling, InfillError, Layers, Raster, Run, Slices, infill};

@@ -1,9 +1,9 @@
-//! Problems of files of contours.
+//! Problems of contour files.
 
 use rayweave_error::{Classified, ErrorKind};
 use std::fmt;
 
-/// The problems of a file of contours: at least one, each with its line where it has one.
+/// The problems of a file of contours, at least one, with line numbers where they apply.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContourProblems {
     pub(super) file: String,

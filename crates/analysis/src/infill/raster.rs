@@ -4,7 +4,7 @@ use super::InfillError;
 use rayweave_math::sin_cos_degrees;
 use std::ops::Range;
 
-/// Parallel scan lines over all of the plane.
+/// Parallel scan lines that cover the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Raster {
     spacing: f64,
@@ -12,12 +12,12 @@ pub struct Raster {
     phase: f64,
 }
 
-/// Numbers of scan lines are exact in f64 up to here.
+/// Up to this value the numbers of scan lines are exact in f64.
 const MOST_NUMBER: f64 = 9_007_199_254_740_992.0; // 2^53
 
 impl Raster {
-    /// Scan lines at a distance of `spacing` > 0 from each other, `angle` degrees from +x towards +y, all shifted by
-    /// `phase` (0 to 1) of the spacing.
+    /// Scan lines with the distance `spacing` > 0, at `angle` degrees from +x towards +y, shifted by `phase`
+    /// (0 to 1) times the spacing.
     ///
     /// # Errors
     ///
@@ -31,11 +31,11 @@ impl Raster {
         }
     }
 
-    /// The same scan lines, turned about the origin by this many degrees more.
+    /// The scan lines rotated about the origin by `degrees`.
     ///
     /// # Errors
     ///
-    /// `Angle` if they make an angle that is not finite.
+    /// `Angle` if the resulting angle is not finite.
     pub fn turned(&self, degrees: f64) -> Result<Raster, InfillError> {
         Raster::new(self.spacing, self.angle + degrees, self.phase)
     }
@@ -58,9 +58,10 @@ impl Raster {
         [-y * level, x * level]
     }
 
-    /// The numbers of all scan lines that meet a box, given by its smallest and its largest coordinates, and of one
-    /// more on either side, so that no rounding of the corners can lose any, unless that one is twice as far from the
-    /// origin as any corner: with a large spacing it may be farther away than lines can be traced.
+    /// The numbers of all scan lines that intersect a box, given by its smallest and largest coordinates,
+    /// plus one on either side to allow for rounding of the corners; the extra line is omitted if it is twice
+    /// as far from the origin as any corner, because with a large spacing it may be too far away to be
+    /// traced.
     ///
     /// # Errors
     ///

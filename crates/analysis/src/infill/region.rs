@@ -1,4 +1,4 @@
-//! Regions that can be filled: they give their pieces on scan lines.
+//! Regions that can be filled, by their intersections with scan lines.
 
 use super::Raster;
 use rayweave_math::{Bounds, Vec3};
@@ -8,29 +8,29 @@ use rayweave_rootray::Side;
 use rayweave_shape::Ray;
 use std::ops::Range;
 
-/// A piece of a scan line: the number of the line and the times where the piece begins and ends, counted in lengths
-/// from the point of the line that is nearest to the origin.
+/// A piece of a scan line: the number of the line and the interval of times, as lengths from the point of the
+/// line nearest to the origin.
 pub type Piece = (i64, [f64; 2]);
 
 /// A solid or a region of the plane whose layers can be filled.
 pub trait Fillable: Sync {
-    /// The memory that a thread needs.
+    /// The scratch memory of a thread.
     type Scratch: Send;
 
-    /// Its name in messages.
+    /// The name in messages.
     fn name(&self) -> String;
 
-    /// A box that holds it.
+    /// A bounding box.
     fn bounds(&self) -> Bounds;
 
-    /// Memory for one thread.
+    /// Allocates scratch memory for one thread.
     fn scratch(&self) -> Self::Scratch;
 
-    /// The pieces of scan lines inside, at height z, sorted by line, then time. Both ends are finite.
+    /// The pieces of scan lines inside at height z, sorted by line, then time. Both ends are finite.
     fn pieces(&self, raster: &Raster, z: f64, lines: Range<i64>, scratch: &mut Self::Scratch) -> Vec<Piece>;
 }
 
-/// The layers of a model: the space of all of its regions together.
+/// The layers of a model: the union of all its regions.
 #[derive(Clone, Copy, Debug)]
 pub struct Slices<'a, E>(pub &'a E);
 
@@ -84,7 +84,7 @@ impl Fillable for Polygons {
         "the region".to_owned()
     }
 
-    /// The prism over the region.
+    /// The unbounded prism over the region.
     fn bounds(&self) -> Bounds {
         if self.outside() == Side::Inside {
             return Bounds::ALL;
@@ -98,7 +98,7 @@ impl Fillable for Polygons {
     fn pieces(&self, raster: &Raster, _z: f64, lines: Range<i64>, (): &mut ()) -> Vec<Piece> {
         let origins: Vec<[f64; 2]> = lines.clone().map(|k| raster.origin(k)).collect();
         let mut pieces = Vec::new();
-        // the direction is a unit vector and the origins are within bounds, so that there is an answer
+        // the direction is a unit vector and the origins are within bounds, so the scan succeeds
         if let Ok(scan) = self.scan(raster.direction(), &origins) {
             for (k, line) in lines.enumerate() {
                 let mut is_inside = scan.start().is_inside();
@@ -113,14 +113,14 @@ impl Fillable for Polygons {
     }
 }
 
-/// Appends the pieces of a line inside, from the times at which it changes and whether it is inside after each.
+/// Appends the pieces of a line inside, from its crossing times and the side after each.
 fn gather(line: i64, starts_inside: bool, ends: impl Iterator<Item = (f64, bool)>, pieces: &mut Vec<Piece>) {
     let mut since = starts_inside.then_some(f64::NEG_INFINITY);
     for (t, is_inside) in ends {
         match (since, is_inside) {
             (None, true) => since = Some(t),
             (Some(from), false) => {
-                // nothing bounded starts inside: a piece without a beginning cannot come up
+                // a bounded region does not start inside: a piece without a start cannot occur
                 pieces.extend(from.is_finite().then_some((line, [from, t])));
                 since = None;
             }

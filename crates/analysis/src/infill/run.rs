@@ -1,4 +1,4 @@
-//! Filling layer by layer, on all cores.
+//! Infill layer by layer, on all cores.
 
 use super::component::components;
 use super::layers::MOST_REACH;
@@ -9,18 +9,18 @@ use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
-/// The most scan lines of one run.
+/// The limit of scan lines per run.
 const MOST_LINES: u64 = 10_000_000;
 
-/// Scan lines that a thread takes at a time.
+/// Scan lines per task.
 const LINES_PER_TASK: i64 = 512;
 
-/// The options of a filling.
+/// The options of an infill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filling {
     /// The scan lines of layer 0.
     pub raster: Raster,
-    /// By how many degrees each layer is turned about the origin from the one before.
+    /// The rotation of each layer against the previous one about the origin, in degrees.
     pub turn: f64,
     /// True if scan lines with an odd number are run backwards.
     pub alternate: bool,
@@ -29,27 +29,27 @@ pub struct Filling {
 /// The options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// The number of threads; [`thread_count`] if it is not given.
+    /// The number of threads; by default that of [`thread_count`].
     pub threads: Option<NonZeroUsize>,
-    /// Stops the run.
+    /// Cancels the run.
     pub cancel: Cancel,
 }
 
-/// One trace: the way of the tool on one scan line, from where it enters the region to where it leaves.
+/// One trace: the path of the tool on one scan line, from its entry into the region to its exit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace {
     /// The number of the scan line on the grid of its layer.
     pub scanline: i64,
-    /// The number of the component of its layer that it belongs to.
+    /// The number of its component within the layer.
     pub component: u32,
-    /// Where it begins.
+    /// The start point.
     pub from: [f64; 2],
-    /// Where it ends.
+    /// The end point.
     pub to: [f64; 2],
 }
 
 impl Trace {
-    /// Its length.
+    /// The length.
     pub fn length(&self) -> f64 {
         let [x, y] = [0, 1].map(|k| self.to[k] - self.from[k]);
         (x * x + y * y).sqrt()
@@ -61,11 +61,11 @@ impl Trace {
 pub struct LayerTraces {
     /// The number of the layer, from 0.
     pub layer: usize,
-    /// Its height.
+    /// The height.
     pub z: f64,
-    /// Its traces.
+    /// The traces.
     pub traces: Vec<Trace>,
-    /// The number of its components.
+    /// The number of components.
     pub components: u32,
 }
 
@@ -78,11 +78,11 @@ pub struct Summary {
     pub empty: Vec<usize>,
     /// The number of traces.
     pub traces: u64,
-    /// The length of all traces together.
+    /// The total length of all traces.
     pub length: f64,
 }
 
-/// Some scan lines of a layer.
+/// A range of scan lines of a layer.
 struct Task {
     layer: usize,
     lines: Range<i64>,
@@ -91,13 +91,13 @@ struct Task {
 
 /// Fills the layers of a solid or a region and passes them to `take` in order.
 ///
-/// Every run gives the same bits, whatever the number of threads. At most 10 million scan lines and 1 million layers
-/// are filled in one run.
+/// Every run returns the same bits for any number of threads. At most 10 million scan lines and 1 million
+/// layers are filled in one run.
 ///
 /// # Errors
 ///
-/// [`InfillError`] for settings out of range, something empty or unbounded, too many scan lines, a cancelled run;
-/// or the error of `take`, which ends the run.
+/// [`InfillError`] for settings out of range, an empty or unbounded region, too many scan lines, or a
+/// cancelled run; or the error of `take`, which ends the run.
 pub fn infill<F: Fillable, X: From<InfillError>>(
     fillable: &F,
     filling: &Filling,
@@ -144,7 +144,7 @@ pub fn infill<F: Fillable, X: From<InfillError>>(
     Ok(summary)
 }
 
-/// The heights of the layers, once it is certain that they can be filled.
+/// Checks that the region can be filled, and returns the heights of the layers.
 fn plan(fillable: &impl Fillable, layers: &Layers) -> Result<Vec<f64>, InfillError> {
     let (name, bounds) = (fillable.name(), fillable.bounds());
     if bounds.is_empty() {
@@ -164,15 +164,15 @@ fn plan(fillable: &impl Fillable, layers: &Layers) -> Result<Vec<f64>, InfillErr
     layers.heights(&name, &bounds)
 }
 
-/// The scan lines of each layer.
+/// The grid of scan lines of each layer.
 fn rasters(filling: &Filling, layers: usize) -> Result<Vec<Raster>, InfillError> {
     let turned = (0..layers).map(|j| filling.raster.turned(j as f64 * filling.turn));
-    // an angle beyond all numbers has no direction
+    // an infinite angle has no direction
     turned.collect::<Result<_, _>>().map_err(|_| InfillError::Turn(filling.turn))
 }
 
-/// The scan lines of all layers in pieces for threads; a layer beyond the bounds, or between all lines, has one task
-/// without lines.
+/// The scan lines of all layers, divided into tasks; a layer outside the bounds, or between all lines, has
+/// one task without lines.
 fn tasks(bounds: &Bounds, heights: &[f64], rasters: &[Raster]) -> Result<Vec<Task>, InfillError> {
     let corners = [bounds.lo, bounds.hi].map(|corner| [corner.x, corner.y]);
     let (mut tasks, mut left) = (Vec::new(), MOST_LINES);
@@ -200,7 +200,7 @@ fn tasks(bounds: &Bounds, heights: &[f64], rasters: &[Raster]) -> Result<Vec<Tas
     Ok(tasks)
 }
 
-/// The traces of a layer from its pieces.
+/// Builds the traces of a layer from its pieces.
 fn finish(pieces: &[Piece], raster: &Raster, alternate: bool, layer: usize, z: f64) -> LayerTraces {
     let roots = components(pieces);
     let direction = raster.direction();

@@ -5,18 +5,18 @@ use crate::AnalysisError;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableWriter, Values};
 use std::path::Path;
 
-/// The table of the traces that fill something, one row for each.
+/// The table of infill traces, one row per trace.
 ///
-/// The columns, in this order: `layer`, from 0; `z`, its height; `scanline`, the number of the scan line on the grid
-/// of the layer, which may be negative; `component`, from 0 in each layer; `x0`, `y0`, where the trace begins; `x1`,
-/// `y1`, where it ends. Rows are in the order in which traces are run.
+/// The columns, in this order: `layer`, from 0; `z`, its height; `scanline`, the number of the scan line on
+/// the grid of the layer, which may be negative; `component`, from 0 in each layer; `x0`, `y0`, the start of
+/// the trace; `x1`, `y1`, its end. Rows are in the order in which traces are run.
 #[derive(Clone, Debug)]
 pub struct InfillTable {
     schema: Schema,
 }
 
 impl InfillTable {
-    /// The table, with lengths in this unit.
+    /// The table with lengths in `unit`.
     ///
     /// # Errors
     ///
@@ -65,16 +65,16 @@ impl InfillTable {
     }
 }
 
-/// Fills a region or the layers of a solid and writes the table of traces, layer by layer; `see` receives each layer once it is
-/// written.
+/// Fills a region or the layers of a solid and writes the table of traces, layer by layer; `see` is called
+/// with each layer after it is written.
 ///
-/// The extension of `out` chooses the format, `.csv`, `.npy` or (with the feature `parquet`) `.parquet`, and `-` is CSV on
-/// standard output; without `out` nothing is written. The file appears when it is complete; after an error, or when
-/// the run is cancelled, there is none. Every run gives the same bytes, whatever the number of threads.
+/// The extension of `out` selects the format, `.csv`, `.npy` or (with the feature `parquet`) `.parquet`; `-`
+/// is CSV on standard output; without `out` nothing is written. The file appears when it is complete, and not
+/// at all after an error or a cancellation. Every run writes the same bytes for any number of threads.
 ///
 /// # Errors
 ///
-/// As [`infill`], or the table cannot be written.
+/// As [`infill`], and a table that cannot be written.
 pub fn write_infill<F: Fillable>(
     fillable: &F,
     filling: &Filling,

@@ -1,4 +1,4 @@
-//! Fillings against closed forms, of the plane against those of solids.
+//! Infill compared with closed forms, and of plane regions with that of solids.
 
 use super::*;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -15,7 +15,7 @@ fn filling(spacing: f64, angle: f64, phase: f64) -> Filling {
     Filling { raster: Raster::new(spacing, angle, phase).unwrap(), turn: 0.0, alternate: false }
 }
 
-/// What a layer that is handed over may end a run with: nothing but what the run says itself.
+/// Runs an infill with a `take` that never fails, so the only errors are those of the run.
 fn fill_with<F: Fillable>(
     fillable: &F,
     filling: &Filling,
@@ -71,13 +71,13 @@ fn a_square_is_covered_exactly() {
     assert_eq!(layers, [LayerTraces { layer: 0, z: 0.0, traces: expected.clone(), components: 1 }]);
     let cube = weave(&plate([0.0; 3], [10.0; 3]));
     assert_eq!(fill(&Slices(&cube), &filling(1.0, 0.0, 0.0), &Layers::At(vec![3.0]))[0].traces, expected);
-    // the other quarter turns run the same grid in other directions; line k is at x = -k for 90 degrees
+    // the other quarter turns use the same grid in other directions; line k is at x = -k for 90 degrees
     for (angle, lines) in [(90.0, -9..=0), (180.0, -9..=0), (270.0, 0..=9)] {
         let layer = &fill(&flat(&[square(10.0)]), &filling(1.0, angle, 0.0), &floor())[0];
         let found: Vec<i64> = layer.traces.iter().map(|trace| trace.scanline).collect();
         assert_eq!((found, length(layer)), (lines.collect(), 100.0), "{angle}");
     }
-    // the phase moves all lines; a whole one by one line
+    // the phase shifts all lines; a phase of 1 by one line
     let levels = |phase| {
         let layers = fill(&flat(&[square(2.0)]), &filling(1.0, 0.0, phase), &floor());
         layers[0].traces.iter().map(|trace| (trace.scanline, trace.from[1])).collect::<Vec<_>>()
@@ -106,7 +106,7 @@ fn areas_at_all_angles() {
             let what = format!("{angle} {spacing}");
             let middle = Layers::At(vec![0.5]);
             check_area(&fill(&Slices(&disk), &filling, &middle)[0], spacing, 25.0 * PI, 10.0, &what);
-            // two convex regions, one taken out of the other
+            // two convex regions, one subtracted from the other
             let area = 96.0 - 9.0 * PI;
             check_area(&fill(&Slices(&bored), &filling, &middle)[0], spacing, area, 15.0 + 6.0, &what);
             check_area(&fill(&frame, &filling, &floor())[0], spacing, 84.0, 15.0 + 6.0, &what);
@@ -158,7 +158,7 @@ fn turning_region_and_raster_changes_no_length() {
 fn prisms_are_filled_like_their_bases() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     for _ in 0..40 {
-        // stars about the origin are simple
+        // star-shaped polygons about the origin are simple
         let n = rng.random_range(3..40);
         let corner = |k: usize, radius: f64| {
             let (sin, cos) = rayweave_math::sin_cos_degrees(360.0 * k as f64 / n as f64);
@@ -289,14 +289,14 @@ fn settings_out_of_range() {
     let filling = Filling { turn: f64::INFINITY, ..filling(1.0, 0.0, 0.0) };
     let error = fill_with(&flat(&[square(1.0)]), &filling, &floor(), &Run::default()).unwrap_err();
     assert!(matches!(error, InfillError::Turn(_)));
-    // numbers that are finite until the third layer
+    // angles that are finite up to the third layer
     let filling = Filling { raster: Raster::new(1.0, 1e308, 0.0).unwrap(), turn: 5e307, alternate: false };
     let layers = Layers::At(vec![0.0; 3]);
     let error = fill_with(&flat(&[square(1.0)]), &filling, &layers, &Run::default()).unwrap_err();
     assert!(matches!(error, InfillError::Turn(_)), "{error}");
 }
 
-/// Scan lines far beyond the region are not asked: they may be where nothing can be traced.
+/// Scan lines far beyond the region are not traced: they may be too far away for rays.
 #[test]
 fn a_spacing_larger_than_numbers_can_be_traced_loses_no_line() {
     let middle = vec![[-1.0, -1.0], [2.0, -1.0], [2.0, 3.0], [-1.0, 3.0]];
@@ -307,12 +307,12 @@ fn a_spacing_larger_than_numbers_can_be_traced_loses_no_line() {
             let layer = &fill(&flat(std::slice::from_ref(&middle)), &through_origin, &floor())[0];
             assert_eq!(layer.traces.len(), 1, "{spacing:e} {angle}");
             assert_eq!(fill(&Slices(&bar), &through_origin, &floor())[0].traces.len(), 1);
-            // between two lines there is nothing, but the layer is told
+            // between two lines there is no trace, but the layer is reported
             let beside = fill(&flat(std::slice::from_ref(&middle)), &filling(spacing, angle, 0.5), &floor());
             assert_eq!(beside.iter().map(|layer| layer.traces.len()).collect::<Vec<_>>(), [0]);
         }
     }
-    // as far out as regions may be filled
+    // at the greatest allowed distance
     for angle in [0.0, 45.0, 90.0] {
         let far = square(1e59);
         let layer = &fill(&flat(std::slice::from_ref(&far)), &filling(1e58, angle, 0.5), &floor())[0];

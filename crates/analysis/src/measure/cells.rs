@@ -10,7 +10,7 @@ use rayweave_model::{Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, W
 use rayweave_shape::Ray;
 use std::collections::BTreeMap;
 
-/// Separates these random numbers from others of the same seed.
+/// Random stream of measurements, distinct from other streams of the same seed.
 const STREAM: u64 = u64::from_be_bytes(*b"measure\0");
 
 /// Rays parallel to one axis through a box, in `across` x `across` cells.
@@ -20,13 +20,13 @@ pub(crate) struct Cells {
     pub axis: usize,
     pub across: u64,
     pub seed: u64,
-    /// The number of the random stream: different for all runs with one seed.
+    /// The number of the random stream, unique among runs with one seed.
     pub stream: u64,
     /// Restricts the integrals to this box.
     pub within: Option<Bounds>,
 }
 
-/// The sums over some cells, for cells of area 1, by region.
+/// The sums over a range of cells of area 1, by region.
 pub(super) type Sums = BTreeMap<RegionId, Tally>;
 
 impl Cells {
@@ -41,12 +41,12 @@ impl Cells {
         size[(self.axis + 1) % 3] / self.across as f64 * (size[(self.axis + 2) % 3] / self.across as f64)
     }
 
-    /// The rays of some cells, two by two.
+    /// The rays of a range of cells, two per cell.
     pub fn rays(&self, cells: std::ops::Range<u64>, batch: &mut RayBatch) {
         batch.clear();
         let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
         generator.set_stream(STREAM ^ self.stream);
-        // four numbers of two words for each cell
+        // four 64-bit numbers, of two words each, per cell
         generator.set_word_pos(u128::from(cells.start) * 8);
         for cell in cells {
             for _ in 0..2 {
@@ -57,7 +57,7 @@ impl Cells {
         }
     }
 
-    /// The ray at a place of the cross-section, given as fractions of its edges.
+    /// The ray at a position in the cross-section, given as fractions of its edges.
     fn ray(&self, places: [f64; 2]) -> Ray {
         let (mut origin, size) = (self.bounds.lo, self.bounds.size());
         for (k, place) in places.into_iter().enumerate() {
@@ -66,17 +66,17 @@ impl Cells {
         Ray::new(origin, Vec3::AXES[self.axis])
     }
 
-    /// The part of the rays that counts.
+    /// The interval of the rays inside `within`.
     fn window(&self) -> Window {
         let within = self.within.map(|within| {
             let [lo, hi] = [within.lo, within.hi].map(|corner| corner[self.axis] - self.bounds.lo[self.axis]);
             Window::new(lo, hi)
         });
-        // a box thinner than the spacing of f64 at its place has no volume
+        // a box thinner than the spacing of f64 values there has no volume
         within.and_then(Result::ok).unwrap_or_default()
     }
 
-    /// Traces the rays of some cells.
+    /// Traces the rays of a range of cells.
     pub(super) fn ask<E: Evaluator>(&self, evaluator: &E, rays: &RayBatch, scratch: &mut E::Scratch) -> Sums {
         let window = self.window();
         let mut taken = Taken::new(self, evaluator.program(), window);
@@ -92,13 +92,13 @@ fn uniform(bits: u64) -> f64 {
     (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
-/// Takes answers two by two.
+/// Accumulates the answers of two rays per cell.
 struct Taken<'a> {
     cells: &'a Cells,
     program: &'a Program,
     centre: Vec3,
     window: Window,
-    /// The pieces of the rays of the cell so far, in no order.
+    /// The results of the rays of the current cell so far, unordered.
     here: Vec<(RegionId, [Found; 2])>,
     sums: Sums,
 }

@@ -1,18 +1,18 @@
-//! Pieces of rays within regions.
+//! Chords: pieces of rays inside regions.
 
 use rayweave_math::Vec3;
 
-/// A piece of a ray within a region.
+/// A piece of a ray inside a region.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Chord {
-    /// Where it begins.
+    /// The start point.
     pub from: Vec3,
-    /// Where it ends.
+    /// The end point.
     pub to: Vec3,
 }
 
 impl Chord {
-    /// Its length.
+    /// The length.
     pub fn length(&self) -> f64 {
         (self.to - self.from).length()
     }

@@ -1,8 +1,8 @@
-//! Why a model cannot be measured.
+//! Errors of measurements.
 
 use rayweave_error::{Classified, ErrorKind};
 
-/// Why a model cannot be measured.
+/// Error of a measurement.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeasureError {
@@ -14,7 +14,7 @@ pub enum MeasureError {
         /// The axes along which it is, or may be, unbounded.
         axes: String,
     },
-    /// The model is too far away, or too large, for its moments to be numbers.
+    /// The model is too far away, or too large, for finite moments.
     #[error(
         "{name} reaches to {reach:e}: coordinates of measured regions are at most {most:e}. Is the unit right?"
     )]

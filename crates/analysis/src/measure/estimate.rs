@@ -1,21 +1,21 @@
-//! Estimates and their reports.
+//! Estimates with confidence intervals, and the results of measurements.
 
 use super::chord::Chord;
 use super::moments::{centre_weights, inertia, inertia_weights};
 use super::tally::Tally;
 use rayweave_math::{Mat3, Vec3};
 
-/// A number with its confidence interval: `value - half_width` to `value + half_width`.
+/// A value with its confidence interval: `value - half_width` to `value + half_width`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
-    /// The number.
+    /// The value.
     pub value: f64,
     /// Half the width of the interval.
     pub half_width: f64,
 }
 
 impl Estimate {
-    /// True if a number lies in the interval.
+    /// True if the interval contains a number.
     pub fn holds(&self, value: f64) -> bool {
         (value - self.value).abs() <= self.half_width
     }
@@ -26,25 +26,25 @@ impl Estimate {
 pub struct Measured {
     /// The name of the region.
     pub name: String,
-    /// Its volume, in cubed lengths of the model.
+    /// The volume, in cubed lengths of the model.
     pub volume: Estimate,
-    /// The area of its boundary, in squared lengths; a boundary shared with a neighbour counts for both.
+    /// The area of the boundary, in squared lengths; a boundary shared with a neighbour counts for both.
     pub area: Estimate,
-    /// The centre of its volume; `None` if no ray crossed the region.
+    /// The centroid of the volume; `None` if no ray crossed the region.
     pub centre: Option<[Estimate; 3]>,
-    /// The inertia tensor about the centre for density 1, `integral of |r|^2 1 - r r^T`, row by row, in lengths to the fifth
-    /// power. Times the density it is the tensor of the body.
+    /// The inertia tensor about the centre for density 1, `integral of |r|^2 1 - r r^T`, row by row, in
+    /// lengths to the fifth power. Multiply by the density for that of the body.
     pub inertia: [[Estimate; 3]; 3],
-    /// The longest piece of a ray in it, a lower bound of its extent; `None` if no ray crossed the region. Its volume and area are
-    /// then between 0 and the half width: see [`measure`](super::measure).
+    /// The longest chord, a lower bound of the extent; `None` if no ray crossed the region. Volume and area
+    /// are then between 0 and the half width: see [`measure`](super::measure).
     pub longest: Option<Chord>,
-    /// The number of rays for it.
+    /// The number of rays for the region.
     pub rays: u64,
-    /// True if the volume reaches the precision.
+    /// True if the volume reaches the requested precision.
     pub is_reached: bool,
 }
 
-/// The measurements of a model, region by region in their order.
+/// The results of a measurement, in the order of the regions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurement {
     /// The regions.
@@ -54,21 +54,22 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// The volume of all regions together; the half widths are added, which is safe whatever they have in common.
+    /// The total volume of all regions. The half widths are added, which is conservative for any correlation.
     pub fn volume(&self) -> Estimate {
         let sum = |of: fn(&Measured) -> f64| self.regions.iter().map(of).sum();
         Estimate { value: sum(|r| r.volume.value), half_width: sum(|r| r.volume.half_width) }
     }
 }
 
-/// The weights that make the volume of moments.
+/// The weights of the moments that give the volume.
 pub(super) fn volume_weights() -> [f64; super::moments::MOMENTS] {
     let mut weights = [0.0; super::moments::MOMENTS];
     weights[0] = 1.0;
     weights
 }
 
-/// The report on a region from its integrals about `origin`; `quantile` turns deviations into half widths.
+/// The results for a region from its integrals about `origin`; `quantile` is the ratio of half width to
+/// standard deviation.
 pub(super) fn report(tally: &Tally, origin: Vec3, quantile: f64) -> Measured {
     let estimate = |weights: &_| Estimate {
         value: tally.value(weights),
@@ -84,7 +85,7 @@ pub(super) fn report(tally: &Tally, origin: Vec3, quantile: f64) -> Measured {
         half_width: quantile * tally.deviation(&centre_weights(k, about)) / volume.value,
     };
     let tensor: Mat3 = inertia(&tally.moments, about);
-    // moving the centre changes nothing to first order: the first moments about it are zero
+    // a shift of the centre has no first-order effect: the first moments about it are zero
     let entry = |i: usize, j: usize| Estimate {
         value: tensor.col(j)[i],
         half_width: quantile * tally.deviation(&inertia_weights(i, j, about)),
@@ -102,8 +103,8 @@ pub(super) fn report(tally: &Tally, origin: Vec3, quantile: f64) -> Measured {
     }
 }
 
-/// How many deviations a half width has, for a level of confidence below 1: the root of erf(q / sqrt 2) = confidence, by
-/// halving.
+/// The ratio of half width to standard deviation for a level of confidence below 1: the root of erf(q / sqrt
+/// 2) = confidence, by bisection.
 pub(super) fn quantile(confidence: f64) -> f64 {
     // erf(40 / sqrt 2) is 1 in double precision
     let (mut lo, mut hi) = (0.0, 40.0);

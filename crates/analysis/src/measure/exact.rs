@@ -1,9 +1,10 @@
-//! Volumes by formula.
+//! Exact volumes in closed form.
 
 use rayweave_model::{Node, Solid};
 
-/// The volume of a solid that is one primitive under maps and names, where the primitive's has a closed form (its manual page
-/// says which); `inf` where it is unbounded. For all others `None`: they are to be measured.
+/// The exact volume of a solid that is a single primitive under transforms and names, if the primitive has a
+/// closed form (see its manual page); `inf` if it is unbounded. `None` for all other solids, which have to be
+/// measured.
 pub fn exact_volume(solid: &Solid) -> Option<f64> {
     let (mut solid, mut factor) = (solid, 1.0);
     loop {

@@ -1,31 +1,33 @@
-//! How large the regions of a model are: volume, centre, inertia, surface area, each with a confidence interval.
+//! Measurement of regions: volume, centre, inertia, surface area, each with a confidence interval.
 //!
-//! Rays are drawn parallel to x, y and z through a box. The cross-section of the box is cut into equal cells, and each cell gets
-//! two rays at random places (stratified sampling; W. G. Cochran, *Sampling Techniques*, 3rd ed., 1977, chapter 5). A piece of a
-//! ray within a region counts with its length, and with the integrals of the coordinates and of their products along it, which
-//! are closed forms:
+//! Random rays parallel to x, y and z sample a box. The cross-section of the box is divided into equal cells
+//! with two rays at random positions each (stratified sampling; W. G. Cochran, *Sampling Techniques*, 3rd
+//! ed., 1977, chapter 5). A chord of a region contributes its length, and the integrals of the coordinates
+//! and of their products along it, which are closed forms:
 //!
 //! ```text
 //!   volume    V = sum over cells of  A (l1 + l2) / 2          A: the area of a cell, l: the length of a ray in the region
 //!   variance      sum over cells of  A^2 (l1 - l2)^2 / 4
 //! ```
 //!
-//! Both are unbiased; every axis gives an estimate of its own, and their mean is reported. The cells make the error fall faster
-//! than the root of the number of rays: nearly as its 3/4-th power where the boundary is smooth.
+//! Both are unbiased; each axis gives a separate estimate, and the mean is reported. The stratification makes
+//! the error decrease faster than the root of the number of rays: nearly as its 3/4-th power for a smooth
+//! boundary.
 //!
-//! The surface area comes from the crossings of the same rays. With `n` the unit normal, `n_x^2 + n_y^2 + n_z^2 = 1`, and a
-//! piece of surface of area `dS` shows the area `|n_x| dS` to the rays along x. So
+//! The surface area comes from the crossings of the same rays. With `n` the unit normal, `n_x^2 + n_y^2 +
+//! n_z^2 = 1`, and a piece of surface of area `dS` has the projected area `|n_x| dS` for the rays along x. So
 //!
 //! ```text
 //!   S = integral of |n_x| over what the rays along x cross + the same for y and z
 //! ```
 //!
-//! with weights that are never above 1, whereas one direction alone would need the weight 1 / |n_x|, which has no bound.
+//! with weights of at most 1, whereas one direction alone would need the unbounded weight 1 / |n_x|.
 //!
-//! A half width is the quantile of the normal distribution times the estimated deviation. It covers only the observed rays: all
-//! of them may miss a part much thinner than their distance. Models with very small parts therefore need more rays than the
-//! precision requires. Rounds of rays are added until the precision is reached, which makes intervals
-//! slightly too short on average (by less than the estimate of the deviation varies).
+//! A half width is the quantile of the normal distribution times the estimated deviation. It covers only the
+//! observed rays: all of them can miss a part much thinner than their distance. Models with very small parts
+//! therefore need more rays than the precision requires. Rounds of rays are added until the precision is
+//! reached, which makes intervals slightly too short on average (by less than the variation of the estimated
+//! deviation).
 
 pub(crate) mod cells;
 mod chord;

@@ -1,14 +1,15 @@
-//! What one piece of a ray adds to the integrals over a region.
+//! Moments: the contribution of a chord to the integrals over a region.
 
 use rayweave_math::{Mat3, Vec3};
 
-/// So many integrals are kept: of 1, x, y, z, xx, yy, zz, yz, zx, xy.
+/// The number of integrals: of 1, x, y, z, xx, yy, zz, yz, zx, xy.
 pub(super) const MOMENTS: usize = 10;
 
 /// The integrals of 1, of the coordinates and of their products.
 pub(super) type Moments = [f64; MOMENTS];
 
-/// The integrals along the piece of a line parallel to an axis between two places on it; `at` has the other two coordinates.
+/// The integrals along a segment parallel to an axis, from one coordinate to another; `at` has the other two
+/// coordinates.
 pub(super) fn along(axis: usize, at: Vec3, from: f64, to: f64) -> Moments {
     let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
     let (u, v) = (at[next], at[last]);
@@ -19,18 +20,18 @@ pub(super) fn along(axis: usize, at: Vec3, from: f64, to: f64) -> Moments {
     moments[0] = length;
     (moments[1 + axis], moments[1 + next], moments[1 + last]) = (first, u * length, v * length);
     (moments[4 + axis], moments[4 + next], moments[4 + last]) = (second, u * u * length, v * v * length);
-    // the product without a coordinate stands at the place of that coordinate
+    // the product without a coordinate is stored at the index of that coordinate
     (moments[7 + axis], moments[7 + next], moments[7 + last]) = (u * v * length, v * first, u * first);
     moments
 }
 
-/// Adds a multiple of moments to others.
+/// Adds a multiple of `moments` to `sum`.
 pub(super) fn add(sum: &mut Moments, moments: &Moments, factor: f64) {
     sum.iter_mut().zip(moments).for_each(|(sum, moment)| *sum += factor * moment);
 }
 
-/// The weights of the integrals in the entry (i, j) of the inertia tensor about a point, for density 1: the integral of
-/// |p - c|^2 delta_ij - (p_i - c_i)(p_j - c_j).
+/// The weights of the integrals that give the entry (i, j) of the inertia tensor about a point, for density
+/// 1: the integral of |p - c|^2 delta_ij - (p_i - c_i)(p_j - c_j).
 pub(super) fn inertia_weights(i: usize, j: usize, c: Vec3) -> Moments {
     let mut weights = [0.0; MOMENTS];
     if i != j {
@@ -55,7 +56,8 @@ pub(super) fn inertia(moments: &Moments, c: Vec3) -> Mat3 {
     Mat3::from_cols(column(0), column(1), column(2))
 }
 
-/// The weights of the integrals whose sum is, to first order, by how much a coordinate of the centre is off times the volume.
+/// The weights of the integrals that give, to first order, the error of a coordinate of the centre times the
+/// volume.
 pub(super) fn centre_weights(k: usize, centre: Vec3) -> Moments {
     let mut weights = [0.0; MOMENTS];
     (weights[1 + k], weights[0]) = (1.0, -centre[k]);
@@ -70,7 +72,8 @@ pub(super) fn dot(weights: &Moments, moments: &Moments) -> f64 {
 mod tests {
     use super::*;
 
-    /// The box [0,1] x [0,2] x [0,3] as 50 x 50 lines along each axis: integrals over a box are products of those over its edges.
+    /// The box [0,1] x [0,2] x [0,3] as 50 x 50 lines along each axis: integrals over a box are products of
+    /// those over its edges.
     #[test]
     fn a_box_of_lines() {
         let size = Vec3::new(1.0, 2.0, 3.0);
@@ -98,7 +101,7 @@ mod tests {
                 add(&mut sum, &along(axis, at, 0.0, size[axis]), area);
             }
             for (k, (found, exact)) in sum.iter().zip(exact).enumerate() {
-                // the midpoint rule is exact for all but the squares across, where it is off by 1 / (4 n^2)
+                // the midpoint rule is exact except for the transverse squares, with an error of 1 / (4 n^2)
                 assert!((found / exact - 1.0).abs() < 1.1 / (4.0 * 2500.0), "{axis} {k}: {found} {exact}");
             }
             let about = inertia(&sum, size / 2.0);

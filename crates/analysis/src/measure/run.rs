@@ -1,4 +1,4 @@
-//! Rounds of rays, until all regions reach the precision.
+//! Rounds of rays until all regions reach the precision.
 
 use super::MeasureError;
 use super::cells::{Cells, Sums};
@@ -10,10 +10,10 @@ use rayweave_model::{Evaluator, RayBatch, Region, RegionId};
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
-/// The largest coordinate: its fifth power, which an inertia tensor contains, is still finite.
+/// The largest coordinate: its fifth power, which occurs in an inertia tensor, is finite.
 const MOST_REACH: f64 = 1e30;
 
-/// Cells that a thread takes at a time.
+/// Cells per task.
 const CELLS_PER_TASK: u64 = 1024;
 
 /// Cells along an edge of the cross-section in the first round.
@@ -22,23 +22,23 @@ pub(super) const FIRST_ACROSS: u64 = 48;
 /// The options of a measurement.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The wanted half width of each region's volume, relative to the volume: greater than 0, at most 1.
+    /// The requested half width of each region's volume, relative to the volume: greater than 0, at most 1.
     pub precision: f64,
     /// The level of confidence of all intervals: from 0.5, below 1.
     pub confidence: f64,
-    /// The most rays for one region, without those of the first round, which serves all regions.
+    /// The limit of rays per region, without those of the first round, which serves all regions.
     pub most_rays: u64,
     /// Restricts the measurement to this box; the faces of the box do not count as boundary.
     pub within: Option<Bounds>,
     /// The seed of the random numbers: equal seeds give equal results.
     pub seed: u64,
-    /// The number of threads; [`thread_count`] if it is not given. Results do not depend on it.
+    /// The number of threads; by default that of [`thread_count`]. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
-    /// Stops the run.
+    /// Cancels the run.
     pub cancel: Cancel,
 }
 
-/// A precision of 1e-3 at 99 %, with at most 2^24 rays for a region.
+/// A precision of 1e-3 at 99 %, with at most 2^24 rays per region.
 impl Default for Settings {
     fn default() -> Self {
         Settings {
@@ -55,21 +55,22 @@ impl Default for Settings {
 
 /// Measures all regions of a model.
 ///
-/// A first round of rays goes through the whole model. Each region below the precision then gets rounds of its own through its
-/// box, each with twice as many rays as the one before, until the precision ([`Measured::is_reached`]) or `most_rays` is
-/// reached. A round is an independent estimate; they are joined with weights that depend on the
-/// density of their rays alone.
+/// A first round of rays samples the whole model. Each region below the precision then gets rounds through
+/// its own box, each with twice as many rays as the one before, until the precision
+/// ([`Measured::is_reached`]) or `most_rays` is reached. The rounds are independent estimates; they are
+/// combined with weights that depend only on the density of their rays.
 ///
-/// A region that no ray crosses gets one round of its own. It may still exist: its interval covers the volume that this number
-/// of rays can miss.
+/// A region that no ray crosses gets one round of its own. It may still be non-empty: its interval covers the
+/// volume that this number of rays can miss.
 ///
-/// Touching regions of one medium have no border along rays and count as one of the two: [`one_medium_each`] separates them.
+/// Touching regions of one medium have no boundary between them and count as one of the two:
+/// [`one_medium_each`] separates them.
 ///
 /// `progress` receives the number of rays so far, on the calling thread.
 ///
 /// # Errors
 ///
-/// [`MeasureError`] for something unbounded, settings out of range, a cancelled run.
+/// [`MeasureError`] for an unbounded region, settings out of range, a cancelled run.
 pub fn measure<E: Evaluator>(
     evaluator: &E,
     settings: &Settings,
@@ -105,11 +106,12 @@ pub fn measure<E: Evaluator>(
     Ok(Measurement { regions, rays: run.asked })
 }
 
-/// The bounds for a region that none of a number of rays through its box crosses.
+/// The bounds for a region that no ray through its box crosses.
 ///
-/// If a part f of the cross-section along an axis is in its shadow, n rays along that axis all pass it by with a probability of at most
-/// (1 - f)^n, also if each is drawn in a cell of its own: so f is below -ln(1 - confidence) / n. The volume is at most that part of the
-/// box, and the area, if no ray crosses its boundary more than twice, that part of the area of the box.
+/// If the projection of the region along an axis is a fraction f of the cross-section, n rays along that axis
+/// all miss it with a probability of at most (1 - f)^n, also for stratified rays: so f is below -ln(1 -
+/// confidence) / n. The volume is at most that fraction of the box; the area, if no ray crosses the boundary
+/// more than twice, at most that fraction of the area of the box.
 fn unmet(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measured {
     if bounds.is_empty() {
         return found;
@@ -122,13 +124,14 @@ fn unmet(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measur
     Measured { is_reached: volume.half_width == 0.0, volume, area: within(area), ..found }
 }
 
-/// The regions, each with a medium of its own: number k for the k-th, from 1. A compiled model then keeps them apart.
+/// Gives each region its own medium, number k for the k-th, from 1, so that a compiled model keeps the
+/// regions apart.
 pub fn one_medium_each(regions: &[Region]) -> Vec<Region> {
     let own = |(k, region): (usize, &Region)| Region { medium: k as u32 + 1, ..region.clone() };
     regions.iter().enumerate().map(own).collect()
 }
 
-/// Nothing in place of a box without a width, of which no cross-section has an area.
+/// Replaces a box of zero width, which has no cross-section, by the empty box.
 fn with_an_inside(own: Bounds) -> Bounds {
     if own.size().min_element() > 0.0 { own } else { Bounds::EMPTY }
 }
@@ -148,10 +151,10 @@ fn checked(settings: &Settings) -> Result<f64, MeasureError> {
     }
 }
 
-/// The rounds of a region, joined.
+/// The combined rounds of a region.
 #[derive(Clone, Debug, Default)]
 struct Joined {
-    /// The sum of all rounds, each times its weight, about `origin`.
+    /// The weighted sum of all rounds, about `origin`.
     sum: Tally,
     weight: f64,
     origin: Vec3,
@@ -163,10 +166,10 @@ impl Joined {
         if self.weight > 0.0 { self.sum.scaled(1.0 / self.weight) } else { Tally::default() }
     }
 
-    /// Joins a round of other rays about the same or another point.
+    /// Adds a round of rays, about the same or another point.
     fn join(&mut self, tally: &Tally, weight: f64, origin: Vec3, rays: u64) {
         if origin != self.origin {
-            // a box of its own: the few rays of the first round there are not worth a change of origin
+            // the region's own box: the few rays of the first round do not justify a change of origin
             *self = Joined { origin, rays: self.rays, ..Joined::default() };
         }
         self.sum.add(tally, weight, weight);
@@ -189,7 +192,7 @@ impl<E: Evaluator> Run<'_, E> {
         self.settings.within.map_or(own, |within| own.intersection(&within))
     }
 
-    /// Whether rays can cover the box.
+    /// Checks that rays can cover the box.
     fn check(&self, bounds: &Bounds) -> Result<(), MeasureError> {
         let name = || match self.evaluator.program().regions() {
             [only] => only.name.clone(),
@@ -214,7 +217,7 @@ impl<E: Evaluator> Run<'_, E> {
         self.quantile * mean.deviation(&weights) <= self.settings.precision * mean.value(&weights)
     }
 
-    /// Rounds for one region, in its own box, through which so many rays go.
+    /// Runs rounds for one region in its own box; returns the number of rays.
     fn refine(
         &mut self,
         region: usize,
@@ -228,7 +231,7 @@ impl<E: Evaluator> Run<'_, E> {
             if most == 0 {
                 break;
             }
-            // the number of rays doubles, as long as that is allowed
+            // the number of rays doubles, up to the limit
             across = (across * 99).div_ceil(70).min(most);
             spent += 6 * across * across;
             self.round(bounds, across, Some(region), results)?;
@@ -269,7 +272,7 @@ impl<E: Evaluator> Run<'_, E> {
                 tallies[region.index() - 1].add(&tally, area / 3.0, area);
             }
         }
-        // the variance falls as the power -3/2 of the number of cells
+        // the variance decreases as the power -3/2 of the number of cells
         let (weight, rays) = (density * density.sqrt(), 6 * across * across);
         let all = tallies.iter().zip(results).enumerate();
         for (_, (tally, joined)) in all.filter(|(region, _)| only.is_none_or(|only| only == *region)) {

@@ -1,4 +1,4 @@
-//! Measuring the regions of a scene, with media and formulas.
+//! Measurement of the regions of a scene, with masses and exact volumes.
 
 use super::{Estimate, Measured, Settings, exact_volume, measure, one_medium_each};
 use crate::AnalysisError;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SceneReport {
-    /// The regions in their order.
+    /// The regions, in their order.
     pub regions: Vec<RegionReport>,
     /// The number of rays.
     pub rays: u64,
@@ -23,17 +23,17 @@ pub struct SceneReport {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RegionReport {
-    /// The integrals, in lengths of the scene's unit.
+    /// The integrals, in the length unit of the scene.
     pub measured: Measured,
-    /// The name of its medium.
+    /// The name of the medium.
     pub medium: String,
-    /// The volume by formula, where the region is a single shape that no other region overlaps.
+    /// The exact volume, if the region is a single shape that no other region overlaps.
     pub formula: Option<f64>,
     /// The mass in grams, if the medium has a `density` (in g/cm^3).
     pub mass: Option<Estimate>,
 }
 
-/// Measures the regions of a scene, or one of its solids as if it were alone. `make` makes the evaluator of a program;
+/// Measures the regions of a scene, or one of its solids alone. `make` creates the evaluator of a program;
 /// `progress` receives the number of rays so far.
 ///
 /// # Errors

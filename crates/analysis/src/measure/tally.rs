@@ -1,4 +1,4 @@
-//! Sums over cells, and how much they scatter.
+//! Sums over cells, with their covariances.
 
 use super::chord::Chord;
 use super::moments::{MOMENTS, Moments, dot};
@@ -6,7 +6,7 @@ use super::moments::{MOMENTS, Moments, dot};
 /// The entries of a symmetric matrix on and above its diagonal.
 const ENTRIES: usize = MOMENTS * (MOMENTS + 1) / 2;
 
-/// What one ray has found in one region.
+/// The contribution of one ray to one region.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Found {
     pub moments: Moments,
@@ -38,7 +38,7 @@ impl Default for Tally {
 }
 
 impl Tally {
-    /// Adds a cell of area 1 by its two rays.
+    /// Adds a cell of area 1, sampled by two rays.
     pub fn cell(&mut self, a: &Found, b: &Found) {
         let mut half = [0.0; MOMENTS];
         for k in 0..MOMENTS {
@@ -50,14 +50,14 @@ impl Tally {
         self.area_variance += (0.5 * (a.area - b.area)).powi(2);
         let mut entries = self.covariance.iter_mut();
         for i in 0..MOMENTS {
-            // the row ends the loop, not the entries, of which the next row needs all that are left
+            // `half` comes first in the zip: it ends the loop without consuming an entry of the next row
             for (other, entry) in half[i..].iter().zip(entries.by_ref()) {
                 *entry += half[i] * other;
             }
         }
     }
 
-    /// Adds a multiple of an independent estimate: each part has a factor of its own.
+    /// Adds a multiple of an independent estimate, with separate factors for moments and area.
     pub fn add(&mut self, other: &Tally, factor: f64, area_factor: f64) {
         super::moments::add(&mut self.moments, &other.moments, factor);
         self.area += area_factor * other.area;
@@ -67,7 +67,7 @@ impl Tally {
         pairs.for_each(|(own, entry)| *own += factor * factor * entry);
     }
 
-    /// All of it times a factor.
+    /// The estimate times a factor.
     pub fn scaled(&self, factor: f64) -> Tally {
         let mut scaled = Tally::default();
         scaled.add(self, factor, factor);

@@ -1,4 +1,4 @@
-//! Against closed forms, and against the counts that confidence promises.
+//! Measurements compared with closed forms, and with the coverage of confidence intervals.
 
 use super::*;
 use rayweave_math::{Bounds, Vec3};
@@ -39,7 +39,7 @@ fn a_ball_far_from_the_origin() {
     assert!((0..3).all(|k| centre[k].holds(at[k]) && centre[k].half_width < 0.01), "{centre:?}");
     let longest = found.longest.unwrap();
     assert!(longest.length() > 3.99 && longest.length() <= 4.0 && (longest.from - at).length() < 2.0 + 1e-9);
-    // 2/5 V r^2, and nothing off the diagonal
+    // 2/5 V r^2, and 0 off the diagonal
     let moment = 0.4 * volume * 4.0;
     for i in 0..3 {
         for j in 0..3 {
@@ -49,7 +49,7 @@ fn a_ball_far_from_the_origin() {
     }
 }
 
-/// Two cubes have a face in common and nothing else.
+/// Two cubes that have only a face in common.
 #[test]
 fn a_box_without_a_width_holds_nothing() {
     let found = one(&(cube(2.0) & cube(2.0).translate(2.0 * Vec3::X)), &quick());
@@ -67,7 +67,7 @@ fn what_is_flat_is_exact() {
     assert!(found.inertia[1][1].holds(expected), "{:?} {expected}", found.inertia[1][1]);
 }
 
-/// At 90 % one in ten intervals may miss: of 200 at most 35 do (probability 2e-4 for more, binomial).
+/// At 90 % one in ten intervals may miss: at most 35 of 200 do (binomial probability of more: 2e-4).
 #[test]
 fn confidence_is_kept() {
     let torus = Solid::from(Primitive::from(Torus::new(1.0, 0.4).unwrap())).rotate_x(35.0);
@@ -84,7 +84,7 @@ fn confidence_is_kept() {
     assert!(volumes >= 5 && areas >= 5, "the intervals are too wide: {volumes} and {areas} of 200 miss");
 }
 
-/// Later regions carve earlier ones; a small one is found in its own box.
+/// Later regions cut earlier ones; a small region is found in its own box.
 #[test]
 fn regions_of_a_partition() {
     let region = |name: &str, solid: Solid, medium: u32| Region { name: name.to_owned(), solid, medium };
@@ -103,7 +103,7 @@ fn regions_of_a_partition() {
     }
     assert_eq!(found.regions[2].name, "dot");
     assert!(found.volume().holds(1000.0));
-    // the surface of the bubble belongs to the block as well
+    // the surface of the bubble belongs also to the block
     let areas = [600.0 + 36.0 * PI + 4e-4 * PI, 36.0 * PI, 4e-4 * PI];
     for (region, expected) in found.regions.iter().zip(areas) {
         assert!(region.area.holds(expected), "{region:?} {expected}");
@@ -118,7 +118,7 @@ fn within_a_box() {
     assert!((found.volume.value - 6.0).abs() < 1e-12 && (found.area.value - 6.0).abs() < 1e-12, "{found:?}");
 }
 
-/// No region gets more rays than is said, and the interval says what that is worth.
+/// No region gets more rays than `most_rays`, and the interval reflects their number.
 #[test]
 fn no_more_rays_than_asked() {
     let first = 6 * super::run::FIRST_ACROSS * super::run::FIRST_ACROSS;
@@ -135,7 +135,7 @@ fn nothing_there() {
     let apart = cube(1.0) & cube(1.0).translate(Vec3::new(0.5, 0.5, 2.0));
     let found = one(&apart, &quick());
     assert_eq!((found.volume.value, found.volume.half_width, found.centre), (0.0, 0.0, None));
-    // boxes meet, but not what is in them
+    // the boxes intersect, but not their contents
     let corner = Vec3::splat(0.99 / 3f64.sqrt() * 2.0);
     let spheres = sphere(1.0) & sphere(1.0).translate(corner * 1.1);
     let found = one(&spheres, &quick());
@@ -144,7 +144,7 @@ fn nothing_there() {
     assert!(found.volume.half_width > 0.0 && found.volume.half_width < 1e-3, "{found:?}");
 }
 
-/// A region that is small beside its box, as what is cut from a plate without an end and cut from it again.
+/// A region that is small in its box: cut from a huge plate and subtracted from it again.
 #[test]
 fn what_no_ray_has_met_may_still_be_there() {
     let plate = cube(1.0).scale(Vec3::new(1e6, 1e6, 1.0));

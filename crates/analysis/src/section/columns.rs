@@ -1,4 +1,4 @@
-//! The rays that sweep a plane, refined where neighbours differ.
+//! Columns: the rays that sweep a plane, refined where neighbours differ.
 
 use super::{Cut, Look, SectionError, Sweep};
 use rayweave_model::drive::{Stopped, drive, thread_count};
@@ -13,22 +13,22 @@ pub struct Pass {
     pub v: f64,
     pub before: RegionId,
     pub after: RegionId,
-    /// The leaf and the facet, `None` at the ends of the window.
+    /// The leaf and the facet; `None` at the ends of the window.
     face: Option<(u32, u32)>,
 }
 
 impl Pass {
-    /// True for passages between the same regions through the same face.
+    /// True for crossings between the same regions through the same face.
     fn is_like(&self, other: &Pass) -> bool {
         (self.before, self.after, self.face) == (other.before, other.after, other.face)
     }
 }
 
-/// A ray through the plane.
+/// A ray in the plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Column {
     pub u: f64,
-    /// From below upwards; the world is on both sides of all of them.
+    /// The crossings from bottom to top; the world is outside all of them.
     pub passes: Vec<Pass>,
 }
 
@@ -41,13 +41,13 @@ impl Column {
 
 /// A column and its relation to the one before.
 pub enum Step {
-    /// All passages continue.
+    /// All crossings continue.
     Smooth(Column),
-    /// The two columns are as close as the tolerance, and may differ.
+    /// The two columns are within the tolerance, and may differ.
     Jump(Column),
 }
 
-/// A column, and whether the gap after it is finished, and smooth.
+/// A column, and the state of the gap after it.
 struct Placed {
     column: Column,
     gap: Gap,
@@ -60,7 +60,7 @@ enum Gap {
     Jump,
 }
 
-/// The most columns of a sweep.
+/// The limit of columns per sweep.
 const MOST: usize = 1 << 20;
 
 /// Columns per batch.
@@ -80,7 +80,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         Columns { evaluator, scratch: evaluator.scratch(), cut, look, sweep }
     }
 
-    /// All columns from left to right.
+    /// Traces all columns, from left to right.
     pub fn swept(&mut self) -> Result<Vec<Step>, SectionError> {
         let places = self.first_places();
         let columns = self.asked(&places)?;
@@ -95,7 +95,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         Ok(row.into_iter().map(&mut step).collect())
     }
 
-    /// Even distances, and where leaves begin, end and have their middle.
+    /// Evenly spaced positions, and the start, middle and end of each leaf.
     fn first_places(&self) -> Vec<f64> {
         let (lo, hi) = (self.look.lo[0], self.look.hi[0]);
         let count = self.look.columns.clamp(2, 1 << 16);
@@ -145,7 +145,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         Ok(true)
     }
 
-    /// The states of the gaps on both sides of a column between two others.
+    /// The state of both gaps next to a column between two others.
     fn judged(&self, left: &Column, middle: &Column, right: &Column) -> Gap {
         let tolerance = self.look.tolerance;
         let is_straight = |k: usize| {
@@ -162,7 +162,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         }
     }
 
-    /// The columns at some places: on this thread where they are few.
+    /// Traces the columns at some positions; on this thread if they are few.
     fn asked(&mut self, places: &[f64]) -> Result<Vec<Column>, SectionError> {
         let (asking, sweep) = (Asking::new(self.evaluator, self.cut, self.look), self.sweep);
         if sweep.cancel.is_cancelled() {
@@ -188,7 +188,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
     }
 }
 
-/// The scratch memory and query of columns.
+/// The query of columns.
 struct Asking<'a, E: Evaluator> {
     evaluator: &'a E,
     cut: &'a Cut,
@@ -204,7 +204,7 @@ impl<'a, E: Evaluator> Asking<'a, E> {
         let mut batch = RayBatch::default();
         let direction = self.cut.point([0.0, 1.0]) - self.cut.point([0.0, 0.0]);
         places.iter().for_each(|&u| batch.push(Ray::new(self.cut.point([u, 0.0]), direction)));
-        // the window has been checked
+        // the window was checked before
         let window = Window::new(self.ends[0], self.ends[1]).unwrap_or(Window::ALL);
         let query = Query { window, ..Query::default() };
         let mut columns = Vec::with_capacity(places.len());
@@ -214,7 +214,7 @@ impl<'a, E: Evaluator> Asking<'a, E> {
     }
 }
 
-/// The passages of a ray, the world beyond both ends of the window.
+/// The crossings of a ray, with the world beyond both ends of the window.
 fn column(u: f64, [lo, hi]: [f64; 2], answer: &RayAnswer<'_>) -> Column {
     let world = RegionId(0);
     let end = |v: f64, before: RegionId, after: RegionId| Pass { v, before, after, face: None };

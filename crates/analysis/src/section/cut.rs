@@ -1,9 +1,9 @@
-//! Planes with coordinates.
+//! Cutting planes with two-dimensional coordinates.
 
 use super::SectionError;
 use rayweave_math::{Bounds, Vec3};
 
-/// A plane with coordinates.
+/// A plane with an origin and two orthonormal axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
     origin: Vec3,
@@ -12,8 +12,8 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The plane through a point with two axes: the first is made a unit vector, the second one a unit vector at right
-    /// angles to it.
+    /// The plane through a point with two axes: the first is normalised, the second is made orthogonal to it
+    /// and normalised.
     ///
     /// # Errors
     /// [`SectionError::Axes`].
@@ -27,12 +27,12 @@ impl Cut {
         }
     }
 
-    /// The point of space with these coordinates.
+    /// The point of space at plane coordinates.
     pub fn point(&self, [u, v]: [f64; 2]) -> Vec3 {
         self.origin + self.across * u + self.up * v
     }
 
-    /// The coordinates of the foot of the perpendicular from a point.
+    /// The coordinates of the orthogonal projection of a point.
     pub fn place(&self, point: Vec3) -> [f64; 2] {
         [self.across, self.up].map(|axis| axis.dot(point - self.origin))
     }
@@ -42,8 +42,8 @@ impl Cut {
         self.across.cross(self.up)
     }
 
-    /// The range of a coordinate (0 or 1), or of the height above the plane (2), over a box; infinite where the box is, and empty, from infinity to its negative,
-    /// for an empty box.
+    /// The range of a coordinate (0 or 1), or of the height above the plane (2), over a box; infinite where
+    /// the box is infinite, and empty (from inf to -inf) for an empty box.
     pub fn range(&self, bounds: &Bounds, coordinate: usize) -> [f64; 2] {
         if bounds.is_empty() {
             return [f64::INFINITY, f64::NEG_INFINITY];
@@ -51,7 +51,7 @@ impl Cut {
         let axis = [self.across, self.up, self.normal()][coordinate];
         let mut range = [-axis.dot(self.origin); 2];
         for k in 0..3 {
-            // 0 times infinity is nothing here: the box may be infinite along an axis at right angles to this one
+            // 0 times infinity counts as 0: the box may be infinite along an axis orthogonal to this one
             let ends =
                 [bounds.lo[k], bounds.hi[k]].map(|end| if axis[k] == 0.0 { 0.0 } else { end * axis[k] });
             range[0] += ends[0].min(ends[1]);

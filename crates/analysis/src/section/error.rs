@@ -3,7 +3,7 @@
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
 
-/// A section that cannot be computed.
+/// Error of a section.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SectionError {
@@ -23,7 +23,7 @@ pub enum SectionError {
         /// The upper right corner.
         hi: [f64; 2],
     },
-    /// The tolerance is none.
+    /// The tolerance is not positive and finite.
     #[error("the tolerance is {tolerance}: it has to be greater than 0 and finite.")]
     Tolerance {
         /// The tolerance.

@@ -1,16 +1,16 @@
-//! Lines from column to column, and contours of lines.
+//! Linking of columns to edges, and of edges to contours.
 
 use super::columns::{Column, Pass};
 use super::{Edge, Look};
 use rayweave_model::RegionId;
 use std::collections::HashMap;
 
-/// The lines that go on at the last column.
+/// The open lines at the last column.
 pub struct Lines {
     last: Column,
-    /// One for each passage of the last column.
+    /// One line for each crossing of the last column.
     open: Vec<Vec<[f64; 2]>>,
-    /// Passages of neighbouring columns this near are the same.
+    /// Crossings of neighbouring columns within this distance are the same.
     reach: f64,
     ends: [f64; 2],
     is_begun: bool,
@@ -22,7 +22,7 @@ impl Lines {
         Lines { last: Column::default(), open: Vec::new(), reach, ends, is_begun: false }
     }
 
-    /// To a column with the same passages.
+    /// Extends the lines to a column with the same crossings.
     pub fn go_on(&mut self, column: &Column, edges: &mut Vec<Edge>) {
         if column.passes.len() != self.open.len() {
             return self.jump(column, edges);
@@ -32,7 +32,7 @@ impl Lines {
         self.last = column.clone();
     }
 
-    /// To a column next to the last one: lines that do not continue end or begin at a wall.
+    /// Extends the lines to a column next to the last one; lines that do not continue end or begin at a wall.
     pub fn jump(&mut self, column: &Column, edges: &mut Vec<Edge>) {
         let u = if self.is_begun { 0.5 * (self.last.u + column.u) } else { self.ends[0] };
         self.is_begun = true;
@@ -58,7 +58,7 @@ impl Lines {
         (self.open, self.last) = (next, column.clone());
     }
 
-    /// Passages of two columns between the same regions, as near to each other as can be, in order.
+    /// Pairs crossings of two columns between the same regions within `reach`, in order.
     fn paired(&self, left: &[Pass], right: &[Pass]) -> Vec<(usize, usize)> {
         let (mut pairs, mut from) = (Vec::new(), 0);
         for (k, pass) in left.iter().enumerate() {
@@ -72,7 +72,7 @@ impl Lines {
         pairs
     }
 
-    /// To the right side of the window.
+    /// Extends the lines to the right side of the window.
     pub fn end(mut self, edges: &mut Vec<Edge>) {
         let u = self.ends[1];
         let passes = std::mem::take(&mut self.last.passes);
@@ -83,7 +83,7 @@ impl Lines {
     }
 }
 
-/// The end of a line at a wall.
+/// Ends a line at a wall.
 fn close(mut line: Vec<[f64; 2]>, pass: &Pass, u: f64, edges: &mut Vec<Edge>) {
     if !line.is_empty() {
         line.push([u, pass.v]);
@@ -91,13 +91,13 @@ fn close(mut line: Vec<[f64; 2]>, pass: &Pass, u: f64, edges: &mut Vec<Edge>) {
     }
 }
 
-/// The region of a column just above a place.
+/// The region of a column just above a coordinate.
 fn region_above(passes: &[Pass], v: f64) -> RegionId {
     let below = passes.partition_point(|pass| pass.v <= v);
     below.checked_sub(1).map_or(RegionId(0), |last| passes[last].after)
 }
 
-/// Edges along the columns wherever the regions of two differ.
+/// Adds edges along the columns where the regions of two neighbours differ.
 fn walls(u: f64, left: &[Pass], right: &[Pass], edges: &mut Vec<Edge>) {
     let mut ends: Vec<f64> = left.iter().chain(right).map(|pass| pass.v).collect();
     ends.sort_by(f64::total_cmp);
@@ -110,13 +110,13 @@ fn walls(u: f64, left: &[Pass], right: &[Pass], edges: &mut Vec<Edge>) {
     }
 }
 
-/// A point by its bits: the ends of lines that meet are equal to the last bit.
+/// A point as bits: the ends of joined lines are equal to the last bit.
 fn key([u, v]: [f64; 2]) -> [u64; 2] {
-    // adding 0 makes -0 a 0
+    // adding 0 turns -0 into 0
     [(u + 0.0).to_bits(), (v + 0.0).to_bits()]
 }
 
-/// Joins lines, each of which begins where another ends, to longer ones.
+/// Joins lines whose ends coincide into longer ones.
 pub fn chains(lines: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
     let mut begins: HashMap<[u64; 2], Vec<usize>> = HashMap::new();
     for (number, line) in lines.iter().enumerate().rev() {
@@ -128,7 +128,7 @@ pub fn chains(lines: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
     });
     let mut lines: Vec<Option<Vec<[f64; 2]>>> = lines.into_iter().map(Some).collect();
     let mut found = Vec::new();
-    // lines that begin where none ends come first: the others are closed, or parts of lines already taken
+    // lines that begin where none ends come first: the others are closed, or parts of lines already used
     let is_loose =
         |line: &Option<Vec<[f64; 2]>>| line.as_ref().is_some_and(|line| !ends.contains_key(&key(line[0])));
     let loose: Vec<usize> = (0..lines.len()).filter(|&number| is_loose(&lines[number])).collect();
@@ -147,7 +147,7 @@ pub fn chains(lines: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
     found
 }
 
-/// A line that begins at a point and is not used yet.
+/// An unused line that begins at a point.
 fn next_line(
     begins: &mut HashMap<[u64; 2], Vec<usize>>,
     lines: &mut [Option<Vec<[f64; 2]>>],

@@ -1,4 +1,4 @@
-//! Windows, and options of runs.
+//! Window and accuracy of a section, and options of its run.
 
 use super::SectionError;
 use rayweave_model::drive::Cancel;
@@ -18,7 +18,7 @@ pub struct Look {
 }
 
 impl Look {
-    /// A window, with 512 columns and a tolerance of 1/20,000 of its larger side.
+    /// A window with 512 columns and a tolerance of 1/20,000 of its larger side.
     pub fn new(lo: [f64; 2], hi: [f64; 2]) -> Look {
         let tolerance = 5e-5 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
         Look { lo, hi, tolerance, columns: 512 }
@@ -42,9 +42,9 @@ impl Look {
 /// The options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Sweep {
-    /// The number of threads; [`thread_count`](rayweave_model::drive::thread_count) if it is not given. Results do not depend
-    /// on it.
+    /// The number of threads; by default that of [`thread_count`](rayweave_model::drive::thread_count).
+    /// Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
-    /// Stops the run.
+    /// Cancels the run.
     pub cancel: Cancel,
 }

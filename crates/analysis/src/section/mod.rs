@@ -1,13 +1,15 @@
-//! True cross-sections of models by a plane.
+//! Cross-sections of models by a plane.
 //!
-//! Parallel rays, *columns*, sweep the plane. The crossings of a column are exact. Two neighbouring columns with the same faces
-//! are joined by straight edges if a third column halfway between them agrees within a tolerance; otherwise the gap is halved,
-//! until it is as narrow as the tolerance. A difference that remains becomes a *wall*, an edge along the columns. So the points
-//! of an edge lie on the surfaces to rounding, edges deviate by at most the tolerance, and walls are within half a tolerance of
-//! their true place.
+//! Parallel rays, *columns*, sweep the plane. The crossings of a column are exact. Two neighbouring columns
+//! with the same faces are joined by straight edges if a third column halfway between them agrees within a
+//! tolerance; otherwise the gap is halved, until it is as narrow as the tolerance. A remaining difference
+//! becomes a *wall*, an edge along the columns. The points of an edge therefore lie on the surfaces to
+//! rounding error, edges deviate by at most the tolerance, and walls are within half a tolerance of their
+//! true position.
 //!
-//! Columns have even distances; further ones are at both ends and in the middle of the box of every leaf. A part between
-//! columns is missed: it must be thinner than their distance, and far from the ends and middles of its leaves.
+//! Columns are evenly spaced, with additional ones at both ends and in the middle of the box of every leaf. A
+//! part between columns is missed: it must be thinner than their distance, and far from the ends and middles
+//! of its leaves.
 
 mod columns;
 mod cut;
@@ -32,14 +34,14 @@ pub(crate) use scene::{Cutter, Kinds};
 use columns::{Columns, Step};
 use rayweave_model::{Evaluator, RegionId};
 
-/// The section of a model by a plane within a window; all of space outside of the window counts as world.
+/// The section of a model by a plane within a window; space outside the window counts as world.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Section {
     /// All lines between regions, in no particular order.
     pub edges: Vec<Edge>,
 }
 
-/// The section of the model of an evaluator.
+/// Computes the section of a model.
 ///
 /// ```
 /// use rayweave_analysis::section::{Cut, Look, section};
@@ -91,13 +93,13 @@ pub fn section_with<E: Evaluator>(
 }
 
 impl Section {
-    /// The closed contours of a region, with the region to the left of the direction of the points: outlines are
-    /// counter-clockwise, holes clockwise. The last point is not the first one again.
+    /// The closed contours of a region, with the region to the left: outlines are counter-clockwise, holes
+    /// clockwise. The first point is not repeated at the end.
     pub fn contours(&self, region: RegionId) -> Vec<Vec<[f64; 2]>> {
         link::contours(&self.edges, region)
     }
 
-    /// The lines between two regions, the first to the left.
+    /// The lines between two regions, with the first one to the left.
     pub fn between(&self, left: RegionId, right: RegionId) -> Vec<Vec<[f64; 2]>> {
         let of = |edge: &Edge| match () {
             () if (edge.left, edge.right) == (left, right) => Some(edge.points.clone()),
@@ -109,7 +111,7 @@ impl Section {
         link::chains(self.edges.iter().filter_map(of).collect())
     }
 
-    /// The area of a region.
+    /// The area of a region in the plane.
     pub fn area(&self, region: RegionId) -> f64 {
         let twice = |[a, b]: [[f64; 2]; 2]| a[0] * b[1] - a[1] * b[0];
         let of = |edge: &Edge| edge.points.windows(2).map(|pair| twice([pair[0], pair[1]])).sum::<f64>();
@@ -121,14 +123,14 @@ impl Section {
         0.5 * self.edges.iter().map(signed).sum::<f64>()
     }
 
-    /// The length of all lines around a region.
+    /// The total length of the lines around a region.
     pub fn perimeter(&self, region: RegionId) -> f64 {
         let step = |pair: &[[f64; 2]]| libm::hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
         let own = self.edges.iter().filter(|edge| edge.left == region || edge.right == region);
         own.map(|edge| edge.points.windows(2).map(step).sum::<f64>()).sum()
     }
 
-    /// The section with other region numbers; lines between regions of equal numbers are left out.
+    /// The section with other region numbers; lines between equal regions are removed.
     pub fn renumbered(&self, number: impl Fn(RegionId) -> RegionId) -> Section {
         let renamed =
             |edge: &Edge| Edge { left: number(edge.left), right: number(edge.right), ..edge.clone() };
@@ -136,7 +138,7 @@ impl Section {
         Section { edges }
     }
 
-    /// The section with fewer points: lines keep their ends, and deviate by at most a tolerance.
+    /// The section with fewer points: lines keep their ends, and deviate by at most `tolerance`.
     pub fn simplified(&self, tolerance: f64) -> Section {
         let fewer = |edge: &Edge| Edge { points: simplify::line(&edge.points, tolerance), ..*edge };
         Section { edges: self.edges.iter().map(fewer).collect() }

@@ -1,4 +1,4 @@
-//! Planes that cut, alone or in stacks.
+//! Section planes, alone or in stacks.
 
 use super::Cut;
 use crate::AnalysisError;
@@ -7,9 +7,10 @@ use rayweave_math::Vec3;
 use std::fmt;
 use std::str::FromStr;
 
-/// A plane, and the direction in which a stack of planes begins there.
+/// A section plane; `offset` is the start of a stack of parallel planes.
 ///
-/// Seen from the front: with z up where the plane is upright, x to the right in `y = 0` and in `z = 0`, y to the right in `x = 0`.
+/// Orientation of the picture: z is up for upright planes; x is to the right in `y = 0` and in `z = 0`, y to
+/// the right in `x = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionPlane {
     form: Form,
@@ -18,17 +19,17 @@ pub struct SectionPlane {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// At right angles to an axis; the offset is the coordinate.
+    /// Perpendicular to an axis; the offset is the coordinate.
     Axis(usize),
-    /// Through a point; the offset counts from there along the unit normal.
+    /// Through a point; the offset is measured from it along the unit normal.
     Oblique { point: Vec3, normal: Vec3 },
 }
 
-/// The most planes of a stack.
+/// The limit of planes per stack.
 const MOST_PLANES: usize = 100_000;
 
 impl SectionPlane {
-    /// The plane at right angles to axis 0, 1 or 2 at a coordinate.
+    /// The plane perpendicular to axis 0, 1 or 2 at a coordinate.
     ///
     /// # Errors
     ///
@@ -43,7 +44,7 @@ impl SectionPlane {
         }
     }
 
-    /// The plane through a point at right angles to a normal of any length.
+    /// The plane through a point, perpendicular to a normal of any length.
     ///
     /// # Errors
     ///
@@ -78,8 +79,8 @@ impl SectionPlane {
     ///
     /// # Errors
     ///
-    /// [`AnalysisError::Value`] for a step that is not positive, ends that are not finite or in the wrong order, more than 100,000
-    /// planes.
+    /// [`AnalysisError::Value`] for a step that is not positive, ends that are not finite or in the wrong
+    /// order, and more than 100,000 planes.
     pub fn stack(&self, from: f64, to: f64, step: f64) -> Result<Vec<SectionPlane>, AnalysisError> {
         let steps = ((to - from) / step + 1e-9).floor();
         let problem = match () {
@@ -112,7 +113,7 @@ impl SectionPlane {
         }
     }
 
-    /// The unit normal, along which offsets count.
+    /// The unit normal, the direction of offsets.
     pub fn normal(&self) -> Vec3 {
         match self.form {
             Form::Axis(axis) => Vec3::AXES[axis],
@@ -120,18 +121,18 @@ impl SectionPlane {
         }
     }
 
-    /// The plane with its coordinates: to the right and up.
+    /// The plane with its coordinate axes, to the right and up.
     ///
     /// # Errors
     ///
-    /// [`AnalysisError::Value`] if the place is beyond numbers.
+    /// [`AnalysisError::Value`] if the position overflows.
     pub fn cut(&self) -> Result<Cut, AnalysisError> {
         let [across, up] = match self.form {
             Form::Axis(0) => [Vec3::Y, Vec3::Z],
             Form::Axis(1) => [Vec3::X, Vec3::Z],
             Form::Axis(_) => [Vec3::X, Vec3::Y],
             Form::Oblique { normal, .. } => {
-                // with z up, unless the plane lies nearly flat
+                // z up, unless the plane is nearly horizontal
                 let upright = if normal.z.abs() < 0.999 { Vec3::Z } else { Vec3::Y };
                 let across = upright.cross(normal);
                 [across, normal.cross(across)]
@@ -140,7 +141,7 @@ impl SectionPlane {
         Ok(Cut::new(self.point(), across, up)?)
     }
 
-    /// The names of the axes to the right and up.
+    /// The names of the axes, to the right and up.
     pub fn axis_names(&self) -> [&'static str; 2] {
         match self.form {
             Form::Axis(0) => ["y", "z"],
@@ -152,7 +153,7 @@ impl SectionPlane {
 }
 
 impl SectionPlane {
-    /// As [`fmt::Display`], with few digits of a place along an axis: for labels that stand side by side.
+    /// Like [`fmt::Display`], with few digits for a coordinate along an axis: for adjacent labels.
     pub fn label(&self) -> String {
         match self.form {
             Form::Axis(axis) => {
@@ -167,7 +168,7 @@ impl SectionPlane {
 
 impl fmt::Display for SectionPlane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // the digits that the steps of a stack have; not what they round to
+        // the digits of the steps of a stack, without rounding noise
         let number = |x: f64, part: f64| rayweave_math::format_to_resolution(x, part * x.abs().max(1e-300));
         let point = |p: Vec3| p.to_array().map(|x| number(x, 1e-4)).join(", ");
         match self.form {
@@ -179,7 +180,7 @@ impl fmt::Display for SectionPlane {
     }
 }
 
-/// `yz`, `xz`, `xy`, or a place along an axis: `z=2.5`.
+/// Parses `yz`, `xz`, `xy`, or a coordinate along an axis such as `z=2.5`.
 impl FromStr for SectionPlane {
     type Err = AnalysisError;
 
@@ -193,7 +194,7 @@ impl FromStr for SectionPlane {
     }
 }
 
-/// The number of the axis and the place along it that a text names: `yz`, `xz`, `xy`, or `z=2.5`.
+/// Parses the number of an axis and the coordinate along it: `yz`, `xz`, `xy`, or `z=2.5`.
 pub fn axis_and_place(text: &str) -> Option<(usize, f64)> {
     let text: String = text.to_ascii_lowercase().split_whitespace().collect();
     let (axis, place) = match text.as_str() {
@@ -232,7 +233,7 @@ mod tests {
         assert!(SectionPlane::across(3, 0.0).is_err() && slanted.at(f64::NAN).is_err());
     }
 
-    /// The first axis, the second one and the normal that looks at the reader are right-handed, and no picture is mirrored.
+    /// First axis, second axis and the normal towards the viewer are right-handed, so no picture is mirrored.
     #[test]
     fn coordinates_are_those_of_drawings() {
         let axes = |plane: SectionPlane| {
@@ -260,7 +261,7 @@ mod tests {
             plane.stack(from, to, step).unwrap().iter().map(SectionPlane::offset).collect()
         };
         assert_eq!(offsets(0.0, 1.0, 0.25), [0.0, 0.25, 0.5, 0.75, 1.0]);
-        // ten steps of 0.1 reach 1, whatever their sum is
+        // ten steps of 0.1 reach 1 despite the rounding of their sum
         assert_eq!(offsets(0.0, 1.0, 0.1).len(), 11);
         assert_eq!(offsets(2.0, 2.0, 5.0), [2.0]);
         let bad =

@@ -11,7 +11,7 @@ use rayweave_model::{Evaluator, Program, Region, RegionId};
 use rayweave_scene::{Colour, Scene, SceneRegion};
 use std::sync::Arc;
 
-/// The parts of a section.
+/// The division of a section into parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum By {
     /// All regions of a medium as one part.
@@ -26,14 +26,14 @@ pub enum By {
 pub struct SectionSettings {
     /// The parts.
     pub by: By,
-    /// The largest distance of contours from the surfaces, in the unit of the model; by default 1/10,000 of the larger side of
-    /// the model in the plane.
+    /// The largest distance of contours from the surfaces, in the unit of the model; by default 1/10,000 of
+    /// the larger side of the model in the plane.
     pub tolerance: Option<f64>,
-    /// The least number of columns, from 2: parts thinner than their distance may be missed.
+    /// The least number of columns, at least 2: parts thinner than their distance can be missed.
     pub columns: u32,
     /// Restricts the section to this box.
     pub within: Option<Bounds>,
-    /// Threads and the token that stops the run.
+    /// Threads and cancellation token.
     pub sweep: Sweep,
 }
 
@@ -50,7 +50,7 @@ impl Default for SectionSettings {
 pub struct CrossSection {
     /// The plane.
     pub plane: SectionPlane,
-    /// The parts that the plane cuts, in the order of the regions or media.
+    /// The parts that the plane intersects, in the order of the regions or media.
     pub parts: Vec<SectionPart>,
     /// The lower left corner of the model in the plane.
     pub lo: [f64; 2],
@@ -60,19 +60,19 @@ pub struct CrossSection {
     pub tolerance: f64,
 }
 
-/// A medium, or a region, in a plane.
+/// A medium or a region in a plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionPart {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its colour in pictures.
+    /// The colour in pictures.
     pub colour: Colour,
-    /// Its area.
+    /// The area.
     pub area: f64,
-    /// The length of all lines around it.
+    /// The total length of the lines around it.
     pub perimeter: f64,
-    /// Its outlines counter-clockwise, its holes clockwise; the last point is not the first one again. Coordinates are those of
-    /// [`SectionPlane::cut`].
+    /// Outlines counter-clockwise, holes clockwise; the first point is not repeated at the end. Coordinates
+    /// are those of [`SectionPlane::cut`].
     pub contours: Vec<Vec<[f64; 2]>>,
 }
 
@@ -83,10 +83,10 @@ impl CrossSection {
     }
 }
 
-/// Cuts the regions of a scene, or one of its solids alone, by planes. `make` makes the evaluator of a program; `progress`
-/// receives the number of planes that are done.
+/// Cuts the regions of a scene, or one of its solids alone, by planes. `make` creates the evaluator of a
+/// program; `progress` receives the number of finished planes.
 ///
-/// A plane that misses the model cuts nothing, which is no error.
+/// A plane that misses the model gives a section without parts, not an error.
 ///
 /// # Errors
 ///
@@ -112,10 +112,10 @@ pub fn cross_sections<E: Evaluator, X: Classified + Send + Sync + 'static>(
     Ok(sections)
 }
 
-/// The part of each region.
+/// The mapping of regions to parts.
 #[derive(Clone, Debug)]
 pub(crate) struct Kinds {
-    /// The number of the part of each region, from 1.
+    /// The number of each region's part, from 1.
     pub of: Vec<u32>,
     /// The parts.
     pub names: Vec<(String, Colour)>,
@@ -152,7 +152,7 @@ impl Kinds {
 
 /// Cuts a compiled model.
 pub(crate) struct Cutter<'a, E> {
-    /// Of a program whose regions all have media of their own.
+    /// An evaluator of a program in which every region has its own medium.
     pub evaluator: E,
     pub kinds: Kinds,
     pub settings: &'a SectionSettings,
@@ -185,7 +185,7 @@ impl<E: Evaluator> Cutter<'_, E> {
         }
         let side = (hi[0] - lo[0]).max(hi[1] - lo[1]).max(f64::MIN_POSITIVE);
         let tolerance = self.settings.tolerance.unwrap_or(1e-4 * side);
-        // the faces at the ends of the model are within
+        // a margin for the faces at the ends of the model
         let room = (1e-3 * side).max(4.0 * tolerance);
         let columns = self.settings.columns.max(2);
         let look =

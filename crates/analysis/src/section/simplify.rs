@@ -1,7 +1,7 @@
-//! Lines with fewer points.
+//! Simplification of polylines.
 
-/// The points that a line needs to keep to within a tolerance of itself, its ends among them (D. H. Douglas and T. K. Peucker,
-/// *Cartographica* 10, 2, 1973).
+/// The points of a polyline that suffice to stay within a tolerance of it, its ends included (D. H. Douglas
+/// and T. K. Peucker, *Cartographica* 10, 2, 1973).
 pub fn line(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
     let mut is_kept = vec![false; points.len()];
@@ -18,7 +18,7 @@ pub fn line(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     points.iter().zip(is_kept).filter(|(_, is_kept)| *is_kept).map(|(point, _)| *point).collect()
 }
 
-/// The distance of a point from a piece of a line.
+/// The distance of a point from a segment.
 fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (along, off) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let square = along[0] * along[0] + along[1] * along[1];

@@ -1,4 +1,4 @@
-//! Against closed forms.
+//! Cross-sections compared with closed forms.
 
 use super::*;
 use rayweave_error::{Classified, ErrorKind};
@@ -19,13 +19,13 @@ fn cut(text: &str, plane: &str) -> CrossSection {
     cut_by(&scene(text), plane.parse().unwrap(), &SectionSettings::default())
 }
 
-/// Twice the area of a contour, positive where it goes around counter-clockwise.
+/// The signed area of a contour, positive if it is counter-clockwise.
 fn signed(contour: &[[f64; 2]]) -> f64 {
     let next = contour.iter().cycle().skip(1);
     0.5 * contour.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
 }
 
-/// Areas are as near as the tolerance and the perimeter allow; contours add up to them, holes turn the other way.
+/// Areas agree within tolerance times perimeter; contours add up to them, and holes are clockwise.
 fn check(section: &CrossSection, name: &str, area: f64, perimeter: f64, holes: usize) {
     let part = section.part(name).unwrap();
     assert!((part.area - area).abs() <= section.tolerance * part.perimeter, "{} {area}", part.area);
@@ -73,7 +73,7 @@ fn an_oblique_cut_of_a_cylinder_is_an_ellipse() {
     }
 }
 
-/// No point of a contour is farther from the truth than was asked, the middles of its edges among them.
+/// No point of a contour, middles of edges included, is farther from the exact curve than the tolerance.
 #[test]
 fn tolerances_hold() {
     let ball = scene("[solid.ball]\nsphere = { radius = 1 }");
@@ -98,7 +98,7 @@ const TWO: &str = "[solid.a]\nbox_from_corners = { lo = [0, 0, 0], hi = [2, 1, 1
     [[region]]\nsolid = \"a\"\nmedium = \"steel\"\n[[region]]\nsolid = \"b\"\nmedium = \"steel\"\n\
     [[region]]\nsolid = \"c\"\nmedium = \"air\"\n[medium.steel]\n[medium.air]";
 
-/// Two parts of steel that touch are one outline, unless they are to be kept apart.
+/// Two touching parts of steel have one outline by medium, and two by region.
 #[test]
 fn by_medium_or_by_region() {
     let scene = scene(TWO);
@@ -111,7 +111,7 @@ fn by_medium_or_by_region() {
     let by_region = cut_by(&scene, plane, &SectionSettings { by: By::Region, ..SectionSettings::default() });
     check(&by_region, "a", 2.0 - hole, 6.0 + 0.5 * PI, 1);
     check(&by_region, "b", 1.0, 4.0, 0);
-    // straight lines need no points but their corners
+    // straight lines have no points except their corners
     assert_eq!(by_region.part("b").unwrap().contours[0].len(), 4);
 }
 
@@ -129,7 +129,7 @@ fn a_box_ends_what_has_no_end() {
     let within = Some(Bounds { lo: Vec3::new(0.0, -5.0, 0.0), hi: Vec3::new(5.0, 5.0, 3.0) });
     let found = cut_by(&rod, plane(), &SectionSettings { within, ..settings.clone() });
     check(&found, "rod", 3.0, 8.0, 0);
-    // the plane across it has an end without a box
+    // the plane across the unbounded rod needs no box
     check(&cut_by(&rod, "z=1e3".parse().unwrap(), &settings), "rod", PI, 2.0 * PI, 0);
 }
 

@@ -1,4 +1,4 @@
-//! Path lengths pixel by pixel.
+//! Thickness maps: path lengths and radiographs, pixel by pixel.
 
 use super::{PathLengths, Run, path_lengths};
 use crate::AnalysisError;
@@ -9,7 +9,7 @@ use rayweave_shape::Ray;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableWriter, Values};
 use std::path::Path;
 
-/// Path lengths through each medium, one ray per pixel, as along the rays of a camera.
+/// Path lengths through each medium, one ray per pixel, for example the rays of a camera.
 ///
 /// ```
 /// use rayweave_analysis::thickness::{Run, ThicknessMap};
@@ -39,17 +39,18 @@ pub struct ThicknessMap {
     lengths: PathLengths,
 }
 
-/// The attenuation over a length: 0 without attenuation, even over an infinite length.
+/// The attenuation exponent over a length: 0 without attenuation, even over an infinite length.
 fn faint((length, mu): (&f64, &f64)) -> f64 {
     if *mu == 0.0 { 0.0 } else { length * mu }
 }
 
-/// The transmission at the darkest pixel where no medium has an attenuation. The media then attenuate by their density, or all
-/// alike where none has a density.
+/// The transmission of the darkest pixel if no medium has an attenuation. The attenuations are then
+/// proportional to the densities, or equal if no medium has a density.
 pub const FAINTEST: f64 = 0.05;
 
 impl ThicknessMap {
-    /// Traces the rays of all pixels; `ray` gives the ray of column x and row y, counted from the upper left.
+    /// Traces the rays of all pixels; `ray` returns the ray of column x and row y, counted from the upper
+    /// left.
     ///
     /// # Errors
     ///
@@ -77,7 +78,7 @@ impl ThicknessMap {
         &self.media
     }
 
-    /// The path lengths at a pixel, counted from the upper left one, medium by medium: see [`PathLengths::of`].
+    /// The path lengths at a pixel, counted from the upper left, medium by medium: see [`PathLengths::of`].
     pub fn lengths(&self, x: usize, y: usize) -> &[f64] {
         self.lengths.of(y * self.size[0] + x)
     }
@@ -99,15 +100,15 @@ impl ThicknessMap {
         Ok(self.pixels(|lengths| lengths[medium]))
     }
 
-    /// The transmission of an X-ray from 0 to 1, pixel by pixel, by the numbers `attenuation` of the media, per length of the
-    /// model; a medium without one is transparent. Without any, the media attenuate by their numbers `density`, or alike: see
-    /// [`FAINTEST`].
+    /// The transmission of an X-ray from 0 to 1, pixel by pixel, from the property `attenuation` of the
+    /// media, per length unit of the model; a medium without one is transparent. If no medium has one,
+    /// attenuations are proportional to `density`, or equal: see [`FAINTEST`].
     pub fn radiograph(&self, scene: &Scene) -> Vec<f64> {
         let attenuations = self.attenuations(scene);
         self.pixels(|lengths| libm::exp(-lengths.iter().zip(&attenuations).map(faint).sum::<f64>()))
     }
 
-    /// The attenuation of each medium, per length of the model.
+    /// The attenuation of each medium, per length unit of the model.
     pub fn attenuations(&self, scene: &Scene) -> Vec<f64> {
         if let Some(said) = self.numbers(scene, "attenuation") {
             return said;
@@ -121,7 +122,7 @@ impl ThicknessMap {
         weights.into_iter().map(|weight| mu * weight).collect()
     }
 
-    /// A number of each medium, 0 for those that do not have it; `None` if none has.
+    /// A numeric property of each medium, 0 for media without it; `None` if no medium has it.
     fn numbers(&self, scene: &Scene, key: &str) -> Option<Vec<f64>> {
         let of = |name: &String| {
             let medium = scene.media.iter().find(|medium| medium.name == *name)?;
@@ -136,12 +137,12 @@ impl ThicknessMap {
         (0..self.lengths.len()).map(|ray| of(self.lengths.of(ray))).collect()
     }
 
-    /// Writes the table of all pixels: `x` and `y`, counted from the upper left one, and the path length through each medium,
-    /// under its name, in `unit`. The extension chooses the format, as for all tables.
+    /// Writes the table of all pixels: `x` and `y`, counted from the upper left, and the path length through
+    /// each medium, under its name, in `unit`. The extension selects the format, as for all tables.
     ///
     /// # Errors
     ///
-    /// The table cannot be written.
+    /// [`TableError`] if the table cannot be written.
     pub fn write(&self, path: &Path, unit: &str) -> Result<(), TableError> {
         let mut columns = vec![Column::new("x", DType::I64), Column::new("y", DType::I64)];
         columns.extend(self.media.iter().map(|name| Column::new(name, DType::F64).unit(unit)));
@@ -185,11 +186,11 @@ mod tests {
         (ThicknessMap::new(&compiled, &evaluator, [41, 41], ray, &mut Run::default()).unwrap(), scene)
     }
 
-    /// Along the middle 2 of water and 4 of steel; near a corner of the box 6 of water alone.
+    /// Along the centre 2 of water and 4 of steel; near a corner of the box 6 of water alone.
     #[test]
     fn media_weaken_by_attenuation_or_density_or_alike() {
         let corner = (8, 8);
-        // the weights along the middle and the corner, and the most of all rays
+        // the exponents along the centre and the corner, and the greatest of all rays
         for (water, steel, sums, most) in [
             ("", "", [6.0, 6.0], 6.0),
             ("density = 1", "density = 8", [34.0, 6.0], 34.0),

@@ -1,7 +1,8 @@
 //! Path lengths of rays through media, and radiographs.
 //!
-//! The path length of a ray through a medium is the sum of the pieces of the ray that lie in it. An X-ray attenuated by `mu` per
-//! length is weaker by the factor `exp(-sum of mu l)` behind them (Beer-Lambert law), without scattered light.
+//! The path length of a ray through a medium is the total length of the ray inside it. An X-ray attenuated by
+//! `mu` per length is transmitted with the factor `exp(-sum of mu l)` (Beer-Lambert law), without scattered
+//! light.
 
 mod map;
 
@@ -15,17 +16,17 @@ use std::convert::Infallible;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
-/// Rays that a thread takes at a time.
+/// Rays per task.
 const RAYS_PER_TASK: usize = 4096;
 
 /// The options of a run.
 #[derive(Default)]
 pub struct Run<'a> {
-    /// The number of threads; [`thread_count`] if it is not given. Results do not depend on it.
+    /// The number of threads; by default that of [`thread_count`]. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
-    /// Stops the run.
+    /// Cancels the run.
     pub cancel: Cancel,
-    /// Receives the number of rays that are done, on the calling thread.
+    /// Callback with the number of finished rays, on the calling thread.
     pub progress: Option<&'a mut dyn FnMut(usize)>,
 }
 
@@ -52,21 +53,22 @@ impl PathLengths {
         self.values.is_empty()
     }
 
-    /// The path lengths of a ray, medium by medium; for the world, number 0, between its first and its last crossing. `inf` in an
-    /// unbounded medium.
+    /// The path lengths of a ray, medium by medium; for the world, number 0, between its first and its last
+    /// crossing. `inf` in an unbounded medium.
     pub fn of(&self, ray: usize) -> &[f64] {
         &self.values[ray * self.media..(ray + 1) * self.media]
     }
 
-    /// All of them, ray by ray.
+    /// All path lengths, ray by ray.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 }
 
-/// Measures the path lengths of `count` rays, the whole lines, through `media` media; further media are left out.
+/// Computes the path lengths of `count` rays, as whole lines, through the first `media` media.
 ///
-/// `ray` gives ray k; it must pass [`Ray::check`]. Lengths are those of the model, whatever the lengths of directions.
+/// `ray` returns ray k, which must pass [`Ray::check`]. Lengths are in model units, independent of the
+/// lengths of directions.
 ///
 /// # Errors
 ///
@@ -149,7 +151,7 @@ mod tests {
         Packets::new(Arc::new(Program::compile_regions(&regions).unwrap()))
     }
 
-    /// Through both cubes and the ball; beside the ball; through nothing; down into the floor.
+    /// Through both cubes and the ball; outside the ball; through nothing; down into the floor.
     #[test]
     fn chords() {
         let ray = |k: usize| match k {
@@ -165,12 +167,12 @@ mod tests {
             assert!(found.of(k).iter().zip(expected).all(is_near), "{k}: {:?}", found.of(k));
         }
         assert_eq!((found.len(), found.media(), found.is_empty()), (4, 4, false));
-        // a medium that nobody asked for is left out
+        // media beyond the requested number are omitted
         let fewer = path_lengths(&tracer(), 2, 4, ray, &mut Run::default()).unwrap();
         assert_eq!(fewer.of(0), &found.of(0)[..2]);
     }
 
-    /// The mean chord of a convex body among parallel lines over its shadow is its volume over the shadow.
+    /// For parallel lines, the mean chord of a convex body is its volume over the area of its projection.
     #[test]
     fn the_same_on_any_number_of_threads_and_told_on_the_way() {
         let n = 200;

@@ -16,7 +16,7 @@ struct Operation {
     name: &'static str,
     op: Op,
     complements: bool,
-    /// The operator of the published tables, if they have it.
+    /// The operator of the original tables, if they have it.
     known: Option<Operator>,
 }
 
@@ -47,7 +47,7 @@ impl Operation {
         decide(self.op, a.into(), taken.into())
     }
 
-    /// True if one of the published nine-entry tables disagrees.
+    /// True if one of the original nine-entry tables disagrees.
     fn is_disputed(&self, a: Next, b: Next) -> bool {
         let first = a.time() < b.time();
         let (a, b) = (State::of(a), State::of(b));

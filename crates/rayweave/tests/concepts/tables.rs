@@ -1,4 +1,4 @@
-//! Picture of the "farther exit" error: the published nine-entry tables on a chain whose odd and even balls
+//! Picture of the "farther exit" error: the original nine-entry tables on a chain whose odd and even balls
 //! are united first.
 
 use crate::chain;
@@ -37,7 +37,7 @@ fn tree() -> CompleteTree {
     join(&half(0), &half(1))
 }
 
-/// The answers of the published state machine, hit by hit, with stacks as deep as the tree needs.
+/// The answers of the original state machine, hit by hit, with stacks as deep as the tree needs.
 fn steps(balls: &Balls, tables: &Tables) -> Vec<Next> {
     let tree = tree();
     let limits = Limits::for_height(tree.height());
