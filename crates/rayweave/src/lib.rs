@@ -145,7 +145,8 @@
 //!
 //! # Files of rays
 //!
-//! [`hits::trace_rays`] streams rays from CSV or NPY into a table of hits, on all cores and in constant memory.
+//! [`hits::trace_rays`] streams rays from CSV or NPY into a table of hits, on all cores and in constant
+//! memory.
 //!
 //! # Infill
 //!
@@ -240,7 +241,8 @@ pub mod infill {
 }
 
 #[cfg(feature = "optics")]
-/// Light at detectors: spot diagrams and irradiance, computed by [`optics::detector`] and drawn by [`draw::detector`].
+/// Light at detectors: spot diagrams and irradiance, computed by [`optics::detector`] and drawn by
+/// [`draw::detector`].
 pub mod detector {
     #[cfg(feature = "draw")]
     pub use rayweave_draw::detector::{irradiance_svg, spot_svg};

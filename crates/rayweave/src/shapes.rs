@@ -48,7 +48,8 @@ pub fn cylinder(radius: f64, height: f64) -> Result<Solid, Error> {
     make("cylinder", &sizes)
 }
 
-/// A cone or frustum along z about the origin: `radius1` at z = -height/2, `radius2` at z = height/2; either may be 0.
+/// A cone or frustum along z about the origin: `radius1` at z = -height/2, `radius2` at z = height/2; either
+/// may be 0.
 pub fn cone(radius1: f64, radius2: f64, height: f64) -> Result<Solid, Error> {
     let sizes = [("radius1", radius1.into()), ("radius2", radius2.into()), ("height", height.into())];
     make("cone", &sizes)
@@ -99,7 +100,8 @@ pub fn wedge(start_degrees: f64, sweep_degrees: f64) -> Result<Solid, Error> {
     make("wedge", &angles)
 }
 
-/// A regular prism along z about the origin; `radius` is that of the circumscribed circle, the first vertex is on +x.
+/// A regular prism along z about the origin; `radius` is that of the circumscribed circle, the first vertex
+/// is on +x.
 pub fn prism(sides: u32, radius: f64, height: f64) -> Result<Solid, Error> {
     let sizes = [("sides", sides.into()), ("radius", radius.into()), ("height", height.into())];
     make("prism", &sizes)

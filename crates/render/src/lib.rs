@@ -1,11 +1,11 @@
 //! Rendering of compiled models: shaded pictures and images of depth, normals and ids.
 //!
-//! [`render`] draws a shaded ([`Style`]) and anti-aliased picture of a model, with outlines and creases ([`Lines`]), lights and
-//! shadows. [`depth`], [`normals`] and [`ids`] compute images of plain numbers, [`geometry`] all three at once. [`png`] encodes
-//! images as PNG files in memory.
+//! [`render`] draws a shaded ([`Style`]) and anti-aliased picture of a model, with outlines and creases
+//! ([`Lines`]), lights and shadows. [`depth`], [`normals`] and [`ids`] compute images of plain numbers,
+//! [`geometry`] all three at once. [`png`] encodes images as PNG files in memory.
 //!
-//! Pixels are counted from the upper left corner; z is up in every [`View`]. The same model, camera and settings give the
-//! same bits for any number of threads.
+//! Pixels are counted from the upper left corner; z is up in every [`View`]. The same model, camera and
+//! settings give the same bits for any number of threads.
 //!
 //! This crate reads no model files and depends on no particular evaluator; functions are generic over
 //! [`Evaluator`].

@@ -16,12 +16,13 @@ pub enum IdKind {
     Leaf,
     /// The number of the face in [`rayweave_model::Program::facets`], from 0; -1 for a miss.
     Face,
-    /// The number of the placement ([`rayweave_model::PlacementId`]), from 0 for the model itself; -1 for a miss.
+    /// The number of the placement ([`rayweave_model::PlacementId`]), from 0 for the model itself; -1 for a
+    /// miss.
     Placement,
 }
 
-/// The distance to the first surface at the centre of each pixel: t along the unit ray of the camera ([`Camera::ray`]), > 0;
-/// +inf for a miss.
+/// The distance to the first surface at the centre of each pixel: t along the unit ray of the camera
+/// ([`Camera::ray`]), > 0; +inf for a miss.
 ///
 /// # Errors
 /// The run was cancelled.

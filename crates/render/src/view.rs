@@ -163,7 +163,7 @@ fn frame_perspective(
     let camera = Camera::along(bounds.centre(), forward, up, projection)?;
     let aspect = size.width() as f64 / size.height() as f64;
     let slope = libm::tan(0.5 * field_of_view.to_radians()) * (1.0 - 2.0 * View::MARGIN);
-    // the closest position that sees each corner, then one that sees all of them
+    // the closest position with each corner in view, then one with all corners in view
     let nearest = bounds.corners().map(|corner| {
         let offset = corner - bounds.centre();
         let perturbation = offset.dot(camera.up()).abs();

@@ -71,7 +71,8 @@ pub struct Finding {
     pub regions: Vec<String>,
     /// The finding in words.
     pub text: String,
-    /// The depth of an overlap along a ray, or the least thickness of a wall or gap, in the unit of the model.
+    /// The depth of an overlap along a ray, or the least thickness of a wall or gap, in the unit of the
+    /// model.
     pub size: Option<f64>,
     /// The volume of the overlap, or of the part outside.
     pub volume: Option<Estimate>,

@@ -17,7 +17,8 @@ impl Hierarchy {
         Hierarchy { mothers }
     }
 
-    /// The hierarchy of the table `[gdml]` of a document, for the regions of its scene; `None` if there is no such table.
+    /// The hierarchy of the table `[gdml]` of a document, for the regions of its scene; `None` if there is no
+    /// such table.
     pub fn of(document: &Document, scene: &Scene) -> Option<Hierarchy> {
         let Datum::Table(table) = &document.foreign("gdml")?.value.value else { return None };
         let rows: Vec<&Table> = list(table, "volume").filter_map(as_table).collect();

@@ -58,7 +58,8 @@ use subject::Subject;
 ///
 /// # Errors
 ///
-/// [`AnalysisError`]: a model without regions or without a bounded region, settings out of range, a cancelled run.
+/// [`AnalysisError`]: a model without regions or without a bounded region, settings out of range, a cancelled
+/// run.
 pub fn check<E: Evaluator, X: Classified + Send + Sync + 'static>(
     scene: &Scene,
     hierarchy: Option<&Hierarchy>,

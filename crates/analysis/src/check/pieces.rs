@@ -194,7 +194,7 @@ fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding]) -> Vec<Findin
     found
 }
 
-/// Reports a region that is empty within the sampled box.
+/// Examines a region that is empty within the sampled box; `None` if the region exists outside the box.
 fn nothing<E: Evaluator>(
     subject: &Subject<'_>,
     region: usize,

@@ -21,7 +21,8 @@ pub enum Match {
 pub struct DiffSettings {
     /// The matching of regions.
     pub by: Match,
-    /// The accepted thickness of differences, in the unit of the first model; by default 1e-9 of the diagonal of the models.
+    /// The accepted thickness of differences, in the unit of the first model; by default 1e-9 of the diagonal
+    /// of the models.
     pub distance: Option<f64>,
     /// Cells along an edge of the cross-sections; each pair takes 6 n^2 rays.
     pub across: u32,

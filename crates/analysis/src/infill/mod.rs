@@ -1,7 +1,8 @@
 //! Infill: parallel traces that fill a region of the plane or the layers of a solid.
 //!
-//! A tool of width *spacing* (a laser, a nozzle, a cutter) covers a region by running along parallel *scan lines*.
-//! A *trace* is a piece of a scan line within the region, from where the line enters it to where it leaves.
+//! A tool of width *spacing* (a laser, a nozzle, a cutter) covers a region by running along parallel *scan
+//! lines*. A *trace* is a piece of a scan line within the region, from where the line enters it to where it
+//! leaves.
 //!
 //! ```text
 //!   scan line 4     -----------+=2=+-----------------------------

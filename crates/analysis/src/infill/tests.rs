@@ -86,8 +86,9 @@ fn a_square_is_covered_exactly() {
     assert_eq!(levels(1.0), [(-1, 0.0), (0, 1.0)]);
 }
 
-/// The sum of a function's values on a grid, times its spacing, differs from its integral by at most its total
-/// variation times the spacing; chords of a convex region rise once and fall once, by the longest of them.
+/// The sum of a function's values on a grid, times its spacing, differs from its integral by at most its
+/// total variation times the spacing; chords of a convex region rise once and fall once, by the longest of
+/// them.
 fn check_area(layer: &LayerTraces, spacing: f64, area: f64, longest: f64, what: &str) {
     let covered = spacing * length(layer);
     assert!((covered - area).abs() <= 2.0 * longest * spacing, "{what}: {covered} {area}");
@@ -127,7 +128,8 @@ fn a_ball_by_layers_has_its_volume() {
         assert_eq!(layer.components, 1);
     }
     let volume = height * spacing * summary.length;
-    // layers: variation of the area, 2 x 9 pi, times the height; lines: that of the chords, 12 at most, in 6 of z
+    // layers: variation of the area, 2 x 9 pi, times the height; lines: that of the chords, 12 at most, in 6
+    // of z
     let bound = height * 18.0 * std::f64::consts::PI + 6.0 * 12.0 * spacing;
     assert!((volume - 36.0 * std::f64::consts::PI).abs() < bound, "{volume}");
     let sum: f64 = layers.iter().map(length).sum();

@@ -60,7 +60,8 @@ impl SectionPlane {
         }
     }
 
-    /// The parallel plane at another offset: the coordinate along an axis, or the distance from the point along the normal.
+    /// The parallel plane at another offset: the coordinate along an axis, or the distance from the point
+    /// along the normal.
     ///
     /// # Errors
     ///

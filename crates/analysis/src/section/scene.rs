@@ -56,7 +56,8 @@ pub struct CrossSection {
     pub lo: [f64; 2],
     /// The upper right corner.
     pub hi: [f64; 2],
-    /// The largest distance of contours from the surfaces; the error of an area is at most this times the perimeter.
+    /// The largest distance of contours from the surfaces; the error of an area is at most this times the
+    /// perimeter.
     pub tolerance: f64,
 }
 
@@ -90,7 +91,8 @@ impl CrossSection {
 ///
 /// # Errors
 ///
-/// [`AnalysisError`]: an unknown solid, a model that is unbounded in a plane, settings out of range, a cancelled run.
+/// [`AnalysisError`]: an unknown solid, a model that is unbounded in a plane, settings out of range, a
+/// cancelled run.
 pub fn cross_sections<E: Evaluator, X: Classified + Send + Sync + 'static>(
     scene: &Scene,
     solid: Option<&str>,

@@ -46,16 +46,16 @@ pub enum Operand {
     Magnification,
     /// A Seidel sum over all surfaces.
     Seidel(SeidelTerm),
-    /// The transverse aberrations of the rays of a field from their centroid, along x and y: the root of the sum of their
-    /// squares is the RMS radius of the spot.
+    /// The transverse aberrations of the rays of a field from their centroid, along x and y: the root of the
+    /// sum of their squares is the RMS radius of the spot.
     Spot {
         /// The field, counted from 0.
         field: usize,
         /// The wavelength in nanometres.
         wavelength_nm: f64,
     },
-    /// The optical path differences of the rays of a field from their mean, in waves: the root of the sum of their squares is
-    /// the RMS of the wavefront.
+    /// The optical path differences of the rays of a field from their mean, in waves: the root of the sum of
+    /// their squares is the RMS of the wavefront.
     Wavefront {
         /// The field, counted from 0.
         field: usize,

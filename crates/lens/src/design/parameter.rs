@@ -5,7 +5,7 @@ use std::fmt;
 /// A quantity of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
-    /// The radius of curvature; planes have none.
+    /// The radius of curvature; undefined for planes.
     Radius,
     /// The curvature, 1 / radius; unlike the radius it is continuous through a plane.
     Curvature,

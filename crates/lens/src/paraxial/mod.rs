@@ -1,9 +1,10 @@
 //! Paraxial optics of prescriptions: ray transfer matrices, cardinal points, pupils, Petzval and Seidel sums.
 //!
-//! A paraxial ray is (y, n u): its height, and its slope times the index of refraction. Over a distance t, y grows by
-//! t (n u) / n; at a surface of curvature c, n u falls by y (n' - n) c. Both are matrices of determinant 1, and so is their
-//! product (E. Hecht, *Optics*, section 6.2.1). Where light travels towards -z, n and t are negative, and nothing else
-//! changes (W. T. Welford, *Aberrations of Optical Systems*, 1986, section 4.2).
+//! A paraxial ray is (y, n u): its height, and its slope times the index of refraction. Over a distance t, y
+//! grows by t (n u) / n; at a surface of curvature c, n u falls by y (n' - n) c. Both are matrices of
+//! determinant 1, and so is their product (E. Hecht, *Optics*, section 6.2.1). Where light travels towards
+//! -z, n and t are negative, and nothing else changes (W. T. Welford, *Aberrations of Optical Systems*, 1986,
+//! section 4.2).
 //!
 //! With the matrix (A, B; C, D) from the first to the last surface, n in front and n' behind:
 //!

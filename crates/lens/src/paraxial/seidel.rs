@@ -58,7 +58,8 @@ struct At {
 }
 
 impl At {
-    /// W. T. Welford, *Aberrations of Optical Systems*, 1986, chapters 8 (sums and aspheric surfaces) and 10 (colour).
+    /// W. T. Welford, *Aberrations of Optical Systems*, 1986, chapters 8 (sums and aspheric surfaces) and 10
+    /// (colour).
     ///
     /// Welford writes S_V = (A' / A) (S_III + S_IV) with the refraction invariants A = n (u + y c) of the
     /// marginal ray and A' of the principal ray. With the difference of u/n, A (1/n'^2 - 1/n^2) - y P, P = c

@@ -158,7 +158,8 @@ fn the_series_of_a_cartesian_oval_focuses_to_the_first_term_left_out() {
     }
 }
 
-/// Third-order theory: the longitudinal aberration of a single surface with r^2 and r^4 terms, from real rays near the axis.
+/// Third-order theory: the longitudinal aberration of a single surface with r^2 and r^4 terms, from real rays
+/// near the axis.
 #[test]
 fn seidel_sums_count_the_terms() {
     let surface = |radius: f64, conic: f64, terms: &[f64]| {

@@ -33,7 +33,8 @@ fn a_spectrometer_shows_lines_where_its_grating_sends_them() {
     let (all, _) = screen("czerny-turner", &[]);
     assert_eq!(all.len(), 3000, "light is lost");
     let spots = MERCURY.map(|nm| Spot::of(&line(&all, nm)).unwrap());
-    // sin b = sin a - lines * wavelength, and a focal length of R cos(focusing) / 2; the screen is that of 550 nm
+    // sin b = sin a - lines * wavelength, and a focal length of R cos(focusing) / 2; the screen is that of
+    // 550 nm
     let out = |nm: f64| (34.976_892_736_994_1_f64.to_radians().sin() - 1200.0 * nm * 1e-6).asin();
     let focal_length = 100.0 * 6.944_507_463_851_923_f64.to_radians().cos();
     for (spot, nm) in spots.iter().zip(MERCURY) {
@@ -77,7 +78,7 @@ fn a_fibre_keeps_what_its_numerical_aperture_holds() {
     // all rays within the core
     assert!(kept.iter().all(|ray| ray.position.x.hypot(ray.position.y) < 0.1 + 0.01));
     // a wider beam: the ball turns a ray at height h by 2 (asin(h / r) - asin(h / n r)), and the core guides
-    // below the angle of its numerical aperture, of rays that cross the axis
+    // rays that cross the axis and enter below the angle of its numerical aperture
     let n = 1.5168;
     let turn = |h: f64| 2.0 * ((h / 2.5).asin() - (h / (n * 2.5)).asin());
     let (mut low, mut high) = (0.0, 2.0);

@@ -53,8 +53,8 @@ fn one_of_each() -> Vec<Prescription> {
     fronts.into_iter().map(lens).collect()
 }
 
-/// Thick lenses (E. Hecht, *Optics*, section 6.1): 1/f = (n - 1)(1/R1 - 1/R2 + (n - 1) d / (n R1 R2)), and the back focal
-/// distance f (1 - (n - 1) d / (n R1)).
+/// Thick lenses (E. Hecht, *Optics*, section 6.1): 1/f = (n - 1)(1/R1 - 1/R2 + (n - 1) d / (n R1 R2)), and
+/// the back focal distance f (1 - (n - 1) d / (n R1)).
 #[test]
 fn first_order_data_of_both_meridians_are_those_of_two_lenses() {
     let lens = spectacle_lens();
@@ -161,7 +161,8 @@ fn figures_agree_where_they_are_the_same_surface() {
     // a circle rotated about its own centre is a sphere; about a distant centre, a cylinder up to x^2 / (2 R)
     let sphere = Form::from(Asphere::conic(r, 0.0));
     let turned = Form::new(Asphere::conic(r, 0.0), Figure::Toroidal { turn: r });
-    // Noll's Z4 is sqrt(3) (2 r^2 - 1), his Z6 sqrt(6) (x^2 - y^2), his Z7 sqrt(8) (3 r^2 - 2) y over the unit disc
+    // Noll's Z4 is sqrt(3) (2 r^2 - 1), his Z6 sqrt(6) (x^2 - y^2), his Z7 sqrt(8) (3 r^2 - 2) y over the
+    // unit disc
     let sum = Form::new(
         Asphere::conic(PLANE, 0.0),
         zernike(Zernike::Noll, 20.0, &[0.0, 0.0, 0.0, 0.3, 0.0, -0.2, 0.1]),

@@ -89,7 +89,8 @@ fn an_achromat_has_the_powers_that_cancel() {
     };
     let abbe = |name: &str| (index(name, lines[1]) - 1.0) / (index(name, lines[0]) - index(name, lines[2]));
     let (v1, v2) = (abbe("N-BK7"), abbe("N-SF5"));
-    // thin lenses in contact: power V1 / (V1 - V2) and -V2 / (V1 - V2); their thickness is 1e-6 of the focal length
+    // thin lenses in contact: power V1 / (V1 - V2) and -V2 / (V1 - V2); their thickness is 1e-6 of the focal
+    // length
     near(power("N-BK7", 0), 0.01 * v1 / (v1 - v2), 1e-6);
     near(power("N-SF5", 1), -0.01 * v2 / (v1 - v2), 1e-6);
 }

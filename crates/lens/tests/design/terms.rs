@@ -55,8 +55,8 @@ fn a_term_in_r_is_an_axicon() {
     }
 }
 
-/// The odd asphere of Zemax: `z = c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + b1 r + b2 r^2 + ... + b8 r^8` (OpticStudio user
-/// guide, "Odd asphere surface"), `PARM 1` to `PARM 8`.
+/// The odd asphere of Zemax: `z = c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + b1 r + b2 r^2 + ... + b8 r^8`
+/// (OpticStudio user guide, "Odd asphere surface"), `PARM 1` to `PARM 8`.
 #[test]
 fn odd_aspheres_are_read_and_written() {
     let file = "ENPD 10\nYFLN 0\nWAVM 1 0.55 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n TYPE ODDASPHE\n CURV 0.02\n CONI -0.5\n \

@@ -117,7 +117,7 @@ fn a_decentred_system_moves_its_image_with_it() {
         tolerancing.sensitivities().unwrap()[0]
     };
     // both surfaces as one body, distant object: the focus moves with the lens, and a plane in front of it
-    // sees a part of the shift
+    // shows a part of the shift
     let first_order = lens.first_order(587.5618).unwrap();
     let part = 1.0 - (first_order.back_focal_distance - 58.0) / first_order.focal_length;
     near(of("decentre x 1-2", Merit::ImageShift).plus, 0.05 * part, 1e-5 * 0.05);

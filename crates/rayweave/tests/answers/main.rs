@@ -1,4 +1,5 @@
-//! Regression hashes of answers: crossings, nearest hits, partitions, sections, volumes, pixels, light and imported files.
+//! Regression hashes of answers: crossings, nearest hits, partitions, sections, volumes, pixels, light and
+//! imported files.
 //!
 //! `tests/answers.txt` holds one line for each case: its name and the hash of the bits of its numbers. The
 //! hashes prove nothing about correctness, which other tests cover; they prove that a refactoring changed no

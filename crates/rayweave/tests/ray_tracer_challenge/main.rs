@@ -23,8 +23,9 @@
 //!
 //! # An incorrect number of the book
 //!
-//! A ray parallel to one half of a cone (chapter 13): the book gives t = 0.35355, by t = -c / 2b. With its b, which already
-//! has the factor 2, the equation b t + c = 0 has the root 0.70711: there x^2 + z^2 = y^2, and at 0.35355 it is not.
+//! A ray parallel to one half of a cone (chapter 13): the book gives t = 0.35355, by t = -c / 2b. With its b,
+//! which already has the factor 2, the equation b t + c = 0 has the root 0.70711: there x^2 + z^2 = y^2, and
+//! at 0.35355 it is not.
 //!
 //! # Omitted scenarios
 //!

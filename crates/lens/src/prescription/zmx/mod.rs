@@ -7,8 +7,8 @@
 //! | --- | --- |
 //! | `NAME`, `NOTE 0` | the name, a line of notes |
 //! | `UNIT` | the unit of lengths: MM, CM, IN, METER |
-//! | `ENPD`, `FNUM`, `OBNA`, `FLOA` | diameter of the entrance pupil, F-number, object aperture, or "as the stop is" |
-//! | `FTYP` | kind of field (0 angle, 1 object height, 2 paraxial image height, for which 3, real image height, is taken), then the numbers of fields and of wavelengths |
+//! | `ENPD`, `FNUM`, `OBNA`, `FLOA` | diameter of the entrance pupil, F-number, object aperture, or float by the size of the stop |
+//! | `FTYP` | kind of field (0 angle, 1 object height, 2 paraxial image height; 3, real image height, is read as 2), then the numbers of fields and of wavelengths |
 //! | `XFLN`, `YFLN` (`XFLD`, `YFLD`) | fields |
 //! | `WAVM n` (`WAVL`, `WWGT`), `PWAV` | wavelengths in µm with weights, the primary one |
 //! | `SURF n` | begins a surface: 0 is the object, the last one the image |
@@ -16,8 +16,8 @@
 //! | `PARM 1` to `PARM 8` | of EVENASPH, SZERNSAG and FZERNSAG, the coefficients of r^2, r^4, ..., r^16; of ODDASPHE, those of r, r^2, ..., r^8; of BICONICX, radius (0 for none) and conic constant along x; of TOROIDAL, the radius of the turn (0 for a cylinder) and the coefficients of y^2, y^4, ..., y^14 |
 //! | `XDAT 1` on, or `PARM 13` on | of XASPHERE, the number of terms, the radius by which r is divided, the coefficients of r^2, r^4, ..., r^16; of XPOLYNOM, SZERNSAG and FZERNSAG, the number of terms, the radius by which x and y are divided, the coefficients: of x, y, x^2, x y, y^2, ...; of Noll's Zernike polynomials; of those in the fringe order |
 //! | `CURV`, `CONI`, `DISZ` | curvature, conic constant, distance to the next surface |
-//! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number, which are also taken for unknown glasses |
-//! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is computed again) |
+//! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number, which also replace unknown glasses |
+//! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is recomputed) |
 //! | `STOP` | the stop |
 //!
 //! `MODE` has to be `SEQ`. All other keywords are ignored, with a note. The format has no public
