@@ -93,8 +93,8 @@ pub fn tube(outer_radius: f64, inner_radius: f64, height: f64) -> Result<Solid, 
     make("tube", &sizes)
 }
 
-/// The points with azimuth between `start` and `start + sweep`, from +x towards +y, in degrees; 0 < `sweep` <
-/// 360. Unbounded along z and radially.
+/// The points with azimuth between `start` and `start + sweep`, from +x towards +y, in degrees, where
+/// 0 < `sweep` < 360. Unbounded along z and radially.
 pub fn wedge(start_degrees: f64, sweep_degrees: f64) -> Result<Solid, Error> {
     let angles = [("start_degrees", start_degrees.into()), ("sweep_degrees", sweep_degrees.into())];
     make("wedge", &angles)

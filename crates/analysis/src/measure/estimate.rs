@@ -103,8 +103,8 @@ pub(super) fn report(tally: &Tally, origin: Vec3, quantile: f64) -> Measured {
     }
 }
 
-/// The ratio of half width to standard deviation for a level of confidence below 1: the root of erf(q / sqrt
-/// 2) = confidence, by bisection.
+/// The ratio of half width to standard deviation for a level of confidence below 1: by bisection, the root of
+/// erf(q / sqrt 2) = confidence.
 pub(super) fn quantile(confidence: f64) -> f64 {
     // erf(40 / sqrt 2) is 1 in double precision
     let (mut lo, mut hi) = (0.0, 40.0);
