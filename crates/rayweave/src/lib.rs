@@ -25,8 +25,8 @@
 //!
 //! A [`Program`] is a solid compiled into flat tables, in which coincident faces have become one surface. [`Packets`] is the
 //! evaluator for daily use, eight rays at a time where the model is small; [`Weave`] the one for models of any size,
-//! [`Reference`] the obvious one, [`SingleHit`] the one that can explain itself (see [`explain()`]), [`Spans`] the one that
-//! works on whole arrays; all answer through the trait [`Evaluator`].
+//! [`Reference`] the direct one, for checks, and [`SingleHit`] the one that can explain its answers (see [`explain()`]). All
+//! implement the trait [`Evaluator`].
 //!
 //! ```
 //! use rayweave::{Evaluator, Program, Query, Ray, Vec3, Weave, shapes::sphere};
@@ -276,7 +276,9 @@ pub use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Win
 pub use rayweave_scene::Compiled;
 pub use rayweave_shape::Ray;
 pub use rayweave_trace::single_hit::explain;
-pub use rayweave_trace::{AnyEvaluator, AnyScratch, Packets, Reference, SingleHit, Spans, Weave};
+#[cfg(feature = "spans")]
+pub use rayweave_trace::Spans;
+pub use rayweave_trace::{AnyEvaluator, AnyScratch, Packets, Reference, SingleHit, Weave};
 
 /// The Rust in the README, compiled and run with the documentation tests.
 #[cfg(doctest)]

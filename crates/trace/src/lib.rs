@@ -5,7 +5,7 @@
 //! - [`Weave`]: gathers the flips of the leaves that the ray can touch, sorts them once and sweeps the boolean
 //!   network, stopping early where one crossing is enough.
 //! - [`SingleHit`]: asks what is next after t, from crossing to crossing; the evaluator that can explain itself.
-//! - [`Spans`]: combines whole hit arrays of many rays, gate by gate, from the leaves up.
+//! - `Spans`: combines whole hit arrays of many rays, gate by gate, from the leaves up (feature `spans`).
 //!
 //! All give the same answers, bit for bit. [`AnyEvaluator`] is one of them, chosen by name.
 
@@ -16,11 +16,13 @@ mod reference;
 mod weave;
 
 pub mod single_hit;
+#[cfg(feature = "spans")]
 pub mod spans;
 
 pub use any::{AnyEvaluator, AnyScratch, EvaluatorError};
 pub use packets::{Packets, PacketsScratch};
 pub use reference::Reference;
 pub use single_hit::SingleHit;
+#[cfg(feature = "spans")]
 pub use spans::Spans;
 pub use weave::Weave;

@@ -36,7 +36,7 @@ pub enum DesignError {
     #[error("there is no {0}: at least one is needed.")]
     None(&'static str),
     /// The search cannot begin.
-    #[error("the search cannot begin ({0})")]
+    #[error("the search cannot begin: {0}")]
     NoStart(String),
     /// The prescription itself, as it is.
     #[error(transparent)]

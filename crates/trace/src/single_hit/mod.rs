@@ -10,7 +10,7 @@
 //! - [`Tree`]: the expression as a binary tree;
 //! - [`Stacks`]: asking a tree, iteratively;
 //! - [`SingleHit`]: the evaluator of compiled models;
-//! - [`seed_view`]: the same by complete binary trees and decision tables, as it was first done, for study.
+//! - `seed_view`: the same by complete binary trees and decision tables, as first published (feature `seed-view`).
 
 mod answer;
 mod ask;
@@ -24,6 +24,7 @@ mod sides;
 mod story;
 mod tree;
 
+#[cfg(feature = "seed-view")]
 pub mod seed_view;
 
 pub use answer::{Next, Step};

@@ -11,7 +11,7 @@
 //! wins", for complements and for operands without bounds, and where any number of faces coincide.
 //!
 //! After A. Kensler, "Ray tracing CSG objects using single hit intersections" (2006), whose tables of nine
-//! entries are the special case without ties, but for one entry: see [`super::seed_view`].
+//! entries are the special case without ties, but for one entry: see the module `seed_view`.
 
 use super::Step;
 
