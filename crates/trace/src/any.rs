@@ -6,7 +6,7 @@ use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::{Crossing, Evaluator, FirstHits, HitRows, Program, Query, Rays, RegionId, Sink, Window};
 use std::sync::Arc;
 
-/// An evaluator that cannot be made.
+/// Error of [`AnyEvaluator::new`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvaluatorError {
@@ -27,21 +27,22 @@ impl Classified for EvaluatorError {
     }
 }
 
-/// Any of the evaluators. They give the same answers, bit for bit, and differ in speed only.
+/// An evaluator chosen at run time. All evaluators return the same answers, bit for bit, and differ only in
+/// speed.
 ///
-/// For interfaces that receive the choice as text; other code uses [`Packets`], [`Weave`], [`Reference`], [`SingleHit`] or
-/// [`Spans`] directly.
+/// Meant for interfaces that receive the choice as text; other code uses [`Packets`], [`Weave`],
+/// [`Reference`], [`SingleHit`] or [`Spans`] directly.
 #[derive(Clone, Debug)]
 pub enum AnyEvaluator {
-    /// For daily use: many rays at a time where the model is small, the weave elsewhere.
+    /// The default: eight rays at a time in small models, the weave elsewhere.
     Packets(Packets),
-    /// One sweep along a ray, for models of any size.
+    /// One sweep along the ray, for models of any size.
     Weave(Weave),
-    /// The direct one, for checks.
+    /// Direct evaluation of the definition, for tests.
     Reference(Reference),
     /// Advances from crossing to crossing.
     SingleHit(SingleHit),
-    /// Combines whole arrays, from the leaves up.
+    /// Combines whole hit arrays, from the leaves up.
     Spans(Spans),
 }
 
@@ -61,14 +62,14 @@ pub enum AnyScratch {
 }
 
 impl AnyEvaluator {
-    /// The names to choose from; the first is the default.
+    /// The names of the evaluators; the first is the default.
     pub const NAMES: [&str; 5] = ["packets", "weave", "reference", "single_hit", "spans"];
 
-    /// The evaluator of this name, or the default.
+    /// The evaluator with this name; `None` gives the default.
     ///
     /// # Errors
     ///
-    /// [`EvaluatorError`]: an unknown name, or a model that is too large, as it can be for [`SingleHit`].
+    /// [`EvaluatorError`]: the name is unknown, or the model is too large for [`SingleHit`].
     pub fn new(name: Option<&str>, program: Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
         match name.unwrap_or(AnyEvaluator::NAMES[0]) {
             "packets" => Ok(AnyEvaluator::Packets(Packets::new(program))),
@@ -82,13 +83,13 @@ impl AnyEvaluator {
         }
     }
 
-    /// A function that makes the evaluator of this name, for questions that compile programs of their own.
+    /// A constructor of the evaluator with this name, for code that compiles programs of its own.
     pub fn maker(name: Option<&str>) -> impl Fn(Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
         move |program| AnyEvaluator::new(name, program)
     }
 }
 
-/// The same call to whichever evaluator it is.
+/// Forwards a call to the evaluator.
 macro_rules! each {
     ($any:expr, $evaluator:ident => $call:expr) => {
         match $any {
@@ -101,7 +102,7 @@ macro_rules! each {
     };
 }
 
-/// The same call to whichever evaluator it is, with its scratch; the scratch of another evaluator is replaced first.
+/// Forwards a call to the evaluator with its scratch; the scratch of another evaluator is replaced first.
 macro_rules! each_with {
     ($any:expr, $scratch:ident, $evaluator:ident => $call:expr) => {{
         if !$any.owns($scratch) {
