@@ -440,8 +440,8 @@ fn pieces(all: &[[f64; 2]]) -> Solid {
     Solid::union(all.iter().map(|[lo, hi]| block([*lo, -1.0, -1.0], [*hi, 1.0, 1.0])))
 }
 
-/// Operands in several pieces each, which single hit must query again in turns: both with intersections, the
-/// closer one with unions of which both are left.
+/// Operands in several pieces each, which single hit must query again in turns: both operands of an
+/// intersection, and the closer operand of a union that the ray leaves.
 fn operands_in_pieces(bench: &Bench) {
     let eye = [0.0; 3];
     let (a, b) = (pieces(&[[9.338, 9.451], [10.733, 12.508]]), pieces(&[[6.245, 9.014], [9.823, 11.101]]));

@@ -103,7 +103,7 @@ pub(crate) struct Probe {
     /// hi.
     pub near: [usize; 3],
     pub far: [usize; 3],
-    /// The origin, shifted by the growth of the boxes: away from the entry planes, and towards the exit
+    /// The origin, shifted by the growth of the boxes: along the ray for entry planes, against it for exit
     /// planes.
     pub near_origin: [f32; 3],
     pub far_origin: [f32; 3],

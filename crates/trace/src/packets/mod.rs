@@ -2,9 +2,9 @@
 //!
 //! Along a ray a leaf is a span from one time to another, less the gaps that some facets cut out. An end of a
 //! span is a crossing if the boolean function of the *other* spans at that time makes it one: comparisons and
-//! masks, without sorting and branches. The number of comparisons grows with the square of the number of
-//! leaves. For first hits, larger models are therefore decomposed if they are unions of small solids, placed
-//! or not, or carved of few unions; [`Weave`] traces all others. It also traces each ray whose lane is
+//! masks, no sweep and no branch. The number of comparisons grows with the square of the number of leaves. For
+//! first hits, larger models are therefore decomposed if they are unions of solids, placed or not, each of
+//! which is small or carved (`carved`); [`Weave`] traces all others. It also traces each ray whose lane is
 //! uncertain: two events occur at the same time, two crossings are so close that they may have to be welded,
 //! or the ray may lie in a face.
 
@@ -381,7 +381,7 @@ impl Firsts<'_, '_> {
         }
     }
 
-    /// The input of the normals, if normals are wanted.
+    /// The input of the normals; `None` if the caller requests no normals.
     #[inline(always)]
     fn hits<S: Simd>(&self, simd: S, eight: &Eight, at: usize) -> Option<Hits<S>> {
         self.hits.normal.as_ref()?;

@@ -82,8 +82,8 @@ mod tests {
     use super::*;
     use fearless_simd::{Level, dispatch};
 
-    /// By the zero-one principle (Knuth, The Art of Computer Programming 3, 5.3.4) a network that sorts zeros and ones
-    /// sorts anything.
+    /// By the zero-one principle (Knuth, The Art of Computer Programming 3, 5.3.4) a network that sorts all
+    /// sequences of zeros and ones sorts all sequences.
     #[test]
     fn all_zeros_and_ones_are_sorted() {
         for count in 0..=18usize {

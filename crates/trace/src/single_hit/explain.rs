@@ -196,7 +196,7 @@ pub struct Operand {
 }
 
 impl Operand {
-    /// The next change of the operand itself, without the complement with which the gate takes it.
+    /// The next change of the operand itself, without the complement and weight with which the gate takes it.
     pub fn own_answer(&self) -> Step {
         self.answer.map(|value| match self.meaning {
             Meaning::Solid => u32::from((value != 0) != self.complemented),
