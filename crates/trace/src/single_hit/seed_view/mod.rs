@@ -11,7 +11,7 @@
 //!   ninth, two misses, is a miss): the original ones, or those derived from [`super::decide`];
 //! - [`next`]: evaluates slices of the post-order with a stack of slices and one of values.
 //!
-//! The original has one wrong entry in the tables and three wrong limits:
+//! The original has one wrong entry in the tables and three limitations:
 //!
 //! - UNION of two operands that are both exited returns the farther exit. But the operand whose exit is
 //!   closer may be entered again before the farther exit, and extend beyond it. The rule queries the closer
