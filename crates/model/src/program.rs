@@ -39,7 +39,7 @@ pub struct Prototype {
     /// The ball whose chords decide whether a ray lies in a surface.
     pub ball: Ball,
     /// Upper bound of the factor by which a rounding error in this group's frame grows on the way into a
-    /// placed solid and back, at least 1. Boxes grow in proportion to a ray's own magnitude times this factor.
+    /// placed solid and back, at least 1. For a ray, boxes grow by its lengths times [`MARGIN`] times this factor.
     pub condition: f64,
     /// The number of placements in one occurrence of the group, itself included.
     pub placements: u32,
@@ -118,8 +118,8 @@ impl Program {
         leaf_needs(&formula, &simplify::bounds(&formula, &grown), grown.len())
     }
 
-    /// For each region a box that holds it up to rounding, without regard to the priority of later regions; infinite
-    /// if no bound is known.
+    /// A box for each region that holds it up to rounding, without regard to the priority of later regions.
+    /// Infinite if no bound is known.
     ///
     /// Computed on each call, in time linear in the size of the model.
     pub fn region_bounds(&self) -> Vec<Bounds> {

@@ -9,12 +9,12 @@
 //!
 //! - A **surface** has a `kind` and numbers, which define its f: see [`SurfaceKind`]. Inside is f < 0.
 //! - A **facet** is one side of a surface. A leaf of kind [`LEAF_SHAPE`] is inside where all its facets hold.
-//! - A leaf of kind [`LEAF_INSTANCE`] is a placed solid: the map of the instance takes a point of the group into
-//!   the frame of another group; the point is inside the leaf if it is inside output 0 of that group.
+//! - A leaf of kind [`LEAF_INSTANCE`] is a placed solid: the map of the instance takes a point of the group
+//!   into the frame of another group; the point is inside the leaf if it is inside output 0 of that group.
 //! - The **network** of a group has nodes in topological order: node 0 is empty, node 1 is the universe, node
 //!   k + 2 is leaf k of the group, and the gates follow. An **edge** is `2 * node + complement`.
-//! - Group 0 is the model. Its output k is region k + 1; where several are inside, the last one owns the point.
-//!   Region 0 is the world. Every other group has one output.
+//! - Group 0 is the model. Its output k is region k + 1; where several are inside, the last one owns the
+//!   point. Region 0 is the world. Every other group has one output.
 //!
 //! [`DESIGN`](https://github.com/rayweave/rayweave/blob/main/DESIGN.md) defines the crossings that are
 //! reported where surfaces coincide; they need no other table.
