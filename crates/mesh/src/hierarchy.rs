@@ -20,8 +20,8 @@ const BINS: usize = 16;
 const DEEP: usize = 24;
 /// Capacity of the traversal stack: 7 children per level, for 24 levels of any shape and 10 of halving.
 const STACK: usize = 256;
-/// Margin of box tests in units of half the mesh size: twice the error bound (1e-6) of origin, times and planes
-/// in f32 within the box of the mesh.
+/// Margin of box tests in units of half the mesh size: twice the error bound (1e-6) of origin, times and
+/// planes in f32 within the box of the mesh.
 const MARGIN: f64 = 2e-6;
 
 /// A node: eight boxes and their children.

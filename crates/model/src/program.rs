@@ -39,7 +39,7 @@ pub struct Prototype {
     /// The ball whose chords decide whether a ray lies in a surface.
     pub ball: Ball,
     /// Upper bound of the factor by which a rounding error in this group's frame grows on the way into a
-    /// placed solid and back, at least 1. A ray's own lengths, times [`MARGIN`] and this factor, enlarge boxes.
+    /// placed solid and back, at least 1. A ray's own lengths, times [`MARGIN`] and this factor, grow boxes.
     pub condition: f64,
     /// The number of placements in one occurrence of the group, itself included.
     pub placements: u32,

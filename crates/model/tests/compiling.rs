@@ -88,7 +88,7 @@ fn touching_faces_share_a_surface() {
     let turned = |s: &Solid| s.rotate([1.0, 2.0, 3.0], 33.0).translate([0.1, 0.2, 0.3]);
     let pair = turned(&unit) | turned(&unit.translate([1.0, 0.0, 0.0]));
     let program = Program::compile(&pair).unwrap();
-    // six faces each; x+ meets x-, and the four sides are coplanar
+    // six faces each; x+ coincides with x-, and the four sides are coplanar
     assert_eq!(program.surfaces().len(), 7);
     assert_eq!(program.facets().len(), 12);
 }

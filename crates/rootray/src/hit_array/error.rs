@@ -13,9 +13,9 @@ pub enum HitArrayError {
     Shape {
         /// Numbers given.
         len: usize,
-        /// Rows asked for.
+        /// Requested rows.
         rows: usize,
-        /// Columns asked for.
+        /// Requested columns.
         columns: usize,
     },
     /// An odd number of rows.
