@@ -38,7 +38,7 @@ impl Random {
         choices[self.below(choices.len())]
     }
 
-    /// A point uniform in the cube [-half, half]^3.
+    /// A point uniform in the cube about the origin with sides `2 * half`.
     pub fn point(&mut self, half: f64) -> Vec3 {
         Vec3::new(self.between(-half, half), self.between(-half, half), self.between(-half, half))
     }
